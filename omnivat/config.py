@@ -1,0 +1,97 @@
+"""Frozen settings: made from JSON or from `key=value` texts, unknown names refused."""
+
+import json
+import types
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, fields, is_dataclass
+from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
+
+from omnivat.errors import SettingsError
+from omnivat.tables import suggestion
+
+S = TypeVar("S")
+
+
+def settings_from(kind: type[S], values: Mapping[str, Any]) -> S:
+    """Return the settings record `kind` with `values`; fields that are not named keep defaults.
+
+    Raises SettingsError for an unknown name (and suggests the nearest) or a wrong type.
+    """
+    hints = get_type_hints(kind)
+    for name in values:
+        if name not in hints:
+            raise SettingsError(
+                f"{kind.__name__} has no setting '{name}'.{suggestion(name, hints) or _list(hints)}"
+            )
+    return kind(**{name: _fit(hints[name], value, name) for name, value in values.items()})
+
+
+def parse_assignments(kind: type[Any], texts: Sequence[str]) -> dict[str, Any]:
+    """Return {name: value} for texts such as "levels=2", typed as the fields of `kind` are.
+
+    Raises SettingsError for a text without "=", an unknown name or a value that does not parse.
+    """
+    hints, values = get_type_hints(kind), {}
+    for text in texts:
+        name, equals, raw = text.partition("=")
+        if not equals:
+            raise SettingsError(f"--set got '{text}'; write it as key=value.")
+        if name not in hints:
+            raise SettingsError(
+                f"{kind.__name__} has no setting '{name}'.{suggestion(name, hints) or _list(hints)}"
+            )
+        try:
+            value = json.loads(raw)
+        except ValueError:
+            value = {"True": True, "False": False, "None": None}.get(raw, raw)
+        values[name] = _fit(hints[name], value, name)
+    return values
+
+
+def settings_dict(settings: Any) -> dict[str, Any]:
+    """Return the settings as plain values that JSON can hold."""
+    if not is_dataclass(settings) or isinstance(settings, type):
+        raise SettingsError(f"Expected a settings record, got {type(settings).__name__}.")
+    return asdict(settings)
+
+
+def field_names(kind: type[Any]) -> list[str]:
+    """Return the names of the settings in their order."""
+    return [field.name for field in fields(kind)]
+
+
+def _list(hints: Mapping[str, Any]) -> str:
+    return " There are " + ", ".join(hints) + "."
+
+
+def _fit(hint: Any, value: Any, name: str) -> Any:
+    """Return `value` as `hint` wants it, or say what was wanted."""
+    options = get_args(hint) if get_origin(hint) in (Union, types.UnionType) else (hint,)
+    for option in options:
+        fitted = _fit_one(option, value)
+        if fitted is not _NO:
+            return fitted
+    wanted = " or ".join(getattr(o, "__name__", str(o)) for o in options)
+    raise SettingsError(f"Setting '{name}' is {value!r}; it must be {wanted}.")
+
+
+_NO = object()
+
+
+def _fit_one(hint: Any, value: Any) -> Any:
+    origin = get_origin(hint)
+    if hint is type(None):
+        return None if value is None else _NO
+    if origin is tuple:
+        inner = get_args(hint)[0]
+        if not isinstance(value, list | tuple):
+            return _NO
+        fitted = tuple(_fit_one(inner, item) for item in value)
+        return _NO if _NO in fitted else fitted
+    if hint is float and isinstance(value, int | float) and not isinstance(value, bool):
+        return float(value)
+    if hint is int and isinstance(value, int) and not isinstance(value, bool):
+        return value
+    if hint in (bool, str) and isinstance(value, hint):
+        return value
+    return _NO

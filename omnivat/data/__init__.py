@@ -1,0 +1,1 @@
+"""Pairs of images, the names they carry, and the file their embeddings live in."""

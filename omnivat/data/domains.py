@@ -1,0 +1,47 @@
+"""The eight visual-tactile domains of the paper, and what a simulated one is called."""
+
+from dataclasses import dataclass
+
+SIMULATED_SUFFIX = "-sim"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Domain:
+    """One way of collecting pairs: a tactile sensor and a data set (paper, Table of datasets)."""
+
+    name: str  # as the paper writes it
+    sensor: str
+    series: tuple[str, ...] = ()  # parts of TacQuad: "indoor", "outdoor"
+    ceramic: bool = True  # TacQuad has no ceramic objects
+
+
+DOMAINS = {
+    domain.name: domain
+    for domain in (
+        Domain(name="TAG", sensor="GelSight"),
+        Domain(name="OF Real", sensor="GelSlim"),
+        Domain(name="OF 2.0 A", sensor="Taxim"),
+        Domain(name="OF 2.0 B", sensor="Taxim"),
+        Domain(name="TQ-DIGIT", sensor="DIGIT", series=("indoor", "outdoor"), ceramic=False),
+        Domain(
+            name="TQ-GelMini", sensor="GelSight Mini", series=("indoor", "outdoor"), ceramic=False
+        ),
+        Domain(name="TQ-DuraGel", sensor="DuraGel", series=("indoor", "outdoor"), ceramic=False),
+        Domain(name="TQ-T3D", sensor="Tac3D", series=("indoor",), ceramic=False),
+    )
+}
+
+
+def simulated(name: str) -> str:
+    """Return the name of the simulated stand-in of a domain: "TAG" gives "TAG-sim"."""
+    return name + SIMULATED_SUFFIX
+
+
+def is_simulated(name: str) -> bool:
+    """Tell whether a domain name says that its images were simulated."""
+    return name.endswith(SIMULATED_SUFFIX)
+
+
+def paper_name(name: str) -> str:
+    """Return the paper's name for a domain, whether real or simulated."""
+    return name.removesuffix(SIMULATED_SUFFIX)

@@ -1,0 +1,28 @@
+"""Errors with one clear sentence: what came, what was wanted, what to do."""
+
+
+class OmniVatError(Exception):
+    """Anything a person can put right. The command line prints its sentence and exits with 1."""
+
+
+class ShapeError(OmniVatError, ValueError):
+    """A tensor has the wrong axes."""
+
+
+class SettingsError(OmniVatError, ValueError):
+    """A setting is unknown or out of range."""
+
+
+class DataError(OmniVatError, ValueError):
+    """A file, folder or table is not what it should be."""
+
+
+class MissingNameError(OmniVatError, KeyError):
+    """A table has no entry of that name."""
+
+    def __str__(self) -> str:  # KeyError would print the sentence in quotation marks
+        return str(self.args[0]) if self.args else ""
+
+
+class MissingPackageError(OmniVatError, ImportError):
+    """An optional package is needed and not installed."""

@@ -1,0 +1,38 @@
+"""Check the axes of tensors at public borders."""
+
+from typing import Protocol
+
+from omnivat.errors import ShapeError
+
+
+class Shaped(Protocol):
+    """Anything with a shape: a torch tensor or a numpy array."""
+
+    @property
+    def shape(self) -> tuple[int, ...]: ...
+
+
+def require_shapes(**tensors: tuple[Shaped, str]) -> dict[str, int]:
+    """Check named tensors against axes such as "B D"; return the size of each letter.
+
+    A letter means the same size wherever it stands. "..." stands for any leading axes.
+    Raises ShapeError naming the tensor, what came and what was wanted.
+    """
+    sizes: dict[str, int] = {}
+    for name, (tensor, axes) in tensors.items():
+        letters = axes.split()
+        shape = tuple(tensor.shape)
+        tail = shape
+        if letters and letters[0] == "...":
+            letters = letters[1:]
+            tail = shape[len(shape) - len(letters) :] if len(shape) >= len(letters) else ()
+        fits = len(tail) == len(letters) and all(
+            sizes.get(letter, size) == size for letter, size in zip(letters, tail, strict=True)
+        )
+        if not fits:
+            known = ", ".join(f"{letter}={sizes[letter]}" for letter in letters if letter in sizes)
+            known = f" with {known} from the tensors before it" if known else ""
+            wanted = ", ".join(axes.split())
+            raise ShapeError(f"{name} has shape {shape}, expected ({wanted}){known}.")
+        sizes.update(zip(letters, tail, strict=True))
+    return sizes
