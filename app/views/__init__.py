@@ -1,0 +1,1 @@
+"""The tabs, one a file: answers are functions, `build` is wiring."""

@@ -1,3 +1,98 @@
-"""The five materials that all domains share."""
+"""The five materials that all domains share, and what other names for them count as."""
+
+import json
+import re
+import unicodedata
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
 
 MATERIALS = ("wood", "steel", "plastic", "ceramic", "glass")
+RULES_FILE = Path(__file__).with_name("materials.json")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rule:
+    """One name of one source, the material it counts as, and why (see materials.json)."""
+
+    source: str  # "touch_and_go", "objectfolder" or "tacquad"
+    raw: str  # as the source writes it, in lower case
+    named: str  # what it is, in words: label 4 is metal
+    material: str  # one of MATERIALS, or "" where it is left out
+    merged: bool  # not the material itself but counted as it; strict reading leaves it out
+    grade: str  # "read" in a public source, "inferred" or "chosen"
+    why: str
+
+
+@cache
+def rules(source: str) -> dict[str, Rule]:
+    """Return the rules of one source by its own names."""
+    written = json.loads(RULES_FILE.read_text(encoding="utf-8"))["rules"]
+    return {rule["raw"]: Rule(**rule) for rule in written if rule["source"] == source}
+
+
+def why_left_out(rule: Rule | None, raw: str, *, strict: bool) -> str:
+    """Return why a material is left out, or nothing when the rule keeps it."""
+    if rule is None or not rule.material:
+        return f"{raw or 'no material'}: none of the five materials"
+    if strict and rule.merged:
+        return f"strict: {rule.named} is not {rule.material} itself"
+    return ""
+
+
+def class_key(name: str) -> str:
+    """Return the one spelling of a class name: "Wood", "wood " and "WOOD" all give "wood".
+
+    Case, surrounding and repeated blanks, and look-alike Unicode forms do not make a new class.
+    """
+    return " ".join(unicodedata.normalize("NFKC", name).casefold().split())
+
+
+def in_order(names: set[str]) -> tuple[str, ...]:
+    """Return class names, the five materials first in their usual order, then the others sorted."""
+    shared = tuple(name for name in MATERIALS if name in names)
+    return shared + tuple(sorted(names - set(shared)))
+
+
+def rules_in_text(text: str, source: str, *, glued: bool = False) -> tuple[Rule, ...]:
+    """Return the rules whose word stands in a text, one for each material that they give.
+
+    text   an item's name or caption; words are runs of letters, in any case
+    glued  also find a word at the start or the end of another: "glasscup"
+
+    One slip of the keyboard is forgiven in words of five letters and more: two neighbours swapped
+    ("galss"), one left out ("platic") or one doubled ("woodden"), but none exchanged, so that
+    "grass" is never glass. Of several rules for one material the one that is not merged counts.
+    """
+    table = rules(source)
+    found: dict[str, Rule] = {}
+    for word in re.findall(r"[^\W\d_]+", class_key(text)):
+        for rule in table.values():
+            if not _stands_for(word, rule.raw, glued):
+                continue
+            if rule.material not in found or found[rule.material].merged:
+                found[rule.material] = rule
+    return tuple(found.values())
+
+
+def _stands_for(word: str, raw: str, glued: bool) -> bool:
+    if word in (raw, raw + "s") and (word, raw) != ("glasses", "glass"):
+        return True
+    if glued and len(word) >= len(raw) + 3 and (word.startswith(raw) or word.endswith(raw)):
+        return True
+    return min(len(word), len(raw)) >= 5 and word in _slips(raw)
+
+
+@cache
+def _slips(raw: str) -> frozenset[str]:
+    return frozenset(_slips_of(raw)) - {raw}
+
+
+def _slips_of(raw: str) -> Iterator[str]:
+    for i, letter in enumerate(raw):
+        yield raw[:i] + letter + raw[i:]
+        if len(raw) > 5:
+            yield raw[:i] + raw[i + 1 :]
+        if i:
+            yield raw[: i - 1] + letter + raw[i - 1] + raw[i + 1 :]

@@ -4,6 +4,8 @@ from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from omnivat.data.materials import in_order
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pair:
@@ -14,17 +16,18 @@ class Pair:
     domain: str
     material: str
     object: str = ""
-    split: str = ""  # "train", "test" or "" where the source states none
+    split: str = ""  # "train", "val", "test" or "" where the source states none
     part: str = ""  # TacQuad: "indoor" or "outdoor"
     tac_crop: int = 0  # central square to cut before resizing, pixels; 0 cuts nothing
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Skipped:
-    """Something a reader left out, and why."""
+    """Something a reader left out, and why. `count` is how many pairs it stands for."""
 
     what: str
     why: str
+    count: int = 1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,6 +43,56 @@ class PairSet:
         """Return the domains in the order they first appear."""
         return tuple(dict.fromkeys(pair.domain for pair in self.pairs))
 
+    def materials(self) -> tuple[str, ...]:
+        """Return the classes: the five materials first, in their usual order, then the others."""
+        return in_order({pair.material for pair in self.pairs})
+
     def counts(self) -> Counter[tuple[str, str, str]]:
         """Return how many pairs each (domain, split, material) has."""
         return Counter((pair.domain, pair.split, pair.material) for pair in self.pairs)
+
+
+def summary_table(found: PairSet, *, examples: int = 3) -> str:
+    """Return what was loaded, what was skipped and why, as text tables with named columns.
+
+    found     what a reader returned
+    examples  how many skipped things to name for each reason
+    return    lines for people, without a final line end
+    """
+    classes = found.materials()
+    counts = found.counts()
+    rows = [
+        [domain, split or "-", *map(str, numbers), str(sum(numbers))]
+        for domain, split in dict.fromkeys((pair.domain, pair.split) for pair in found.pairs)
+        for numbers in [[counts[domain, split, name] for name in classes]]
+    ]
+    lines = [
+        f"{len(found.pairs)} pairs from {printable(found.origin or 'an unnamed source')}"
+        + (" (simulated)" if found.simulated else ""),
+        *_aligned(["domain", "split", *classes, "pairs"], rows),
+    ]
+    if found.skipped:
+        lines += ["", *_aligned(["skipped", "why", "for example"], _reasons(found, examples))]
+    return "\n".join(lines)
+
+
+def _reasons(found: PairSet, examples: int) -> list[list[str]]:
+    by_reason: dict[str, list[Skipped]] = {}
+    for skipped in found.skipped:
+        by_reason.setdefault(skipped.why, []).append(skipped)
+    return [
+        [str(sum(s.count for s in group)), why, "; ".join(s.what for s in group[:examples])]
+        for why, group in by_reason.items()
+    ]
+
+
+def _aligned(header: list[str], rows: list[list[str]]) -> list[str]:
+    """Return the lines of a table whose columns are as wide as their longest cell."""
+    table = [[printable(cell) for cell in row] for row in [header, *rows]]
+    widths = [max(map(len, column)) for column in zip(*table, strict=True)]
+    return ["  ".join(map(str.ljust, row, widths)).rstrip() for row in table]
+
+
+def printable(text: str) -> str:
+    """Return `text` with whatever cannot be printed on one line written as an escape."""
+    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)

@@ -1,0 +1,1 @@
+"""Text (LANG): prompts, the encoders that embed them, and the bank of embeddings for training."""

@@ -1,0 +1,1 @@
+"""The joint loss: MMA + NOD + cross-entropy."""

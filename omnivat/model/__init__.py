@@ -1,0 +1,1 @@
+"""The trained head: MFFA, FrATT and DTG over frozen embeddings."""

@@ -1,0 +1,10 @@
+"""Maps of features in two dimensions: one method a file, listed here by name.
+
+Each entry is project(points (N, D), *, seed=0) -> (N, 2) in the precision of the points.
+"""
+
+PROJECTIONS = {
+    "pca": "omnivat.projection.pca:project",
+    "umap": "omnivat.projection.torch_umap:project",
+    "umap-learn": "omnivat.projection.umap:project",
+}

@@ -1,0 +1,21 @@
+"""The page's own components: plain HTML and an ES module each, no build step."""
+
+from pathlib import Path
+
+WEB = Path(__file__).parent / "web"
+
+
+def component(name: str) -> None:
+    """Put the component `web/<name>.html` here; `web/<name>.js` brings it to life."""
+    import gradio as gr
+
+    gr.HTML(
+        html_template=(WEB / f"{name}.html").read_text(encoding="utf-8"),
+        js_on_load=(
+            f"import(new URL('omnivat/web/{name}.js', document.baseURI))"
+            ".then(module => module.start(element))"
+            f".catch(error => console.error('{name}', error));"
+        ),
+        apply_default_css=False,
+        elem_id=f"omnivat-{name}",
+    )

@@ -1,0 +1,170 @@
+"""What the page needs from disk, each part loaded when it is first used and only then.
+
+The first page needs none of it: the browser fetches frames and thumbnails as files.
+"""
+
+import logging
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from app.examples import Example, example_named, find_examples
+from app.frames_job import FramesJob
+from app.once import Once
+from app.state import Recent, Ref, content_name
+from omnivat.errors import DataError
+from omnivat.heads import EXAMPLES, default_embeddings, default_head
+
+if TYPE_CHECKING:
+    import numpy as np
+    from PIL import Image
+
+    from omnivat.checkpoint import Head
+    from omnivat.data.store import Embeddings
+    from omnivat.encoders.base import Encoder
+
+log = logging.getLogger(__name__)
+KEPT_IMAGES = 512  # embeddings of sent images; about 5 kB each
+PREVIEW_SIDE = 320  # pixels of the picture that shows what the model sees
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Places:
+    """Where things lie. `frames` is None where they have to be computed."""
+
+    head: Path
+    embeddings: Path
+    frames: Path | None
+    sprite: Path | None  # thumbnails.webp, with thumbnails.json beside it
+    pairs: Path
+
+
+def places(head: Path | None = None, embeddings: Path | None = None) -> Places:
+    """Return where things lie, for the project's own data or for a person's."""
+    own = head is None and embeddings is None
+    frames = EXAMPLES / "frames.bin"
+    sprite = EXAMPLES / "thumbnails.webp"
+    return Places(
+        head=head or default_head(),
+        embeddings=embeddings or default_embeddings(),
+        frames=frames if own and frames.is_file() else None,
+        sprite=sprite if embeddings is None and sprite.is_file() else None,
+        pairs=EXAMPLES / "pairs",
+    )
+
+
+class Resources:
+    """The loaded parts, shared by all sessions; nothing in here belongs to one visitor."""
+
+    def __init__(self, where: Places) -> None:
+        self.where = where
+        self.head: Once[Head] = Once(partial(_load_head, where.head))
+        self.embeddings: Once[Embeddings] = Once(partial(_load_embeddings, where.embeddings))
+        self.encoder: Once[Encoder] = Once(self._load_encoder)
+        self.examples: Once[dict[str, Example]] = Once(partial(find_examples, where.pairs))
+        self.frames = FramesJob(where.head, where.embeddings, where.frames)
+        self._row_of: Once[dict[str, int]] = Once(self._rows_by_file)
+        self._sent: Recent[np.ndarray[Any, Any]] = Recent(KEPT_IMAGES)
+
+    def warm(self) -> None:
+        """Load the head and the set, so that the first question is answered at once."""
+        for part in (self.head, self.embeddings):
+            try:
+                part()
+            except DataError as error:  # the page says so where it is needed
+                log.warning("%s", error)
+
+    # ---- embeddings of one image -------------------------------------------------------------
+
+    def embedding(self, ref: Ref, modality: str) -> "np.ndarray[Any, Any]":
+        """Return the embedding (input_width,) of the image that `ref` names.
+
+        modality  "vis" or "tac": which image of a pair
+
+        Raises DataError when there is no such image, or when it was sent and is forgotten.
+        """
+        if ref.kind == "row":
+            return self._from_set(self._row(ref.name), modality)
+        if ref.kind == "example":
+            example = example_named(self.examples(), ref.name)
+            row = self._row_of().get(f"{ref.name}/{modality}")
+            if row is not None:
+                return self._from_set(row, modality)
+            return self._encoded(example.file(modality).read_bytes(), example.name)
+        kept = self._sent.get(ref.name)
+        if kept is None:
+            raise DataError("The server no longer has this image; send it again.")
+        return kept
+
+    def take_image(self, content: bytes, name: str) -> "tuple[Ref, Image.Image]":
+        """Embed the image in `content`; return its reference and the upright RGB image.
+
+        Raises DataError in one sentence when it is not an image that can be read.
+        """
+        from omnivat.data.images import read_image
+
+        image = read_image(content, name=name)
+        self._encoded(content, name)
+        return Ref("image", content_name(content)), image
+
+    def _encoded(self, content: bytes, name: str) -> "np.ndarray[Any, Any]":
+        from omnivat.data.images import read_image
+
+        key = content_name(content)
+        kept = self._sent.get(key)
+        if kept is not None:
+            return kept
+        encoder = self.encoder()
+        pixels = encoder.preprocess(read_image(content, name=name))
+        return self._sent.keep(key, encoder.embed(pixels[None])[0].numpy())
+
+    def _from_set(self, row: int, modality: str) -> "np.ndarray[Any, Any]":
+        embeddings = self.embeddings()
+        self.head().require_embeddings(embeddings)
+        return embeddings.vis[row] if modality == "vis" else embeddings.tac[row]
+
+    def _row(self, name: str) -> int:
+        count = len(self.embeddings())
+        if not name.isascii() or not name.isdigit() or int(name) >= count:
+            raise DataError(f"No pair has the number '{name:.20}'; there are 0 to {count - 1}.")
+        return int(name)
+
+    def _rows_by_file(self) -> dict[str, int]:
+        """Return which row of the set an example is: "domain/class/stem/modality" -> row."""
+        try:
+            embeddings = self.embeddings()
+            self.head().require_embeddings(embeddings)
+        except DataError:
+            return {}  # examples are then encoded like any image
+        found = {}
+        for modality in ("vis", "tac"):
+            for row, file in enumerate(embeddings.rows[modality]):
+                parts = Path(file).parts[-3:]
+                stem = Path(file).stem.removesuffix(f"_{modality}")
+                found["/".join([*parts[:-1], stem, modality])] = row
+        return found
+
+    def _load_encoder(self) -> "Encoder":
+        from omnivat.encoders.base import load_encoder
+
+        wanted = self.head().encoder
+        encoder = load_encoder(wanted["name"])
+        self.head().require(
+            (encoder.name, encoder.weights_hash, encoder.preprocessing),
+            encoder.width,
+            what="Images encoded here",
+        )
+        return encoder
+
+
+def _load_head(folder: Path) -> "Head":
+    from omnivat.checkpoint import load_head
+
+    return load_head(folder)
+
+
+def _load_embeddings(file: Path) -> "Embeddings":
+    from omnivat.data.store import load_embeddings
+
+    return load_embeddings(file)

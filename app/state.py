@@ -1,0 +1,88 @@
+"""What a request may name: a pair of the set, an example, or an image sent before.
+
+The server keeps nothing of a visitor but the embeddings of images, under names made from their
+content: two sessions share nothing but what is equal in both.
+"""
+
+from collections import OrderedDict
+from dataclasses import dataclass
+from hashlib import blake2b
+from math import isfinite
+from threading import Lock
+from typing import Any, Generic, TypeVar
+
+from omnivat.errors import DataError
+
+KINDS = ("row", "example", "image")
+LONGEST_NAME = 200
+V = TypeVar("V")
+
+
+@dataclass(frozen=True, slots=True)
+class Ref:
+    """One image by name: `row:12` of the set, `example:TAG-sim/wood/a`, `image:<content>`."""
+
+    kind: str
+    name: str
+
+    def __str__(self) -> str:
+        return f"{self.kind}:{self.name}"
+
+
+def ref_from(value: Any) -> Ref | None:
+    """Return what a request calls an image; None where it leaves it out.
+
+    Raises DataError for anything else.
+    """
+    if value is None or value == "":
+        return None
+    if not isinstance(value, str) or len(value) > LONGEST_NAME:
+        raise DataError("An image is named by a short text such as 'row:12'; choose one again.")
+    kind, colon, name = value.partition(":")
+    if kind not in KINDS or not colon or not name:
+        raise DataError(
+            f"'{value}' names no image; expected one of "
+            + ", ".join(f"'{kind}:…'" for kind in KINDS)
+            + "."
+        )
+    return Ref(kind, name)
+
+
+def order_from(value: Any) -> float | None:
+    """Return an order between -4 and 4 quarter turns, or None where none is given."""
+    if value is None:
+        return None
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    if not number or not isfinite(value) or abs(value) > 4:
+        raise DataError(f"p is {value!r:.40}; give a number of quarter turns between -4 and 4.")
+    return float(value)
+
+
+def content_name(content: bytes) -> str:
+    """Return the name of some bytes: equal bytes, equal name."""
+    return blake2b(content, digest_size=16).hexdigest()
+
+
+class Recent(Generic[V]):
+    """The most recently used values, at most `limit` of them; safe between threads."""
+
+    def __init__(self, limit: int) -> None:
+        self._limit = limit
+        self._values: OrderedDict[str, V] = OrderedDict()
+        self._lock = Lock()
+
+    def get(self, name: str) -> V | None:
+        """Return the value called `name`, or None when it was never kept or is forgotten."""
+        with self._lock:
+            if name in self._values:
+                self._values.move_to_end(name)
+            return self._values.get(name)
+
+    def keep(self, name: str, value: V) -> V:
+        """Keep `value`, forgetting the one unused for longest where there are too many."""
+        with self._lock:
+            self._values[name] = value
+            self._values.move_to_end(name)
+            while len(self._values) > self._limit:
+                self._values.popitem(last=False)
+        return value

@@ -1,0 +1,29 @@
+"""How the page looks: a built-in theme with fonts of the system, and our one style sheet."""
+
+from typing import Any
+
+FONTS = ("system-ui", "-apple-system", "Segoe UI", "Roboto", "DejaVu Sans", "sans-serif")
+MONO = ("ui-monospace", "Menlo", "Consolas", "DejaVu Sans Mono", "monospace")
+WEB = "omnivat/web"  # where the page's own scripts and styles are served, relative to the page
+
+HEAD = "\n".join(
+    [
+        f'<link rel="stylesheet" href="{WEB}/page.css">',
+        *(
+            f'<link rel="modulepreload" href="{WEB}/{name}">'
+            for name in ("explore.js", "cloud.js", "store.js", "frames.js", "curves.js", "api.js")
+        ),
+    ]
+)
+
+
+def theme() -> Any:
+    """Return the theme. No font is fetched: every name is one that the system may have."""
+    import gradio as gr
+
+    return gr.themes.Base(
+        primary_hue=gr.themes.colors.blue,
+        neutral_hue=gr.themes.colors.slate,
+        font=list(FONTS),
+        font_mono=list(MONO),
+    )

@@ -1,0 +1,123 @@
+"""Pair: what the head says of one VIS + TAC pair, at every order at once."""
+
+import base64
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from app.components import component
+from app.resources import Resources
+from app.state import Ref, order_from, ref_from
+from omnivat.errors import DataError
+
+if TYPE_CHECKING:
+    import numpy as np
+    import torch
+
+    from omnivat.model.head import OmniVaT
+
+TITLE = "Pair"
+STOPS = tuple(k / 100 for k in range(101))
+COLUMNS = 256  # of the spectrum's picture; each shows the largest of the entries under it
+
+
+def embedded(
+    resources: Resources, refs: Mapping[str, Ref | None]
+) -> "dict[str, torch.Tensor | None]":
+    """Return the embeddings (1, input_width) of the images named, None where one is left out.
+
+    Raises DataError when both are left out or one is not to be had.
+    """
+    if not any(refs.values()):
+        raise DataError("Choose a pair first: a VIS image, a TAC image or both.")
+    import torch
+
+    return {
+        modality: torch.from_numpy(resources.embedding(ref, modality).copy())[None] if ref else None
+        for modality, ref in refs.items()
+    }
+
+
+def refs_from(question: Mapping[str, Any]) -> dict[str, Ref | None]:
+    """Return what a question names as VIS and TAC."""
+    return {modality: ref_from(question.get(modality)) for modality in ("vis", "tac")}
+
+
+def answer(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
+    """Predict one pair at every stop and at one exact order.
+
+    question  {"vis": reference or None, "tac": reference or None, "order": p or None}
+    return    classes, orders, the learned order, `stops` and `exact` probabilities, spectra
+    """
+    refs = refs_from(question)
+    order = order_from(question.get("order"))
+    pair = embedded(resources, refs)
+    head = resources.head()
+    exact = head.model.order if order is None else order
+    swept = sweep(head.model, pair["vis"], pair["tac"], (*STOPS, exact))
+    probabilities = swept["probabilities"]
+    return {
+        "classes": list(head.settings.classes),
+        "orders": list(STOPS),
+        "learned": head.model.order,
+        "stops": {name: rounded(values[:-1]) for name, values in probabilities.items()},
+        "exact": {
+            "order": exact,
+            **{name: rounded(values[-1:])[0] for name, values in probabilities.items()},
+        },
+        "spectra": {name: spectrum(values[:-1]) for name, values in swept["magnitudes"].items()},
+    }
+
+
+def sweep(
+    model: "OmniVaT",
+    vis: "torch.Tensor | None",
+    tac: "torch.Tensor | None",
+    orders: tuple[float, ...],
+) -> "dict[str, dict[str, np.ndarray[Any, Any]]]":
+    """Return what the head gives one pair at P orders, all in one batch.
+
+    probabilities  "vis", "tac" and "both" -> (P, K)
+    magnitudes     "vis", "tac" -> (P, D) moduli of the transformed embedding
+    """
+    import torch
+
+    with torch.inference_mode():
+        one = model.coefficients(vis, tac)
+        many = one[torch.zeros(len(orders), dtype=torch.long)]
+        out = model.from_coefficients(many, torch.tensor(orders))
+        probabilities = {**out.modality_probabilities, "both": out.probabilities}
+        return {
+            "probabilities": {name: p.numpy() for name, p in probabilities.items()},
+            "magnitudes": {name: f.norm(dim=1).numpy() for name, f in out.frft.items()},
+        }
+
+
+def spectrum(magnitudes: "np.ndarray[Any, Any]") -> dict[str, Any]:
+    """Return |F_p| (P, D) as a picture of bytes, row by row, with what 255 stands for.
+
+    Neighbouring entries are joined by their maximum where D is wider than the picture.
+    """
+    import numpy as np
+
+    stops, width = magnitudes.shape
+    edges = np.linspace(0, width, min(width, COLUMNS) + 1).astype(int)[:-1]
+    joined = np.maximum.reduceat(magnitudes, edges, axis=1)
+    top = float(joined.max()) or 1.0
+    pixels = np.rint(joined / top * 255).astype(np.uint8)
+    return {
+        "rows": stops,
+        "columns": len(edges),
+        "width": width,
+        "top": top,
+        "pixels": base64.b64encode(pixels.tobytes()).decode(),
+    }
+
+
+def rounded(values: "np.ndarray[Any, Any]") -> list[list[float]]:
+    """Return probabilities with six digits, enough for anything the page shows."""
+    return [[round(float(v), 6) for v in row] for row in values]
+
+
+def build() -> None:
+    """Lay the tab out."""
+    component("pair")

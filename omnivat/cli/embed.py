@@ -1,0 +1,53 @@
+"""Embed a set of pairs with a frozen encoder, once.
+
+python -m omnivat embed PAIRS --encoder NAME --out FILE [--precision fp32|bf16]
+"""
+
+import argparse
+from pathlib import Path
+
+from omnivat.cli.bar import progress_bar
+from omnivat.data.readers import READERS
+from omnivat.encoders.base import DEFAULT_ENCODER, ENCODERS
+
+
+def add(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("pairs", type=Path, help="a folder or CSV of pairs, or a data set's root")
+    parser.add_argument("--encoder", choices=ENCODERS, default=DEFAULT_ENCODER)
+    parser.add_argument("--out", type=Path, required=True, help="the .safetensors file to write")
+    parser.add_argument("--weights", type=Path, help="checkpoint of the encoder")
+    parser.add_argument("--reader", choices=["auto", *READERS], default="auto")
+    parser.add_argument("--strict", action="store_true", help="no merged or unknown materials")
+    parser.add_argument("--seed", type=int, default=0, help="of balanced subsampling")
+    parser.add_argument("--precision", choices=["fp32", "bf16"], default="fp32")
+    parser.add_argument("--dtype", choices=["float32", "float16"], default="float32")
+    parser.add_argument("--engine", choices=["local", "ray"], default="local")
+    parser.add_argument("--no-flips", action="store_true", help="leave out the mirrored copies")
+    parser.add_argument("--workers", type=int, help="threads; all cores if left out")
+
+
+def run(options: argparse.Namespace) -> None:
+    """Read the pairs, say what was found, embed them."""
+    from omnivat.data.pairs import summary_table
+    from omnivat.data.readers import read_pairs
+    from omnivat.embed import embed_pairs
+
+    found = read_pairs(
+        options.pairs, reader=options.reader, strict=options.strict, seed=options.seed
+    )
+    print(summary_table(found))
+    with progress_bar(f"embed with {options.encoder}") as show:
+        report = embed_pairs(
+            found,
+            options.encoder,
+            options.out,
+            weights=options.weights,
+            precision=options.precision,
+            dtype=options.dtype,
+            engine=options.engine,
+            flips=not options.no_flips,
+            workers=options.workers,
+            on_step=show,
+        )
+    print(report.summary())

@@ -1,0 +1,95 @@
+"""Predict the material of VIS + TAC pairs.
+
+    python -m omnivat predict VIS TAC [VIS TAC ...] [--head DIR] [--order P] [--json]
+
+Write "-" in the place of a VIS or TAC that is not there.
+"""
+
+import argparse
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+from omnivat.errors import SettingsError
+from omnivat.heads import default_head
+
+MISSING = "-"
+
+
+def add(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument(
+        "images",
+        nargs="*",
+        metavar="VIS TAC",
+        help="a photo and a tactile image, once or many times; '-' for one that is missing",
+    )
+    parser.add_argument("--pairs", help="a folder or CSV of pairs, instead of single images")
+    parser.add_argument("--head", type=Path, default=default_head(), help="head folder")
+    parser.add_argument(
+        "--order", type=float, help="fractional order p; the learned one if left out"
+    )
+    parser.add_argument("--weights", type=Path, help="checkpoint of the encoder")
+    parser.add_argument("--json", action="store_true", help="print JSON for programs")
+    parser.add_argument("--no-cache", action="store_true", help="encode anew")
+
+
+def run(options: argparse.Namespace) -> None:
+    """Load the head and its encoder, embed the pairs, print the answers."""
+    pairs = _pairs(options)
+    from omnivat.checkpoint import load_head
+    from omnivat.embed import encoder_of, pair_embeddings
+    from omnivat.predict import PRECISION, checked_order, predict_embeddings
+
+    checked_order(options.order)
+    head = load_head(options.head, dtype=PRECISION)
+    encoder = encoder_of(head.encoder, weights=options.weights)
+    head.require(
+        (encoder.name, encoder.weights_hash, encoder.preprocessing),
+        encoder.width,
+        what="Embeddings of these images",
+    )
+    answers: list[dict[str, Any]] = []
+    for vis, tac in pairs:
+        embedded = pair_embeddings(encoder, vis, tac, cache=not options.no_cache)
+        answer = predict_embeddings(head, *embedded, order=options.order)[0]
+        answers.append({"vis": vis and str(vis), "tac": tac and str(tac), **answer})
+    context = {"head": str(options.head), "source": head.source, "encoder": encoder.name}
+    if options.json:
+        records = [answer | context for answer in answers]
+        value = records[0] if len(records) == 1 and not options.pairs else records
+        json.dump(value, sys.stdout, indent=2, ensure_ascii=False)
+        print()
+    else:
+        for answer in answers:
+            print(_readable(answer, head.source))
+
+
+def _pairs(options: argparse.Namespace) -> list[tuple[Path | None, Path | None]]:
+    if options.pairs and options.images:
+        raise SettingsError("Give either images or --pairs, not both.")
+    if options.pairs:
+        from omnivat.data.readers import read_pairs
+
+        return [(pair.vis, pair.tac) for pair in read_pairs(options.pairs).pairs]
+    if not options.images or len(options.images) % 2:
+        raise SettingsError(
+            f"Got {len(options.images)} images; give VIS and TAC for each pair, with '-' in the "
+            "place of one that is missing."
+        )
+    paths = [None if name == MISSING else Path(name) for name in options.images]
+    return list(zip(paths[::2], paths[1::2], strict=True))
+
+
+def _readable(answer: dict[str, Any], source: str) -> str:
+    columns = {"fused": answer["probabilities"], **answer["modalities"]}
+    lines = [
+        f"{answer['vis'] or 'no VIS'} + {answer['tac'] or 'no TAC'}: {answer['prediction']}"
+        f"  (order p = {answer['order']:.3f}, head trained on {source})",
+        "  " + " ".join(f"{name:>9}" for name in ("class", *columns)),
+    ]
+    for name in answer["probabilities"]:
+        values = " ".join(f"{column[name]:9.3f}" for column in columns.values())
+        lines.append(f"  {name:>9} {values}")
+    return "\n".join(lines)

@@ -1,0 +1,129 @@
+"""Train a head on one domain of an embeddings file, and evaluate it on all.
+
+python -m omnivat train --embeddings FILE --source DOMAIN --out DIR [--set key=value ...]
+"""
+
+import argparse
+import platform
+from pathlib import Path
+from typing import Any
+
+from omnivat.cli.bar import progress_bar
+from omnivat.errors import DataError, SettingsError
+from omnivat.heads import default_embeddings
+from omnivat.tables import suggestion
+
+
+def add(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("--embeddings", type=Path, default=default_embeddings())
+    parser.add_argument("--source", required=True, help="the one domain to learn from")
+    parser.add_argument("--part", default="", help="only this part of it, such as outdoor")
+    parser.add_argument("--out", type=Path, required=True, help="folder for the head")
+    parser.add_argument("--lang", type=Path, help="LANG bank; the project's own if left out")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="key=value",
+        help="a setting of the head or of training, such as width=64 or lr=0.02",
+    )
+
+
+def run(options: argparse.Namespace) -> None:
+    """Train, evaluate on every domain, write the head folder."""
+    from omnivat.checkpoint import Head, save_head
+    from omnivat.config import settings_dict
+    from omnivat.data.store import load_embeddings
+    from omnivat.evaluate import evaluate, target_mean
+    from omnivat.lang.bank import DEFAULT_BANK, load_bank
+    from omnivat.model.head import parameter_count
+    from omnivat.model.settings import HeadSettings
+    from omnivat.train import TrainSettings, train
+
+    embeddings = load_embeddings(options.embeddings)
+    source = embeddings.in_domain(options.source, split="train", part=options.part)
+    if not len(source):
+        raise DataError(f"'{options.source}' has no pairs of part '{options.part}' to train on.")
+    classes = _classes(source.label, embeddings.header.classes)
+    head_values, train_values = split_settings(options.set, HeadSettings, TrainSettings)
+    training = TrainSettings(**train_values)
+    bank = load_bank(options.lang or DEFAULT_BANK).for_classes(classes) if training.lang else None
+    settings = HeadSettings(
+        **{
+            "classes": classes,
+            "input_width": embeddings.width,
+            "lang_width": bank.width if bank else 1,
+            **head_values,
+        }
+    )
+    print(f"{parameter_count(settings):,} trainable parameters, {len(source)} pairs")
+    with progress_bar(f"train on {options.source}") as show:
+        trained = train(source, settings, training, bank=bank, seed=options.seed, on_step=show)
+    header = embeddings.header
+    encoder = {
+        "name": header.encoder,
+        "weights_hash": header.weights_hash,
+        "preprocessing": header.preprocessing,
+    }
+    provenance: dict[str, Any] = {
+        "source": options.source,
+        "part": options.part,
+        "simulated": header.simulated,
+        "data": header.origin,
+        "pairs": len(source),
+        "seed": options.seed,
+        "train": settings_dict(training),
+        "lang": {"origin": bank.origin, "hash": bank.hash} if bank else None,
+        "versions": _versions(),
+    }
+    head = Head(model=trained.model, settings=settings, encoder=encoder, provenance=provenance)
+    records = evaluate(head, embeddings)
+    head.metrics.update(
+        selection=training.selection,
+        chosen_epoch=trained.chosen_epoch,
+        order=trained.model.order,
+        target_accuracy=target_mean(records),
+        target_macro_f1=target_mean(records, "macro_f1"),
+        domains=records,
+        epochs=trained.epochs,
+    )
+    save_head(options.out, head)
+    from omnivat.cli.evaluate import table
+
+    print(table(records))
+    print(f"Head written to {options.out}, learned order p = {trained.model.order:.4f}")
+
+
+def split_settings(texts: list[str], *kinds: type[Any]) -> tuple[dict[str, Any], ...]:
+    """Give each `key=value` text to the settings record that has the key.
+
+    Raises SettingsError for a key that none has.
+    """
+    from omnivat.config import field_names, parse_assignments
+
+    found: list[dict[str, Any]] = [{} for _ in kinds]
+    names = [field_names(kind) for kind in kinds]
+    for text in texts:
+        key = text.partition("=")[0]
+        owner = next((i for i, own in enumerate(names) if key in own), None)
+        if owner is None:
+            known = [name for own in names for name in own]
+            hint = suggestion(key, known) or f" There are {', '.join(known)}."
+            raise SettingsError(f"There is no setting '{key}'.{hint}")
+        found[owner] |= parse_assignments(kinds[owner], [text])
+    return tuple(found)
+
+
+def _classes(labels: Any, names: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the classes that the source has, in the order of the file."""
+    present = set(labels.tolist())
+    return tuple(name for index, name in enumerate(names) if index in present)
+
+
+def _versions() -> dict[str, str]:
+    from importlib.metadata import version
+
+    packages = {name: version(name) for name in ("torch", "numpy", "safetensors")}
+    return {"python": platform.python_version(), **packages}

@@ -1,0 +1,89 @@
+"""Read and write `.safetensors` files that need not fit in memory.
+
+The safetensors package reads and writes whole arrays. Here arrays are mapped when read, and written
+block after block. The format: 8 bytes with the length of a JSON table, the table, the numbers.
+"""
+
+import json
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from safetensors import safe_open
+
+NAMES = {"F32": "<f4", "F16": "<f2", "I64": "<i8", "U8": "|u1"}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Column:
+    """An array to write: its type and shape, and blocks of its first axis, made when asked for."""
+
+    dtype: str  # a key of NAMES
+    shape: tuple[int, ...]
+    blocks: Iterable[NDArray[Any]]
+
+
+def column(array: NDArray[Any]) -> Column:
+    """Return a column of an array that is in memory."""
+    dtype = {np.dtype(code): name for name, code in NAMES.items()}[array.dtype]
+    return Column(dtype=dtype, shape=array.shape, blocks=(array,))
+
+
+def write_arrays(path: Path, columns: Mapping[str, Column], metadata: Mapping[str, str]) -> None:
+    """Write named columns, holding one block of one column at a time.
+
+    Raises ValueError when the blocks of a column do not add up to its shape.
+    """
+    table: dict[str, Any] = {"__metadata__": dict(metadata)}
+    # Widest numbers first, so that every array starts at a multiple of its own width.
+    order = sorted(columns, key=lambda name: -np.dtype(NAMES[columns[name].dtype]).itemsize)
+    end = 0
+    for name in order:
+        start, end = end, end + _size(columns[name].dtype, columns[name].shape)
+        table[name] = {
+            "dtype": columns[name].dtype,
+            "shape": list(columns[name].shape),
+            "data_offsets": [start, end],
+        }
+    head = json.dumps(table, ensure_ascii=False, separators=(",", ":")).encode()
+    head += b" " * (-len(head) % 8)
+    with path.open("wb") as handle:
+        handle.write(len(head).to_bytes(8, "little") + head)
+        for name in order:
+            code, written = NAMES[columns[name].dtype], 0
+            for block in columns[name].blocks:
+                written += handle.write(np.ascontiguousarray(block, dtype=code).tobytes())
+            if written != _size(columns[name].dtype, columns[name].shape):
+                raise ValueError(
+                    f"{name} has {written} bytes, not what {columns[name].shape} needs"
+                )
+
+
+def read_arrays(path: Path) -> tuple[dict[str, NDArray[Any]], dict[str, str]]:
+    """Return named arrays, mapped and not read, and the metadata.
+
+    An array may be written to; that changes memory, never the file.
+    Raises SafetensorError when the file is damaged or cut short, KeyError for an unknown type.
+    """
+    with safe_open(path, framework="numpy") as handle:  # checks offsets, shapes and file size
+        metadata = handle.metadata() or {}
+    with path.open("rb") as raw:
+        length = int.from_bytes(raw.read(8), "little")
+        table: dict[str, Any] = json.loads(raw.read(length))
+    table.pop("__metadata__", None)
+    return {name: _mapped(path, 8 + length, entry) for name, entry in table.items()}, metadata
+
+
+def _mapped(path: Path, start: int, entry: Mapping[str, Any]) -> NDArray[Any]:
+    code, shape = NAMES[entry["dtype"]], tuple(entry["shape"])
+    if _size(entry["dtype"], shape) == 0:
+        return np.empty(shape, code)
+    offset = start + entry["data_offsets"][0]
+    return np.memmap(path, dtype=code, mode="c", offset=offset, shape=shape)
+
+
+def _size(dtype: str, shape: tuple[int, ...]) -> int:
+    return int(np.prod(shape, dtype=np.int64)) * np.dtype(NAMES[dtype]).itemsize

@@ -1,0 +1,93 @@
+"""Embeddings of a set of pairs in memory: vectors, names, and the header that says who made them."""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from omnivat.errors import DataError
+
+Array = NDArray[np.float32]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Header:
+    """Where embeddings come from. Two files can be mixed only where `key` is the same."""
+
+    encoder: str
+    weights_hash: str
+    preprocessing: str
+    domains: tuple[str, ...]
+    classes: tuple[str, ...]
+    simulated: bool = False
+    origin: str = ""
+    precision: str = "fp32"  # how the encoder computed
+
+    @property
+    def key(self) -> tuple[str, str, str]:
+        """What must agree before embeddings can be compared."""
+        return self.encoder, self.weights_hash, self.preprocessing
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Embeddings:
+    """Cached embeddings of N pairs and the names of everything in them.
+
+    vis, tac            (N, D) as the encoder gave them, any length
+    vis_flip, tac_flip  (N, D) of the mirrored images, or None where they were not made
+    domain, label       (N,) indices into header.domains and header.classes
+    rows                column name -> N texts: vis, tac (file names), object, split, part
+    """
+
+    header: Header
+    vis: Array
+    tac: Array
+    domain: NDArray[np.int64]
+    label: NDArray[np.int64]
+    rows: dict[str, list[str]]
+    vis_flip: Array | None = None
+    tac_flip: Array | None = None
+
+    def __len__(self) -> int:
+        return len(self.label)
+
+    @property
+    def width(self) -> int:
+        """D, the encoder's width."""
+        return int(self.vis.shape[1])
+
+    def select(self, keep: NDArray[Any]) -> "Embeddings":
+        """Return the pairs that `keep`, a mask or indices, names; names of domains stay."""
+        index = np.flatnonzero(keep) if keep.dtype == bool else keep
+        return replace(
+            self,
+            vis=_rows(self.vis, index),
+            tac=_rows(self.tac, index),
+            domain=self.domain[index],
+            label=self.label[index],
+            vis_flip=None if self.vis_flip is None else _rows(self.vis_flip, index),
+            tac_flip=None if self.tac_flip is None else _rows(self.tac_flip, index),
+            rows={name: [column[i] for i in index] for name, column in self.rows.items()},
+        )
+
+    def in_domain(self, name: str, *, split: str = "", part: str = "") -> "Embeddings":
+        """Return the pairs of one domain, of one split or part where named.
+
+        A split that the data do not state ("" in every row) keeps all pairs.
+        Raises DataError when no such domain is in the set.
+        """
+        if name not in self.header.domains:
+            known = ", ".join(self.header.domains)
+            raise DataError(f"No domain is called '{name}' in these embeddings; there are {known}.")
+        keep = self.domain == self.header.domains.index(name)
+        for column, wanted in (("split", split), ("part", part)):
+            values = np.array(self.rows[column], dtype=object)
+            if wanted and any(values[keep]):
+                keep = keep & (values == wanted)
+        return self.select(keep)
+
+
+def _rows(array: Array, index: NDArray[Any]) -> Array:
+    chosen: Array = np.asarray(array[index])  # a plain array: the copy is no longer mapped
+    return chosen

@@ -1,0 +1,41 @@
+"""The table beside a set of embeddings that a person can open: CSV, or Parquet when asked for."""
+
+import csv
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from omnivat.errors import SettingsError
+from omnivat.files import replacing
+from omnivat.packages import need
+
+MANIFESTS = ("csv", "parquet")
+
+
+def write_manifest(path: Path, columns: Mapping[str, Sequence[str]], kind: str = "csv") -> Path:
+    """Write named columns of text beside `path`, whole or not at all; return the file's path.
+
+    Raises SettingsError for an unknown kind, MissingPackageError for Parquet without pyarrow.
+    """
+    if kind not in MANIFESTS:
+        raise SettingsError(f"manifest is '{kind}'; choose {' or '.join(MANIFESTS)}.")
+    place = path.with_suffix(f".{kind}")
+    with replacing(place) as temporary:
+        if kind == "parquet":
+            _write_parquet(temporary, columns)
+        else:
+            _write_csv(temporary, columns)
+    return place
+
+
+def _write_csv(path: Path, columns: Mapping[str, Sequence[str]]) -> None:
+    with path.open("w", newline="", encoding="utf-8") as handle:
+        writer = csv.writer(handle)
+        writer.writerow(columns)
+        writer.writerows(zip(*columns.values(), strict=True))
+
+
+def _write_parquet(path: Path, columns: Mapping[str, Sequence[str]]) -> None:
+    pyarrow = need("pyarrow", purpose="a Parquet manifest")
+    parquet = need("pyarrow.parquet", purpose="a Parquet manifest", install="pyarrow")
+    table = pyarrow.table({name: list(values) for name, values in columns.items()})
+    parquet.write_table(table, path)

@@ -1,0 +1,176 @@
+"""A plain folder of pairs: <root>/<domain>/<class>/[<object>/]<name>_vis.png and <name>_tac.png."""
+
+import os
+import re
+from collections import defaultdict
+from pathlib import Path
+
+from omnivat.data.domains import is_simulated
+from omnivat.data.materials import MATERIALS, class_key
+from omnivat.data.pairs import Pair, PairSet, Skipped
+from omnivat.data.readers.names import (
+    folders_in,
+    is_image_name,
+    is_text,
+    leads_upwards,
+    show,
+    visible,
+)
+from omnivat.errors import DataError
+
+HALF = re.compile(r"(?P<name>.*)_(?P<half>vis|tac)", re.IGNORECASE | re.DOTALL)
+LAYOUT = "<domain>/<class>/<name>_vis.png beside <name>_tac.png"
+
+
+def read(source: Path, *, strict: bool = False, seed: int = 0) -> PairSet:
+    """Return the pairs of a plain folder.
+
+    source  the folder that holds one folder for each domain
+    strict  keep the five materials only
+    seed    not used: every pair is kept
+
+    The class is the folder's name in lower case. A folder inside a class is an object, which
+    splits keep whole. Half a pair, and a half that is there twice, is skipped and listed.
+    Raises DataError when there are no pairs, or two classes or domains of one name.
+    """
+    if not source.is_dir():
+        raise DataError(f"'{show(source)}' is not a folder; wanted a folder of {LAYOUT}.")
+    walk = _Walk(source, strict)
+    for domain in _of_one_name(folders_in(source), "domains"):
+        if walk.is_new(domain):
+            walk.skip_halves(domain, "lies in no class folder")
+            for group in _of_one_name(folders_in(domain), "classes"):
+                walk.read_class(domain.name.strip(), group)
+    if not walk.pairs:
+        raise DataError(_no_pairs(source, walk.skipped))
+    return PairSet(
+        pairs=tuple(walk.pairs),
+        skipped=tuple(walk.skipped),
+        origin=f"folder '{source.name or source}'",
+        simulated=any(is_simulated(pair.domain) for pair in walk.pairs),
+    )
+
+
+class _Walk:
+    """What has been found so far on the way through the folders."""
+
+    def __init__(self, root: Path, strict: bool) -> None:
+        self.root, self.strict = root, strict
+        self.pairs: list[Pair] = []
+        self.skipped: list[Skipped] = []
+        self._seen: dict[str, Path] = {}  # real folder -> the name it was first read under
+
+    def skip(self, path: Path, why: str, count: int = 1) -> None:
+        self.skipped.append(Skipped(what=show(path.relative_to(self.root)), why=why, count=count))
+
+    def skip_halves(self, folder: Path, why: str) -> None:
+        """List the images that lie where no pair is looked for."""
+        for entry in visible(folder):
+            if _is_half(entry.name):
+                self.skip(folder / entry.name, why)
+
+    def read_class(self, domain: str, folder: Path) -> None:
+        """Read the pairs of one class, those in its object folders among them."""
+        material = class_key(folder.name)
+        if self.strict and material not in MATERIALS:
+            self.skip(folder, f"strict: not one of {', '.join(MATERIALS)}")
+            return
+        if not self.is_new(folder):
+            return
+        self._read_place(folder, domain, material, thing="")
+        for place in filter(self.is_new, folders_in(folder)):
+            self._read_place(place, domain, material, thing=f"{material}/{place.name.strip()}")
+            for deeper in folders_in(place):
+                self.skip_halves(deeper, "lies deeper than an object folder")
+
+    def is_new(self, folder: Path) -> bool:
+        """Tell whether a folder is met for the first time; a link may lead to it again."""
+        real = os.path.realpath(folder)
+        if leads_upwards(folder):
+            self.skip(folder, "leads back to a folder that it lies in")
+        elif real in self._seen:
+            first = show(self._seen[real].relative_to(self.root))
+            self.skip(folder, f"leads to the same folder as '{first}'")
+        else:
+            self._seen[real] = folder
+            return True
+        return False
+
+    def _read_place(self, folder: Path, domain: str, material: str, thing: str) -> None:
+        if not is_text(str(folder)):
+            self.skip(folder, "the folder's name is not UTF-8; rename it")
+            return
+        halves: dict[str, dict[str, list[Path]]] = defaultdict(lambda: defaultdict(list))
+        for entry in visible(folder):
+            path = folder / entry.name
+            stem = HALF.fullmatch(path.stem)
+            if why := _not_a_half(path, stem):
+                self.skip(path, why)
+            elif stem:
+                halves[stem["name"]][stem["half"].lower()].append(path)
+        for name, found in halves.items():
+            vis, tac = found["vis"], found["tac"]
+            if len(vis) == len(tac) == 1:
+                self.pairs.append(
+                    Pair(vis=vis[0], tac=tac[0], domain=domain, material=material, object=thing)
+                )
+            elif not vis or not tac:
+                self.skip(
+                    folder / name, f"no {'_vis' if not vis else '_tac'} image beside the other"
+                )
+            else:
+                files = " and ".join(show(path.name) for path in max(vis, tac, key=len))
+                self.skip(folder / name, f"one half is there more than once: {files}")
+
+
+def _not_a_half(path: Path, stem: re.Match[str] | None) -> str:
+    """Return why a file is no half of a pair, or nothing. Files of other kinds pass unseen."""
+    image = is_image_name(path.name)
+    if not image and not stem:
+        return ""
+    if path.is_dir():
+        return "a folder with the name of an image" if image else ""
+    if not is_text(path.name):
+        return "the file's name is not UTF-8; rename it"
+    if not stem:
+        return "its name ends neither in _vis nor in _tac"
+    if not image:
+        return f"'{show(path.suffix)}' is not a suffix of images"
+    if not stem["name"]:
+        return "its name is only _vis or _tac"
+    return "" if path.is_file() else "cannot be opened (a broken link?)"
+
+
+def _of_one_name(folders: list[Path], kind: str) -> list[Path]:
+    """Return the folders, or raise DataError when two of them mean one name."""
+    first: dict[str, Path] = {}
+    for folder in folders:
+        name = class_key(folder.name)
+        if name in first:
+            raise DataError(
+                f"Two {kind} of one name: '{show(first[name])}' and '{show(folder)}'. "
+                "Put their pairs into one folder, or rename one."
+            )
+        first[name] = folder
+    return folders
+
+
+def _no_pairs(source: Path, skipped: list[Skipped]) -> str:
+    message = f"No pairs in '{show(source)}'; wanted {LAYOUT}."
+    if any(_holds_halves(place) for place in (source, *folders_in(source))):
+        message += (
+            " There are such images nearer to the top: give the folder above, or add a folder."
+        )
+    elif skipped:
+        message += (
+            f" {len(skipped)} things were skipped, the first '{skipped[0].what}': {skipped[0].why}."
+        )
+    return message
+
+
+def _holds_halves(folder: Path) -> bool:
+    return any(_is_half(entry.name) for entry in visible(folder))
+
+
+def _is_half(name: str) -> bool:
+    return is_image_name(name) and HALF.fullmatch(Path(name).stem) is not None

@@ -1,0 +1,158 @@
+"""A CSV of pairs: a row a pair, columns vis, tac, domain, material and what else is known."""
+
+import csv
+import os
+from collections.abc import Iterator
+from io import StringIO
+from pathlib import Path
+
+from omnivat.data.domains import is_simulated
+from omnivat.data.materials import MATERIALS, class_key
+from omnivat.data.pairs import Pair, PairSet, Skipped
+from omnivat.data.readers.names import is_file, is_text, show
+from omnivat.errors import DataError
+from omnivat.tables import suggestion
+
+NEEDED = ("vis", "tac", "domain", "material")
+OPTIONAL = ("object", "split", "part")
+SPLITS = ("train", "val", "test")
+Row = dict[str, str]
+
+
+def read(source: Path, *, strict: bool = False, seed: int = 0) -> PairSet:
+    """Return the pairs of a CSV in UTF-8, separated by commas, with names in its first row.
+
+    source  the file, or a folder with `pairs.csv` in it; paths in it count from its folder
+    strict  keep the five materials only
+    seed    not used: every pair is kept
+
+    A row without an image or a name, and a row that repeats another, is skipped and listed.
+    Raises DataError for a file that is no such table, an unknown split, the same images under two
+    names, or no pairs at all.
+    """
+    file = source / "pairs.csv" if source.is_dir() else source
+    pairs: list[Pair] = []
+    skipped: list[Skipped] = []
+    first: dict[tuple[str, str], tuple[int, Pair]] = {}  # the two files -> where they came first
+    for number, row in _rows(file):
+        why = _why_not(file, number, row, strict)
+        if not why:
+            pair = _pair(file.parent, row)
+            files = (os.path.abspath(pair.vis), os.path.abspath(pair.tac))
+            earlier, same = first.setdefault(files, (number, pair))
+            if earlier == number:
+                pairs.append(pair)
+                continue
+            _require_same(file, pair, number, same, earlier)
+            why = "repeats an earlier row"
+        skipped.append(Skipped(what=f"row {number}", why=why))
+    if not pairs:
+        first_reason = f" The first reason, {skipped[0].what}: {skipped[0].why}." if skipped else ""
+        raise DataError(
+            f"No pairs in '{show(file)}': none of its {len(skipped)} rows can be used.{first_reason}"
+        )
+    return PairSet(
+        pairs=tuple(pairs),
+        skipped=tuple(skipped),
+        origin=f"table '{file.name}'",
+        simulated=any(is_simulated(pair.domain) for pair in pairs),
+    )
+
+
+def _rows(file: Path) -> Iterator[tuple[int, Row]]:
+    """Give the rows with the number a spreadsheet shows them under, cells without outer blanks."""
+    try:
+        reader = csv.reader(StringIO(_text(file), newline=""), strict=True)
+        header = [name.strip().lower() for name in next(reader, [])]
+        _check_header(file, header)
+        for number, cells in enumerate(reader, start=2):
+            if any(cell.strip() for cell in cells):
+                row = dict(zip(header, map(str.strip, cells), strict=False))
+                row["more"] = "yes" if len(cells) > len(header) else ""
+                yield number, row
+    except csv.Error as error:
+        raise DataError(
+            f"'{show(file)}' cannot be read as a CSV after line {reader.line_num} ({error}). "
+            "Look for a quotation mark that is not closed."
+        ) from error
+
+
+def _text(file: Path) -> str:
+    try:
+        return file.read_bytes().decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise DataError(
+            f"'{show(file)}' is not UTF-8 text (byte {error.start}). Save it as 'CSV UTF-8'."
+        ) from error
+    except OSError as error:
+        raise DataError(f"'{show(file)}' cannot be read: {error.strerror}.") from error
+
+
+def _check_header(file: Path, header: list[str]) -> None:
+    for separator, word in ((";", "semicolons"), ("\t", "tabs")):
+        if len(header) == 1 and separator in header[0]:
+            raise DataError(f"'{show(file)}' separates its columns by {word}. Save it with commas.")
+    twice = [name for name in (*NEEDED, *OPTIONAL) if header.count(name) > 1]
+    if twice:
+        raise DataError(f"'{show(file)}' has the column '{twice[0]}' twice. Remove one.")
+    missing = [name for name in NEEDED if name not in header]
+    if missing:
+        there = show(", ".join(filter(None, header)) or "no names")
+        raise DataError(
+            f"'{show(file)}' has no column '{missing[0]}'; its first row has {there}, wanted "
+            f"{', '.join(NEEDED)} and perhaps {', '.join(OPTIONAL)}."
+            + suggestion(missing[0], [name for name in header if name not in NEEDED])
+        )
+
+
+def _why_not(file: Path, number: int, row: Row, strict: bool) -> str:
+    """Return why a row gives no pair, or nothing."""
+    if row["more"]:
+        return "has more cells than the first row (a comma inside a name needs quotation marks)"
+    for name in NEEDED:
+        if not row.get(name):
+            return f"'{name}' is empty"
+    if strict and class_key(row["material"]) not in MATERIALS:
+        return f"strict: not one of {', '.join(MATERIALS)}"
+    for name in ("vis", "tac"):
+        if not is_file(_path(file.parent, row[name])):
+            return f"the {name} image is not there"
+    if not is_text(str(_path(file.parent, row["vis"])) + str(_path(file.parent, row["tac"]))):
+        return "the folder's name is not UTF-8; rename it"
+    split = row.get("split", "").lower()
+    if split and split not in SPLITS:
+        raise DataError(
+            f"'{show(file)}', row {number}: there is no split '{show(row['split'])}'; "
+            f"wanted {', '.join(SPLITS)} or nothing.{suggestion(split, SPLITS)}"
+        )
+    return ""
+
+
+def _path(folder: Path, cell: str) -> Path:
+    """Return where a cell points; one written with backslashes is found as well."""
+    path = folder / cell
+    if "\\" in cell and not is_file(path):
+        return folder / cell.replace("\\", "/")
+    return path
+
+
+def _pair(folder: Path, row: Row) -> Pair:
+    return Pair(
+        vis=_path(folder, row["vis"]),
+        tac=_path(folder, row["tac"]),
+        domain=row["domain"],
+        material=class_key(row["material"]),
+        object=row.get("object", ""),
+        split=row.get("split", "").lower(),
+        part=row.get("part", "").lower(),
+    )
+
+
+def _require_same(file: Path, pair: Pair, number: int, same: Pair, earlier: int) -> None:
+    for name in ("domain", "material"):
+        here, there = getattr(pair, name), getattr(same, name)
+        if here != there:
+            raise DataError(
+                f"'{show(file)}' gives the same two images the {name} '{show(there)}' in row "
+                f"{earlier} and '{show(here)}' in row {number}. Keep the right one."
+            )

@@ -1,0 +1,151 @@
+"""Split pairs so that no object is on both sides, and draw as many of each class.
+
+An object is whatever shares a name: a thing, or the clip or item that stands for one. A pair
+without a name is an object of its own.
+"""
+
+from collections import Counter, defaultdict
+from collections.abc import Hashable, Sequence
+from dataclasses import replace
+from random import Random
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from omnivat.data.pairs import Pair, Skipped
+from omnivat.errors import DataError
+from omnivat.seeding import derive_seed
+
+
+def hold_out(
+    objects: Sequence[str], labels: Sequence[Hashable] | NDArray[Any], fraction: float, *, seed: int
+) -> NDArray[np.bool_]:
+    """Return which of N pairs to hold out: whole objects, and of each class about `fraction`.
+
+    objects   N names; "" is an object of its own
+    labels    N classes, texts or numbers
+    fraction  in [0, 1), of the pairs of each class
+    seed      the same seed holds out the same pairs
+    return    (N,) True where held out
+
+    A class of two or more objects has pairs on both sides, as far as objects of several classes
+    allow; a class of one object is never held out.
+    Raises DataError when the fraction is out of range or the lengths differ.
+    """
+    if not 0 <= fraction < 1:
+        raise DataError(f"The fraction to hold out is {fraction}; choose 0 or more and below 1.")
+    if len(objects) != len(labels):
+        raise DataError(
+            f"There are {len(objects)} objects but {len(labels)} labels; wanted as many."
+        )
+    names: list[Hashable] = [name or number for number, name in enumerate(objects)]
+    classes: dict[Hashable, Counter[Hashable]] = defaultdict(Counter)
+    for name, label in zip(names, labels, strict=True):
+        classes[name][label] += 1
+    held = _choose(classes, fraction, Random(seed)) if fraction else set()
+    return np.fromiter((name in held for name in names), dtype=bool, count=len(names))
+
+
+def _choose(
+    objects: dict[Hashable, Counter[Hashable]], fraction: float, random: Random
+) -> set[Hashable]:
+    """Return objects that together hold about `fraction` of each class.
+
+    Objects are met in a random order and taken when that brings the classes they hold nearer to
+    their share; then every class still missing gets its smallest object, where it has another.
+    """
+    total: Counter[Hashable] = Counter()
+    owners: Counter[Hashable] = Counter()
+    for content in objects.values():
+        total.update(content)
+        owners.update(content.keys())
+    taken: Counter[Hashable] = Counter()
+    taken_owners: Counter[Hashable] = Counter()
+    held: set[Hashable] = set()
+
+    def leaves_some(content: Counter[Hashable]) -> bool:
+        return all(taken_owners[label] + 1 < owners[label] for label in content)
+
+    def take(name: Hashable) -> None:
+        held.add(name)
+        taken.update(objects[name])
+        taken_owners.update(objects[name].keys())
+
+    order = list(objects)
+    random.shuffle(order)
+    for name in order:
+        content = objects[name]
+        gain = sum(
+            (abs(taken[c] - fraction * total[c]) - abs(taken[c] + n - fraction * total[c]))
+            / total[c]
+            for c, n in content.items()
+        )
+        if gain > 0 and leaves_some(content):
+            take(name)
+    for label in [label for label in total if not taken[label]]:
+        fitting = [
+            n for n in order if n not in held and label in objects[n] and leaves_some(objects[n])
+        ]
+        if fitting and not taken[label]:
+            take(min(fitting, key=lambda name: objects[name].total()))
+    return held
+
+
+def split_by_object(
+    pairs: Sequence[Pair], *, seed: int, test: float = 0.3, val: float = 0.0
+) -> tuple[Pair, ...]:
+    """Return the pairs with their split set to train, val or test, whole objects each.
+
+    test, val  fractions of the pairs of each class in each domain; the rest is train
+    seed       of the draw; a domain's draw does not depend on which others are there
+
+    Raises DataError when the two fractions leave nothing for training.
+    """
+    if not (test >= 0 and val >= 0 and test + val < 1):
+        raise DataError(
+            f"test {test} and val {val} leave no pairs to train on; their sum must be below 1."
+        )
+    split = ["train"] * len(pairs)
+    for domain in dict.fromkeys(pair.domain for pair in pairs):
+        rest = [i for i, pair in enumerate(pairs) if pair.domain == domain]
+        for name, fraction in (("test", test), ("val", val / (1 - test))):
+            chosen = pairs_held_out(
+                [pairs[i] for i in rest], fraction, derive_seed(seed, name, domain)
+            )
+            for index, held in zip(rest, chosen, strict=True):
+                if held:
+                    split[index] = name
+            rest = [i for i, held in zip(rest, chosen, strict=True) if not held]
+    return tuple(replace(pair, split=name) for pair, name in zip(pairs, split, strict=True))
+
+
+def pairs_held_out(pairs: Sequence[Pair], fraction: float, seed: int) -> list[bool]:
+    """Return for each pair whether `hold_out` holds it out."""
+    objects = [pair.object for pair in pairs]
+    held: list[bool] = hold_out(objects, [p.material for p in pairs], fraction, seed=seed).tolist()
+    return held
+
+
+def balance(pairs: Sequence[Pair], *, seed: int) -> tuple[tuple[Pair, ...], tuple[Skipped, ...]]:
+    """Draw from each class as many pairs as the smallest class has, in every domain and split.
+
+    seed    of the draw; a class's draw does not depend on the others but for its size
+    return  the pairs kept, in their order, and how many each class lost
+    """
+    groups: dict[tuple[str, str], dict[str, list[int]]] = defaultdict(lambda: defaultdict(list))
+    for index, pair in enumerate(pairs):
+        groups[pair.domain, pair.split][pair.material].append(index)
+    keep: set[int] = set()
+    lost = []
+    for (domain, split), classes in groups.items():
+        smallest = min(map(len, classes.values()))
+        for material, members in classes.items():
+            random = Random(derive_seed(seed, "balance", domain, split, material))
+            keep.update(random.sample(members, smallest))
+            if extra := len(members) - smallest:
+                what = (
+                    f"{domain}{' ' if split else ''}{split}: {extra} of {len(members)} {material}"
+                )
+                lost.append(Skipped(what=what, why="balanced to the smallest class", count=extra))
+    return tuple(pair for index, pair in enumerate(pairs) if index in keep), tuple(lost)

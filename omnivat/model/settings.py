@@ -1,0 +1,74 @@
+"""Everything that shapes the head, frozen and flat."""
+
+from dataclasses import dataclass, replace
+
+from omnivat.errors import SettingsError
+
+ATTENTION_SCALES = ("inside", "outside")
+FEATURE_SCALES = ("unit", "literal")
+THETA_INITS = ("ones", "signed", "normal")
+TREE_INITS = ("orthogonal", "default", "identity")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HeadSettings:
+    """How an OmniVaT head is built. Letters are the paper's; defaults are docs/method.md's."""
+
+    classes: tuple[str, ...]
+    input_width: int  # of the image encoder
+    lang_width: int = 384  # of the LANG bank
+    width: int = 512  # D
+    project: bool = False  # learn input projections even where widths agree
+    expansion: int = 4  # E, tokens a modality is expanded to
+    levels: int = 3  # R, tree levels with the root
+    order: float = 0.5  # p at the start, in quarter turns
+    learn_order: bool = True
+    ffn_ratio: int = 4
+    class_token: bool = True  # F_g
+    tree_at_inference: bool = True  # off is the paper's Alg. 2 to the letter
+    attention_scale: str = "inside"  # of the softmax; "outside" is Eq. 4 as printed
+    feature_scale: str = "unit"  # "literal" uses embeddings and features as they come
+    theta_init: str = "ones"
+    tree_init: str = "orthogonal"
+    logit_scale: float = 10.0  # of the cosine classifier
+
+    def __post_init__(self) -> None:
+        for name, low, high in (
+            ("input_width", 1, 65536),
+            ("lang_width", 1, 65536),
+            ("width", 2, 8192),
+            ("expansion", 1, 64),
+            ("levels", 1, 6),
+            ("ffn_ratio", 1, 16),
+        ):
+            value = getattr(self, name)
+            if not low <= value <= high:
+                raise SettingsError(f"{name} is {value}; choose {low} to {high}.")
+        for name, allowed in (
+            ("attention_scale", ATTENTION_SCALES),
+            ("feature_scale", FEATURE_SCALES),
+            ("theta_init", THETA_INITS),
+            ("tree_init", TREE_INITS),
+        ):
+            value = getattr(self, name)
+            if value not in allowed:
+                raise SettingsError(f"{name} is '{value}'; choose one of {', '.join(allowed)}.")
+        if len(self.classes) < 2 or len(set(self.classes)) < len(self.classes):
+            raise SettingsError(f"classes are {self.classes}; give two or more different names.")
+        if not abs(self.order) <= 1e6:
+            raise SettingsError(f"order is {self.order}; give a finite number of quarter turns.")
+
+    @property
+    def projects(self) -> bool:
+        """Whether embeddings pass a learned linear map to width D first."""
+        return self.project or self.input_width != self.width
+
+
+def literal(settings: HeadSettings) -> HeadSettings:
+    """Return the settings that follow the printed equations where ours differ.
+
+    Known not to train: features stay so small that biases and NOD swamp the classes.
+    """
+    return replace(
+        settings, attention_scale="outside", feature_scale="literal", tree_at_inference=False
+    )

@@ -1,0 +1,94 @@
+"""UMAP in torch: exact neighbours, the fuzzy graph, and a vectorised descent. No compilation.
+
+What differs from umap-learn: neighbours are exact. Every edge pulls in every step with its
+weight, where umap-learn draws edges in proportion to it. REPELLERS rows, drawn anew in every
+step, push each row with the same mean strength. All rows move at once, so each is moved by its
+force over its degree: the places where forces vanish stay the same, and hubs do not overshoot.
+The start is PCA, or a map that is given.
+"""
+
+import torch
+from torch import Tensor
+
+from omnivat.projection import pca
+from omnivat.projection.fuzzy import Graph, fuzzy_graph
+from omnivat.projection.neighbours import nearest
+from omnivat.seeding import derive_seed
+
+A, B = 1.5769, 0.8951  # the curve 1 / (1 + A d^2B) that fits min_dist = 0.1, spread = 1
+NEGATIVES = 5  # pushes for each pull, as in umap-learn
+REPELLERS = 16
+STEPS, RATE = 200, 0.25
+START_RADIUS = 10.0
+PULL_LIMIT = 4.0  # umap-learn's bound on each part of one force
+
+
+def project(
+    points: Tensor,
+    *,
+    seed: int = 0,
+    neighbours: int = 15,
+    steps: int = STEPS,
+    rate: float = RATE,
+    start: Tensor | None = None,
+) -> Tensor:
+    """Return a UMAP map of points (N, D) -> (N, 2).
+
+    seed        the same seed, machine and thread count give the same map
+    neighbours  of each row, itself included as umap-learn counts; small sets use all they have
+    steps       of the descent
+    rate        share of its force over its degree that a row moves by in the first step; it falls
+                to 0 in a straight line. Above about 0.5 near rows swing past one another
+    start       (N, 2) a map to start from, such as that of a neighbouring order
+    """
+    if len(points) < 4:
+        return pca.project(points)
+    graph = fuzzy_graph(nearest(points, min(neighbours, len(points)) - 1))
+    start = first_map(points) if start is None else start
+    return descend(graph, start, steps=steps, rate=rate, seed=seed)
+
+
+def first_map(points: Tensor) -> Tensor:
+    """Return the PCA map, scaled to START_RADIUS: where a map without a neighbour starts."""
+    flat = pca.project(points)
+    return flat * (START_RADIUS / flat.abs().max().clamp_min(1e-30))
+
+
+def descend(graph: Graph, start: Tensor, *, steps: int, rate: float, seed: int) -> Tensor:
+    """Move the rows of `start` (N, 2) along UMAP's forces; return the new places.
+
+    Source: McInnes, Healy and Melville, arXiv:1802.03426, section 3.2 and appendix C.
+    """
+    rows, device = graph.rows, start.device
+    generator = torch.Generator(device).manual_seed(derive_seed(seed, "umap"))
+    # rows at one place would never part: no force has a direction there
+    jitter = torch.randn(start.shape, generator=generator, dtype=start.dtype, device=device)
+    # one line of all x and one of all y is twice as fast as pairs
+    places = (start + 1e-4 * jitter).T.contiguous()  # (2, N)
+    tail, head = graph.tail, graph.head
+    degree = start.new_zeros(rows).index_add_(0, tail, graph.weight)
+    degree = degree.index_add_(0, head, graph.weight).clamp_min(1e-12)
+    # umap-learn walks each edge from both of its ends: hence twice the weight
+    on_tail, on_head = 2 * graph.weight / degree[tail], -2 * graph.weight / degree[head]
+    for step in range(steps):
+        pull = attraction(places[:, tail] - places[:, head])  # (2, M)
+        drawn = torch.randint(rows, (REPELLERS, rows), generator=generator, device=device)
+        move = NEGATIVES * repulsion(places[:, None] - places[:, drawn]).mean(1)  # (2, N)
+        move.index_add_(1, tail, pull * on_tail).index_add_(1, head, pull * on_head)
+        places = places + rate * (1 - step / steps) * move
+    return places.T.contiguous()
+
+
+def attraction(gap: Tensor) -> Tensor:
+    """Pull of an edge on its tail; `gap` (2, ...) = tail - head."""
+    squared = gap.square().sum(0).clamp_min(1e-12)
+    power = squared.pow(B)
+    strength = -2 * A * B * power / (squared * (1 + A * power))
+    return (gap * strength).clamp(-PULL_LIMIT, PULL_LIMIT)
+
+
+def repulsion(gap: Tensor) -> Tensor:
+    """Push of a drawn row on this one; `gap` (2, ...) = this - drawn. A row pushes itself by 0."""
+    squared = gap.square().sum(0)
+    strength = 2 * B / ((1e-3 + squared) * (1 + A * squared.pow(B)))
+    return (gap * strength).clamp(-PULL_LIMIT, PULL_LIMIT)

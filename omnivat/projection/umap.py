@@ -1,0 +1,23 @@
+"""UMAP by umap-learn, for those who want the reference: slow to start, loaded only when asked for."""
+
+import torch
+from torch import Tensor
+
+from omnivat.packages import need
+from omnivat.projection import pca
+
+
+def project(points: Tensor, *, seed: int = 0, neighbours: int = 15) -> Tensor:
+    """Return umap-learn's map of points (N, D) -> (N, 2), with its defaults and one thread.
+
+    The same seed gives the same map. Its first call in a process compiles for 10 s and more;
+    `omnivat.projection.torch_umap` gives maps of the same trustworthiness at once.
+    Raises MissingPackageError when umap-learn is not installed.
+    """
+    if len(points) < 4:
+        return pca.project(points)
+    umap = need("umap", purpose="the umap-learn projection", install="umap-learn")
+    k = min(neighbours, len(points) - 1)
+    model = umap.UMAP(n_neighbors=k, random_state=seed % 2**32, n_jobs=1)
+    flat = model.fit_transform(points.detach().cpu().numpy())
+    return torch.as_tensor(flat, dtype=points.dtype, device=points.device)

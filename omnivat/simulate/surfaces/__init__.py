@@ -1,0 +1,35 @@
+"""Procedural surfaces of the five materials: many distinct objects of each, from a seed.
+
+A recipe is a function from a random generator to a `Surface`. Recipes of different materials
+overlap on purpose (ribbed glass and ribbed plastic, cast steel and moulded plastic, laminate with
+the picture of wood), so that neither sight nor touch alone settles every case.
+"""
+
+import numpy as np
+
+from omnivat.seeding import derive_seed
+from omnivat.simulate.surfaces import ceramic, glass, plastic, steel, wood
+from omnivat.simulate.surfaces.base import Form, Surface
+
+__all__ = ["RECIPES", "Form", "Surface", "surface"]
+
+RECIPES = {
+    "wood": wood.RECIPES,
+    "steel": steel.RECIPES,
+    "plastic": plastic.RECIPES,
+    "ceramic": ceramic.RECIPES,
+    "glass": glass.RECIPES,
+}
+
+
+def surface(material: str, number: int, *, seed: int) -> Surface:
+    """Return object `number` of a material; the same seed and number give the same object.
+
+    Recipes are drawn by their weights in a fixed rotation, so that any run of neighbouring numbers
+    holds a fair mixture.
+    """
+    recipes = RECIPES[material]
+    weights = np.cumsum(list(recipes.values()))
+    golden = (number * 0.6180339887 + (derive_seed(seed, "rotation", material) % 997) / 997) % 1.0
+    recipe = list(recipes)[int(np.searchsorted(weights, golden * weights[-1]))]
+    return recipe(np.random.default_rng(derive_seed(seed, "surface", material, number)))

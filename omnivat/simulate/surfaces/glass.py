@@ -1,0 +1,121 @@
+"""Glass surfaces: float, rippled, reeded, pebbled, frosted, cut, pressed, bottle."""
+
+import numpy as np
+
+from omnivat.simulate.noise import Array, cells
+from omnivat.simulate.surfaces.base import Form, Surface, pick, pick_log, stream, tinted
+from omnivat.simulate.surfaces.patterns import (
+    diamonds,
+    dots,
+    grain,
+    orange_peel,
+    ribs,
+    scratches,
+)
+
+_TINTS = (
+    (0.93, 0.96, 0.95),
+    (0.95, 0.96, 0.96),
+    (0.62, 0.86, 0.70),
+    (0.80, 0.52, 0.20),
+    (0.45, 0.66, 0.88),
+    (0.88, 0.93, 0.91),
+)
+
+
+def _glass(
+    rng: np.random.Generator, recipe: str, relief: object, *, form: Form, dull: float = 0.02
+) -> Surface:
+    """Return glass of one tint with this relief; `dull` is the roughness of its skin."""
+    assert callable(relief)
+    tint, seed = _TINTS[rng.integers(len(_TINTS))], stream(rng)
+    return Surface(
+        recipe=recipe, relief=relief,
+        colour=lambda x, y: tinted(tint, 0.01 * orange_peel(x, y, size=30.0, seed=seed)),
+        gloss="glass", roughness=dull, form=form,
+    )  # fmt: skip
+
+
+def _pane(rng: np.random.Generator) -> Form:
+    return Form(angle=pick(rng, 0, np.pi))
+
+
+def _vessel(rng: np.random.Generator) -> Form:
+    """Return the wall of a bottle, tumbler or bowl."""
+    along = 0.0 if rng.random() < 0.6 else 1 / pick_log(rng, 40, 120)
+    return Form(across=1 / pick_log(rng, 22, 55), along=along, angle=pick(rng, 0, np.pi))
+
+
+def float_glass(rng: np.random.Generator) -> Surface:
+    """Return a pane or a smooth vessel: nothing to feel but a scratch or two."""
+    seed, count = stream(rng), int(rng.integers(0, 5))
+
+    def relief(x: Array, y: Array) -> Array:
+        used = scratches(x, y, count=count, reach=30.0, width=0.05, seed=seed)
+        return 0.0012 * orange_peel(x, y, size=8.0, seed=seed + 1) - 0.01 * used
+
+    form = _pane(rng) if rng.random() < 0.45 else _vessel(rng)
+    return _glass(rng, "float", relief, form=form)
+
+
+def rippled(rng: np.random.Generator) -> Surface:
+    """Return old or rippled glass: smooth, long, gentle waves."""
+    seed, size, rise = stream(rng), pick(rng, 4.0, 9.0), pick(rng, 0.06, 0.18)
+    return _glass(
+        rng, "rippled", lambda x, y: rise * orange_peel(x, y, size=size, seed=seed),
+        form=_pane(rng),
+    )  # fmt: skip
+
+
+def reeded(rng: np.random.Generator) -> Surface:
+    """Return fluted glass: exact, smooth ribs, which plastic has too."""
+    angle, pitch, rise = pick(rng, 0, np.pi), pick(rng, 3.0, 7.0), pick(rng, 0.25, 0.5)
+    return _glass(
+        rng, "reeded",
+        lambda x, y: rise * ribs(x, y, angle=angle, pitch=pitch, sharpness=0.6),
+        form=_pane(rng) if rng.random() < 0.5 else _vessel(rng),
+    )  # fmt: skip
+
+
+def pebbled(rng: np.random.Generator) -> Surface:
+    """Return hammered glass: round smooth cushions, close together."""
+    seed, size, rise = stream(rng), pick(rng, 3.0, 6.0), pick(rng, 0.10, 0.28)
+
+    def relief(x: Array, y: Array) -> Array:
+        near, _ = cells(x, y, size=size, seed=seed, jitter=0.7)
+        return -rise * (near / size) ** 2 * 2.0
+
+    return _glass(rng, "pebbled", relief, form=_pane(rng))
+
+
+def frosted(rng: np.random.Generator) -> Surface:
+    """Return acid-etched or blasted glass: very fine tooth, milky look."""
+    seed, depth = stream(rng), pick_log(rng, 0.003, 0.009)
+    return _glass(
+        rng, "frosted", lambda x, y: depth * grain(x, y, coarsest=0.5, finest=0.15, seed=seed),
+        form=_vessel(rng) if rng.random() < 0.4 else _pane(rng), dull=pick(rng, 0.25, 0.4),
+    )  # fmt: skip
+
+
+def cut(rng: np.random.Generator) -> Surface:
+    """Return cut crystal: crossing V grooves, sharp and smooth."""
+    angle, pitch, rise = pick(rng, 0, np.pi), pick(rng, 4.0, 8.0), pick(rng, 0.5, 0.9)
+    return _glass(
+        rng, "cut", lambda x, y: rise * diamonds(x, y, pitch=pitch, angle=angle),
+        form=_vessel(rng) if rng.random() < 0.5 else _pane(rng),
+    )  # fmt: skip
+
+
+def pressed(rng: np.random.Generator) -> Surface:
+    """Return pressed glass: smooth hobnails in rows."""
+    angle, pitch, rise = pick(rng, 0, np.pi), pick(rng, 4.5, 9.0), pick(rng, 0.3, 0.6)
+    return _glass(
+        rng, "pressed",
+        lambda x, y: rise * dots(x, y, pitch=pitch, radius=0.3 * pitch, angle=angle, edge=0.22 * pitch),
+        form=_vessel(rng) if rng.random() < 0.5 else _pane(rng),
+    )  # fmt: skip
+
+
+RECIPES = {
+    float_glass: 1.6, rippled: 1.1, reeded: 0.8, pebbled: 0.9, frosted: 0.9, cut: 0.7, pressed: 0.7,
+}  # fmt: skip

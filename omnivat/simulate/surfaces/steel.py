@@ -1,0 +1,182 @@
+"""Steel surfaces: brushed, milled, turned, ground, cast, rusty, chequered, knurled, painted."""
+
+import numpy as np
+
+from omnivat.simulate.noise import Array, smoothstep
+from omnivat.simulate.surfaces.base import Form, Surface, mixed, pick, pick_log, stream, tinted
+from omnivat.simulate.surfaces.patterns import (
+    arcs,
+    diamonds,
+    grain,
+    orange_peel,
+    pits,
+    scratches,
+    streaks,
+    treads,
+)
+
+_STEELS = ((0.56, 0.55, 0.53), (0.62, 0.61, 0.60), (0.45, 0.44, 0.43), (0.52, 0.50, 0.46))
+_RUST = np.array([0.22, 0.085, 0.035])
+
+
+def _steel(rng: np.random.Generator) -> tuple[float, float, float]:
+    return _STEELS[rng.integers(len(_STEELS))]
+
+
+def _part(rng: np.random.Generator) -> Form:
+    """Return flat sheet, or a tube or shaft."""
+    if rng.random() < 0.72:
+        return Form()
+    return Form(across=1 / pick_log(rng, 10, 50), angle=pick(rng, 0, np.pi))
+
+
+def brushed(rng: np.random.Generator) -> Surface:
+    """Return sheet brushed one way: hair-thin long streaks, a stretched highlight."""
+    angle, seed, base = pick(rng, 0, np.pi), stream(rng), _steel(rng)
+    depth, width = pick_log(rng, 0.006, 0.022), pick(rng, 0.25, 0.6)
+
+    def hairs(x: Array, y: Array) -> Array:
+        return streaks(x, y, angle=angle, width=width, length=60.0, seed=seed)
+
+    return Surface(
+        recipe="brushed",
+        relief=lambda x, y: depth * hairs(x, y),
+        colour=lambda x, y: tinted(base, 0.07 * hairs(x, y)),
+        gloss="metal", roughness=pick(rng, 0.12, 0.22), brushing=0.8, angle=angle, form=_part(rng),
+    )  # fmt: skip
+
+
+def machined(rng: np.random.Generator) -> Surface:
+    """Return a milled or turned face: evenly spaced tool marks, bent as the cutter was."""
+    far = pick_log(rng, 8, 150)
+    turn = pick(rng, 0, 2 * np.pi)
+    centre = (far * np.cos(turn), far * np.sin(turn))
+    pitch, depth = pick_log(rng, 0.35, 1.3), pick_log(rng, 0.008, 0.03)
+    seed, base = stream(rng), _steel(rng)
+
+    def marks(x: Array, y: Array) -> Array:
+        tooth = arcs(x, y, centre=centre, pitch=pitch)
+        return tooth + 0.35 * arcs(x, y, centre=centre, pitch=pitch * 3.3)
+
+    return Surface(
+        recipe="machined",
+        relief=lambda x, y: depth * marks(x, y) + 0.002 * grain(
+            x, y, coarsest=0.6, finest=0.15, seed=seed),
+        colour=lambda x, y: tinted(base, 0.06 * marks(x, y)),
+        gloss="metal", roughness=pick(rng, 0.12, 0.25), brushing=0.6, angle=turn + np.pi / 2,
+    )  # fmt: skip
+
+
+def ground(rng: np.random.Generator) -> Surface:
+    """Return polished or rolled steel: nearly smooth, scratched by use."""
+    seed, base = stream(rng), _steel(rng)
+    count, width = int(rng.integers(15, 60)), pick(rng, 0.05, 0.14)
+
+    def lines(x: Array, y: Array) -> Array:
+        return scratches(x, y, count=count, reach=30.0, width=width, seed=seed)
+
+    return Surface(
+        recipe="ground",
+        relief=lambda x, y: 0.003 * orange_peel(x, y, size=4.0, seed=seed) - 0.02 * lines(x, y),
+        colour=lambda x, y: tinted(base, -0.25 * lines(x, y)),
+        gloss="metal", roughness=pick(rng, 0.04, 0.16), form=_part(rng),
+    )  # fmt: skip
+
+
+def cast(rng: np.random.Generator) -> Surface:
+    """Return cast, forged or blasted steel: dull and evenly grainy, like a moulded plastic."""
+    seed, base = stream(rng), _steel(rng)
+    dark, depth = pick(rng, 0.3, 0.8), pick_log(rng, 0.012, 0.05)
+    size = pick(rng, 0.8, 1.8)
+
+    def rough(x: Array, y: Array) -> Array:
+        return grain(x, y, coarsest=size, finest=0.15, seed=seed)
+
+    return Surface(
+        recipe="cast",
+        relief=lambda x, y: depth * rough(x, y),
+        colour=lambda x, y: dark * tinted(base, 0.10 * rough(x, y)),
+        gloss="metal", roughness=pick(rng, 0.3, 0.45), form=_part(rng),
+    )  # fmt: skip
+
+
+def rusty(rng: np.random.Generator) -> Surface:
+    """Return steel that rust has begun to eat: scabs that stand proud, pits between."""
+    seed, base = stream(rng), _steel(rng)
+    edge, depth = pick(rng, -0.6, 0.8), pick_log(rng, 0.03, 0.08)
+
+    def scabs(x: Array, y: Array) -> Array:
+        patches = grain(x, y, coarsest=14.0, finest=0.6, seed=seed)
+        return smoothstep(patches, edge, edge + 0.5)
+
+    def relief(x: Array, y: Array) -> Array:
+        crust = 1.0 + 0.6 * grain(x, y, coarsest=1.5, finest=0.2, seed=seed + 20)
+        holes = pits(x, y, size=2.2, radius=0.5, share=0.3, seed=seed + 40)
+        return depth * (scabs(x, y) * crust - 0.8 * holes)
+
+    def colour(x: Array, y: Array) -> Array:
+        shade = 1.0 + 0.35 * grain(x, y, coarsest=3.0, finest=0.4, seed=seed + 60)
+        return np.clip(mixed(tinted(base, 0 * x), _RUST * shade[..., None], scabs(x, y)), 0.01, 0.9)
+
+    return Surface(
+        recipe="rusty", relief=relief, colour=colour, gloss="metal",
+        roughness=pick(rng, 0.3, 0.5), form=_part(rng),
+    )  # fmt: skip
+
+
+def chequered(rng: np.random.Generator) -> Surface:
+    """Return tread plate: lens-shaped bars."""
+    angle, seed, base = pick(rng, 0, np.pi), stream(rng), _steel(rng)
+    pitch, rise = pick(rng, 7.0, 13.0), pick(rng, 0.35, 0.6)
+
+    def relief(x: Array, y: Array) -> Array:
+        skin = grain(x, y, coarsest=0.8, finest=0.2, seed=seed)
+        return rise * treads(x, y, pitch=pitch, angle=angle) + 0.006 * skin
+
+    return Surface(
+        recipe="chequered", relief=relief,
+        colour=lambda x, y: tinted(
+            base, 0.06 * grain(x, y, coarsest=6.0, finest=0.5, seed=seed + 7)),
+        gloss="metal", roughness=pick(rng, 0.2, 0.35), angle=angle,
+    )  # fmt: skip
+
+
+def knurled(rng: np.random.Generator) -> Surface:
+    """Return a knurled grip: small pyramids on a shaft."""
+    angle, seed, base = pick(rng, 0, np.pi), stream(rng), _steel(rng)
+    pitch, rise = pick(rng, 0.9, 1.8), pick(rng, 0.10, 0.22)
+
+    return Surface(
+        recipe="knurled",
+        relief=lambda x, y: rise * diamonds(x, y, pitch=pitch, angle=angle),
+        colour=lambda x, y: tinted(base, 0.05 * orange_peel(x, y, size=3.0, seed=seed)),
+        gloss="metal", roughness=pick(rng, 0.15, 0.25), angle=angle, form=_part(rng),
+    )  # fmt: skip
+
+
+def enamelled(rng: np.random.Generator) -> Surface:
+    """Return painted steel: a soft orange peel under colour, chipped; easily taken for plastic."""
+    seed, base = stream(rng), _steel(rng)
+    paint = rng.uniform(0.03, 0.7, 3)
+    rise, worn = pick(rng, 0.006, 0.014), pick(rng, 1.2, 2.4)
+
+    def chips(x: Array, y: Array) -> Array:
+        return smoothstep(grain(x, y, coarsest=7.0, finest=0.7, seed=seed + 3), worn, worn + 0.15)
+
+    def relief(x: Array, y: Array) -> Array:
+        return rise * orange_peel(x, y, size=1.8, seed=seed) - 0.05 * chips(x, y)
+
+    def colour(x: Array, y: Array) -> Array:
+        even = np.broadcast_to(paint, (*np.shape(x), 3))
+        return mixed(even, 0.6 * tinted(base, 0 * x), chips(x, y))
+
+    return Surface(
+        recipe="enamelled", relief=relief, colour=colour, gloss="coated",
+        roughness=pick(rng, 0.08, 0.2), form=_part(rng),
+    )  # fmt: skip
+
+
+RECIPES = {
+    brushed: 1.5, machined: 1.5, ground: 1.0, cast: 1.0, rusty: 0.9, chequered: 0.7, knurled: 0.6,
+    enamelled: 0.5,
+}  # fmt: skip

@@ -1,0 +1,104 @@
+"""What all tests share: Hypothesis profiles, and small sets and heads made on the spot."""
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, settings
+
+settings.register_profile("ci", derandomize=True, deadline=None, max_examples=40)
+settings.register_profile(
+    "home", deadline=None, max_examples=100, suppress_health_check=[HealthCheck.too_slow]
+)
+settings.load_profile("ci" if os.environ.get("CI") else "home")
+
+CLASSES = ("wood", "steel", "plastic", "ceramic", "glass")
+
+
+@pytest.fixture(scope="session")
+def make_embeddings() -> Callable[..., object]:
+    """Return a maker of small, learnable embeddings: classes are directions, domains are shifts."""
+    from omnivat.data.store import Embeddings, Header
+
+    def make(
+        *,
+        domains: tuple[str, ...] = ("TAG-sim", "OF Real-sim"),
+        per_class: int = 8,
+        width: int = 24,
+        seed: int = 0,
+        classes: tuple[str, ...] = CLASSES,
+        split: bool = False,
+    ) -> Embeddings:
+        random = np.random.default_rng(seed)
+        directions = 3 * random.normal(size=(len(classes), width))
+        shifts = random.normal(size=(len(domains), 2, width))
+        domain = np.repeat(np.arange(len(domains)), per_class * len(classes))
+        label = np.tile(np.repeat(np.arange(len(classes)), per_class), len(domains))
+        noise = random.normal(size=(4, len(label), width))
+        vis, tac, vis_flip, tac_flip = (
+            (directions[label] + shifts[domain, m % 2] + noise[m]).astype(np.float32)
+            for m in range(4)
+        )
+        names = [
+            f"{domains[d]}/{classes[c]}/{i}"
+            for i, (d, c) in enumerate(zip(domain, label, strict=True))
+        ]
+        rows = {
+            "vis": [name + "_vis.png" for name in names],
+            "tac": [name + "_tac.png" for name in names],
+            "object": [f"{name.rsplit('/', 1)[0]}/{i // 2}" for i, name in enumerate(names)],
+            "split": [("train", "test")[i // 2 % 2] if split else "" for i in range(len(names))],
+            "part": [""] * len(names),
+        }
+        header = Header(
+            encoder="test-encoder",
+            weights_hash="0" * 16,
+            preprocessing="none",
+            domains=domains,
+            classes=classes,
+            simulated=True,
+            origin="made by a test",
+        )
+        return Embeddings(
+            header=header,
+            vis=vis,
+            tac=tac,
+            vis_flip=vis_flip,
+            tac_flip=tac_flip,
+            domain=domain,
+            label=label,
+            rows=rows,
+        )
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def head_folder(
+    make_embeddings: Callable[..., object], tmp_path_factory: pytest.TempPathFactory
+) -> Path:
+    """Return the folder of a small head, trained for two epochs on made-up embeddings."""
+    from omnivat.cli import main
+    from omnivat.data.store import save_embeddings
+
+    folder = tmp_path_factory.mktemp("head")
+    save_embeddings(folder / "set.safetensors", make_embeddings())  # type: ignore[arg-type]
+    code = main(
+        [
+            "train",
+            "--embeddings",
+            str(folder / "set.safetensors"),
+            "--source",
+            "TAG-sim",
+            "--out",
+            str(folder / "head"),
+            "--set",
+            "width=16",
+            "--set",
+            "epochs=2",
+        ]
+    )
+    assert code == 0
+    return folder / "head"

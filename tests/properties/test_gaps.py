@@ -1,0 +1,139 @@
+"""Laws of the gap measures: symmetry, zero for equal sets, what they ignore, slow oracles."""
+
+from itertools import product
+
+import pytest
+import torch
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from omnivat.gaps import GAPS
+from omnivat.gaps.confusion import macro_f1
+from omnivat.gaps.cosine_margin import cosine_margin, cross_domain_margin, cross_modal_margin
+from omnivat.gaps.domain import domain_gap, pairwise_gaps
+from omnivat.gaps.unit import unit
+from omnivat.tables import load
+
+seeds = st.integers(0, 2**31)
+counts = st.integers(6, 14)
+widths = st.integers(2, 9)
+lengths = st.sampled_from([1e-150, 1e-3, 7.0, 1e150])
+gaps = pytest.mark.parametrize("name", list(GAPS))
+few = settings(max_examples=15, deadline=None)
+
+
+def sets(seed, count, width):
+    """Two sets of different sizes, float64."""
+    generator = torch.Generator().manual_seed(seed)
+    a = torch.randn(count, width, generator=generator, dtype=torch.float64)
+    b = torch.randn(count + 3, width, generator=generator, dtype=torch.float64) + 0.3
+    return a, b
+
+
+def labelled(seed, count):
+    generator = torch.Generator().manual_seed(seed)
+    return torch.randint(0, 3, (count,), generator=generator), torch.randint(
+        0, 3, (count,), generator=generator
+    )
+
+
+@gaps
+@few
+@given(seed=seeds, count=counts, width=widths)
+def test_a_gap_is_the_same_from_both_sides(name, seed, count, width):
+    a, b = sets(seed, count, width)
+    measure = load(GAPS, name, kind="gap")
+    torch.testing.assert_close(measure(a, b), measure(b, a), rtol=1e-9, atol=1e-12)
+
+
+@gaps
+@few
+@given(seed=seeds, count=counts, width=widths)
+def test_a_set_has_no_gap_to_itself(name, seed, count, width):
+    a, _ = sets(seed, count, width)
+    assert load(GAPS, name, kind="gap")(a, a).item() == pytest.approx(0, abs=1e-12)
+
+
+@gaps
+@few
+@given(seed=seeds, count=counts, width=widths, length=lengths)
+def test_a_gap_ignores_the_length_of_features(name, seed, count, width, length):
+    a, b = sets(seed, count, width)
+    measure = load(GAPS, name, kind="gap")
+    torch.testing.assert_close(measure(a * length, b), measure(a, b), rtol=1e-7, atol=1e-10)
+
+
+@gaps
+@few
+@given(seed=seeds, count=counts, width=widths)
+def test_a_gap_does_not_move_under_a_rotation(name, seed, count, width):
+    """A unitary DFrFT therefore leaves every one of them where it was, at any order."""
+    a, b = sets(seed, count, width)
+    turn = torch.linalg.qr(sets(seed + 1, width, width)[0]).Q
+    measure = load(GAPS, name, kind="gap")
+    torch.testing.assert_close(measure(a @ turn, b @ turn), measure(a, b), rtol=1e-7, atol=1e-10)
+
+
+def slow_margin(rows, others, labels, other_labels, counted):
+    """The margin by looking at every pair."""
+    kinds = {True: [], False: []}
+    for i, j in product(range(len(rows)), range(len(others))):
+        if counted(i, j):
+            cosine = torch.nn.functional.cosine_similarity(rows[i], others[j], dim=0)
+            kinds[bool(labels[i] == other_labels[j])].append(cosine)
+    return torch.stack(kinds[True]).mean() - torch.stack(kinds[False]).mean()
+
+
+@few
+@given(seed=seeds, count=st.integers(10, 20), width=widths)
+def test_margins_equal_those_of_every_pair_counted_one_by_one(seed, count, width):
+    rows, _ = sets(seed, count, width)
+    tac, _ = sets(seed + 1, count, width)
+    labels, domains = labelled(seed, count)
+    labels[:4], domains[:4] = torch.tensor([0, 0, 1, 1]), torch.tensor([0, 1, 0, 1])
+    torch.testing.assert_close(
+        cosine_margin(rows, labels),
+        slow_margin(rows, rows, labels, labels, lambda i, j: i < j),
+    )
+    torch.testing.assert_close(
+        cross_domain_margin(rows, labels, domains),
+        slow_margin(rows, rows, labels, labels, lambda i, j: i < j and domains[i] != domains[j]),
+    )
+    torch.testing.assert_close(
+        cross_modal_margin(rows, tac, labels),
+        slow_margin(rows, tac, labels, labels, lambda i, j: i != j),
+    )
+
+
+@few
+@given(seed=seeds, count=counts, width=widths)
+def test_the_domain_gap_is_the_mean_over_every_two_domains(seed, count, width):
+    rows, _ = sets(seed, count, width)
+    _, domains = labelled(seed, count)
+    domains[:2] = torch.tensor([0, 2])
+    named = {str(d): rows[domains == d] for d in domains.unique().tolist()}
+    every = pairwise_gaps(named, load(GAPS, "centroid", kind="gap"))
+    torch.testing.assert_close(domain_gap(rows, domains), torch.stack([*every.values()]).mean())
+
+
+@few
+@given(seed=seeds, count=counts)
+def test_macro_f1_agrees_with_scikit_learn(seed, count):
+    from sklearn.metrics import f1_score
+
+    truth, answers = labelled(seed, count)
+    union = f1_score(truth, answers, average="macro", zero_division=0)
+    present = f1_score(
+        truth, answers, labels=truth.unique().tolist(), average="macro", zero_division=0
+    )
+    assert macro_f1(truth, answers, average="union").item() == pytest.approx(union)
+    assert macro_f1(truth, answers).item() == pytest.approx(present)
+
+
+@few
+@given(seed=seeds, length=st.sampled_from([1e-310, 1e-30, 1e30, 1e308]))
+def test_unit_rows_have_length_one_at_any_scale(seed, length):
+    rows, _ = sets(seed, 6, 5)
+    torch.testing.assert_close(
+        unit(rows / rows.abs().max() * length).norm(dim=1), torch.ones(6, dtype=torch.float64)
+    )

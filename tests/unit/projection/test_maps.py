@@ -1,0 +1,198 @@
+"""Maps in two dimensions: exactness, faithfulness, sameness of answers, odd sets."""
+
+import sys
+from itertools import pairwise
+
+import pytest
+import torch
+
+from omnivat.errors import MissingPackageError, SettingsError, ShapeError
+from omnivat.projection import PROJECTIONS, fuzzy, pca, torch_umap, umap
+from omnivat.projection.align import aligned, chained
+from omnivat.projection.chain import chain
+from omnivat.projection.neighbours import nearest
+from omnivat.projection.place import place
+from omnivat.projection.quality import drift, radius, recall, trustworthiness
+from omnivat.tables import load
+
+SCHEMES = ["pca", "umap"]
+
+
+def noise(*shape, seed=0, dtype=torch.float32):
+    return torch.randn(*shape, generator=torch.Generator().manual_seed(seed), dtype=dtype)
+
+
+def clusters(each=40, groups=5, width=16, seed=0):
+    """Groups of rows, far apart; and the group of each row."""
+    group = torch.arange(groups).repeat_interleave(each)
+    return 8 * noise(groups, width, seed=seed)[group] + noise(
+        each * groups, width, seed=seed + 1
+    ), group
+
+
+@pytest.mark.parametrize("name", list(PROJECTIONS))
+def test_every_projection_loads(name):
+    assert callable(load(PROJECTIONS, name, kind="projection"))
+
+
+@pytest.mark.parametrize("shape", [(40, 7), (6, 30)])
+def test_neighbours_are_those_of_the_full_distance_matrix(shape):
+    points = noise(*shape, dtype=torch.float64) + 100
+    full = torch.cdist(points, points)
+    full.fill_diagonal_(torch.inf)
+    found = nearest(points, 4)
+    torch.testing.assert_close(found.distance, full.sort(1).values[:, :4], atol=1e-7, rtol=0)
+    assert torch.equal(found.index, full.sort(1).indices[:, :4])
+
+
+def test_too_many_neighbours_are_refused():
+    with pytest.raises(SettingsError, match="5 neighbours were asked for among 4; ask for 1 to 4"):
+        nearest(noise(5, 3), 5)
+
+
+@pytest.mark.parametrize("shape", [(50, 6), (6, 50), (2, 3)])
+def test_pca_is_the_singular_value_decomposition(shape):
+    points = noise(*shape, dtype=torch.float64)
+    flat = pca.project(points)
+    u, s, _ = torch.linalg.svd(points - points.mean(0), full_matrices=False)
+    torch.testing.assert_close(flat.abs(), (u * s)[:, :2].abs(), atol=1e-9, rtol=0)
+
+
+@pytest.mark.parametrize("shape", [(50, 6), (6, 50)])
+def test_pca_has_one_sign_whatever_the_sign_of_the_data(shape):
+    points = noise(*shape, dtype=torch.float64)
+    axes = pca.basis(points).axes
+    torch.testing.assert_close(axes, pca.basis(-points).axes)
+    torch.testing.assert_close(axes.T @ axes, torch.eye(2, dtype=torch.float64))
+
+
+def test_pca_wants_two_columns():
+    with pytest.raises(ShapeError, match=r"\(3, 1\); a map needs 1 row and 2 columns"):
+        pca.project(torch.ones(3, 1))
+
+
+def test_fuzzy_weights_of_a_row_add_up_to_log2_of_its_neighbours():
+    found = nearest(noise(60, 5, dtype=torch.float64), 14)
+    beyond = found.distance - found.distance[:, :1]
+    weights = (-beyond / fuzzy._widths(beyond, 3.9)).exp().sum(1)
+    torch.testing.assert_close(weights, torch.full_like(weights, 3.9), atol=1e-6, rtol=0)
+
+
+def test_the_fuzzy_graph_is_the_union_of_both_directions():
+    found = nearest(noise(30, 3), 5)
+    graph = fuzzy.fuzzy_graph(found)
+    beyond = found.distance - found.distance[:, :1]
+    weight = (-beyond / fuzzy._widths(beyond, torch.tensor(6.0).log2().item())).exp()
+    one_way = torch.zeros(30, 30).scatter_(1, found.index, weight)
+    wanted = one_way + one_way.T - one_way * one_way.T
+    got = torch.zeros(30, 30)
+    got[graph.tail, graph.head] += graph.weight
+    got[graph.head, graph.tail] += graph.weight
+    torch.testing.assert_close(got, wanted)
+
+
+def test_umap_keeps_clusters_apart_and_neighbours_near():
+    points, group = clusters()
+    flat = torch_umap.project(points)
+    assert trustworthiness(points, flat) > 0.97
+    near = group[nearest(flat, 10).index]
+    assert (near == group[:, None]).float().mean() > 0.99
+
+
+def test_umap_is_more_trustworthy_than_pca_on_a_curved_sheet():
+    along = torch.linspace(3, 12, 400)
+    sheet = torch.stack([along * along.cos(), along * along.sin(), 9 * noise(400).sigmoid()], 1)
+    flat = torch_umap.project(sheet)
+    assert trustworthiness(sheet, flat) > max(0.97, trustworthiness(sheet, pca.project(sheet)))
+
+
+@pytest.mark.parametrize("name", SCHEMES)
+def test_the_same_seed_gives_the_same_map(name):
+    project = load(PROJECTIONS, name, kind="projection")
+    points, _ = clusters(each=10)
+    assert torch.equal(project(points, seed=3), project(points, seed=3))
+
+
+@pytest.mark.parametrize("name", SCHEMES)
+@pytest.mark.parametrize(
+    "points",
+    [
+        torch.zeros(20, 4),
+        noise(20, 4).sign(),
+        noise(1, 4),
+        noise(2, 4),
+        noise(3, 4),
+        noise(5, 4),
+        1e6 + noise(30, 4),
+        1e-6 * noise(30, 4),
+        torch.cat([noise(20, 4)] * 2),
+    ],
+    ids=["equal", "corners", "one", "two", "three", "five", "far", "tiny", "twice"],
+)
+def test_odd_sets_still_have_a_finite_map(name, points):
+    flat = load(PROJECTIONS, name, kind="projection")(points)
+    assert flat.shape == (len(points), 2)
+    assert flat.isfinite().all()
+
+
+def test_a_missing_umap_learn_is_named(monkeypatch):
+    monkeypatch.setitem(sys.modules, "umap", None)
+    with pytest.raises(MissingPackageError, match="pip install umap-learn"):
+        umap.project(noise(8, 4))
+
+
+def test_alignment_undoes_a_turn_and_a_mirror():
+    flat = noise(30, 2, dtype=torch.float64)
+    flat = flat - flat.mean(0)
+    turn = torch.linalg.qr(noise(2, 2, seed=5, dtype=torch.float64)).Q
+    for change in (turn, turn @ torch.diag(torch.tensor([1.0, -1.0], dtype=torch.float64))):
+        torch.testing.assert_close(aligned(flat @ change, flat), flat)
+
+
+def test_chained_maps_do_not_flip():
+    flat = noise(30, 2)
+    flat = flat - flat.mean(0)
+    for after in chained([flat, -flat, flat.flip(1)]):
+        torch.testing.assert_close(after, flat)
+
+
+def test_a_chain_of_maps_moves_less_than_maps_made_apart_and_shows_as_much():
+    points, _ = clusters(each=30)
+    turned = [points + 0.3 * step * noise(*points.shape, seed=9) for step in range(4)]
+    warm = list(chain(turned))
+    apart = [torch_umap.project(points, seed=step) for step, points in enumerate(turned)]
+    moved = [drift(a, b) for a, b in pairwise(warm)]
+    jumped = [drift(a, b) for a, b in pairwise(apart)]
+    assert max(moved) < min(jumped)
+    for points, flat, alone in zip(turned, warm, apart, strict=True):
+        assert trustworthiness(points, flat) > trustworthiness(points, alone) - 0.01
+
+
+def test_quality_agrees_with_scikit_learn_and_is_perfect_for_the_points_themselves():
+    from sklearn.manifold import trustworthiness as reference
+
+    points, flat = noise(80, 6), noise(80, 2, seed=1)
+    wanted = reference(points.numpy(), flat.numpy(), n_neighbors=7)
+    assert trustworthiness(points, flat, k=7) == pytest.approx(wanted)
+    assert trustworthiness(flat, flat, k=7) == recall(flat, flat, k=7) == 1
+
+
+def test_drift_is_counted_in_radii():
+    flat = noise(50, 2)
+    assert drift(flat, flat + torch.tensor([radius(flat), 0.0])) == pytest.approx(1)
+
+
+def test_a_known_row_is_placed_on_its_own_point():
+    points, _ = clusters(each=10)
+    flat = noise(len(points), 2)
+    torch.testing.assert_close(place(points, points, flat), flat)
+
+
+def test_a_new_row_is_placed_among_its_neighbours():
+    points, group = clusters(each=20)
+    flat = torch_umap.project(points)
+    fresh, _ = clusters(each=20)
+    fresh = fresh + 0.1 * noise(*fresh.shape, seed=4)
+    placed = place(fresh, points, flat)
+    near = nearest(flat, 1, queries=placed).index[:, 0]
+    assert (group[near] == group).float().mean() > 0.98

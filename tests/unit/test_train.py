@@ -1,0 +1,182 @@
+"""Training: it learns, repeats itself, and never leans on what prediction lacks."""
+
+import numpy as np
+import pytest
+import torch
+
+from omnivat.errors import DataError, OmniVatError, SettingsError
+from omnivat.evaluate import predicted_probabilities
+from omnivat.lang.bank import LangBank, load_bank
+from omnivat.model.settings import HeadSettings
+from omnivat.train import TrainSettings, train
+
+CLASSES = ("wood", "steel", "plastic", "ceramic", "glass")
+
+
+@pytest.fixture(scope="module")
+def source(make_embeddings):
+    return make_embeddings(domains=("TAG-sim",), per_class=16)
+
+
+def head(**changes):
+    values = {"classes": CLASSES, "input_width": 24, "width": 32, "lang_width": 384}
+    return HeadSettings(**(values | changes))
+
+
+def accuracy(model, pairs):
+    answers = predicted_probabilities(model, pairs)["fused"].argmax(-1).numpy()
+    return (answers == pairs.label).mean()
+
+
+def test_a_head_learns_its_source_and_p_stays_near_its_start(source):
+    trained = train(source, head(), TrainSettings(epochs=8), bank=load_bank())
+    assert accuracy(trained.model, source) > 0.95
+    assert trained.epochs[-1]["cross_entropy"] < 0.3 < trained.epochs[0]["cross_entropy"]
+    assert abs(trained.model.order - 0.5) < 0.2
+    assert trained.model.order != 0.5
+
+
+def test_same_seed_gives_the_same_weights_to_the_bit(source):
+    runs = [
+        train(source, head(), TrainSettings(epochs=1), bank=load_bank(), seed=s).model
+        for s in (5, 5, 6)
+    ]
+    first, second, other = (run.state_dict() for run in runs)
+    assert all(torch.equal(first[name], second[name]) for name in first)
+    assert not torch.equal(first["classifier"], other["classifier"])
+
+
+def test_lang_leaks_less_than_five_points_into_training(source):
+    """With LANG always on a head reads the class off the text and fails without it."""
+    trained = train(source, head(), TrainSettings(epochs=8), bank=load_bank())
+    with_text = guided_accuracy(trained.model, source)
+    assert with_text - accuracy(trained.model, source) < 0.05
+
+
+def test_the_leak_guard_can_fail(source):
+    """Noise for VIS and TAC, LANG always on: right with text, lost without."""
+    random = np.random.default_rng(0)
+    noise = {n: random.normal(size=source.vis.shape).astype(np.float32) for n in ("vis", "tac")}
+    blind = type(source)(
+        header=source.header, domain=source.domain, label=source.label, rows=source.rows, **noise
+    )
+    leaky = TrainSettings(epochs=8, lang_drop=0.0, class_token_drop=1.0)
+    trained = train(blind, head(), leaky, bank=load_bank())
+    assert guided_accuracy(trained.model, blind) - accuracy(trained.model, blind) > 0.05
+
+
+def guided_accuracy(model, pairs):
+    """Accuracy when every pair is guided by its true class's text, as only training may."""
+    bank = load_bank()
+    lang = torch.from_numpy(bank.embeddings[pairs.label, 0])
+    off = torch.zeros(len(pairs), dtype=torch.bool)
+    with torch.no_grad():
+        output = model.training_pass(
+            torch.from_numpy(pairs.vis),
+            torch.from_numpy(pairs.tac),
+            lang,
+            torch.from_numpy(pairs.label),
+            token_on=off,
+        )
+    fused = sum(torch.softmax(values, -1) for values in output.logits.values())
+    return (fused.argmax(-1).numpy() == pairs.label).mean()
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"lang": False},
+        {"mma_weight": 0.0, "nod_weight": 0.0},
+        {"mma_weight": 100.0},
+        {"lang_drop": 1.0, "class_token_drop": 1.0},
+        {"batch": 7},
+        {"batch": 1},
+        {"selection": "source-val"},
+    ],
+)
+def test_every_setting_of_training_gives_finite_weights(source, change):
+    settings = TrainSettings(epochs=1, **change)
+    wanted = head() if settings.lang else head(lang_width=1)
+    trained = train(source, wanted, settings, bank=load_bank() if settings.lang else None)
+    assert all(p.isfinite().all() for p in trained.model.parameters())
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"order": 0.0},
+        {"order": 2.0},
+        {"learn_order": False},
+        {"class_token": False},
+        {"levels": 1},
+        {"levels": 5},
+        {"theta_init": "signed"},
+        {"theta_init": "normal"},
+        {"expansion": 1},
+        {"feature_scale": "literal"},
+    ],
+)
+def test_every_setting_of_the_head_trains_to_finite_weights(source, change):
+    trained = train(source, head(**change), TrainSettings(epochs=1), bank=load_bank())
+    assert all(p.isfinite().all() for p in trained.model.parameters())
+    if change.get("learn_order") is False:
+        assert trained.model.order == 0.5
+
+
+def test_selection_on_the_source_holds_out_whole_objects_and_keeps_the_best_epoch(source):
+    settings = TrainSettings(epochs=3, selection="source-val", val_fraction=0.25)
+    trained = train(source, head(), settings, bank=load_bank())
+    scores = [epoch["source_val_macro_f1"] for epoch in trained.epochs]
+    assert scores[trained.chosen_epoch] == max(scores)
+
+
+def test_training_reports_every_step(source):
+    steps = []
+    train(source, head(), TrainSettings(epochs=2), bank=load_bank(), on_step=steps.append)
+    assert [step.done for step in steps] == list(range(1, 11))
+    assert {step.total for step in steps} == {10}
+
+
+def test_one_class_alone_is_refused(source):
+    with pytest.raises(DataError, match="one class only"):
+        train(source.select(source.label == 0), head(), TrainSettings(), bank=load_bank())
+
+
+def test_an_empty_source_is_refused(source):
+    with pytest.raises(DataError, match="no training pairs"):
+        train(source.select(source.label == 99), head(), TrainSettings(), bank=load_bank())
+
+
+def test_a_loss_that_is_not_finite_stops_with_a_sentence(source):
+    bad = source.vis.copy()
+    bad[0, 0] = np.inf
+    broken = type(source)(
+        header=source.header,
+        vis=bad,
+        tac=source.tac,
+        domain=source.domain,
+        label=source.label,
+        rows=source.rows,
+    )
+    with pytest.raises(OmniVatError, match=r"Training stopped: the loss is .*Lower lr"):
+        train(broken, head(), TrainSettings(epochs=1), bank=load_bank())
+
+
+def test_unknown_selection_is_refused():
+    with pytest.raises(SettingsError, match="choose one of last, source-val"):
+        TrainSettings(selection="target")
+
+
+def test_a_bank_without_a_class_says_how_to_make_one():
+    with pytest.raises(
+        DataError, match="no text for rubber.*omnivat prompts --classes wood,rubber"
+    ):
+        load_bank().for_classes(("wood", "rubber"))
+
+
+def test_the_banks_rows_follow_the_classes_asked_for():
+    bank = load_bank()
+    part = bank.for_classes(("glass", "wood"))
+    assert isinstance(part, LangBank)
+    np.testing.assert_array_equal(part.embeddings[1], bank.embeddings[0])
+    assert part.hash != bank.hash
