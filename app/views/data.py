@@ -1,8 +1,78 @@
 """Data & about: what is loaded, where it came from, its limits, and how to load one's own."""
 
+from pathlib import Path
+from typing import Any
+
 from app.components import component
+from app.limits import MAX_IMAGE_BYTES, MAX_PIXELS
+from app.resources import Resources
+from omnivat.errors import DataError
 
 TITLE = "Data & about"
+
+
+def about(resources: Resources) -> dict[str, Any]:
+    """Return what is loaded, or for each part that is missing the sentence that says so."""
+    return {
+        "head": _or_problem(lambda: head_facts(resources)),
+        "embeddings": _or_problem(lambda: embedding_facts(resources)),
+        "examples": len(resources.examples()),
+        "limits": {"image_bytes": MAX_IMAGE_BYTES, "image_pixels": MAX_PIXELS},
+    }
+
+
+def head_facts(resources: Resources) -> dict[str, Any]:
+    """Return what the head's folder says of itself."""
+    head = resources.head()
+    settings = head.settings
+    return {
+        "name": _place(resources.where.head),
+        "classes": list(settings.classes),
+        "width": settings.width,
+        "input_width": settings.input_width,
+        "expansion": settings.expansion,
+        "levels": settings.levels,
+        "order": head.model.order,
+        "parameters": sum(p.numel() for p in head.model.parameters()),
+        "encoder": head.encoder,
+        "provenance": head.provenance,
+        "metrics": head.metrics,
+    }
+
+
+def embedding_facts(resources: Resources) -> dict[str, Any]:
+    """Return what the set's header says, and how many pairs each domain and class has."""
+    import numpy as np
+
+    embeddings = resources.embeddings()
+    header = embeddings.header
+    counts = np.zeros((len(header.domains), len(header.classes)), dtype=int)
+    np.add.at(counts, (embeddings.domain, embeddings.label), 1)
+    return {
+        "name": _place(resources.where.embeddings),
+        "pairs": len(embeddings),
+        "width": embeddings.width,
+        "encoder": header.encoder,
+        "weights_hash": header.weights_hash,
+        "preprocessing": header.preprocessing,
+        "domains": list(header.domains),
+        "classes": list(header.classes),
+        "counts": counts.tolist(),
+        "simulated": header.simulated,
+        "origin": header.origin,
+    }
+
+
+def _place(path: Path) -> str:
+    """Name a file without telling where on the server it lies."""
+    return "/".join(path.parts[-2:])
+
+
+def _or_problem(facts: Any) -> dict[str, Any]:
+    try:
+        return dict(facts())
+    except DataError as error:
+        return {"problem": str(error)}
 
 
 def build() -> None:

@@ -4,10 +4,10 @@ import base64
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from app.asking import embedded, refs_from, rounded
 from app.components import component
 from app.resources import Resources
-from app.state import Ref, order_from, ref_from
-from omnivat.errors import DataError
+from app.state import order_from
 
 if TYPE_CHECKING:
     import numpy as np
@@ -18,28 +18,6 @@ if TYPE_CHECKING:
 TITLE = "Pair"
 STOPS = tuple(k / 100 for k in range(101))
 COLUMNS = 256  # of the spectrum's picture; each shows the largest of the entries under it
-
-
-def embedded(
-    resources: Resources, refs: Mapping[str, Ref | None]
-) -> "dict[str, torch.Tensor | None]":
-    """Return the embeddings (1, input_width) of the images named, None where one is left out.
-
-    Raises DataError when both are left out or one is not to be had.
-    """
-    if not any(refs.values()):
-        raise DataError("Choose a pair first: a VIS image, a TAC image or both.")
-    import torch
-
-    return {
-        modality: torch.from_numpy(resources.embedding(ref, modality).copy())[None] if ref else None
-        for modality, ref in refs.items()
-    }
-
-
-def refs_from(question: Mapping[str, Any]) -> dict[str, Ref | None]:
-    """Return what a question names as VIS and TAC."""
-    return {modality: ref_from(question.get(modality)) for modality in ("vis", "tac")}
 
 
 def answer(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
@@ -111,11 +89,6 @@ def spectrum(magnitudes: "np.ndarray[Any, Any]") -> dict[str, Any]:
         "top": top,
         "pixels": base64.b64encode(pixels.tobytes()).decode(),
     }
-
-
-def rounded(values: "np.ndarray[Any, Any]") -> list[list[float]]:
-    """Return probabilities with six digits, enough for anything the page shows."""
-    return [[round(float(v), 6) for v in row] for row in values]
 
 
 def build() -> None:

@@ -23,6 +23,7 @@ def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--precision", choices=["fp32", "bf16"], default="fp32")
     parser.add_argument("--dtype", choices=["float32", "float16"], default="float32")
     parser.add_argument("--engine", choices=["local", "ray"], default="local")
+    parser.add_argument("--manifest", choices=["csv", "parquet"], default="csv")
     parser.add_argument("--no-flips", action="store_true", help="leave out the mirrored copies")
     parser.add_argument("--workers", type=int, help="threads; all cores if left out")
 
@@ -45,9 +46,16 @@ def run(options: argparse.Namespace) -> None:
             weights=options.weights,
             precision=options.precision,
             dtype=options.dtype,
+            manifest=options.manifest,
             engine=options.engine,
             flips=not options.no_flips,
             workers=options.workers,
             on_step=show,
         )
-    print(report.summary())
+    for skipped in report.skipped:
+        print(f"skipped {skipped.what}: {skipped.why}")
+    resumed = f", {report.resumed} of them by an earlier run" if report.resumed else ""
+    print(
+        f"{report.embedded} pairs embedded{resumed} in {report.seconds:.0f} s, "
+        f"{len(report.skipped)} skipped; written to {report.out}"
+    )

@@ -38,22 +38,27 @@ def add(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Load the head and its encoder, embed the pairs, print the answers."""
     pairs = _pairs(options)
+    import torch
+
     from omnivat.checkpoint import load_head
-    from omnivat.embed import encoder_of, pair_embeddings
+    from omnivat.encoders import load_encoder
+    from omnivat.encoders.cache import default_cache, embed_pair
     from omnivat.predict import PRECISION, checked_order, predict_embeddings
 
     checked_order(options.order)
     head = load_head(options.head, dtype=PRECISION)
-    encoder = encoder_of(head.encoder, weights=options.weights)
+    encoder = load_encoder(head.encoder["name"], weights=options.weights)
     head.require(
         (encoder.name, encoder.weights_hash, encoder.preprocessing),
         encoder.width,
         what="Embeddings of these images",
     )
+    cache = None if options.no_cache else default_cache()
     answers: list[dict[str, Any]] = []
-    for vis, tac in pairs:
-        embedded = pair_embeddings(encoder, vis, tac, cache=not options.no_cache)
-        answer = predict_embeddings(head, *embedded, order=options.order)[0]
+    for vis, tac, crop in pairs:
+        embedded = embed_pair(encoder, vis, tac, cache, tac_crop=crop)
+        given = [None if e is None else torch.from_numpy(e[None].copy()) for e in embedded]
+        answer = predict_embeddings(head, *given, order=options.order)[0]
         answers.append({"vis": vis and str(vis), "tac": tac and str(tac), **answer})
     context = {"head": str(options.head), "source": head.source, "encoder": encoder.name}
     if options.json:
@@ -66,20 +71,21 @@ def run(options: argparse.Namespace) -> None:
             print(_readable(answer, head.source))
 
 
-def _pairs(options: argparse.Namespace) -> list[tuple[Path | None, Path | None]]:
+def _pairs(options: argparse.Namespace) -> list[tuple[Path | None, Path | None, int]]:
+    """Return VIS, TAC and the side of the square to cut from TAC, for each pair."""
     if options.pairs and options.images:
         raise SettingsError("Give either images or --pairs, not both.")
     if options.pairs:
         from omnivat.data.readers import read_pairs
 
-        return [(pair.vis, pair.tac) for pair in read_pairs(options.pairs).pairs]
+        return [(pair.vis, pair.tac, pair.tac_crop) for pair in read_pairs(options.pairs).pairs]
     if not options.images or len(options.images) % 2:
         raise SettingsError(
             f"Got {len(options.images)} images; give VIS and TAC for each pair, with '-' in the "
             "place of one that is missing."
         )
     paths = [None if name == MISSING else Path(name) for name in options.images]
-    return list(zip(paths[::2], paths[1::2], strict=True))
+    return [(vis, tac, 0) for vis, tac in zip(paths[::2], paths[1::2], strict=True)]
 
 
 def _readable(answer: dict[str, Any], source: str) -> str:

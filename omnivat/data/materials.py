@@ -77,7 +77,7 @@ def rules_in_text(text: str, source: str, *, glued: bool = False) -> tuple[Rule,
 
 
 def _stands_for(word: str, raw: str, glued: bool) -> bool:
-    if word in (raw, raw + "s") and (word, raw) != ("glasses", "glass"):
+    if word in (raw, raw + "s"):
         return True
     if glued and len(word) >= len(raw) + 3 and (word.startswith(raw) or word.endswith(raw)):
         return True

@@ -10,9 +10,11 @@ import os
 import sys
 import threading
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import lru_cache, partial
 from hashlib import blake2b
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +23,9 @@ from PIL import Image
 from omnivat.data.images import central_square, read_bytes, read_image
 from omnivat.encoders.base import Encoder
 from omnivat.files import replacing
+
+if TYPE_CHECKING:
+    import torch
 
 Array = NDArray[np.float32]
 Source = str | Path | bytes | Image.Image
@@ -113,25 +118,43 @@ def embed_image(
     """Return the embedding (D,) of one image: a path, a file's bytes or an open image.
 
     crop    side of the central square to cut first, pixels; 0 cuts nothing
-    flip    mirror left and right first
+    flip    mirror left and right
     name    what to call the image in an error
 
     With a cache, the same image is neither decoded nor encoded twice.
     Raises DataError as `read_image` does.
     """
-    name = name or ("the image" if isinstance(source, bytes | Image.Image) else str(source))
-    if not isinstance(source, Image.Image):
-        source = read_bytes(source, name)
+    return embed_views(encoder, source, cache, crop=crop, flips=(flip,), name=name)[0]
 
-    def compute() -> Array:
-        pixels = encoder.preprocess(central_square(read_image(source, name), crop))
-        pixels = pixels.flip(-1) if flip else pixels
-        value: Array = encoder.embed(pixels[None])[0].cpu().numpy()
+
+def embed_views(
+    encoder: Encoder,
+    source: Source,
+    cache: EmbeddingCache | None = None,
+    *,
+    crop: int = 0,
+    flips: Sequence[bool] = (False, True),
+    name: str = "",
+) -> list[Array]:
+    """Return an embedding (D,) for each of `flips`, mirrored or not; the image is decoded once."""
+    name = name or ("the image" if isinstance(source, bytes | Image.Image) else str(source))
+    content = source if isinstance(source, Image.Image) else read_bytes(source, name)
+
+    @lru_cache(maxsize=1)
+    def pixels() -> "torch.Tensor":
+        return encoder.preprocess(central_square(read_image(content, name), crop))
+
+    def compute(flip: bool) -> Array:
+        seen = pixels().flip(-1) if flip else pixels()
+        value: Array = encoder.embed(seen[None])[0].cpu().numpy()
         return value
 
     if cache is None:
-        return compute()
-    return cache.embedding(_key(encoder, source, crop, flip), compute)
+        return [compute(flip) for flip in flips]
+    keys = _keys(encoder, content, crop, flips)
+    return [
+        cache.embedding(key, partial(compute, flip)) for key, flip in zip(keys, flips, strict=True)
+    ]
 
 
 def embed_pair(
@@ -158,12 +181,13 @@ def _name(source: Source, modality: str) -> str:
     return f"the {modality} image" if isinstance(source, bytes | Image.Image) else str(source)
 
 
-def _key(encoder: Encoder, source: bytes | Image.Image, crop: int, flip: bool) -> str:
-    content = source if isinstance(source, bytes) else _pixel_bytes(source)
+def _keys(
+    encoder: Encoder, source: bytes | Image.Image, crop: int, flips: Sequence[bool]
+) -> list[str]:
+    content = blake2b(source if isinstance(source, bytes) else _pixel_bytes(source)).hexdigest()
     made_by = (encoder.name, encoder.weights_hash, encoder.precision, encoder.preprocessing)
-    digest = blake2b("\x1f".join((*made_by, str(crop), str(flip))).encode(), digest_size=20)
-    digest.update(blake2b(content).digest())
-    return digest.hexdigest()
+    texts = ("\x1f".join((*made_by, content, str(crop), str(flip))) for flip in flips)
+    return [blake2b(text.encode(), digest_size=20).hexdigest() for text in texts]
 
 
 def _pixel_bytes(image: Image.Image) -> bytes:

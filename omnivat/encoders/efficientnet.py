@@ -12,7 +12,7 @@ from PIL import Image
 from torch import Tensor, nn
 from torch.nn.functional import conv2d, pad, relu6
 
-from omnivat.encoders.running import file_hash, one_by_one, pixels, precision_type
+from omnivat.encoders.running import one_by_one, pixels, precision_type, state_hash
 from omnivat.errors import DataError
 from omnivat.packages import need
 
@@ -109,10 +109,11 @@ class EfficientNetLite0:
     preprocessing = "resize 224x224 bicubic, RGB, (value - 127) / 128"
 
     def __init__(self, file: Path, device: torch.device, precision: str) -> None:
-        self.weights_hash = file_hash(file)
+        state = _read_state(file)
+        self.weights_hash = state_hash(state)
         self.precision = precision
         self._type = precision_type(precision, device)
-        self._network = Lite0(_read_state(file)).eval().to(device, self._type)
+        self._network = Lite0(state).eval().to(device, self._type)
         self._device = device
 
     def preprocess(self, image: Image.Image) -> Tensor:

@@ -1,10 +1,10 @@
 """What encoders share: pixels to tensors, hashing weights, and running a network image by image."""
 
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from hashlib import blake2b
-from pathlib import Path
 
 import numpy as np
 import torch
@@ -30,12 +30,13 @@ def pixels(image: Image.Image, mean: torch.Tensor, std: torch.Tensor) -> torch.T
     return (values / 255 - mean[:, None, None]) / std[:, None, None]
 
 
-def file_hash(path: Path) -> str:
-    """Return 16 hex digits that tell a file's content."""
+def state_hash(state: Mapping[str, torch.Tensor]) -> str:
+    """Return 16 hex digits that tell weights apart, whatever file or format they came in."""
     digest = blake2b(digest_size=8)
-    with path.open("rb") as handle:
-        while block := handle.read(1 << 20):
-            digest.update(block)
+    for name in sorted(state):
+        tensor = state[name].detach().cpu().contiguous()
+        digest.update(f"{name} {tensor.dtype} {tuple(tensor.shape)}".encode())
+        digest.update(tensor.view(-1).view(torch.uint8).numpy().data)
     return digest.hexdigest()
 
 
@@ -91,3 +92,18 @@ def one_thread() -> Iterator[None]:
             yield
         finally:
             torch.set_num_threads(before)
+
+
+@contextmanager
+def pinned_workers(count: int) -> Iterator[ThreadPoolExecutor]:
+    """Give a pool of `count` threads that compute on one thread each.
+
+    When the block is left early, work that has not begun is dropped.
+    """
+    before = torch.get_num_threads()
+    pool = ThreadPoolExecutor(count, "embed", initializer=pin_thread)
+    try:
+        yield pool
+    finally:
+        pool.shutdown(cancel_futures=True)
+        torch.set_num_threads(before)

@@ -13,6 +13,10 @@ from omnivat.tables import load, suggestion
 READERS = {
     "folder": "omnivat.data.readers.folder:read",
     "csv": "omnivat.data.readers.table:read",
+    "touch_and_go": "omnivat.data.readers.touch_and_go:read",
+    "objectfolder_real": "omnivat.data.readers.objectfolder_real:read",
+    "objectfolder_2": "omnivat.data.readers.objectfolder_2:read",
+    "tacquad": "omnivat.data.readers.tacquad:read",
 }
 
 

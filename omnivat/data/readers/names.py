@@ -1,6 +1,7 @@
 """File names as people wrote them: which are images, which can be kept, how to show them."""
 
 import os
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -65,3 +66,28 @@ def leads_upwards(folder: Path) -> bool:
         Path(os.path.realpath(folder.parent)),
         *Path(os.path.realpath(folder.parent)).parents,
     )
+
+
+def number_of(path: Path) -> int | None:
+    """Return the number that a file's name ends in before its suffix, if any."""
+    number = re.search(r"[0-9]+$", path.stem)
+    return int(number[0]) if number else None
+
+
+def frames_in(folder: Path, suffixes: frozenset[str] = IMAGE_SUFFIXES) -> dict[int, Path]:
+    """Return the frames in a folder by the number that their name ends in, in its order.
+
+    Of a frame in two formats the first by name counts; a name without a number is no frame.
+    """
+    frames: dict[int, Path] = {}
+    for entry in visible(folder):
+        path = folder / entry.name
+        number = number_of(path)
+        if (
+            number is not None
+            and path.suffix.lower() in suffixes
+            and is_text(entry.name)
+            and is_file(path)
+        ):
+            frames.setdefault(number, path)
+    return dict(sorted(frames.items()))

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from omnivat.data.readers.names import is_file, show
+from omnivat.data.readers.names import folders_in, is_file, show
 from omnivat.errors import DataError
 
 
@@ -20,4 +20,14 @@ def recognise(source: Path) -> str:
         )
     if is_file(source / "pairs.csv"):
         return "csv"
+    if is_file(source / "contact_indoor.csv") or is_file(source / "contact_outdoor.csv"):
+        return "tacquad"
+    if is_file(source / "label.json") and (source / "touch").is_dir():
+        return "objectfolder_2"
+    inside = folders_in(source)
+    if any((folder / "tactile_data").is_dir() for folder in inside):
+        return "objectfolder_real"
+    clips = folders_in(source / "dataset") or inside
+    if any((clip / "gelsight_frame").is_dir() for clip in clips):
+        return "touch_and_go"
     return "folder"

@@ -1,0 +1,87 @@
+"""Start the page: read the arguments, lay out the tabs, serve."""
+
+import argparse
+import logging
+import os
+from collections.abc import Sequence
+from importlib import import_module
+from pathlib import Path
+from threading import Thread
+from typing import Any
+
+VIEWS = (
+    "app.views.explore",
+    "app.views.pair",
+    "app.views.tree",
+    "app.views.data",
+)
+ICON = Path(__file__).parent / "web" / "icon.svg"
+
+
+def parser() -> argparse.ArgumentParser:
+    """Return the command line of `python app.py`."""
+    parser = argparse.ArgumentParser(prog="app.py", description="Open the OmniVaT page.")
+    parser.add_argument("--head", type=Path, help="folder of a trained head")
+    parser.add_argument("--embeddings", type=Path, help="embeddings file to show")
+    parser.add_argument("--host", default="127.0.0.1", help="address to listen on")
+    parser.add_argument("--port", type=int, help="port (the first free one from 7860)")
+    parser.add_argument("--no-browser", action="store_true", help="do not open a browser")
+    return parser
+
+
+def build(resources: Any) -> Any:
+    """Return the Gradio page with all tabs; nothing heavy is loaded for it."""
+    import gradio as gr
+
+    with gr.Blocks(title="OmniVaT", fill_width=True, delete_cache=(3600, 3600)) as page:
+        from app.components import component
+
+        component("header")
+        with gr.Tabs(elem_id="views"):
+            for name in VIEWS:
+                view = import_module(name)
+                short = name.rpartition(".")[2]
+                with gr.Tab(view.TITLE, id=short, elem_id=f"view-{short}"):
+                    view.build()
+        page.load(lambda: warm_in_background(resources), api_visibility="private", queue=False)
+    return page
+
+
+def warm_in_background(resources: Any) -> None:
+    """After the first page has been painted, load the head beside whatever the visitor does."""
+    if not resources.head.ready:
+        Thread(target=resources.warm, name="warm-up", daemon=True).start()
+
+
+def launch(page: Any, resources: Any, arguments: argparse.Namespace, **more: Any) -> Any:
+    """Serve the page; returns when it is stopped, at once where `prevent_thread_lock` is given."""
+    from app.routes import routes
+    from app.theme import HEAD, theme
+
+    return page.launch(
+        server_name=arguments.host,
+        server_port=arguments.port,
+        inbrowser=not arguments.no_browser,
+        app_kwargs={"routes": routes(resources), "docs_url": None, "redoc_url": None},
+        theme=theme(),
+        head=HEAD,
+        favicon_path=ICON,
+        footer_links=[],
+        run_history=False,
+        max_file_size="1mb",  # Gradio's own uploads are not used; images come by our route
+        state_session_capacity=200,
+        **more,
+    )
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the page until it is stopped."""
+    chosen = parser().parse_args(arguments)
+    os.environ["GRADIO_ANALYTICS_ENABLED"] = "False"
+    logging.basicConfig(level=logging.INFO, format="%(levelname)s %(name)s: %(message)s")
+    logging.getLogger("httpx").setLevel(logging.WARNING)
+    from app.resources import Resources, places
+
+    resources = Resources(places(chosen.head, chosen.embeddings))
+    launch(build(resources), resources, chosen)
+    return 0

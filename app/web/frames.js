@@ -1,0 +1,101 @@
+/** Read the binary of frames: exact map positions for every stop of p, and the curves. */
+
+import { address, get } from "./api.js";
+
+const MAGIC = "OVFRAMES";
+const ARRAYS = { u1: Uint8Array, u2: Uint16Array, f4: Float32Array };
+const KINDS = { uint8: "u1", uint16: "u2", float32: "f4" };
+
+export class Frames {
+  constructor(buffer) {
+    const magic = new TextDecoder().decode(new Uint8Array(buffer, 0, 8));
+    if (magic !== MAGIC) throw new Error("The frames file is of another kind; make it again.");
+    const length = new DataView(buffer).getUint32(8, true);
+    this.meta = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 12, length)));
+    this.buffer = buffer;
+    this.orders = this.meta.orders;
+    this.pairs = this.meta.pairs;
+    this.domains = this.meta.domains;
+    this.classes = this.meta.classes;
+    this.domain = this.array("domain");
+    this.label = this.array("label");
+    this.prediction = this.array("prediction");
+    this.confidence = this.array("confidence");
+  }
+
+  array(name) {
+    const entry = this.meta.arrays[name];
+    const kind = entry.dtype.replace(/[<>|=]/, "").replace(/^u(?=\d)/, "u");
+    const Kind = ARRAYS[KINDS[kind] ?? kind];
+    const count = entry.shape.reduce((a, b) => a * b, 1);
+    return new Kind(this.buffer, entry.offset, count);
+  }
+
+  /** The stop nearest to p: an index into `orders`. */
+  stop(p) {
+    let best = 0;
+    this.orders.forEach((order, i) => {
+      if (Math.abs(order - p) < Math.abs(this.orders[best] - p)) best = i;
+    });
+    return best;
+  }
+
+  /** The kinds of map that a stage has: "pca", "umap". Raw stages share their map. */
+  kinds(stage) {
+    const wanted = mapStage(stage);
+    return Object.keys(this.meta.maps)
+      .filter((name) => name.endsWith(`/${wanted}`))
+      .map((name) => name.split("/")[0]);
+  }
+
+  /** Positions at one stop of one map; `drawn` is the stop that they belong to. */
+  positions(kind, stage, stop) {
+    const map = this.meta.maps[`${kind}/${mapStage(stage)}`];
+    let index = 0;
+    map.orders.forEach((order, i) => {
+      if (Math.abs(order - stop) < Math.abs(map.orders[index] - stop)) index = i;
+    });
+    const size = 4 * this.pairs;
+    const all = this.array(map.array);
+    return {
+      points: all.subarray(index * size, (index + 1) * size),
+      drawn: map.orders[index],
+      stops: map.orders.length,
+      bounds: map.bounds,
+      error: map.max_error,
+    };
+  }
+}
+
+/** The raw DFrFT is unitary, so its map is that of the raw embedding. */
+export const mapStage = (stage) => (stage === "frft" ? "raw" : stage);
+
+/** Fetch the frames, telling `onWait` how far the server is while it still computes them. */
+export async function fetchFrames(onWait) {
+  for (;;) {
+    const response = await get("frames");
+    if (response.status === 200) {
+      const coarse = response.headers.get("X-Frames") === "coarse";
+      return { frames: new Frames(await response.arrayBuffer()), coarse };
+    }
+    onWait((await response.json()).step);
+    await new Promise((resolve) => setTimeout(resolve, 700));
+  }
+}
+
+/** Wait for finer frames after coarse ones were shown. */
+export async function whenFine(onWait) {
+  for (;;) {
+    await new Promise((resolve) => setTimeout(resolve, 1500));
+    const { step } = await (await get("frames?progress=1")).json();
+    if (!step) return (await fetchFrames(onWait)).frames;
+    onWait(step);
+  }
+}
+
+/** The sprite of thumbnails, or null where the set has none. */
+export async function fetchThumbnails() {
+  const response = await fetch(address("thumbnails.json"));
+  if (!response.ok) return null;
+  return { ...(await response.json()), url: address("thumbnails.webp") };
+}

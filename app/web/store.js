@@ -1,0 +1,61 @@
+/** What the visitor chose, shared by all tabs and kept in the address: a link brings it back. */
+
+const DEFAULTS = {
+  view: "explore", p: null, stage: "f_hat", map: "pca", colour: "domain",
+  domain: "", class: "", modality: "", pin: null, vis: null, tac: null,
+  p2: null, stage2: "raw",
+};
+const NUMBERS = new Set(["p", "p2", "pin"]);
+const listeners = new Set();
+let writing = 0;
+
+function fromAddress() {
+  const chosen = { ...DEFAULTS };
+  for (const [name, text] of new URLSearchParams(location.search)) {
+    if (!(name in DEFAULTS)) continue;
+    if (!NUMBERS.has(name)) chosen[name] = text.slice(0, 200);
+    else if (text !== "" && Number.isFinite(Number(text))) chosen[name] = Number(text);
+  }
+  return chosen;
+}
+
+export const state = fromAddress();
+
+/** Change some values, tell who listens, and write the address once things are calm. */
+export function change(patch) {
+  const changed = Object.keys(patch).filter((name) => state[name] !== patch[name]);
+  if (!changed.length) return;
+  Object.assign(state, patch);
+  for (const listener of [...listeners]) listener(changed);
+  clearTimeout(writing);
+  writing = setTimeout(writeAddress, 150);
+}
+
+/** Call `action` whenever one of `names` has changed. Returns what stops it. */
+export function watch(names, action) {
+  const listener = (changed) => {
+    if (changed.some((name) => names.includes(name))) action();
+  };
+  listeners.add(listener);
+  return () => listeners.delete(listener);
+}
+
+function writeAddress() {
+  const address = new URL(location);
+  for (const [name, usual] of Object.entries(DEFAULTS)) {
+    const value = state[name];
+    if (value === null || value === usual) address.searchParams.delete(name);
+    else address.searchParams.set(name, typeof value === "number" ? +value.toFixed(4) : value);
+  }
+  history.replaceState(history.state, "", address);
+}
+
+/** The names that a filter hides, as a set; filters are kept as "a~b". */
+export const hidden = (kind) => new Set(state[kind] ? state[kind].split("~") : []);
+
+/** Hide or show one name of a filter. */
+export function toggle(kind, name) {
+  const names = hidden(kind);
+  if (!names.delete(name)) names.add(name);
+  change({ [kind]: [...names].join("~") });
+}

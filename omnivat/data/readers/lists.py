@@ -1,0 +1,71 @@
+"""Small text files that come with data sets: tables with a header, JSON, lists of lines."""
+
+import csv
+import json
+from io import StringIO
+from pathlib import Path
+from typing import Any
+
+from omnivat.data.readers.names import show
+from omnivat.errors import DataError
+from omnivat.tables import suggestion
+
+
+def read_text(file: Path) -> str:
+    """Return a file as text, whatever bytes are in it; raises DataError when it cannot be read."""
+    try:
+        return file.read_bytes().decode("utf-8-sig", errors="replace")
+    except OSError as error:
+        raise DataError(f"'{show(file)}' cannot be read: {error.strerror}.") from error
+
+
+def read_lines(file: Path) -> list[str]:
+    """Return the lines of a file without outer blanks, empty ones left empty."""
+    return [line.strip() for line in read_text(file).splitlines()]
+
+
+def read_json(file: Path, kind: type) -> Any:
+    """Return what a JSON file holds; raises DataError when it is no JSON of that kind."""
+    try:
+        value = json.loads(read_text(file))
+    except (ValueError, RecursionError) as error:
+        raise DataError(f"'{show(file)}' is not JSON ({error}). Download it again.") from error
+    if not isinstance(value, kind):
+        raise DataError(
+            f"'{show(file)}' holds a {type(value).__name__}, wanted a {kind.__name__}. "
+            "It may be another file of the same name."
+        )
+    return value
+
+
+def read_cells(file: Path) -> list[list[str]]:
+    """Return the rows of a CSV, cells without outer blanks, rows without a cell left out."""
+    try:
+        rows = [[cell.strip() for cell in row] for row in csv.reader(StringIO(read_text(file)))]
+    except csv.Error as error:
+        raise DataError(f"'{show(file)}' cannot be read as a CSV ({error}).") from error
+    return [row for row in rows if any(row)]
+
+
+def read_names(file: Path, key: str, value: str) -> dict[str, str]:
+    """Return one named column by another, for a CSV with names in its first row.
+
+    Raises DataError when a column is missing, or a key has two values.
+    """
+    rows = read_cells(file)
+    header = [name.lower() for name in rows[0]] if rows else []
+    for name in (key, value):
+        if name not in header:
+            raise DataError(
+                f"'{show(file)}' has no column '{name}'; wanted a first row with {key}, {value}."
+                f"{suggestion(name, header)}"
+            )
+    named: dict[str, str] = {}
+    for row in rows[1:]:
+        cells = dict(zip(header, row, strict=False))
+        name, text = cells.get(key, ""), cells.get(value, "")
+        if name and named.setdefault(name, text) != text:
+            raise DataError(
+                f"'{show(file)}' gives '{show(name)}' two values for {value}. Keep one."
+            )
+    return named

@@ -1,0 +1,212 @@
+"""ObjectFolder 2.0, benchmark release: objects 1 to 100 are OF 2.0 A, 101 to 1000 OF 2.0 B.
+
+<root>/vision/<object>/<instance>.png    <root>/touch/<object>/<instance>.png
+<root>/label.json    {object: label}, a number for each material
+<root>/split.json    {train|val|test: [[object, instance], ...]}
+<root>/objects.csv   id,name,scale,Material,url without a header: from the project's repository
+"""
+
+from collections import defaultdict
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from random import Random
+
+from omnivat.data.materials import class_key, rules, why_left_out
+from omnivat.data.pairs import Pair, PairSet, Skipped
+from omnivat.data.readers.lists import read_cells, read_json
+from omnivat.data.readers.names import folders_in, frames_in, is_file, number_of, show
+from omnivat.data.readers.tally import Tally
+from omnivat.errors import DataError, SettingsError
+from omnivat.seeding import derive_seed
+from omnivat.tables import suggestion
+
+A, B = "OF 2.0 A", "OF 2.0 B"
+LAST_OF_A = 100
+TOUCH_CROP = 320  # pixels; the release's own loader cuts touch so before resizing
+TEST_OBJECTS = 5  # of each class, in A and in B: the paper's 500 test pairs a class
+SPLITS = ("paper", "release")
+
+
+def read(
+    source: Path,
+    *,
+    strict: bool = False,
+    seed: int = 0,
+    split: str = "paper",
+    objects: Path | str | None = None,
+) -> PairSet:
+    """Return the pairs of ObjectFolder 2.0, A and B.
+
+    source   the release's folder, with `vision` and `touch` in it
+    strict   leave out iron (as steel) and polycarbonate (as plastic)
+    seed     of the draw of objects
+    split    "paper" draws as many objects of each class and five of them for testing, which gives
+             the paper's counts; "release" takes all pairs of split.json, split as it says
+    objects  objects.csv, where it is not <root>/objects.csv
+
+    What label.json's numbers mean is not written in it: they are matched with objects.csv, and
+    refused where one number has two materials. Raises DataError then, when a file is missing, or
+    when there is nothing to pair.
+    """
+    if split not in SPLITS:
+        raise SettingsError(
+            f"split is '{split}'; choose {', '.join(SPLITS)}.{suggestion(split, SPLITS)}"
+        )
+    left_out = Tally()
+    raw = materials_of_objects(source, Path(objects) if objects else source / "objects.csv")
+    things = _things(source, raw, strict, left_out)
+    pairs = [pair for thing in things for pair in _pairs(source, thing, things[thing], left_out)]
+    lost: tuple[Skipped, ...] = ()
+    if split == "release":
+        pairs, lost = _released(source, pairs)
+    else:
+        pairs, lost = _drawn(pairs, seed)
+    if not pairs:
+        raise DataError(f"No pairs of ObjectFolder 2.0 in '{show(source)}'.{left_out.reasons()}")
+    return PairSet(
+        pairs=tuple(pairs),
+        skipped=left_out.skipped() + lost,
+        origin=f"ObjectFolder 2.0, {'split.json' if split == 'release' else 'objects drawn as many a class'}",
+        simulated=True,
+    )
+
+
+def materials_of_objects(source: Path, table: Path) -> dict[int, str]:
+    """Return each labelled object's material, after checking that label.json agrees with it.
+
+    Raises DataError unless every number of label.json stands for one material and every material
+    for one number.
+    """
+    labels = _labels(source / "label.json")
+    materials = _materials(table)
+    meaning: dict[int, tuple[str, int]] = {}
+    number_of: dict[str, tuple[int, int]] = {}
+    for thing, label in labels.items():
+        if thing not in materials:
+            continue
+        name, first = meaning.setdefault(label, (materials[thing], thing))
+        number, other = number_of.setdefault(materials[thing], (label, thing))
+        if name != materials[thing]:
+            raise DataError(
+                f"label.json gives label {label} to object {first} ({name}) and to object {thing} "
+                f"({materials[thing]} in '{show(table)}'). The two files do not belong together."
+            )
+        if number != label:
+            raise DataError(
+                f"label.json gives {name} the label {number} at object {other} and {label} at "
+                f"object {thing}. The two files do not belong together."
+            )
+    if not meaning:
+        raise DataError(f"label.json and '{show(table)}' have no object in common.")
+    return {thing: materials.get(thing, "") for thing in labels}
+
+
+def _labels(file: Path) -> dict[int, int]:
+    labels = read_json(file, dict)
+    try:
+        return {int(thing): int(label) for thing, label in labels.items()}
+    except (TypeError, ValueError) as error:
+        raise DataError(f"'{show(file)}' holds something else than numbers: {error}.") from error
+
+
+def _materials(table: Path) -> dict[int, str]:
+    if not is_file(table):
+        raise DataError(
+            f"No table of objects at '{show(table)}'. The release does not name the materials: "
+            "copy objects.csv of the ObjectFolder repository there."
+        )
+    found = {
+        int(r[0]): class_key(r[3]) for r in read_cells(table) if len(r) > 3 and r[0].isdecimal()
+    }
+    if not found:
+        raise DataError(f"'{show(table)}' has no rows of id,name,scale,Material,url.")
+    return found
+
+
+def _things(source: Path, raw: dict[int, str], strict: bool, left_out: Tally) -> dict[int, str]:
+    """Return the objects to keep and the material each counts as."""
+    known = rules("objectfolder")
+    things = {}
+    for thing, name in sorted(raw.items()):
+        rule = known.get(name)
+        why = why_left_out(rule, name, strict=strict)
+        if why or rule is None:
+            left_out.add("objects", why if name else "objects.csv does not name its material")
+        else:
+            things[thing] = rule.material
+    for folder in folders_in(source / "touch"):
+        if not folder.name.isdecimal() or int(folder.name) not in raw:
+            left_out.add(f"touch/{show(folder.name)}", "label.json does not name it")
+    return things
+
+
+def _pairs(source: Path, thing: int, material: str, left_out: Tally) -> Iterator[Pair]:
+    vis = frames_in(source / "vision" / str(thing))
+    tac = frames_in(source / "touch" / str(thing))
+    for half, other, missing in ((vis, tac, "touch"), (tac, vis, "vision")):
+        if lone := len(half.keys() - other.keys()):
+            left_out.add(f"object {thing}", f"no image in {missing}", lone)
+    if not vis and not tac:
+        left_out.add("objects", "no folder of images")
+    for instance in sorted(vis.keys() & tac.keys()):
+        yield Pair(
+            vis=vis[instance],
+            tac=tac[instance],
+            domain=A if thing <= LAST_OF_A else B,
+            material=material,
+            object=str(thing),
+            tac_crop=TOUCH_CROP,
+        )
+
+
+def _released(source: Path, pairs: list[Pair]) -> tuple[list[Pair], tuple[Skipped, ...]]:
+    """Return the pairs that split.json lists, with its splits."""
+    file = source / "split.json"
+    where: dict[tuple[str, int], str] = {}
+    try:
+        for name, members in read_json(file, dict).items():
+            where.update({(str(int(thing)), int(instance)): name for thing, instance in members})
+    except (TypeError, ValueError) as error:
+        if isinstance(error, DataError):
+            raise
+        raise DataError(
+            f"'{show(file)}' is no split ({error}); wanted [object, instance] under train, val, test."
+        ) from error
+    placed = [(pair, where.get((pair.object, number_of(pair.tac) or 0))) for pair in pairs]
+    lost = sum(name is None for _, name in placed)
+    skipped = (Skipped(what="instances", why="split.json does not list them", count=lost),)
+    return [replace(pair, split=name) for pair, name in placed if name], skipped[: bool(lost)]
+
+
+def _drawn(pairs: list[Pair], seed: int) -> tuple[list[Pair], tuple[Skipped, ...]]:
+    """Return as many objects of each class, split as the paper's counts say.
+
+    B: as many objects of each class as the rarest has; five of them test, the others train.
+    A: as many as the rarest has train, up to five others test; a class without others is tested
+    on its training objects, harmless because A is never tested on itself.
+    """
+    things: dict[tuple[str, str], dict[str, list[Pair]]] = defaultdict(lambda: defaultdict(list))
+    for pair in pairs:
+        things[pair.domain, pair.material][pair.object].append(pair)
+    rarest = {
+        domain: min(len(members) for (name, _), members in things.items() if name == domain)
+        for domain, _ in things
+    }
+    drawn: list[Pair] = []
+    for (domain, material), members in things.items():
+        order = list(members)
+        Random(derive_seed(seed, "objects", domain, material)).shuffle(order)
+        count = rarest[domain]
+        if domain == A:
+            train = order[:count]
+            test = order[count : count + TEST_OBJECTS] or train
+        else:
+            cut = count - min(TEST_OBJECTS, count // 2)
+            train, test = order[:cut], order[cut:count]
+        for name, chosen in (("train", train), ("test", test)):
+            drawn += [replace(pair, split=name) for thing in chosen for pair in members[thing]]
+    used = {(pair.domain, pair.object) for pair in drawn}
+    lost = sum((pair.domain, pair.object) not in used for pair in pairs)
+    skipped = (Skipped(what="pairs of other objects", why="as many objects a class", count=lost),)
+    return drawn, skipped[: bool(lost)]

@@ -1,0 +1,140 @@
+"""ObjectFolder Real (OF Real): a hundred objects, each pressed at 30 to 50 places.
+
+    <root>/<object>/tactile_data/<contact>/0/gelsight/<number>.png    the whole press as frames
+    <root>/<object>/tactile_data/<contact>/0/<a camera>/<number>.png  what cameras saw meanwhile
+    <root>/materials.csv   object,material: copied from the data set's download page
+
+The folder says gelsight, the paper GelSlim. How the cameras' folders are called could not be
+checked: any folder of frames beside gelsight is taken, the hand's camera first.
+"""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from omnivat.data.materials import class_key, rules, why_left_out
+from omnivat.data.pairs import Pair, PairSet
+from omnivat.data.readers.lists import read_names
+from omnivat.data.readers.names import folders_in, frames_in, is_file, is_text, show
+from omnivat.data.readers.tally import Tally
+from omnivat.data.splits import split_by_object
+from omnivat.errors import DataError, SettingsError
+from omnivat.tables import suggestion
+
+DOMAIN = "OF Real"
+TOUCH = "gelsight"
+TEST_SHARE = 1_355 / (3_401 + 1_355)  # of the paper's counts
+CHOICES = ("middle", "last", "all")
+PREFERRED = ("hand", "third")  # words in the names of the cameras' folders, best first
+
+
+def read(
+    source: Path,
+    *,
+    strict: bool = False,
+    seed: int = 0,
+    frames: str = "middle",
+    camera: str = "",
+    materials: Path | str | None = None,
+) -> PairSet:
+    """Return the pairs of ObjectFolder Real, split by object.
+
+    source     the folder of the objects' folders, "1" to "100"
+    strict     leave out iron (as steel) and polycarbonate (as plastic)
+    seed       of the split
+    frames     which frame of a press: the "middle" one, the "last", or "all" of them
+    camera     the folder beside gelsight to take VIS from; "" finds one
+    materials  the table object,material, where it is not <root>/materials.csv
+
+    Which frames and which camera the paper used is not known. The VIS frame is the one at the
+    same part of its recording. Raises DataError when there is no table or nothing to pair.
+    """
+    if frames not in CHOICES:
+        raise SettingsError(
+            f"frames is '{frames}'; choose {', '.join(CHOICES)}.{suggestion(frames, CHOICES)}"
+        )
+    left_out = Tally()
+    named = _materials_of(source, materials)
+    pairs = [
+        pair
+        for thing in folders_in(source)
+        if (thing / "tactile_data").is_dir()
+        for material in _material(thing, named, strict, left_out)
+        for pair in _pairs(thing, material, frames, camera, left_out)
+    ]
+    if not pairs:
+        raise DataError(
+            f"No pairs of ObjectFolder Real in '{show(source)}'; wanted "
+            f"<object>/tactile_data/<contact>/0/gelsight and a camera beside it.{left_out.reasons()}"
+        )
+    return PairSet(
+        pairs=split_by_object(pairs, seed=seed, test=TEST_SHARE),
+        skipped=left_out.skipped(),
+        origin=f"ObjectFolder Real, {frames} frame of a press, split by object",
+    )
+
+
+def _materials_of(source: Path, table: Path | str | None) -> dict[str, str]:
+    file = Path(table) if table else source / "materials.csv"
+    if not is_file(file):
+        raise DataError(
+            f"No table of materials at '{show(file)}'. The recordings do not name them: write the "
+            "list of the download page into a CSV with the columns object,material."
+        )
+    return read_names(file, "object", "material")
+
+
+def _material(thing: Path, named: dict[str, str], strict: bool, left_out: Tally) -> Iterator[str]:
+    """Give the object's material if it is one to keep."""
+    raw = class_key(named.get(thing.name, ""))
+    rule = rules("objectfolder").get(raw)
+    if not is_text(thing.name):
+        left_out.add(show(thing.name), "its name is not UTF-8; rename it")
+    elif thing.name not in named:
+        left_out.add(f"object {show(thing.name)}", "the table of materials does not name it")
+    elif why := why_left_out(rule, raw, strict=strict):
+        left_out.add(f"object {thing.name}", why)
+    elif rule:
+        yield rule.material
+
+
+def _pairs(thing: Path, material: str, choice: str, camera: str, left_out: Tally) -> Iterator[Pair]:
+    for contact in folders_in(thing / "tactile_data"):
+        recording = contact / "0"
+        touch = list(frames_in(recording / TOUCH).values())
+        seen = _camera_frames(recording, camera)
+        if not touch or not seen:
+            missing = f"no frames in {TOUCH}" if not touch else f"no frames of a camera {camera}"
+            left_out.add(f"object {show(thing.name)}", missing.strip())
+            continue
+        for index in _chosen(len(touch), choice):
+            yield Pair(
+                vis=seen[round(index / max(1, len(touch) - 1) * (len(seen) - 1))],
+                tac=touch[index],
+                domain=DOMAIN,
+                material=material,
+                object=thing.name,
+            )
+
+
+def _chosen(count: int, choice: str) -> range:
+    if choice == "all":
+        return range(count)
+    index = count - 1 if choice == "last" else count // 2
+    return range(index, index + 1)
+
+
+def _camera_frames(recording: Path, camera: str) -> list[Path]:
+    """Return the frames of the wanted camera, or of the best one that has any."""
+    beside = [folder for folder in folders_in(recording) if folder.name != TOUCH]
+    if camera:
+        beside = [folder for folder in beside if folder.name == camera]
+    for folder in sorted(beside, key=_rank):
+        if frames := list(frames_in(folder).values()):
+            return frames
+    return []
+
+
+def _rank(folder: Path) -> tuple[int, str]:
+    name = folder.name.lower()
+    ranks = [rank for rank, word in enumerate(PREFERRED) if word in name]
+    return min(ranks, default=len(PREFERRED)), name

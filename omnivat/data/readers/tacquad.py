@@ -1,0 +1,250 @@
+"""TacQuad (TQ): four sensors on the same items, indoors and outdoors.
+
+<root>/contact_{indoor,outdoor}.csv   item, then first and last frame in contact for GelSight
+                                      Mini, DIGIT and DuraGel, perhaps a caption; no header
+<root>/data_{indoor,outdoor}/<item>/{gelsight,digit,duragel}/<number>.png    touch, from 0
+<root>/data_{indoor,outdoor}/<item>/img_{gelsight,digit,duragel,tac3d}/<number>.png
+<root>/data_indoor/<item>/tac3d/<number>.npy    20 x 20 x 3, and in some copies empty
+<root>/materials.csv   item,material: overrides what the names and captions say
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from random import Random
+
+from omnivat.data.materials import MATERIALS, Rule, class_key, rules_in_text, why_left_out
+from omnivat.data.pairs import Pair, PairSet
+from omnivat.data.readers.lists import read_cells, read_names
+from omnivat.data.readers.names import frames_in, is_file, is_text, show
+from omnivat.data.readers.tally import Tally
+from omnivat.data.splits import split_by_object
+from omnivat.data.tac3d import draw_all
+from omnivat.errors import DataError
+from omnivat.files import cache_folder
+from omnivat.seeding import derive_seed
+from omnivat.tables import suggestion
+
+PARTS = ("indoor", "outdoor")
+RENAMED = {"yumaoqiu": "shuttlecock", "yumaoqiu2": "shuttlecock2"}  # listed so, stored so
+ARRAYS = frozenset({".npy"})
+TRAIN, TEST = 41, 15  # frames of an item: 779 = 19 * 41, 285 = 19 * 15, 525 = 35 * 15
+T3D_TEST_SHARE = 682 / (1_196 + 682)  # of the paper's counts; no number a item fits them
+
+
+@dataclass(frozen=True, slots=True)
+class Sensor:
+    """A sensor's domain, its folder, and where contact_*.csv holds its first frame."""
+
+    domain: str
+    folder: str
+    column: int
+
+
+SENSORS = (
+    Sensor("TQ-GelMini", "gelsight", 1),
+    Sensor("TQ-DIGIT", "digit", 3),
+    Sensor("TQ-DuraGel", "duragel", 5),
+)
+TAC3D = Sensor("TQ-T3D", "tac3d", -1)
+
+
+@dataclass(frozen=True, slots=True)
+class Contact:
+    """One row of contact_*.csv: an item, touched by every sensor."""
+
+    part: str
+    item: str
+    material: str
+    cells: list[str]
+    folder: Path
+
+
+def read(
+    source: Path,
+    *,
+    strict: bool = False,
+    seed: int = 0,
+    all_frames: bool = False,
+    by_object: bool = False,
+    materials: Path | str | None = None,
+    cache: Path | str | None = None,
+) -> PairSet:
+    """Return the pairs of TacQuad, as four domains with an indoor and an outdoor part.
+
+    source      the folder with contact_indoor.csv
+    strict      leave out metal, iron and aluminium (as steel)
+    seed        of the draw of frames
+    all_frames  keep every frame in contact; otherwise 41 to train and 15 to test of each outdoor
+                item and 15 to test of each indoor item, as the paper's counts suggest
+    by_object   put whole outdoor items into train or test; otherwise frames of one item are in both
+    materials   the table item,material, where it is not <root>/materials.csv; an empty material
+                leaves the item out
+    cache       where the images of Tac3D fields go; the user's cache folder where not given
+
+    Raises DataError when nothing can be paired.
+    """
+    left_out = Tally()
+    contacts = list(_contacts(source, materials, strict, left_out))
+    pairs: list[Pair] = []
+    for contact in contacts:
+        for sensor in SENSORS:
+            found = list(_touches(contact, sensor, left_out))
+            pairs += _with_splits(found, contact, sensor, seed, all_frames)
+    pairs += _tac3d(contacts, Path(cache) if cache else cache_folder() / "tac3d", seed, left_out)
+    if not pairs:
+        raise DataError(f"No pairs of TacQuad in '{show(source)}'.{left_out.reasons()}")
+    if by_object:
+        pairs = _by_object(pairs, seed)
+    how = "all frames in contact" if all_frames else "frames drawn to the paper's counts"
+    return PairSet(pairs=tuple(pairs), skipped=left_out.skipped(), origin=f"TacQuad, {how}")
+
+
+def _contacts(
+    source: Path, table: Path | str | None, strict: bool, left_out: Tally
+) -> Iterator[Contact]:
+    """Give the rows of both parts whose item is there and of one of the five materials."""
+    given = Path(table) if table else source / "materials.csv"
+    overrides = _overrides(given, required=table is not None)
+    for part in PARTS:
+        file = source / f"contact_{part}.csv"
+        if not is_file(file):
+            left_out.add(f"{part} part", f"no {file.name}")
+            continue
+        for cells in read_cells(file):
+            item = RENAMED.get(cells[0], cells[0])
+            folder = source / f"data_{part}" / item
+            material, why = material_of(item, " ".join(cells[7:]), overrides, strict=strict)
+            if not item or "/" in item or item in (".", "..") or not folder.is_dir():
+                left_out.add(f"{part}/{show(item)}", "listed, but there is no such folder")
+            elif why:
+                left_out.add(f"{part}/{show(item)}", why)
+            else:
+                yield Contact(part, item, material, cells, folder)
+
+
+def _overrides(file: Path, *, required: bool) -> dict[str, str]:
+    if not is_file(file):
+        if required:
+            raise DataError(f"No table of materials at '{show(file)}'. Check the path.")
+        return {}
+    overrides = {
+        item: class_key(name) for item, name in read_names(file, "item", "material").items()
+    }
+    for item, material in overrides.items():
+        if material and material not in MATERIALS:
+            raise DataError(
+                f"'{show(file)}' calls '{show(item)}' {show(material)}; wanted {', '.join(MATERIALS)} "
+                f"or nothing.{suggestion(material, MATERIALS)}"
+            )
+    return overrides
+
+
+def material_of(
+    item: str, caption: str, overrides: dict[str, str], *, strict: bool = False
+) -> tuple[str, str]:
+    """Return an item's material, or "" and why it has none of the five.
+
+    An override counts first, then the item's name, then the caption. A text that names two
+    materials decides nothing.
+    """
+    if item in overrides:
+        return overrides[item], "" if overrides[item] else "left out by the table of materials"
+    for text, glued in ((item, True), (caption, False)):
+        found: tuple[Rule, ...] = rules_in_text(text, "tacquad", glued=glued)
+        if len(found) > 1:
+            return "", f"names {' and '.join(sorted(rule.named for rule in found))}"
+        if found:
+            why = why_left_out(found[0], found[0].named, strict=strict)
+            return ("", why) if why else (found[0].material, "")
+    return "", "neither name nor caption says a material"
+
+
+def _touches(contact: Contact, sensor: Sensor, left_out: Tally) -> Iterator[Pair]:
+    """Give the pairs of one sensor: the frames in contact, first and last included."""
+    what = f"{contact.part}/{show(contact.item)}, {sensor.domain}"
+    bounds = contact.cells[sensor.column : sensor.column + 2]
+    if len(bounds) < 2 or not all(map(str.isdecimal, bounds)) or int(bounds[0]) > int(bounds[1]):
+        left_out.add(what, f"no range of frames in contact_{contact.part}.csv")
+        return
+    first, last = map(int, bounds)
+    touch = frames_in(contact.folder / sensor.folder)
+    inside = [number for number in touch if first <= number <= last]
+    if missing := last - first + 1 - len(inside):
+        left_out.add(what, "frames of the range that are not there", missing)
+    yield from _paired(
+        contact, sensor, {number: touch[number] for number in inside}, len(touch), left_out
+    )
+
+
+def _paired(
+    contact: Contact, sensor: Sensor, touch: dict[int, Path], recorded: int, left_out: Tally
+) -> Iterator[Pair]:
+    """Give touch frames with the image of the same moment.
+
+    recorded  how many touch frames there are in all: the images' count may differ by a few, so
+              frame t goes with image int(t / recorded * images)
+    """
+    images = list(frames_in(contact.folder / f"img_{sensor.folder}").values())
+    if touch and not images:
+        what = f"{contact.part}/{show(contact.item)}, {sensor.domain}"
+        left_out.add(what, f"no images in img_{sensor.folder}", len(touch))
+        return
+    for number, file in touch.items():
+        if is_text(str(file)):
+            yield Pair(
+                vis=images[min(number * len(images) // recorded, len(images) - 1)],
+                tac=file,
+                domain=sensor.domain,
+                material=contact.material,
+                object=contact.item,
+                part=contact.part,
+            )
+
+
+def _with_splits(
+    found: list[Pair], contact: Contact, sensor: Sensor, seed: int, all_frames: bool
+) -> list[Pair]:
+    """Return the frames of an item that train and test, in the order they were recorded."""
+    outdoor = contact.part == "outdoor"
+    wanted = len(found) if all_frames else min(len(found), TEST + TRAIN * outdoor)
+    random = Random(derive_seed(seed, "frames", sensor.domain, contact.part, contact.item))
+    order = random.sample(range(len(found)), wanted)
+    tests = round(wanted * TEST / (TEST + TRAIN)) if outdoor else wanted
+    split = {index: "test" if rank < tests else "train" for rank, index in enumerate(order)}
+    return [replace(found[index], split=split[index]) for index in sorted(split)]
+
+
+def _tac3d(contacts: list[Contact], folder: Path, seed: int, left_out: Tally) -> list[Pair]:
+    """Return the pairs of Tac3D, which were recorded indoors and have no ranges of contact."""
+    fields = {
+        contact.item: (contact, frames_in(contact.folder / TAC3D.folder, ARRAYS))
+        for contact in contacts
+        if contact.part == "indoor"
+    }
+    files = [file for _, frames in fields.values() for file in frames.values()]
+    drawn, refused = draw_all(files, folder) if files else ({}, {})
+    pairs: list[Pair] = []
+    for item, (contact, frames) in fields.items():
+        if not frames:
+            left_out.add(f"indoor/{show(item)}, {TAC3D.domain}", "no fields in tac3d")
+        for file in frames.values():
+            if file in refused:
+                left_out.add(f"indoor/{show(item)}/tac3d/{show(file.name)}", "no 20 x 20 x 3 field")
+        good = {number: file for number, file in frames.items() if file in drawn}
+        found = list(_paired(contact, TAC3D, good, len(frames), left_out))
+        random = Random(derive_seed(seed, "frames", TAC3D.domain, "indoor", item))
+        tests = set(random.sample(range(len(found)), round(len(found) * T3D_TEST_SHARE)))
+        pairs += [
+            replace(pair, tac=drawn[pair.tac], split="test" if index in tests else "train")
+            for index, pair in enumerate(found)
+        ]
+    return pairs
+
+
+def _by_object(pairs: list[Pair], seed: int) -> list[Pair]:
+    """Return the pairs with whole items in train or test; what only tests goes on testing."""
+    trained = {(pair.domain, pair.part) for pair in pairs if pair.split == "train"}
+    split = [pair for pair in pairs if (pair.domain, pair.part) in trained]
+    rest = [pair for pair in pairs if (pair.domain, pair.part) not in trained]
+    return [*split_by_object(split, seed=seed, test=TEST / (TEST + TRAIN)), *rest]

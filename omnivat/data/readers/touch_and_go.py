@@ -1,0 +1,196 @@
+"""Touch-and-Go (TAG): GelSight and camera frames of one clip, paired by their number.
+
+<root>/dataset/<clip>/{video_frame,gelsight_frame}/<number>.jpg
+<root>/{train,test}.txt   the official lists, or label.txt alone: <clip>/<number>.jpg,<label>
+<root>/category_reference.txt   name: label
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from omnivat.data.materials import class_key, rules, why_left_out
+from omnivat.data.pairs import Pair, PairSet, Skipped
+from omnivat.data.readers.lists import read_lines
+from omnivat.data.readers.names import folders_in, frames_in, is_file, is_text, show
+from omnivat.data.readers.tally import Tally
+from omnivat.data.splits import balance, split_by_object
+from omnivat.errors import DataError
+
+DOMAIN = "TAG"
+VIS, TAC = "video_frame", "gelsight_frame"  # folders in a clip
+INCONCLUSIVE = "-1"
+TEST_SHARE = 29_879 / (91_982 + 29_879)  # of the official lists, kept when splitting by clip
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """One line of a list."""
+
+    clip: str
+    number: int
+    label: str
+    split: str
+
+
+def read(
+    source: Path,
+    *,
+    strict: bool = False,
+    seed: int = 0,
+    by_folder: bool = False,
+    balanced: bool = True,
+    keep_labels: bool = False,
+    lists: Path | str | None = None,
+) -> PairSet:
+    """Return the pairs of Touch-and-Go.
+
+    source       the folder with `dataset` in it, or with the clips themselves
+    strict       leave out metal (as steel) and tile (as ceramic)
+    seed         of the balancing and of the split by clip
+    by_folder    put whole clips into train or test. The official lists share 100 of their 106
+                 test clips with training, so their test pairs are near copies of training pairs
+    balanced     draw as many pairs of each class as the smallest has, as the paper seems to
+    keep_labels  keep materials beyond the five under their own names
+    lists        the folder with train.txt and test.txt, where it is another one
+
+    Without the official lists label.txt is read and split by clip; without any list, keep_labels
+    takes the clip's name as the class. Raises DataError when there is nothing to pair.
+    """
+    left_out = Tally()
+    clips = source / "dataset" if (source / "dataset").is_dir() else source
+    places = (*((Path(lists),) if lists else ()), source, clips)
+    names = _label_names(places)
+    files, official = _list_files(places, by_folder)
+    if files:
+        frames = _materials(list(_listed(files, left_out)), names, strict, keep_labels, left_out)
+    elif keep_labels:
+        frames = _unlisted(clips)
+    else:
+        raise DataError(
+            f"No labels for the clips in '{show(source)}': neither train.txt and test.txt nor "
+            "label.txt is there. Copy them beside the clips, or read with keep_labels to take "
+            "the clips' own names as classes."
+        )
+    pairs = tuple(_pairs(frames, clips, left_out))
+    if not pairs:
+        raise DataError(f"No pairs of Touch-and-Go in '{show(source)}'.{left_out.reasons()}")
+    if files and not official:
+        pairs = split_by_object(pairs, seed=seed, test=TEST_SHARE)
+    lost: tuple[Skipped, ...] = ()
+    if balanced and not keep_labels:
+        pairs, lost = balance(pairs, seed=seed)
+    how = "official lists" if official else "split by clip" if files else "no lists, no split"
+    return PairSet(pairs=pairs, skipped=left_out.skipped() + lost, origin=f"Touch-and-Go, {how}")
+
+
+def _list_files(places: tuple[Path, ...], by_folder: bool) -> tuple[dict[str, Path], bool]:
+    """Return the lists by the split they stand for, and whether theirs is the official split."""
+    for place in places:
+        both = {"train": place / "train.txt", "test": place / "test.txt"}
+        every = place / "label.txt"
+        if all(map(is_file, both.values())):
+            return both, not by_folder
+        if is_file(every):
+            return {"": every}, False
+    return {}, False
+
+
+def _listed(files: dict[str, Path], left_out: Tally) -> Iterator[Frame]:
+    """Give the frames of the lists; each frame once, and none that is inconclusive."""
+    seen: dict[tuple[str, int], str] = {}
+    for split, file in files.items():
+        for line in filter(None, read_lines(file)):
+            path, _, label = line.rpartition(",")
+            clip, _, name = path.strip().partition("/")
+            number, label = Path(name).stem, label.strip()
+            if not (_plain(clip) and number.isascii() and number.isdigit() and label):
+                left_out.add(show(file.name), "lines that are not <clip>/<number>.jpg,<label>")
+            elif label == INCONCLUSIVE:
+                left_out.add(show(file.name), "label -1, inconclusive")
+            elif earlier := seen.get((clip, int(number))):
+                same = "listed twice" if earlier == label else "listed with two labels"
+                left_out.add(show(clip), same)
+            else:
+                seen[clip, int(number)] = label
+                yield Frame(clip, int(number), label, split)
+
+
+def _plain(clip: str) -> bool:
+    return bool(clip) and clip not in (".", "..") and "\\" not in clip and "\0" not in clip
+
+
+def _label_names(places: tuple[Path, ...]) -> dict[str, str]:
+    """Return what category_reference.txt calls each label, checked against the five we map.
+
+    Raises DataError when it calls one of the five something else.
+    """
+    file = next(
+        (p / "category_reference.txt" for p in places if is_file(p / "category_reference.txt")),
+        None,
+    )
+    names: dict[str, str] = {}
+    for line in read_lines(file) if file else ():
+        name, _, number = line.rpartition(":")
+        if name.strip() and number.split():
+            names[number.split()[0]] = class_key(name)
+    for label, rule in rules("touch_and_go").items():
+        if file and label in names and rule.named not in names[label]:
+            raise DataError(
+                f"'{show(file)}' calls label {label} '{show(names[label])}', wanted '{rule.named}'. "
+                "This is another numbering; correct the lists or the file."
+            )
+    return names
+
+
+def _materials(
+    frames: list[Frame], names: dict[str, str], strict: bool, keep: bool, left_out: Tally
+) -> list[tuple[Frame, str]]:
+    """Return the frames with the class they count as."""
+    known = rules("touch_and_go")
+    kept = []
+    for frame in frames:
+        rule = known.get(frame.label)
+        name = rule.named if rule else names.get(frame.label, "")
+        why = why_left_out(rule, "another material", strict=strict)
+        if not why and rule:
+            kept.append((frame, rule.material))
+        elif keep:
+            kept.append((frame, name or f"label {frame.label}"))
+        else:
+            left_out.add(f"label {frame.label}" + (f" ({name})" if name else ""), why)
+    return kept
+
+
+def _unlisted(clips: Path) -> list[tuple[Frame, str]]:
+    """Return every frame of every clip, the clip's name as its class."""
+    return [
+        (Frame(clip.name, number, clip.name, ""), class_key(clip.name))
+        for clip in folders_in(clips)
+        if is_text(clip.name)
+        for number in sorted(frames_in(clip / TAC).keys() | frames_in(clip / VIS).keys())
+    ]
+
+
+def _pairs(frames: list[tuple[Frame, str]], clips: Path, left_out: Tally) -> Iterator[Pair]:
+    halves: dict[str, tuple[dict[int, Path], dict[int, Path]]] = {}
+    for frame, material in frames:
+        if frame.clip not in halves:
+            folder = clips / frame.clip
+            halves[frame.clip] = (
+                frames_in(folder / VIS),
+                frames_in(folder / TAC),
+            )
+        vis, tac = (half.get(frame.number) for half in halves[frame.clip])
+        if vis and tac:
+            yield Pair(
+                vis=vis,
+                tac=tac,
+                domain=DOMAIN,
+                material=material,
+                object=frame.clip,
+                split=frame.split,
+            )
+        else:
+            missing = [n for n, half in ((VIS, vis), (TAC, tac)) if not half]
+            left_out.add(show(frame.clip), f"no image in {' and '.join(missing)}")

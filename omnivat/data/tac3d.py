@@ -1,0 +1,102 @@
+"""Draw a Tac3D displacement field as an RGB image. How the paper does it is not known: this is ours.
+
+The sensor follows 20 x 20 markers in its skin. Displacements along x, y and z become red, green
+and blue; no displacement is mid-grey; one scale serves a whole data set.
+"""
+
+from collections.abc import Iterable, Sequence
+from hashlib import blake2b
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from omnivat.data.pairs import printable
+from omnivat.errors import DataError
+from omnivat.files import replacing
+
+MARKERS = 20  # a side
+SIDE = 224  # pixels of the image drawn
+ROBUST = 99  # percent of the displacements that the scale covers
+MOST_FOR_SCALE = 2000  # fields looked at for the scale, evenly taken
+Field = NDArray[np.float64]
+
+
+def load_field(file: Path) -> Field:
+    """Return the displacements (20, 20, 3) in a `.npy` file, of that shape or (400, 3).
+
+    Raises DataError for anything else: another shape, text, objects, NaN.
+    """
+    try:
+        field = np.load(file, allow_pickle=False)
+    except (OSError, ValueError, EOFError, SyntaxError) as error:
+        raise DataError(f"'{printable(str(file))}' is not a NumPy array ({error}).") from error
+    wanted = (MARKERS, MARKERS, 3)
+    if not isinstance(field, np.ndarray) or field.shape not in (wanted, (MARKERS**2, 3)):
+        shape = getattr(field, "shape", "no shape")
+        raise DataError(
+            f"'{printable(str(file))}' has shape {shape}, wanted {wanted} displacements."
+        )
+    if field.dtype.kind not in "fiu" or not np.isfinite(field).all():
+        raise DataError(f"'{printable(str(file))}' holds values that are not finite numbers.")
+    return field.astype(np.float64).reshape(wanted)
+
+
+def robust_scale(fields: Iterable[Field]) -> float:
+    """Return the size that 99 % of all displacements stay below, in their own unit; 1 for none."""
+    sizes = [np.abs(field).ravel() for field in fields]
+    scale = float(np.percentile(np.concatenate(sizes), ROBUST)) if sizes else 0.0
+    return scale or 1.0
+
+
+def field_to_rgb(field: Field, scale: float) -> NDArray[np.uint8]:
+    """Return an image (224, 224, 3) of a displacement field.
+
+    field  (20, 20, 3) displacements along x, y, z
+    scale  > 0, the displacement drawn as full colour; larger ones are cut
+    """
+    colours = np.clip(field / scale, -1, 1) * 127.5 + 127.5
+    channels = [
+        np.asarray(
+            Image.fromarray(colours[..., axis].astype(np.float32)).resize(
+                (SIDE, SIDE), Image.Resampling.BICUBIC
+            )
+        )
+        for axis in range(3)
+    ]
+    return np.clip(np.round(np.stack(channels, axis=-1)), 0, 255).astype(np.uint8)
+
+
+def draw_all(files: Sequence[Path], folder: Path) -> tuple[dict[Path, Path], dict[Path, str]]:
+    """Draw every field on one scale into `folder`, those that are there already excepted.
+
+    files   `.npy` files of one data set
+    folder  for the images, each named by what is in it, so that nothing in it is ever out of date
+    return  the image of each field, and for the fields that cannot be drawn why
+    """
+    drawn: dict[Path, Path] = {}
+    refused: dict[Path, str] = {}
+    step = -(-len(files) // MOST_FOR_SCALE) or 1
+    sample = []
+    for file in files[::step]:
+        try:
+            sample.append(load_field(file))
+        except DataError as error:
+            refused[file] = str(error)
+    scale = robust_scale(sample)
+    for file in files:
+        try:
+            drawn[file] = _draw(load_field(file), scale, folder)
+        except DataError as error:
+            refused[file] = str(error)
+    return drawn, refused
+
+
+def _draw(field: Field, scale: float, folder: Path) -> Path:
+    content = blake2b(field.tobytes() + np.float64(scale).tobytes(), digest_size=12).hexdigest()
+    image = folder / f"tac3d-{content}.png"
+    if not image.is_file():
+        with replacing(image) as temporary:
+            Image.fromarray(field_to_rgb(field, scale)).save(temporary, format="PNG")
+    return image

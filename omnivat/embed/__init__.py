@@ -1,0 +1,6 @@
+"""Embed a set of pairs into one file, by the cores of this machine or by a cluster."""
+
+from omnivat.embed.pairs import ENGINES, EmbedReport, embed_pairs
+from omnivat.encoders.cache import embed_image, embed_pair
+
+__all__ = ["ENGINES", "EmbedReport", "embed_image", "embed_pair", "embed_pairs"]

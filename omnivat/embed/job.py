@@ -1,0 +1,93 @@
+"""What is to be embedded and how: the job, its chunks of pairs, and one pair's work."""
+
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from hashlib import blake2b
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from omnivat.data.pairs import Pair, Skipped
+from omnivat.encoders import Encoder, load_encoder
+from omnivat.encoders.cache import EmbeddingCache, embed_views
+from omnivat.errors import DataError
+
+CHUNK = 128  # pairs in one part file: what an interruption can cost at most
+Array = NDArray[np.float32]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Job:
+    """How to embed; plain values, so that it can be sent to another machine."""
+
+    encoder: str
+    weights: Path | None = None
+    device: str = "cpu"
+    precision: str = "fp32"
+    flips: bool = True
+
+    @property
+    def views(self) -> tuple[bool, ...]:
+        """Which views of an image are made: False as it is, True mirrored."""
+        return (False, True) if self.flips else (False,)
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """The names of the vectors that are made of each pair."""
+        return ("vis", "vis_flip", "tac", "tac_flip") if self.flips else ("vis", "tac")
+
+    def load(self) -> Encoder:
+        """Load the encoder of this job."""
+        return load_encoder(
+            self.encoder, weights=self.weights, device=self.device, precision=self.precision
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Chunk:
+    """Some pairs in a row. `fingerprint` changes with the files, the encoder and the settings."""
+
+    index: int
+    pairs: tuple[Pair, ...]
+    fingerprint: str
+
+
+def chunks_of(
+    pairs: Sequence[Pair], encoder: Encoder, job: Job, size: int = CHUNK
+) -> Iterator[Chunk]:
+    """Cut the pairs into chunks of `size`."""
+    made_by = [
+        encoder.name,
+        encoder.weights_hash,
+        encoder.preprocessing,
+        encoder.precision,
+        job.columns,
+    ]
+    for index, start in enumerate(range(0, len(pairs), size)):
+        part = tuple(pairs[start : start + size])
+        files = [[*_state(pair.vis), *_state(pair.tac), pair.tac_crop] for pair in part]
+        text = json.dumps([made_by, files])
+        fingerprint = blake2b(text.encode(), digest_size=16).hexdigest()
+        yield Chunk(index=index, pairs=part, fingerprint=fingerprint)
+
+
+def _state(path: Path) -> tuple[str, int, int]:
+    try:
+        found = path.stat()
+    except OSError:
+        return str(path), -1, -1
+    return str(path), found.st_size, found.st_mtime_ns
+
+
+def embed_one(
+    encoder: Encoder, job: Job, pair: Pair, cache: EmbeddingCache | None = None
+) -> list[Array] | Skipped:
+    """Return a pair's vectors (D,) in the order of `job.columns`, or why it has none."""
+    try:
+        vis = embed_views(encoder, pair.vis, cache, flips=job.views)
+        tac = embed_views(encoder, pair.tac, cache, flips=job.views, crop=pair.tac_crop)
+    except DataError as error:
+        return Skipped(what=f"{pair.vis} + {pair.tac}", why=str(error))
+    return [*vis, *tac]

@@ -1,0 +1,151 @@
+"""Embed every pair of a set into one file: resumable, in bounded memory, past unreadable images."""
+
+import logging
+import os
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from omnivat.data.manifest import MANIFESTS
+from omnivat.data.pairs import PairSet, Skipped
+from omnivat.data.store import Header, vector_type
+from omnivat.embed.job import Job, chunks_of
+from omnivat.embed.parts import Part, Parts, merge
+from omnivat.errors import DataError, SettingsError
+from omnivat.progress import OnStep, Step, ignore
+from omnivat.tables import load
+
+ENGINES = {
+    "local": "omnivat.embed.local:run",
+    "ray": "omnivat.embed.cluster:run",
+}
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EmbedReport:
+    """What `embed_pairs` did."""
+
+    out: Path
+    header: Header
+    embedded: int  # pairs in the file
+    resumed: int  # of these and the skipped, how many an earlier, interrupted run had done
+    skipped: tuple[Skipped, ...]  # pairs with an image that cannot be read, and why
+    seconds: float
+
+
+def embed_pairs(
+    pairs: PairSet,
+    encoder_name: str,
+    out: str | Path,
+    *,
+    weights: Path | None = None,
+    device: str = "cpu",
+    precision: str = "fp32",
+    engine: str = "local",
+    flips: bool = True,
+    workers: int | None = None,
+    dtype: str = "float32",
+    manifest: str = "csv",
+    on_step: OnStep = ignore,
+) -> EmbedReport:
+    """Embed `pairs` with the encoder of that name and write the set of embeddings to `out`.
+
+    weights     a checkpoint in place of the default one
+    precision   "fp32", or "bf16" where the CPU has it
+    engine      "local", or "ray" for a cluster; both write the same file
+    flips       also embed the mirrored images, which training draws from
+    workers     how many images at a time; every core where not said
+    dtype       of the file: "float32", or "float16" for half the size
+    manifest    "csv" or "parquet": the readable table beside `out`
+
+    What is finished lies in `<out>.parts` until all is; the same call again goes on from there.
+    Raises DataError when there are no pairs or none can be read; settings are checked first.
+    """
+    out = Path(out)
+    vector_type(dtype)
+    if manifest not in MANIFESTS:
+        raise SettingsError(f"manifest is '{manifest}'; choose {' or '.join(MANIFESTS)}.")
+    if not pairs.pairs:
+        raise DataError(
+            f"There are no pairs to embed in {pairs.origin or 'what was given'}; "
+            "see what the reader left out and why."
+        )
+    run = load(ENGINES, engine, kind="engine")
+    job = Job(
+        encoder=encoder_name, weights=weights, device=device, precision=precision, flips=flips
+    )
+    begun = time.monotonic()
+    encoder = job.load()
+    parts = Parts(out)
+    chunks = list(chunks_of(pairs.pairs, encoder, job))
+    waiting = [chunk for chunk in chunks if parts.read(chunk) is None]
+    resumed = len(pairs.pairs) - sum(len(chunk.pairs) for chunk in waiting)
+    if resumed:
+        _log.info("%d pairs were embedded by an earlier run", resumed)
+    on_pairs = _progress(len(pairs.pairs), resumed, on_step)
+    for chunk, content in run(
+        waiting, job, encoder, workers=workers or usable_cores(), on_pairs=on_pairs
+    ):
+        parts.write(chunk, content)
+    finished = [part for chunk in chunks if (part := parts.read(chunk)) is not None]
+    _require_all(finished, len(chunks), pairs, parts)
+    header = merge(out, finished, pairs, encoder, job, dtype=dtype, manifest=manifest)
+    parts.remove()
+    return EmbedReport(
+        out=out,
+        header=header,
+        embedded=sum(len(part.pairs) for part in finished),
+        resumed=resumed,
+        skipped=tuple(skipped for part in finished for skipped in part.skipped),
+        seconds=time.monotonic() - begun,
+    )
+
+
+def usable_cores() -> int:
+    """Return how many cores this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def _require_all(finished: list[Part], wanted: int, pairs: PairSet, parts: Parts) -> None:
+    if len(finished) < wanted:
+        raise DataError(
+            "Some images changed on disk, or their part files were removed, while they were being "
+            "embedded; run the same command again to embed those."
+        )
+    if not any(part.pairs for part in finished):
+        first = finished[0].skipped[0]
+        parts.remove()
+        raise DataError(f"None of {len(pairs.pairs)} pairs could be read; the first: {first.why}")
+
+
+def _progress(total: int, done: int, on_step: OnStep) -> Callable[[int], None]:
+    """Return what to call with how many pairs are newly done; it reports rate and time left."""
+    begun, at_start = time.monotonic(), done
+
+    def on_pairs(count: int) -> None:
+        nonlocal done
+        done += count
+        rate = (done - at_start) / max(time.monotonic() - begun, 1e-9)
+        left = time_text((total - done) / rate)
+        on_step(Step(done=done, total=total, text=f"{rate:.1f} pairs/s, {left} left"))
+
+    on_step(Step(done=done, total=total, text="embedding pairs"))
+    return on_pairs
+
+
+def time_text(seconds: float) -> str:
+    """Return a length of time in two units at most, for people.
+
+    >>> time_text(5), time_text(200), time_text(7300)
+    ('5 s', '3 min 20 s', '2 h 1 min')
+    """
+    whole = round(seconds)
+    if whole < 60:
+        return f"{whole} s"
+    if whole < 3600:
+        return f"{whole // 60} min {whole % 60} s"
+    return f"{whole // 3600} h {whole % 3600 // 60} min"

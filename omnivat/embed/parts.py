@@ -1,0 +1,156 @@
+"""Part files: what is finished of an interrupted run, and how parts become one set of embeddings."""
+
+import json
+import os
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from safetensors import SafetensorError
+from safetensors.numpy import save
+
+from omnivat.data.arrays import Column, read_arrays
+from omnivat.data.pairs import Pair, PairSet, Skipped
+from omnivat.data.store import ROW_NAMES, Header, vector_type, write_columns
+from omnivat.embed.job import Array, Chunk, Job
+from omnivat.encoders import Encoder
+from omnivat.files import replacing
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Part:
+    """A finished chunk: its file, which of its pairs have vectors, and why the others have none."""
+
+    file: Path
+    pairs: tuple[Pair, ...]
+    skipped: tuple[Skipped, ...]
+
+
+def part_bytes(chunk: Chunk, job: Job, results: Sequence[list[Array] | Skipped]) -> bytes:
+    """Return the content of the part file of a chunk, given what `embed_one` said of each pair."""
+    kept = [index for index, result in enumerate(results) if not isinstance(result, Skipped)]
+    skipped = [asdict(result) for result in results if isinstance(result, Skipped)]
+    arrays: dict[str, NDArray[Any]] = {"kept": np.array(kept, np.int64)}
+    vectors = [result for result in results if not isinstance(result, Skipped)]
+    for name, column in zip(job.columns, zip(*vectors, strict=True), strict=bool(vectors)):
+        arrays[name] = np.stack(column)
+    metadata = {"fingerprint": chunk.fingerprint, "skipped": json.dumps(skipped)}
+    return bytes(save(arrays, metadata=metadata))
+
+
+class Parts:
+    """The folder `<out>.parts` beside a set of embeddings that is being made."""
+
+    def __init__(self, out: Path) -> None:
+        self.folder = out.with_name(out.name + ".parts")
+
+    def _file(self, chunk: Chunk) -> Path:
+        return self.folder / f"part-{chunk.index:07d}.safetensors"
+
+    def write(self, chunk: Chunk, content: bytes) -> None:
+        """Write the part of a chunk, whole or not at all."""
+        with replacing(self._file(chunk)) as temporary:
+            temporary.write_bytes(content)
+
+    def read(self, chunk: Chunk) -> Part | None:
+        """Return the part of a chunk, or None when it is missing, damaged or of other files."""
+        file = self._file(chunk)
+        try:
+            arrays, metadata = read_arrays(file)
+            kept, skipped = arrays["kept"], json.loads(metadata["skipped"])
+            if metadata["fingerprint"] != chunk.fingerprint:
+                return None
+        except (SafetensorError, OSError, ValueError, KeyError):
+            return None
+        return Part(
+            file=file,
+            pairs=tuple(chunk.pairs[index] for index in kept),
+            skipped=tuple(Skipped(**entry) for entry in skipped),
+        )
+
+    def remove(self) -> None:
+        """Remove the part files, and the folder if nothing else is in it."""
+        for pattern in ("part-*.safetensors", ".part-*.tmp"):
+            for file in self.folder.glob(pattern):
+                file.unlink(missing_ok=True)
+        if self.folder.is_dir() and not any(self.folder.iterdir()):
+            self.folder.rmdir()
+
+
+def merge(
+    out: Path,
+    parts: Sequence[Part],
+    source: PairSet,
+    encoder: Encoder,
+    job: Job,
+    *,
+    dtype: str,
+    manifest: str,
+) -> Header:
+    """Write the parts as one set of embeddings, holding one part's vectors at a time."""
+    found = PairSet(pairs=tuple(pair for part in parts for pair in part.pairs))
+    header = Header(
+        encoder=encoder.name,
+        weights_hash=encoder.weights_hash,
+        preprocessing=encoder.preprocessing,
+        precision=encoder.precision,
+        domains=found.domains(),
+        classes=found.materials(),
+        simulated=source.simulated,
+        origin=source.origin,
+    )
+    shape = (len(found.pairs), encoder.width)
+    vectors = {
+        name: Column(dtype=vector_type(dtype), shape=shape, blocks=_vectors(parts, name))
+        for name in job.columns
+    }
+    write_columns(
+        out,
+        header,
+        vectors,
+        domain=_indices(header.domains, [pair.domain for pair in found.pairs]),
+        label=_indices(header.classes, [pair.material for pair in found.pairs]),
+        rows=_names(found.pairs),
+        manifest=manifest,
+    )
+    return header
+
+
+def _vectors(parts: Sequence[Part], name: str) -> Iterator[NDArray[Any]]:
+    for part in parts:
+        if part.pairs:
+            yield read_arrays(part.file)[0][name]
+
+
+def _indices(names: Sequence[str], values: Sequence[str]) -> NDArray[np.int64]:
+    place = {name: index for index, name in enumerate(names)}
+    return np.array([place[value] for value in values], np.int64)
+
+
+def _names(pairs: Sequence[Pair]) -> dict[str, list[str]]:
+    """Return the named columns; paths are given from the folder that all files share."""
+    folders = {str(path.absolute().parent) for pair in pairs for path in (pair.vis, pair.tac)}
+    try:
+        root = os.path.commonpath(folders)
+    except ValueError:  # different drives
+        root = ""
+    columns: dict[str, list[str]] = {name: [] for name in ROW_NAMES}
+    for pair in pairs:
+        columns["vis"].append(_from(root, pair.vis))
+        columns["tac"].append(_from(root, pair.tac))
+        for name in ("object", "split", "part"):
+            columns[name].append(_text(getattr(pair, name)))
+    return columns
+
+
+def _from(root: str, path: Path) -> str:
+    full = path.absolute()
+    return _text((full.relative_to(root) if root else full).as_posix())
+
+
+def _text(name: str) -> str:
+    """Return a file's name as text that UTF-8 can hold, whatever bytes the disk has."""
+    return os.fsencode(name).decode("utf-8", "backslashreplace")

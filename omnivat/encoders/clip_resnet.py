@@ -1,0 +1,159 @@
+"""CLIP RN50: the image tower, read from the state dict that was published with the paper.
+
+Radford et al., "Learning Transferable Visual Models From Natural Language Supervision", 2021,
+section 2.4: a ResNet with a stem of three convolutions, average pooling before each convolution
+that would have a stride, and attention in place of the last average.
+Every size is read off the weights, so a tower of other depth or width works too.
+"""
+
+from pathlib import Path
+
+import torch
+from PIL import Image
+from torch import Tensor, nn
+from torch.nn.functional import avg_pool2d, conv2d, linear, relu, scaled_dot_product_attention
+
+from omnivat.encoders.checkpoints import Checkpoint, find, pick, read_state
+from omnivat.encoders.clip_vit import MEAN, PREPROCESSING, STD
+from omnivat.encoders.running import one_by_one, pixels, precision_type, state_hash
+from omnivat.errors import DataError
+
+RN50 = Checkpoint(
+    name="clip-rn50",
+    fetch="curl -L --create-dirs -o {folder}/RN50.pt https://openaipublic.azureedge.net/clip/models/"
+    "afeb0e10f9e5a86da6080e35cf09123aca3b358a0c3e3b6c78a7b63bc04b6762/RN50.pt",
+)
+HEAD_WIDTH = 64  # channels of one attention head
+NORM_EPS = 1e-5
+STRIDES = (1, 2, 2, 2)  # of the four stages
+State = dict[str, Tensor]
+
+
+class Tower(nn.Module):
+    """(B, 3, 224, 224) -> (B, D)."""
+
+    def __init__(self, state: State) -> None:
+        super().__init__()
+        self.stem = nn.ModuleList(
+            Conv(state, f"conv{i}", f"bn{i}", stride=2 if i == 1 else 1) for i in (1, 2, 3)
+        )
+        self.blocks = nn.ModuleList(
+            Bottleneck(state, f"layer{stage}.{block}", stride=stride if block == 0 else 1)
+            for stage, stride in enumerate(STRIDES, start=1)
+            for block in range(_count(state, f"layer{stage}."))
+        )
+        self.pool = AttentionPool(state)
+
+    def forward(self, x: Tensor) -> Tensor:
+        for conv in self.stem:
+            x = relu(conv(x))
+        x = avg_pool2d(x, 2)
+        for block in self.blocks:
+            x = block(x)
+        pooled: Tensor = self.pool(x)
+        return pooled
+
+
+class Conv(nn.Module):
+    """A convolution with its batch normalisation folded in."""
+
+    def __init__(self, state: State, conv: str, norm: str, *, stride: int = 1) -> None:
+        super().__init__()
+        scale = state[f"{norm}.weight"] / torch.sqrt(state[f"{norm}.running_var"] + NORM_EPS)
+        self.weight: Tensor
+        self.bias: Tensor
+        self.register_buffer("weight", state[f"{conv}.weight"] * scale[:, None, None, None])
+        self.register_buffer("bias", state[f"{norm}.bias"] - state[f"{norm}.running_mean"] * scale)
+        self.stride = stride
+
+    def forward(self, x: Tensor) -> Tensor:
+        return conv2d(x, self.weight, self.bias, self.stride, padding=self.weight.shape[-1] // 2)
+
+
+class Bottleneck(nn.Module):
+    """Narrow, filter, pool, widen; added to its input, which is pooled and widened to fit."""
+
+    def __init__(self, state: State, name: str, *, stride: int) -> None:
+        super().__init__()
+        self.narrow = Conv(state, f"{name}.conv1", f"{name}.bn1")
+        self.filter = Conv(state, f"{name}.conv2", f"{name}.bn2")
+        self.widen = Conv(state, f"{name}.conv3", f"{name}.bn3")
+        fits = f"{name}.downsample.0.weight" not in state
+        self.fit = None if fits else Conv(state, f"{name}.downsample.0", f"{name}.downsample.1")
+        self.stride = stride
+
+    def forward(self, x: Tensor) -> Tensor:
+        out = relu(self.filter(relu(self.narrow(x))))
+        out = self.widen(self._pooled(out))
+        return relu(out + (x if self.fit is None else self.fit(self._pooled(x))))
+
+    def _pooled(self, x: Tensor) -> Tensor:
+        return avg_pool2d(x, self.stride) if self.stride > 1 else x
+
+
+class AttentionPool(nn.Module):
+    """The mean of all places asks each place, and itself, what to add up."""
+
+    def __init__(self, state: State) -> None:
+        super().__init__()
+        for name in ("q_proj", "k_proj", "v_proj", "c_proj"):
+            self.register_buffer(f"{name}_weight", state[f"attnpool.{name}.weight"])
+            self.register_buffer(f"{name}_bias", state[f"attnpool.{name}.bias"])
+        self.places: Tensor
+        self.register_buffer("places", state["attnpool.positional_embedding"])
+
+    def forward(self, x: Tensor) -> Tensor:
+        x = x.flatten(2).mT  # (B, H * W, C)
+        x = torch.cat([x.mean(dim=1, keepdim=True), x], dim=1) + self.places
+        query = self._heads(self._project("q_proj", x[:, :1]))
+        key, value = (self._heads(self._project(name, x)) for name in ("k_proj", "v_proj"))
+        seen = scaled_dot_product_attention(query, key, value)  # (B, heads, 1, HEAD_WIDTH)
+        return self._project("c_proj", seen.flatten(1))
+
+    def _project(self, name: str, x: Tensor) -> Tensor:
+        return linear(x, self.get_buffer(f"{name}_weight"), self.get_buffer(f"{name}_bias"))
+
+    def _heads(self, x: Tensor) -> Tensor:
+        return x.unflatten(-1, (-1, HEAD_WIDTH)).transpose(1, 2)
+
+
+def _count(state: State, prefix: str) -> int:
+    return len({key.split(".")[1] for key in state if key.startswith(prefix)})
+
+
+class ClipResNet:
+    """CLIP RN50 as an `Encoder`."""
+
+    name = RN50.name
+    preprocessing = PREPROCESSING
+
+    def __init__(self, place: Path, device: torch.device, precision: str) -> None:
+        state = _visual(place)
+        try:
+            tower = Tower(state)
+        except KeyError as error:
+            raise DataError(f"'{place}' lacks the weight {error} of {RN50.name}.") from error
+        self.width = int(state["attnpool.c_proj.weight"].shape[0])
+        self.weights_hash = state_hash(state)
+        self.precision = precision
+        self._type = precision_type(precision, device)
+        self._network = tower.eval().to(device, self._type)
+        self._device = device
+
+    def preprocess(self, image: Image.Image) -> Tensor:
+        """Return an RGB image as (3, 224, 224)."""
+        return pixels(image, MEAN, STD)
+
+    def embed(self, images: Tensor) -> Tensor:
+        """Return the embeddings (B, D) of preprocessed images (B, 3, 224, 224)."""
+        return one_by_one(self._network, images.to(self._device, self._type))
+
+
+def _visual(place: Path) -> State:
+    state = pick(read_state(place, RN50.name), ("visual.",))
+    return {key.removeprefix("visual."): value for key, value in state.items()}
+
+
+def load_rn50(*, weights: Path | None, device: torch.device, precision: str) -> ClipResNet:
+    """Load CLIP RN50 (D = 1024) from a `.pt` or `.safetensors` file, or a folder with one."""
+    return ClipResNet(find(RN50, weights), device, precision)

@@ -1,0 +1,56 @@
+"""Press a surface into a gel: where they touch, and how the gel then lies."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import gaussian_filter
+
+from omnivat.simulate.noise import Array, turned
+from omnivat.simulate.surfaces import Surface
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Press:
+    """How a sensor meets an object."""
+
+    at: tuple[float, float]  # mm on the object
+    turn: float  # rad about the normal
+    lean: tuple[float, float]  # slope of the sensor against the surface, mm a mm
+    depth: float  # 0 to 1 of the sensor's range
+    shear: tuple[float, float]  # mm that the gel is dragged sideways
+
+
+def plane(field: float, size: int) -> tuple[Array, Array]:
+    """Return x and y (size, size) in mm over a square of `field` mm; y grows upwards."""
+    axis = (np.arange(size) + 0.5) / size * field - field / 2
+    x, y = np.meshgrid(axis, -axis)
+    return x, y
+
+
+def pressed_height(surface: Surface, press: Press, *, field: float, size: int) -> Array:
+    """Return the object's height (size, size) in mm as the sensor meets it, highest towards it."""
+    x, y = plane(field, size)
+    u, v = turned(x, y, press.turn)
+    relief = surface.relief(u + press.at[0], v + press.at[1])
+    form = surface.form.height(u, v)  # the sensor aligns itself with the form it is pressed on
+    return np.asarray(relief + form + press.lean[0] * x + press.lean[1] * y)
+
+
+def indentation(height: Array, *, field: float, depth: float, dome: float) -> Array:
+    """Return how far (mm) the object goes into the undeformed gel; 0 where it does not touch."""
+    x, y = plane(field, len(height))
+    meeting = height + dome * (1.0 - 2.0 * (x**2 + y**2) / field**2)
+    return np.asarray(np.maximum(meeting - np.quantile(meeting, 0.998) + depth, 0.0))
+
+
+def draped(indent: Array, *, field: float, give: float, skin: float) -> Array:
+    """Return the gel's displacement (mm): on the object in contact, drawn down around it.
+
+    Wide to narrow, the sheet is smoothed and then pushed off the object again, so that it hangs
+    from the contact as an elastic skin does; last, its own thickness `skin` smooths it.
+    """
+    pixel = field / len(indent)
+    sheet = indent
+    for width in (give, give / 2, give / 4, give / 8):
+        sheet = np.maximum(indent, gaussian_filter(sheet, width / pixel, mode="nearest"))
+    return np.asarray(gaussian_filter(sheet, skin / pixel, mode="nearest"))

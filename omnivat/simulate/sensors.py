@@ -1,0 +1,102 @@
+"""One row of parameters for each tactile sensor that the photometric model stands in for.
+
+The rows are drawn from published pictures and descriptions of the sensors, not measured on devices:
+they fix what tells the sensors apart (lamps, tint, markers, softness, field), not calibrated colour.
+"""
+
+from dataclasses import dataclass
+
+Colour = tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Lamp:
+    """A row of LEDs at one side of the gel."""
+
+    azimuth: float  # degrees: 0 lights from the right, 90 from the top
+    colour: Colour  # what it adds on a slope of 45 degrees that faces it
+    spill: float = 0.3  # how unevenly it lights the flat gel, 0 evenly
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Markers:
+    """Dark dots printed on the gel."""
+
+    pitch: float  # mm
+    radius: float  # mm
+    uneven: float = 0.1  # spread of radius and place, share of pitch
+    darkness: float = 0.85
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sensor:
+    """How one sensor feels and looks."""
+
+    field: float  # mm across the square image
+    depth: tuple[float, float]  # press depth, mm
+    skin: float  # mm: relief narrower than this is smoothed away by the gel's coat
+    give: float  # mm: how far the gel is drawn down around a contact
+    dome: float  # mm: height of the gel's middle over its rim
+    base: Colour  # mean colour of the untouched gel
+    lamps: tuple[Lamp, ...]
+    gain: float = 1.0  # how strongly slopes colour
+    markers: Markers | None = None
+    vignette: float = 0.15
+    noise: float = 0.012
+    blur: float = 0.0  # pixels of 224
+
+
+SENSORS = {
+    "GelSight": Sensor(
+        field=16.0, depth=(0.35, 0.9), skin=0.07, give=0.9, dome=0.35,
+        base=(0.60, 0.55, 0.62),
+        lamps=(
+            Lamp(azimuth=-5, colour=(0.75, 0.02, 0.12), spill=0.75),
+            Lamp(azimuth=120, colour=(0.03, 0.70, 0.25), spill=0.65),
+            Lamp(azimuth=235, colour=(0.10, 0.12, 0.80), spill=0.65),
+        ),
+        gain=1.0, markers=Markers(pitch=2.0, radius=0.30, uneven=0.10), vignette=0.20, noise=0.02,
+    ),
+    "GelSlim": Sensor(
+        field=20.0, depth=(0.25, 0.7), skin=0.12, give=0.7, dome=0.10,
+        base=(0.40, 0.33, 0.47),
+        lamps=(
+            Lamp(azimuth=90, colour=(0.42, 0.06, 0.38), spill=0.25),
+            Lamp(azimuth=270, colour=(0.08, 0.42, 0.20), spill=0.25),
+        ),
+        gain=1.1, markers=Markers(pitch=1.25, radius=0.16, uneven=0.04, darkness=0.6),
+        vignette=0.30, noise=0.015, blur=0.6,
+    ),
+    "DIGIT": Sensor(
+        field=15.0, depth=(0.3, 0.8), skin=0.10, give=1.2, dome=0.55,
+        base=(0.44, 0.50, 0.58),
+        lamps=(
+            Lamp(azimuth=90, colour=(0.55, 0.10, 0.05), spill=0.55),
+            Lamp(azimuth=210, colour=(0.05, 0.50, 0.14), spill=0.50),
+            Lamp(azimuth=330, colour=(0.06, 0.14, 0.62), spill=0.60),
+        ),
+        gain=0.9, vignette=0.05, noise=0.018, blur=0.8,
+    ),
+    "GelSight Mini": Sensor(
+        field=15.5, depth=(0.25, 0.75), skin=0.06, give=0.6, dome=0.25,
+        base=(0.52, 0.47, 0.40),
+        lamps=(
+            Lamp(azimuth=180, colour=(0.50, 0.22, 0.05), spill=0.20),
+            Lamp(azimuth=60, colour=(0.12, 0.48, 0.10), spill=0.35),
+            Lamp(azimuth=300, colour=(0.30, 0.06, 0.55), spill=0.25),
+        ),
+        gain=1.0, vignette=0.45, noise=0.010,
+    ),
+    "DuraGel": Sensor(
+        field=18.0, depth=(0.3, 0.9), skin=0.16, give=1.5, dome=0.15,
+        base=(0.62, 0.66, 0.66),
+        lamps=(
+            Lamp(azimuth=0, colour=(0.10, 0.34, 0.42), spill=0.20),
+            Lamp(azimuth=90, colour=(0.36, 0.36, 0.30), spill=0.15),
+            Lamp(azimuth=180, colour=(0.44, 0.22, 0.16), spill=0.20),
+            Lamp(azimuth=270, colour=(0.20, 0.22, 0.24), spill=0.15),
+        ),
+        gain=0.9, markers=Markers(pitch=3.0, radius=0.42, uneven=0.02, darkness=0.5),
+        vignette=0.12, noise=0.014, blur=0.5,
+    ),
+}  # fmt: skip

@@ -1,0 +1,74 @@
+"""What an import may not load, and that every module and table entry loads at all."""
+
+import importlib
+import pkgutil
+import subprocess
+import sys
+
+import pytest
+
+import omnivat
+
+HEAVY = {"torch", "numpy", "umap", "plotly", "gradio", "sklearn", "scipy", "transformers", "PIL"}
+
+
+def loaded_by(statement: str) -> set[str]:
+    """Return which heavy packages a fresh interpreter has loaded after `statement`."""
+    code = f"import sys; {statement}; print(*{{m.split('.')[0] for m in sys.modules}})"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    return HEAVY & set(done.stdout.split())
+
+
+def test_importing_the_library_loads_nothing_heavy():
+    assert loaded_by("import omnivat") == set()
+
+
+def test_the_check_itself_sees_a_heavy_import():
+    assert loaded_by("import numpy") == {"numpy"}
+
+
+def test_the_command_line_shows_its_help_without_torch():
+    code = "import omnivat.cli as c\ntry: c.main(['train', '--help'])\nexcept SystemExit: pass"
+    assert not loaded_by(f"exec({code!r})") & {"torch", "umap", "plotly", "gradio", "transformers"}
+
+
+MODULES = [
+    module.name
+    for module in pkgutil.walk_packages(omnivat.__path__, "omnivat.")
+    if not module.name.endswith("__main__")
+]
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_every_module_imports_and_says_what_it_is_for(name):
+    assert (importlib.import_module(name).__doc__ or "").strip()
+
+
+def tables() -> list[tuple[str, str, str]]:
+    """Return every entry of every table of "module:attribute" texts."""
+    found = []
+    for name in MODULES:
+        for table, value in vars(importlib.import_module(name)).items():
+            if table.isupper() and isinstance(value, dict):
+                for key, target in value.items():
+                    if isinstance(target, str) and target.startswith("omnivat.") and ":" in target:
+                        found.append((f"{name}.{table}", key, target))
+    return sorted(set(found))
+
+
+def test_every_table_entry_loads():
+    entries = tables()
+    assert len(entries) > 10
+    for _, _, target in entries:
+        module, attribute = target.split(":")
+        assert hasattr(importlib.import_module(module), attribute), target
+
+
+def test_every_public_name_loads():
+    for name in omnivat.__all__:
+        assert getattr(omnivat, name) is not None
+
+
+def test_an_unknown_public_name_is_refused():
+    with pytest.raises(AttributeError, match="has no attribute 'nothing'"):
+        _ = omnivat.nothing

@@ -1,0 +1,76 @@
+"""The repository: sizes, leaks of local paths, and documents that match the code."""
+
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+TEXT = {".py", ".md", ".toml", ".txt", ".js", ".css", ".json", ".csv", ".html", ".yml", ""}
+
+
+def tracked() -> list[Path]:
+    done = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True)
+    if done.returncode:
+        pytest.skip("not a git checkout")
+    return [path for name in done.stdout.splitlines() if (path := ROOT / name).is_file()]
+
+
+def test_committed_binaries_stay_below_30_mb():
+    binaries = [path for path in tracked() if path.suffix not in TEXT]
+    assert sum(path.stat().st_size for path in binaries) < 30e6
+
+
+LOCAL = re.compile(r"(?<![\w.])/(?:work|root|home/\w+)/")
+
+
+def test_no_committed_text_names_a_path_of_one_machine():
+    leaks = [
+        f"{path.relative_to(ROOT)}: {match.group()}"
+        for path in tracked()
+        if path.suffix in TEXT
+        for match in LOCAL.finditer(path.read_text(encoding="utf-8", errors="ignore"))
+    ]
+    assert leaks == []
+
+
+def test_the_path_check_can_fail():
+    assert LOCAL.search("see /work" + "/main/x") and not LOCAL.search("docs/work/in progress")
+
+
+def test_no_source_file_is_longer_than_300_lines_of_code():
+    long = {}
+    for path in tracked():
+        if path.suffix == ".py" and path.parts[len(ROOT.parts)] in ("omnivat", "app"):
+            code = [
+                line
+                for line in path.read_text(encoding="utf-8").splitlines()
+                if line.strip() and not line.strip().startswith("#")
+            ]
+            if len(code) > 300:
+                long[path.relative_to(ROOT)] = len(code)
+    assert long == {}
+
+
+def test_every_command_is_in_the_readme():
+    from omnivat.cli import COMMANDS
+
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert [name for name in COMMANDS if f"omnivat {name}" not in readme] == []
+
+
+def test_every_folder_of_the_library_is_in_the_architecture_document():
+    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    parts = [p.stem for p in (ROOT / "omnivat").iterdir() if p.suffix == ".py" or p.is_dir()]
+    names = [name for name in parts if not name.startswith("__")]
+    assert [name for name in names if name not in text] == []
+
+
+def test_links_between_documents_lead_somewhere():
+    broken = []
+    for path in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]:
+        for target in re.findall(r"\]\(([^)#:]+?)(?:#[^)]*)?\)", path.read_text(encoding="utf-8")):
+            if not (path.parent / target).exists():
+                broken.append(f"{path.relative_to(ROOT)} -> {target}")
+    assert broken == []

@@ -1,0 +1,127 @@
+"""A head on disk: what was saved comes back, and anything else is refused by name."""
+
+import json
+import shutil
+
+import pytest
+import torch
+
+from omnivat.checkpoint import Head, head_hash, load_head, save_head
+from omnivat.errors import DataError
+
+
+@pytest.fixture
+def folder(head_folder, tmp_path):
+    """A copy of the trained head that a test may spoil."""
+    return shutil.copytree(head_folder, tmp_path / "copy")
+
+
+def test_a_head_comes_back_as_it_was_saved(folder, tmp_path):
+    first = load_head(folder)
+    save_head(tmp_path / "again", first)
+    second = load_head(tmp_path / "again")
+    for name, tensor in first.model.state_dict().items():
+        assert torch.equal(tensor, second.model.state_dict()[name])
+    assert (first.settings, first.encoder) == (second.settings, second.encoder)
+    assert first.provenance == second.provenance
+    assert head_hash(folder) == head_hash(tmp_path / "again")
+
+
+def test_a_head_says_where_it_comes_from(folder):
+    head = load_head(folder)
+    assert head.source == "TAG-sim"
+    assert head.provenance["simulated"] is True
+    assert head.provenance["lang"]["hash"]
+    assert {record["domain"] for record in head.metrics["domains"]} == {"TAG-sim", "OF Real-sim"}
+
+
+def test_a_loaded_head_is_frozen_and_its_order_stays_in_double_precision(folder):
+    head = load_head(folder)
+    assert not head.model.training
+    assert not any(p.requires_grad for p in head.model.parameters())
+    assert head.model.mffa.order.dtype == torch.float64
+
+
+def test_saving_replaces_an_older_head_and_nothing_else(folder, tmp_path):
+    head = load_head(folder)
+    save_head(folder, head)
+    other = tmp_path / "thesis"
+    other.mkdir()
+    (other / "chapter.txt").write_text("years of work")
+    with pytest.raises(DataError, match=r"thesis' exists and is not a head; name a new folder\."):
+        save_head(other, head)
+    assert (other / "chapter.txt").read_text() == "years of work"
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["copy", "thesis"]
+
+
+def test_a_save_that_fails_leaves_the_old_head_whole(folder, monkeypatch):
+    before, head = head_hash(folder), load_head(folder)
+    monkeypatch.setattr(
+        "omnivat.checkpoint.write_json", lambda *_: (_ for _ in ()).throw(OSError("disk full"))
+    )
+    with pytest.raises(OSError, match="^disk full$"):
+        save_head(folder, head)
+    assert head_hash(folder) == before
+    assert [p.name for p in folder.parent.iterdir()] == ["copy"]
+
+
+def break_weights(folder):
+    path = folder / "weights.safetensors"
+    path.write_bytes(path.read_bytes()[:100])
+
+
+def edit_settings(folder, **changes):
+    path = folder / "settings.json"
+    record = json.loads(path.read_text())
+    record["head"] |= changes
+    path.write_text(json.dumps(record))
+
+
+@pytest.mark.parametrize(
+    ("spoil", "sentence"),
+    [
+        (break_weights, r"weights\.safetensors' cannot be read"),
+        (lambda f: (f / "weights.safetensors").unlink(), r"weights\.safetensors' is missing"),
+        (lambda f: (f / "settings.json").unlink(), r"settings\.json' is missing"),
+        (lambda f: (f / "settings.json").write_text("{"), r"is not readable JSON"),
+        (lambda f: (f / "settings.json").write_text("[1]"), "should hold a JSON object"),
+        (lambda f: (f / "settings.json").write_text("{}"), "is not the settings of a head"),
+        (lambda f: edit_settings(f, width=32), r"does not fit its settings: .* has shape"),
+        (lambda f: edit_settings(f, levls=3), r"has no setting 'levls'\. Did you mean 'levels'"),
+        (lambda f: edit_settings(f, width="wide"), "Setting 'width' is 'wide'; it must be int"),
+        (shutil.rmtree, r"No head at .* Train one with"),
+    ],
+)
+def test_a_spoilt_head_is_refused_with_the_name_of_the_file(folder, spoil, sentence):
+    spoil(folder)
+    with pytest.raises(DataError, match=sentence):
+        load_head(folder)
+
+
+def test_weights_with_nan_are_refused(folder):
+    from safetensors.torch import load_file, save_file
+
+    path = folder / "weights.safetensors"
+    tensors = load_file(path)
+    tensors["classifier"][0, 0] = float("nan")
+    save_file(tensors, path)
+    with pytest.raises(DataError, match="classifier holds NaN or infinite values"):
+        load_head(folder)
+
+
+@pytest.mark.parametrize(
+    ("key", "width"),
+    [
+        (("other", "0" * 16, "none"), 24),
+        (("test-encoder", "f" * 16, "none"), 24),
+        (("test-encoder", "0" * 16, "crop"), 24),
+        (("test-encoder", "0" * 16, "none"), 512),
+    ],
+)
+def test_embeddings_that_the_head_was_not_trained_on_are_refused(folder, key, width):
+    head: Head = load_head(folder)
+    head.require(("test-encoder", "0" * 16, "none"), 24, what="The embeddings")
+    with pytest.raises(
+        DataError, match="The embeddings come from .* and this head was trained with"
+    ):
+        head.require(key, width, what="The embeddings")
