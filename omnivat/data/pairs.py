@@ -23,7 +23,7 @@ class Pair:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Skipped:
-    """Something a reader left out, and why. `count` is how many pairs it stands for."""
+    """Something a reader left out, and why. `count` is how many such things it stands for."""
 
     what: str
     why: str
@@ -60,17 +60,16 @@ def summary_table(found: PairSet, *, examples: int = 3) -> str:
     return    lines for people, without a final line end
     """
     classes = found.materials()
-    counts = found.counts()
+    places = Counter((p.domain, p.part, p.split, p.material) for p in found.pairs)
     rows = [
-        [domain, split or "-", *map(str, numbers), str(sum(numbers))]
-        for domain, split in dict.fromkeys((pair.domain, pair.split) for pair in found.pairs)
-        for numbers in [[counts[domain, split, name] for name in classes]]
+        [domain, part or "-", split or "-", *map(str, numbers), str(sum(numbers))]
+        for domain, part, split in dict.fromkeys((p.domain, p.part, p.split) for p in found.pairs)
+        for numbers in [[places[domain, part, split, name] for name in classes]]
     ]
-    lines = [
-        f"{len(found.pairs)} pairs from {printable(found.origin or 'an unnamed source')}"
-        + (" (simulated)" if found.simulated else ""),
-        *_aligned(["domain", "split", *classes, "pairs"], rows),
-    ]
+    simulated = " (simulated)" if found.simulated else ""
+    lines = [f"{len(found.pairs)} pairs from {printable(found.origin or 'no origin')}{simulated}"]
+    if rows:
+        lines += _aligned(["domain", "part", "split", *classes, "pairs"], rows)
     if found.skipped:
         lines += ["", *_aligned(["skipped", "why", "for example"], _reasons(found, examples))]
     return "\n".join(lines)
@@ -81,7 +80,12 @@ def _reasons(found: PairSet, examples: int) -> list[list[str]]:
     for skipped in found.skipped:
         by_reason.setdefault(skipped.why, []).append(skipped)
     return [
-        [str(sum(s.count for s in group)), why, "; ".join(s.what for s in group[:examples])]
+        [
+            str(sum(skipped.count for skipped in group)),
+            why,
+            "; ".join(skipped.what for skipped in group[:examples])
+            + (f"; and {len(group) - examples} more" if len(group) > examples else ""),
+        ]
         for why, group in by_reason.items()
     ]
 

@@ -157,14 +157,14 @@ def _of_one_name(folders: list[Path], kind: str) -> list[Path]:
 
 def _no_pairs(source: Path, skipped: list[Skipped]) -> str:
     message = f"No pairs in '{show(source)}'; wanted {LAYOUT}."
-    if any(_holds_halves(place) for place in (source, *folders_in(source))):
-        message += (
-            " There are such images nearer to the top: give the folder above, or add a folder."
-        )
-    elif skipped:
-        message += (
-            f" {len(skipped)} things were skipped, the first '{skipped[0].what}': {skipped[0].why}."
-        )
+    for place in (source, *folders_in(source)):
+        if _holds_halves(place):
+            return (
+                f"{message} The images in '{show(place)}' lack a folder for their domain or class: "
+                "add it, give the folder above, or name both in a pairs.csv."
+            )
+    if skipped:
+        message += f" {len(skipped)} skipped, such as '{skipped[0].what}': {skipped[0].why}."
     return message
 
 

@@ -1,0 +1,106 @@
+/** Curves against p on fixed axes, with the current p marked; click or drag one to move p. */
+
+const W = 240;
+const H = 104;
+const PAD = { left: 34, right: 8, top: 8, bottom: 20 };
+const X = (p, [a, b]) => PAD.left + ((p - a) / (b - a)) * (W - PAD.left - PAD.right);
+const Y = (v, [lo, hi]) => H - PAD.bottom - ((v - lo) / (hi - lo)) * (H - PAD.top - PAD.bottom);
+
+export const CURVES = [
+  { name: "modality_gap", title: "Modality gap", help: "distance between the mean directions of VIS and TAC", good: "lower" },
+  { name: "domain_gap", title: "Domain gap", help: "mean distance between the domains' centres", good: "lower" },
+  { name: "accuracy", title: "Accuracy", help: "share of all pairs predicted right", good: "higher" },
+  { name: "margin", title: "Cosine margin", help: "mean cosine within classes minus between classes", good: "higher" },
+];
+
+/** The values of one curve at one stage; accuracy is that of the whole head. */
+export function values(frames, name, stage) {
+  const all = frames.meta.curves;
+  if (name === "accuracy") return all["accuracy/all"] ?? null;
+  const found = all[`${name}/${stage}`] ?? (stage === "frft" ? all[`${name}/raw`] : null) ?? null;
+  return found && found.length === 1 ? frames.orders.map(() => found[0]) : found;
+}
+
+/** One axis for a curve at every stage and stop: a flat line stays flat. */
+function axis(frames, name) {
+  const all = Object.entries(frames.meta.curves)
+    .filter(([key]) => key.startsWith(`${name}/`))
+    .flatMap(([, own]) => own);
+  if (name === "accuracy") return [0, 1];
+  const top = Math.max(0.1, ...all);
+  const low = Math.min(0, ...all);
+  const step = 10 ** Math.floor(Math.log10(top)) / 2;
+  return [Math.floor(low / step) * step, Math.ceil(top / step) * step];
+}
+
+const path = (frames, own, ys) =>
+  own.map((v, i) => `${i ? "L" : "M"}${X(frames.orders[i], span(frames)).toFixed(1)} ${Y(v, ys).toFixed(1)}`).join("");
+const span = (frames) => [frames.orders[0], frames.orders.at(-1)];
+
+export class Curves {
+  constructor(box, frames, onOrder) {
+    this.frames = frames;
+    this.box = box;
+    box.innerHTML = CURVES.map((c) => this.chart(c)).join("");
+    this.charts = [...box.querySelectorAll("figure")];
+    for (const chart of this.charts) this.listen(chart.querySelector("svg"), onOrder);
+  }
+
+  chart({ name, title, help }) {
+    const ys = axis(this.frames, name);
+    const [a, b] = span(this.frames);
+    const ticks = [ys[0], ys[1]].map((v) =>
+      `<text x="${PAD.left - 5}" y="${Y(v, ys) + 4}" text-anchor="end">${+v.toFixed(2)}</text>
+       <line class="grid" x1="${PAD.left}" x2="${W - PAD.right}" y1="${Y(v, ys)}" y2="${Y(v, ys)}"/>`);
+    const stops = [a, (a + b) / 2, b].map((p, i) =>
+      `<text x="${X(p, [a, b])}" y="${H - 6}" text-anchor="${["start", "middle", "end"][i]}">${i === 1 ? "p" : +p.toFixed(2)}</text>`);
+    return `<figure data-name="${name}"><figcaption title="${help}"><span>${title}</span><output></output></figcaption>
+      <svg viewBox="0 0 ${W} ${H}" role="img" aria-label="${title} against p: ${help}">${ticks.join("")}${stops.join("")}
+      <path class="ghost"/><path class="own"/><line class="now" y1="${PAD.top}" y2="${H - PAD.bottom}"/><circle class="now" r="4"/></svg></figure>`;
+  }
+
+  /** Drag on a chart to move p. */
+  listen(svg, onOrder) {
+    const moved = (event) => {
+      const box = svg.getBoundingClientRect();
+      const share = ((event.clientX - box.left) / box.width * W - PAD.left) / (W - PAD.left - PAD.right);
+      const [a, b] = span(this.frames);
+      onOrder(a + Math.max(0, Math.min(1, share)) * (b - a));
+    };
+    svg.addEventListener("pointerdown", (event) => {
+      svg.setPointerCapture(event.pointerId);
+      moved(event);
+    });
+    svg.addEventListener("pointermove", (event) => event.buttons && moved(event));
+  }
+
+  /** Draw the curves of a stage; a thin line keeps the raw embedding's for comparison. */
+  show(stage) {
+    this.own = {};
+    for (const chart of this.charts) {
+      const { name } = chart.dataset;
+      const ys = axis(this.frames, name);
+      const own = values(this.frames, name, stage);
+      const raw = name === "accuracy" ? null : values(this.frames, name, "raw");
+      this.own[name] = { own, ys };
+      chart.querySelector(".own").setAttribute("d", own ? path(this.frames, own, ys) : "");
+      chart.querySelector(".ghost").setAttribute("d", raw && stage !== "raw" ? path(this.frames, raw, ys) : "");
+    }
+  }
+
+  /** Mark one stop on every curve and write its value. */
+  mark(stop) {
+    const x = X(this.frames.orders[stop], span(this.frames));
+    for (const chart of this.charts) {
+      const { own, ys } = this.own[chart.dataset.name];
+      const [line, dot] = chart.querySelectorAll(".now");
+      line.setAttribute("x1", x);
+      line.setAttribute("x2", x);
+      dot.setAttribute("cx", x);
+      dot.setAttribute("visibility", own ? "visible" : "hidden");
+      if (own) dot.setAttribute("cy", Y(own[stop], ys));
+      const text = !own ? "–" : chart.dataset.name === "accuracy" ? `${(100 * own[stop]).toFixed(1)} %` : own[stop].toFixed(3);
+      chart.querySelector("output").textContent = text;
+    }
+  }
+}

@@ -1,0 +1,134 @@
+"""Every measure of a set of features or answers, under the name its curve has.
+
+A measure takes what is known at one order and gives one or more named values; `omnivat.sweep`
+asks for it at every order and keeps the curves. Names: docs/gaps.md.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import partial
+
+import torch
+from torch import Tensor
+
+from omnivat.gaps import GAPS
+from omnivat.gaps.calibration import ece
+from omnivat.gaps.centroid import modality_gap
+from omnivat.gaps.confusion import accuracy, macro_f1
+from omnivat.gaps.cosine_margin import cosine_margin, cross_domain_margin, cross_modal_margin
+from omnivat.gaps.domain import domain_gap, pairwise_gaps
+from omnivat.gaps.unit import unit
+from omnivat.tables import load
+
+Values = Iterator[tuple[str, Tensor]]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Facts:
+    """What is true of N pairs whatever the order.
+
+    labels, domains  (N,) indices; domain_names names the latter
+    scored           (N,) bool: pairs whose class the head knows, so that an answer can be right
+    """
+
+    labels: Tensor
+    domains: Tensor
+    domain_names: tuple[str, ...]
+    scored: Tensor
+
+    def parts(self) -> Iterator[tuple[str, Tensor]]:
+        """Give "all" and each domain that has pairs, with a mask (N,)."""
+        yield "all", torch.ones_like(self.scored)
+        for index, name in enumerate(self.domain_names):
+            members = self.domains == index
+            if members.any():
+                yield name, members
+
+
+def modality_gaps(features: Mapping[str, Tensor], facts: Facts) -> Values:
+    """Give the modality gap over all pairs, and in each domain."""
+    for name, members in facts.parts():
+        suffix = "" if name == "all" else f"/{name}"
+        yield suffix, modality_gap(features["vis"][members], features["tac"][members])
+
+
+def domain_gaps(features: Mapping[str, Tensor], facts: Facts) -> Values:
+    """Give the mean centroid gap of two domains: of both modalities' mean, and of each."""
+    each = {name: domain_gap(rows, facts.domains) for name, rows in features.items()}
+    yield "", torch.stack(list(each.values())).mean()
+    for name, value in each.items():
+        yield f":{name}", value
+
+
+def margins(features: Mapping[str, Tensor], facts: Facts) -> Values:
+    """Give the margin of the pair's mean direction, of each modality, and across the gaps."""
+    units = {name: unit(rows) for name, rows in features.items()}
+    pair = torch.stack(list(units.values())).mean(0)
+    yield "", cosine_margin(pair, facts.labels)
+    for name, rows in units.items():
+        yield f":{name}", cosine_margin(rows, facts.labels)
+    yield ":cross_domain", cross_domain_margin(pair, facts.labels, facts.domains)
+    yield ":cross_modal", cross_modal_margin(units["vis"], units["tac"], facts.labels)
+
+
+def mean_pairwise(features: Mapping[str, Tensor], facts: Facts, *, gap: str) -> Values:
+    """Give the mean over every two domains, and both modalities, of a gap of `GAPS`."""
+    measure = load(GAPS, gap, kind="gap")
+    each = []
+    for rows in features.values():
+        sets = {name: rows[members] for name, members in facts.parts() if name != "all"}
+        each += pairwise_gaps(sets, measure).values()
+    yield "", torch.stack(each).mean() if each else torch.tensor(float("nan"))
+
+
+def accuracies(probabilities: Mapping[str, Tensor], facts: Facts) -> Values:
+    """Give the accuracy of the fused answer (over all, by domain) and of each modality."""
+    yield from _scores(probabilities, facts, lambda p, labels: accuracy(labels, p.argmax(1)))
+
+
+def macro_f1s(
+    probabilities: Mapping[str, Tensor], facts: Facts, *, average: str = "present"
+) -> Values:
+    """Give macro-F1 of the fused answer (over all, by domain) and of each modality."""
+    yield from _scores(
+        probabilities, facts, lambda p, labels: macro_f1(labels, p.argmax(1), average=average)
+    )
+
+
+def calibrations(probabilities: Mapping[str, Tensor], facts: Facts) -> Values:
+    """Give the expected calibration error of the fused answer and of each modality."""
+    yield from _scores(probabilities, facts, ece)
+
+
+def _scores(
+    probabilities: Mapping[str, Tensor], facts: Facts, score: Callable[[Tensor, Tensor], Tensor]
+) -> Values:
+    for name, members in facts.parts():
+        kept = members & facts.scored
+        yield f"/{name}", score(probabilities["fused"][kept], facts.labels[kept])
+    for name in probabilities:
+        if name != "fused":
+            kept = facts.scored
+            yield f":{name}/all", score(probabilities[name][kept], facts.labels[kept])
+
+
+Measure = Callable[[Mapping[str, Tensor], Facts], Values]
+
+# of the features of a stage: curve names are measure[:variant]/stage[/domain]
+STAGE_MEASURES: dict[str, Measure] = {
+    "modality_gap": modality_gaps,
+    "domain_gap": domain_gaps,
+    "margin": margins,
+    "mmd_linear": partial(mean_pairwise, gap="mmd_linear"),
+    "mmd_rbf": partial(mean_pairwise, gap="mmd_rbf"),
+    "frechet": partial(mean_pairwise, gap="frechet"),
+    "proxy_a": partial(mean_pairwise, gap="proxy_a"),
+}
+
+# of the answers: curve names are measure[:modality]/all or measure/domain
+ANSWER_MEASURES: dict[str, Measure] = {
+    "accuracy": accuracies,
+    "macro_f1": macro_f1s,
+    "macro_f1_union": partial(macro_f1s, average="union"),
+    "ece": calibrations,
+}

@@ -1,0 +1,160 @@
+"""Build a simulated set of pairs on disk, from a seed; a stopped build goes on where it was."""
+
+import csv
+import io
+from collections.abc import Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from functools import partial
+from multiprocessing import get_context
+from os import cpu_count
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from omnivat.data.domains import DOMAINS, paper_name, simulated
+from omnivat.data.pairs import Pair, PairSet
+from omnivat.errors import DataError
+from omnivat.files import replacing, write_text
+from omnivat.progress import OnStep, Step, ignore
+from omnivat.simulate.noise import Array
+from omnivat.simulate.plan import Planned, classes, planned
+from omnivat.tables import load
+
+COLUMNS = ("vis", "tac", "domain", "material", "object", "split", "part")
+RENDERERS = {
+    "mitsuba": "omnivat.simulate.vision:rendered",
+    "plain": "omnivat.simulate.shading:shaded",
+}
+
+
+def simulate(
+    out: Path,
+    *,
+    domains: Sequence[str] | None = None,
+    pairs_per_class: int = 40,
+    seed: int = 0,
+    size: int = 224,
+    workers: int | None = None,
+    renderer: str = "mitsuba",
+    on_step: OnStep = ignore,
+) -> PairSet:
+    """Write `<out>/<domain>/<class>/<name>_{vis,tac}.png` and `<out>/pairs.csv`; return the pairs.
+
+    domains          paper's names or their simulated ones; None means all eight
+    pairs_per_class  of each class of each domain
+    size             pixels of a side
+    workers          processes; None means one for each core
+    renderer         "mitsuba", or "plain" for the built-in shader that needs nothing installed
+
+    The same arguments give the same bytes. Images that are there and whole are kept, so a build
+    that was stopped goes on; delete the folder to begin afresh (with another seed, for instance).
+
+    Raises DataError for an unknown domain or a size or number that makes no pair,
+    MissingPackageError when the renderer or Taxim is not installed.
+    """
+    plan = list(_plan(domains, pairs_per_class=pairs_per_class))
+    if size < 32:
+        raise DataError(f"Images of {size} pixels are too small to show a touch; ask for 32 or more.")
+    todo = [pair for pair in plan if not _is_done(out, pair, size)]
+    done = len(plan) - len(todo)
+    on_step(Step(done=done, total=len(plan), text="already there"))
+    work = partial(draw_to, out=out, seed=seed, size=size, renderer=renderer)
+    for pair in _carried_out(work, todo, workers=workers or cpu_count() or 1):
+        done += 1
+        on_step(Step(done=done, total=len(plan), text=f"{pair.folder()}/{pair.stem}"))
+    write_text(out / "pairs.csv", _table(plan))
+    return PairSet(
+        pairs=tuple(_pair(out, pair) for pair in plan),
+        origin=f"simulated by omnivat, seed {seed}, {renderer} renderer",
+        simulated=True,
+    )
+
+
+def draw_to(pair: Planned, *, out: Path, seed: int, size: int, renderer: str) -> Planned:
+    """Draw one pair and write its two images, each whole or not at all."""
+    from omnivat.simulate.drawing import drawn
+
+    both = drawn(pair, seed=seed, size=size, renderer=load(RENDERERS, renderer, kind="renderer"))
+    for kind, image in (("vis", both.vis), ("tac", both.tac)):
+        _write(_path(out, pair, kind), image)
+    return pair
+
+
+def _carried_out(
+    work: "partial[Planned]", todo: Sequence[Planned], *, workers: int
+) -> Iterator[Planned]:
+    """Yield each pair when it is drawn; in this process when one worker is enough."""
+    if workers == 1 or len(todo) < 2:
+        yield from map(work, todo)
+        return
+    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+        waiting: set[Future[Planned]] = {pool.submit(work, pair) for pair in todo}
+        try:
+            while waiting:
+                ready, waiting = wait(waiting, return_when=FIRST_COMPLETED)
+                for future in ready:
+                    yield future.result()
+        finally:
+            pool.shutdown(cancel_futures=True)
+
+
+def _plan(domains: Sequence[str] | None, *, pairs_per_class: int) -> Iterator[Planned]:
+    names = [paper_name(name) for name in domains] if domains is not None else list(DOMAINS)
+    unknown = [name for name in names if name not in DOMAINS]
+    if unknown:
+        known = ", ".join(map(simulated, DOMAINS))
+        raise DataError(f"No domain is called '{unknown[0]}'; there are {known}.")
+    if pairs_per_class < 1:
+        raise DataError(f"{pairs_per_class} pairs of a class were asked for; ask for 1 or more.")
+    for name in names:
+        for material in classes(DOMAINS[name]):
+            yield from planned(DOMAINS[name], material, pairs=pairs_per_class)
+
+
+def _path(out: Path, pair: Planned, kind: str) -> Path:
+    return out / pair.folder() / f"{pair.stem}_{kind}.png"
+
+
+def _is_done(out: Path, pair: Planned, size: int) -> bool:
+    return all(_is_whole(_path(out, pair, kind), size) for kind in ("vis", "tac"))
+
+
+def _is_whole(path: Path, size: int) -> bool:
+    """Tell whether a file is there and decodes to an image of the right size."""
+    try:
+        with Image.open(path) as image:
+            image.load()
+            return image.size == (size, size)
+    except (OSError, SyntaxError):  # Pillow raises SyntaxError on a broken PNG chunk
+        return False
+
+
+def _write(path: Path, image: Array) -> None:
+    with replacing(path) as temporary:
+        pixels = Image.fromarray(np.round(image * 255).astype(np.uint8))
+        pixels.save(temporary, format="PNG", compress_level=6)
+
+
+def _pair(out: Path, pair: Planned) -> Pair:
+    return Pair(
+        vis=_path(out, pair, "vis"),
+        tac=_path(out, pair, "tac"),
+        domain=simulated(pair.domain),
+        material=pair.material,
+        object=pair.object,
+        split=pair.split,
+        part=pair.part,
+    )
+
+
+def _table(plan: Sequence[Planned]) -> str:
+    """Return pairs.csv: paths relative to the set."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    for pair in plan:
+        stem = f"{pair.folder()}/{pair.stem}"
+        names = (simulated(pair.domain), pair.material, pair.object, pair.split, pair.part)
+        writer.writerow((f"{stem}_vis.png", f"{stem}_tac.png", *names))
+    return text.getvalue()
