@@ -22,7 +22,7 @@ from omnivat.tables import suggestion
 STAGES = ("raw", "frft", "relu", "f_bar", "f_hat")
 STILL = ("raw", "frft")
 MEASURES = ("modality_gap", "domain_gap", "margin", "accuracy", "macro_f1")
-CHUNK = 256  # pairs that pass the head at once: bounds the memory, whatever the set
+CHUNK = 512  # pairs that pass the head at once: bounds the memory, whatever the set
 
 Features = Mapping[str, Tensor]  # modality -> (N, W), rows of any length
 
@@ -96,12 +96,12 @@ def sweep(
     Raises SettingsError for a stage, measure or order that cannot be.
     """
     _require_known(measures, (*STAGE_MEASURES, *ANSWER_MEASURES), "measure")
-    classes, facts = facts_of(embeddings, model.settings.classes)
+    classes, facts = facts_of(embeddings, model.settings.classes, model.classifier.device)
     answers = [name for name in measures if name in ANSWER_MEASURES]
     result = Sweep(
         orders=np.array(orders, dtype=np.float64),
         classes=classes,
-        label=facts.labels.numpy(),
+        label=facts.labels.cpu().numpy(),
         probabilities=np.zeros(
             (len(orders), len(embeddings) if answers else 0, len(model.settings.classes)),
             dtype=np.float32,
@@ -112,10 +112,9 @@ def sweep(
         model, embeddings, orders, stages=stages, answers=bool(answers), visits=visits, chunk=chunk
     )
     for done, found in enumerate(walked, start=1):
-        for name, value in measured(found, facts, measures):
+        for stage, name, value in measured(found, facts, measures):
             curve = result.curves.setdefault(name, np.full(len(orders), np.nan))
-            still = name.split("/")[1] in STILL and name.split(":")[0].split("/")[0] in measures
-            curve[slice(None) if still else found.index] = value
+            curve[slice(None) if stage in STILL else found.index] = value
         if answers:
             result.probabilities[found.index] = found.probabilities["fused"].cpu().numpy()
         on_step(Step(done=done, total=len(visits), text=f"order {found.order:.2f}"))
@@ -150,24 +149,20 @@ def walk(
         wanted = [stage for stage in stages if stage != "raw"] if place == 0 else moving
         features: dict[str, Features] = {}
         if place == 0 and "raw" in stages:
-            features["raw"] = {"vis": _tensor(embeddings.vis), "tac": _tensor(embeddings.tac)}
+            features["raw"] = _raw(model, embeddings)
         probabilities: Mapping[str, Tensor] = {}
         if wanted or answers:
-            kept = coefficients_of(model, embeddings, chunk=chunk) if kept is None else kept
+            kept = coefficients_of(model, embeddings) if kept is None else kept
             moved, probabilities = _pass(model, kept, order, wanted, answers, chunk)
             features |= moved
         yield AtOrder(index=index, order=order, features=features, probabilities=probabilities)
 
 
 @torch.no_grad()
-def coefficients_of(
-    model: OmniVaT, embeddings: Embeddings, *, chunk: int = CHUNK
-) -> PairCoefficients:
+def coefficients_of(model: OmniVaT, embeddings: Embeddings) -> PairCoefficients:
     """Return what to keep of all pairs while the order moves."""
-    device = model.classifier.device
-    return model.coefficients(
-        _tensor(embeddings.vis).to(device), _tensor(embeddings.tac).to(device)
-    )
+    raw = _raw(model, embeddings)
+    return model.coefficients(raw["vis"], raw["tac"])
 
 
 @torch.no_grad()
@@ -206,40 +201,48 @@ def stage_features(output: HeadOutput, stage: str) -> Features:
 
 def measured(
     found: AtOrder, facts: Facts, measures: Sequence[str]
-) -> Iterator[tuple[str, float]]:
-    """Give every curve's value at one order, by the curve's name."""
+) -> Iterator[tuple[str, str, float]]:
+    """Give every curve's value at one order: stage ("" for answers), name of the curve, value."""
     for stage, features in found.features.items():
         units = {name: unit(rows) for name, rows in features.items()}
         for name in measures:
             if name in STAGE_MEASURES:
                 for suffix, value in STAGE_MEASURES[name](units, facts):
                     variant, _, domain = suffix.partition("/")
-                    yield f"{name}{variant}/{stage}" + (f"/{domain}" if domain else ""), float(value)
+                    tail = f"/{domain}" if domain else ""
+                    yield stage, f"{name}{variant}/{stage}{tail}", float(value)
     for name in measures:
         if name in ANSWER_MEASURES and found.probabilities:
             for suffix, value in ANSWER_MEASURES[name](found.probabilities, facts):
-                yield f"{name}{suffix}", float(value)
+                yield "", f"{name}{suffix}", float(value)
 
 
-def facts_of(embeddings: Embeddings, known: tuple[str, ...]) -> tuple[tuple[str, ...], Facts]:
-    """Return the classes, the head's first, and what is true of the pairs at any order.
+def facts_of(
+    embeddings: Embeddings, known: tuple[str, ...], device: torch.device | None = None
+) -> tuple[tuple[str, ...], Facts]:
+    """Return the classes, those `known` to the head first, and what holds at any order.
 
     A class that the head does not know keeps its name; its pairs count in gaps, not in scores.
     """
     header = embeddings.header
     classes = (*known, *(name for name in header.classes if name not in known))
     index = torch.tensor([classes.index(name) for name in header.classes], dtype=torch.long)
-    labels = index[torch.from_numpy(np.asarray(embeddings.label, dtype=np.int64))]
+    labels = index[torch.from_numpy(np.array(embeddings.label))].to(device)
     return classes, Facts(
         labels=labels,
-        domains=torch.from_numpy(np.asarray(embeddings.domain, dtype=np.int64)),
+        domains=torch.from_numpy(np.array(embeddings.domain)).to(device),
         domain_names=header.domains,
         scored=labels < len(known),
     )
 
 
-def _tensor(array: NDArray[np.float32]) -> Tensor:
-    return torch.from_numpy(np.array(array))  # a copy: what is memory-mapped may be read-only
+def _raw(model: OmniVaT, embeddings: Embeddings) -> Features:
+    device = model.classifier.device
+    # copies: what is memory-mapped may be read-only
+    return {
+        "vis": torch.from_numpy(np.array(embeddings.vis)).to(device),
+        "tac": torch.from_numpy(np.array(embeddings.tac)).to(device),
+    }
 
 
 def _require_known(names: Sequence[str], known: Sequence[str], kind: str) -> None:

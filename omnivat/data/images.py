@@ -99,7 +99,8 @@ def _rgb(image: Image.Image, name: str) -> Image.Image:
     _check_size(image, name)
     try:
         image.load()
-        upright = image.transpose(turn) if (turn := _UPRIGHT.get(_turn(image))) else image
+        turn = _UPRIGHT.get(_turn(image))
+        upright = image if turn is None else image.transpose(turn)
     except Exception as error:  # a decoder given bad bytes may raise anything
         raise DataError(f"'{name}' is cut short or damaged; {REMEDY}.") from error
     try:

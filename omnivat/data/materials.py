@@ -20,7 +20,7 @@ class Rule:
     raw: str  # as the source writes it, in lower case
     named: str  # what it is, in words: label 4 is metal
     material: str  # one of MATERIALS, or "" where it is left out
-    merged: bool  # not the material itself but counted as it; strict reading leaves it out
+    merged: bool  # one of several materials counted as one; strict reading leaves it out
     grade: str  # "read" in a public source, "inferred" or "chosen"
     why: str
 

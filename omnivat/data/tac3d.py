@@ -7,6 +7,7 @@ and blue; no displacement is mid-grey; one scale serves a whole data set.
 from collections.abc import Iterable, Sequence
 from hashlib import blake2b
 from pathlib import Path
+from tokenize import TokenError
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,14 +30,14 @@ def load_field(file: Path) -> Field:
     Raises DataError for anything else: another shape, text, objects, NaN.
     """
     try:
-        field = np.load(file, allow_pickle=False)
-    except (OSError, ValueError, EOFError, SyntaxError) as error:
+        with file.open("rb") as handle:
+            field = np.lib.format.read_array(handle, allow_pickle=False)
+    except (OSError, ValueError, TypeError, TokenError, OverflowError, MemoryError) as error:
         raise DataError(f"'{printable(str(file))}' is not a NumPy array ({error}).") from error
     wanted = (MARKERS, MARKERS, 3)
-    if not isinstance(field, np.ndarray) or field.shape not in (wanted, (MARKERS**2, 3)):
-        shape = getattr(field, "shape", "no shape")
+    if field.shape not in (wanted, (MARKERS**2, 3)):
         raise DataError(
-            f"'{printable(str(file))}' has shape {shape}, wanted {wanted} displacements."
+            f"'{printable(str(file))}' has shape {field.shape}, wanted {wanted} displacements."
         )
     if field.dtype.kind not in "fiu" or not np.isfinite(field).all():
         raise DataError(f"'{printable(str(file))}' holds values that are not finite numbers.")

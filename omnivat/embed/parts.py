@@ -131,24 +131,31 @@ def _indices(names: Sequence[str], values: Sequence[str]) -> NDArray[np.int64]:
 
 
 def _names(pairs: Sequence[Pair]) -> dict[str, list[str]]:
-    """Return the named columns; paths are given from the folder that all files share."""
-    folders = {str(path.absolute().parent) for pair in pairs for path in (pair.vis, pair.tac)}
+    """Return the named columns; see `_short` for the paths."""
+    files = [path.absolute() for pair in pairs for path in (pair.vis, pair.tac)]
+    root = _shared_folder(files)
+    return {
+        "vis": [_short(file, root) for file in files[::2]],
+        "tac": [_short(file, root) for file in files[1::2]],
+        **{name: [_text(getattr(pair, name)) for pair in pairs] for name in ROW_NAMES[2:]},
+    }
+
+
+def _shared_folder(files: Sequence[Path]) -> str:
+    """Return the folder that all files share, two levels above a file or higher.
+
+    So a short name still has the domain and the class, `<domain>/<class>/<name>`.
+    """
     try:
-        root = os.path.commonpath(folders)
+        return os.path.commonpath(
+            {str(file.parents[min(2, len(file.parents) - 1)]) for file in files}
+        )
     except ValueError:  # different drives
-        root = ""
-    columns: dict[str, list[str]] = {name: [] for name in ROW_NAMES}
-    for pair in pairs:
-        columns["vis"].append(_from(root, pair.vis))
-        columns["tac"].append(_from(root, pair.tac))
-        for name in ("object", "split", "part"):
-            columns[name].append(_text(getattr(pair, name)))
-    return columns
+        return ""
 
 
-def _from(root: str, path: Path) -> str:
-    full = path.absolute()
-    return _text((full.relative_to(root) if root else full).as_posix())
+def _short(file: Path, root: str) -> str:
+    return _text((file.relative_to(root) if root else file).as_posix())
 
 
 def _text(name: str) -> str:

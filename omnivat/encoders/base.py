@@ -1,11 +1,13 @@
 """The contract of an encoder, the table of those there are, and how one is loaded."""
 
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from omnivat.tables import load
 
 if TYPE_CHECKING:
+    import numpy as np
     import torch
     from PIL import Image
 
@@ -68,3 +70,17 @@ def load_encoder(
 
     encoder: Encoder = loader(weights=weights, device=device_from(device), precision=precision)
     return encoder
+
+
+def text_encoder(
+    name: str, *, weights: Path | None = None, device: str = "cpu"
+) -> "Callable[[Sequence[str]], np.ndarray[Any, Any]]":
+    """Return what embeds texts (B) as float32 (B, D) in the space of the image encoder `name`.
+
+    Raises MissingNameError for an encoder without a text tower, DataError when a checkpoint is
+    missing.
+    """
+    from omnivat.encoders.clip_text import load_text_encoder
+
+    tower = load_text_encoder(name, weights=weights, device=device)
+    return lambda texts: tower.embed_texts(texts).cpu().numpy()

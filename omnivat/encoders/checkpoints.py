@@ -13,7 +13,8 @@ from torch import Tensor
 from omnivat.encoders.cache import cache_folder
 from omnivat.errors import DataError
 
-WEIGHTS = ("model.safetensors", "open_clip_model.safetensors", "pytorch_model.bin", "RN50.pt")
+ON_HUB = ("model.safetensors", "pytorch_model.bin")
+WEIGHTS = (*ON_HUB, "open_clip_model.safetensors", "RN50.pt")
 _log = logging.getLogger(__name__)
 
 
@@ -66,11 +67,17 @@ def _from_hub(repository: str) -> Path | None:
         from huggingface_hub import snapshot_download
     except ModuleNotFoundError:
         return None
-    try:
-        return Path(snapshot_download(repository, allow_patterns=["*.json", "*.txt", WEIGHTS[0]]))
-    except Exception as error:  # the hub's client has its own errors for each kind of no
-        _log.info("the hub gave no %s: %s", repository, error)
-        return None
+    for weights in ON_HUB:
+        try:
+            folder = Path(
+                snapshot_download(repository, allow_patterns=["*.json", "*.txt", weights])
+            )
+        except Exception as error:  # the hub's client has its own errors for each kind of no
+            _log.info("the hub gave no %s: %s", repository, error)
+            return None
+        if (folder / weights).is_file():
+            return folder
+    return None
 
 
 def read_state(place: Path, name: str) -> dict[str, Tensor]:
@@ -102,7 +109,8 @@ def _torch_state(file: Path) -> dict[str, Tensor]:
     except RuntimeError:  # TorchScript: weights beside compiled code, which is not run here
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DeprecationWarning)
-            state = dict(torch.jit.load(file, map_location="cpu").state_dict())
+            archive = torch.jit.load(file, map_location="cpu")  # type: ignore[no-untyped-call]
+            state = dict(archive.state_dict())
     return state
 
 

@@ -114,7 +114,7 @@ class AttentionPool(nn.Module):
         return linear(x, self.get_buffer(f"{name}_weight"), self.get_buffer(f"{name}_bias"))
 
     def _heads(self, x: Tensor) -> Tensor:
-        return x.unflatten(-1, (-1, HEAD_WIDTH)).transpose(1, 2)
+        return x.reshape(*x.shape[:2], -1, HEAD_WIDTH).transpose(1, 2)
 
 
 def _count(state: State, prefix: str) -> int:

@@ -17,35 +17,61 @@ from omnivat.fractional.doubled import (
     Pair,
     add,
     divide_by,
+    exact_product,
     exact_sum,
     multiply,
-    scale_rows,
     settle,
 )
 
 
 @dataclass(frozen=True)
 class Tridiagonal:
-    """A symmetric tridiagonal matrix of size n: `diagonal` (n), `beside` (n-1), both doubled."""
+    """A symmetric tridiagonal matrix of size n with ones beside its diagonal.
+
+    diagonal (n), doubled; root_first, root_last: whether the first and the last of the ones is √2.
+    """
 
     diagonal: Pair
-    beside: Pair
+    root_first: bool = False
+    root_last: bool = False
 
     def __len__(self) -> int:
         return len(self.diagonal.high)
 
+    @property
+    def beside(self) -> Array:
+        """The n - 1 entries beside the diagonal, rounded to float64."""
+        values = np.ones(max(len(self) - 1, 0))
+        values[:1] = SQRT2.high if self.root_first else values[:1]
+        values[-1:] = SQRT2.high if self.root_last else values[-1:]
+        return values
+
     def leading(self, size: int) -> Tridiagonal:
-        """The block of the first `size` rows and columns."""
-        return Tridiagonal(self.diagonal.part(slice(size)), self.beside.part(slice(size - 1)))
+        """The block of the first `size` < n rows and columns."""
+        return Tridiagonal(self.diagonal.part(slice(size)), self.root_first)
 
     def times(self, x: Array) -> Pair:
         """This matrix times x (n, m), to about 32 digits."""
-        y = scale_rows(self.diagonal, x)
-        if len(self) > 1:
-            for rows, other in ((slice(None, -1), x[1:]), (slice(1, None), x[:-1])):
-                part = add(y.part(rows), scale_rows(self.beside, other))
-                y.high[rows], y.low[rows] = part
+        y = exact_product(self.diagonal.high[:, None], x)
+        low = y.low + self.diagonal.low[:, None] * x
+        high = y.high
+        for rows, other in ((slice(None, -1), x[1:]), (slice(1, None), x[:-1])):
+            high[rows], error = exact_sum(high[rows], other)
+            low[rows] += error
+        y = Pair(high, low)
+        if self.root_first:
+            _exchange(y, x, 0, 1)
+        if self.root_last and (len(self) > 2 or not self.root_first):
+            _exchange(y, x, -1, -2)
         return y
+
+
+def _exchange(y: Pair, x: Array, one: int, other: int) -> None:
+    """Add (√2 - 1) times each of two rows of x to the other's row of y, in place."""
+    for to, source in ((one, other), (other, one)):
+        root = multiply(Pair(x[source], 0 * x[source]), SQRT2)
+        more = add(root, Pair(-x[source], 0 * x[source]))
+        y.high[to], y.low[to] = add(Pair(y.high[to], y.low[to]), more)
 
 
 @dataclass(frozen=True)
@@ -56,31 +82,19 @@ class ParityBlocks:
     odd: Tridiagonal
 
 
-def _cosine(x: Pair) -> Pair:
-    """cos x for 0 ≤ x ≤ π/4: three terms doubled, the rest is too small to need it."""
-    square = multiply(x, x)
-    s = square.high
-    rest = s**3 * _series(s, range(8, 26, 2), -1.0 / 720)
-    terms = add(Pair(np.ones_like(s), np.zeros_like(s)), divide_by(square, -2.0))
-    return settle(add(add(terms, divide_by(multiply(square, square), 24.0)), Pair(rest, 0 * rest)))
+def _taylor(square: Pair, first: int) -> Pair:
+    """1 - s/(f·(f+1)) · (1 - s/((f+2)·(f+3)) · …), s = x² ≤ (π/4)²: cos x for f = 1.
 
-
-def _sine(x: Pair) -> Pair:
-    """sin x for 0 ≤ x ≤ π/4: three terms doubled, the rest is too small to need it."""
-    square = multiply(x, x)
-    s = square.high
-    rest = s**3 * x.high * _series(s, range(9, 27, 2), -1.0 / 5040)
-    cube = multiply(x, square)
-    terms = add(add(x, divide_by(cube, -6.0)), divide_by(multiply(cube, square), 120.0))
-    return settle(add(terms, Pair(rest, 0 * rest)))
-
-
-def _series(square: Array, last: range, first: float) -> Array:
-    """first · (1 - s/(7·8) · (1 - s/(9·10) · …)), the tail of a Taylor series in s = x²."""
-    total = np.ones_like(square)
-    for n in reversed(last):
-        total = 1.0 - square / float(n * (n - 1)) * total
-    return np.asarray(first * total)
+    The first four terms are doubled; the rest is so small that float64 is enough.
+    """
+    tail = np.ones_like(square.high)
+    for n in range(first + 24, first + 6, -2):
+        tail = 1.0 - square.high / float(n * (n + 1)) * tail
+    total = Pair(tail, 0 * tail)
+    one = Pair(np.ones_like(tail), 0 * tail)
+    for n in range(first + 6, first - 2, -2):
+        total = add(one, divide_by(multiply(square, total), -float(n * (n + 1))))
+    return settle(total)
 
 
 def doubled_cosines(size: int) -> Pair:
@@ -93,15 +107,12 @@ def doubled_cosines(size: int) -> Pair:
     half_pi = Pair(np.array(1.5707963267948966), np.array(6.123233995736766e-17))
     whole = eighth.astype(np.float64)
     x = settle(divide_by(multiply(Pair(whole, 0 * whole), half_pi), float(size)))
-    cosine, sine = _cosine(x), _sine(x)
+    square = multiply(x, x)
+    cosine, sine = _taylor(square, 1), multiply(x, _taylor(square, 2))
     two = np.where(second, -2.0, 2.0)
     return Pair(
         two * np.where(steep, sine.high, cosine.high), two * np.where(steep, sine.low, cosine.low)
     )
-
-
-def _ones(size: int) -> Pair:
-    return Pair(np.ones(max(size, 0)), np.zeros(max(size, 0)))
 
 
 def _shift_last(values: Pair, by: float) -> Pair:
@@ -117,15 +128,10 @@ def parity_blocks(size: int) -> ParityBlocks:
     cosines = doubled_cosines(size)
     half = (size - 1) // 2
     odd = cosines.part(slice(1, half + 1))
-    beside = _ones(size // 2)
-    beside.high[0], beside.low[0] = SQRT2.high, SQRT2.low
     if size % 2 == 0:
-        beside.high[-1], beside.low[-1] = SQRT2.high, SQRT2.low
-        return ParityBlocks(Tridiagonal(cosines, beside), Tridiagonal(odd, _ones(half - 1)))
+        return ParityBlocks(Tridiagonal(cosines, root_first=True, root_last=True), Tridiagonal(odd))
     # For odd N the middle samples are each other's neighbour and mirror image at once.
     return ParityBlocks(
-        Tridiagonal(_shift_last(cosines, 1.0), beside),
-        Tridiagonal(_shift_last(odd, -1.0), _ones(half - 1)),
+        Tridiagonal(_shift_last(cosines, 1.0), root_first=True),
+        Tridiagonal(_shift_last(odd, -1.0)),
     )
-
-

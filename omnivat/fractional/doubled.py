@@ -37,15 +37,18 @@ def exact_sum(a: Array, b: Array) -> Pair:
     return Pair(total, (a - (total - seen)) + (b - seen))
 
 
+def halves(a: Array) -> Pair:
+    """a cut into two numbers of 26 bits, whose products are exact in float64."""
+    scaled = _SPLITTER * a
+    high = scaled - (scaled - a)
+    return Pair(high, a - high)
+
+
 def exact_product(a: Array, b: Array) -> Pair:
-    """a * b and its rounding error, exactly."""
+    """a * b and its rounding error, exactly; a and b broadcast."""
     product = a * b
-    t = _SPLITTER * a
-    a_high = t - (t - a)
-    a_low = a - a_high
-    t = _SPLITTER * b
-    b_high = t - (t - b)
-    b_low = b - b_high
+    a_high, a_low = halves(a)
+    b_high, b_low = halves(b)
     error = ((a_high * b_high - product) + a_high * b_low + a_low * b_high) + a_low * b_low
     return Pair(product, error)
 
@@ -70,23 +73,18 @@ def settle(a: Pair) -> Pair:
 def divide_by(a: Pair, number: float) -> Pair:
     """a / number for a number that float64 holds exactly."""
     quotient = a.high / number
-    back = exact_product(quotient, np.full_like(quotient, number))
+    back = exact_product(quotient, np.array(number))
     return Pair(quotient, ((a.high - back.high) - back.low + a.low) / number)
-
-
-def scale_rows(rows: Pair, x: Array) -> Pair:
-    """rows[:, None] * x for a float64 matrix x."""
-    product = exact_product(np.broadcast_to(rows.high[:, None], x.shape), x)
-    return Pair(product.high, product.low + rows.low[:, None] * x)
 
 
 def excess_norm(x: Array) -> Array:
     """|x| - 1 for every nearly normalised column of x, to about 32 digits."""
-    square = exact_product(x, x)
-    total, low = square.high, square.low.sum(0)
+    total = x * x
+    high, low = halves(x)
+    error = ((high * high - total) + 2.0 * high * low + low * low).sum(0)
     while total.shape[0] > 1:  # add the upper half of the rows to the lower half
         half = total.shape[0] // 2
         folded = exact_sum(total[:half], total[half : 2 * half])
-        low = low + folded.low.sum(0)
+        error = error + folded.low.sum(0)
         total = np.concatenate([folded.high, total[2 * half :]])
-    return np.asarray(((total[0] - 1.0) + low) * 0.5)
+    return np.asarray(((total[0] - 1.0) + error) * 0.5)

@@ -14,7 +14,7 @@ import numpy as np
 from omnivat.fractional.commuting import Tridiagonal
 from omnivat.fractional.doubled import Array, Pair, add, exact_product, excess_norm
 
-_COLUMNS = 64  # doubled arithmetic makes a dozen passes; this many columns stay in the cache
+_COLUMNS = 128  # doubled arithmetic makes dozens of passes; so many columns stay in the cache
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ def lapack_spectrum(block: Tridiagonal) -> Spectrum:
 
     if len(block) < 2:
         return Spectrum(block.diagonal.high.copy(), np.ones((len(block), len(block))))
-    values, vectors, info = lapack.dstevd(block.diagonal.high, block.beside.high)
+    values, vectors, info = lapack.dstevd(block.diagonal.high, block.beside)
     if info:
         raise ArithmeticError(f"LAPACK dstevd failed with info = {info} at size {len(block)}.")
     return Spectrum(values[::-1], vectors[:, ::-1])
@@ -48,7 +48,7 @@ def lapack_spectrum(block: Tridiagonal) -> Spectrum:
 
 def residual(product: Pair, values: Array, vectors: Array) -> Array:
     """product - vectors · diag(values), rounded only at the end."""
-    scaled = exact_product(np.broadcast_to(-values, vectors.shape), vectors)
+    scaled = exact_product(-values[None, :], vectors)
     total = add(product, scaled)
     return np.asarray(total.high + total.low)
 

@@ -2,11 +2,12 @@
 
 from typing import Any
 
-from omnivat.frames.file import FrameSet, MapFrames, read_frames, write_frames
+from omnivat.frames.file import read_frames, write_frames
+from omnivat.frames.records import FrameSet, MapFrames
 from omnivat.tables import load as _load
 
 _LATER = {"build_frames": "omnivat.frames.build:build_frames"}  # needs torch; reading does not
-__all__ = ["FrameSet", "MapFrames", "build_frames", "read_frames", "write_frames"]  # noqa: F822
+__all__ = ["FrameSet", "MapFrames", "build_frames", "read_frames", "write_frames"]
 
 
 def __getattr__(name: str) -> Any:

@@ -9,7 +9,6 @@ Reading needs numpy alone.
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -18,93 +17,27 @@ from numpy.typing import NDArray
 
 from omnivat.errors import DataError
 from omnivat.files import replacing
+from omnivat.frames.records import FrameSet, MapFrames, require_fit
 
 MAGIC = b"OVFRAMES"
 VERSION = 1
 ALIGN = 8
-DTYPES = {"u8": np.dtype("u1"), "u16": np.dtype("<u2")}
-LEVELS = 65535  # steps of a quantised coordinate
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class MapFrames:
-    """Maps of one stage by one method, quantised.
-
-    points     (F, 2N, 2) u16: N VIS rows, then N TAC rows; 0 is `low` and 65535 is `high`
-    orders     (F,) which stop each frame is for; one frame alone stands for every stop
-    low, high  corners of a square that holds all frames
-    max_error  largest distance between a drawn and a computed coordinate, in map units
-    """
-
-    points: NDArray[np.uint16]
-    orders: tuple[int, ...]
-    low: tuple[float, float]
-    high: tuple[float, float]
-    max_error: float
-
-    def places(self, frame: int) -> NDArray[np.float64]:
-        """Return the coordinates of a frame, (2N, 2), in map units."""
-        span = np.subtract(self.high, self.low)
-        return np.asarray(self.low) + self.points[frame] * (span / LEVELS)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class FrameSet:
-    """What the page draws for N pairs at P orders.
-
-    orders       (P,) quarter turns
-    domain       (N,) u8 index into `domains`
-    label        (N,) u8 index into `classes`
-    prediction   (P, N) u8 fused class, an index into `classes`
-    confidence   (P, N) u8 its probability, 255 is 1
-    maps         "method/stage" -> frames
-    curves       "measure/stage" -> P values; None where a value does not exist
-    head         where the head comes from: learned order, source domain, hash
-    embeddings   where the embeddings come from: encoder, weights' hash, simulated, origin
-    """
-
-    orders: tuple[float, ...]
-    domains: tuple[str, ...]
-    classes: tuple[str, ...]
-    domain: NDArray[np.uint8]
-    label: NDArray[np.uint8]
-    prediction: NDArray[np.uint8]
-    confidence: NDArray[np.uint8]
-    maps: Mapping[str, MapFrames]
-    curves: Mapping[str, list[float | None]]
-    head: Mapping[str, Any] = field(default_factory=dict)
-    embeddings: Mapping[str, Any] = field(default_factory=dict)
-
-    @property
-    def pairs(self) -> int:
-        """N."""
-        return len(self.label)
+DTYPES: dict[str, np.dtype[Any]] = {"u8": np.dtype("u1"), "u16": np.dtype("<u2")}
+INDEXES = ("domain", "label", "prediction", "confidence")
 
 
 def write_frames(path: str | Path, frames: FrameSet) -> None:
     """Write the frames whole or not at all. Maps that share one array store it once."""
-    arrays: dict[str, NDArray[Any]] = {
-        "domain": frames.domain,
-        "label": frames.label,
-        "prediction": frames.prediction,
-        "confidence": frames.confidence,
-    }
-    named: dict[int, str] = {}
-    maps = {}
-    for name, frame in frames.maps.items():
-        array = named.setdefault(id(frame.points), f"map:{name}")
-        arrays[array] = frame.points
-        maps[name] = {
-            "array": array,
-            "orders": list(frame.orders),
-            "bounds": [list(frame.low), list(frame.high)],
-            "max_error": frame.max_error,
-        }
-    entries, offset = {}, 0
+    blobs: list[bytes] = []
+    entries: dict[str, dict[str, Any]] = {}
+    offset = 0
+    maps, arrays = _named(frames)
     for name, array in arrays.items():
         kind = "u16" if array.dtype.itemsize == 2 else "u8"
+        blob = np.ascontiguousarray(array, dtype=DTYPES[kind]).tobytes()
         entries[name] = {"offset": offset, "dtype": kind, "shape": list(array.shape)}
-        offset += array.nbytes + -array.nbytes % ALIGN
+        blobs.append(blob + b"\0" * (-len(blob) % ALIGN))
+        offset += len(blobs[-1])
     record = {
         "version": VERSION,
         "orders": list(frames.orders),
@@ -119,12 +52,25 @@ def write_frames(path: str | Path, frames: FrameSet) -> None:
     }
     text = json.dumps(record, ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode()
     text += b" " * (-(len(MAGIC) + 4 + len(text)) % ALIGN)
-    with replacing(path) as temporary, temporary.open("wb") as handle:
-        handle.write(MAGIC + len(text).to_bytes(4, "little") + text)
-        for name, array in arrays.items():
-            kind = DTYPES[entries[name]["dtype"]]  # type: ignore[index]
-            handle.write(np.ascontiguousarray(array, dtype=kind).tobytes())
-            handle.write(b"\0" * (-array.nbytes % ALIGN))
+    with replacing(path) as temporary:
+        temporary.write_bytes(b"".join([MAGIC, len(text).to_bytes(4, "little"), text, *blobs]))
+
+
+def _named(frames: FrameSet) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
+    """Return the maps' JSON, and every array under its name: a shared one once."""
+    arrays: dict[str, NDArray[Any]] = {name: getattr(frames, name) for name in INDEXES}
+    names: dict[int, str] = {}
+    maps = {}
+    for name, found in frames.maps.items():
+        array = names.setdefault(id(found.points), f"map:{name}")
+        arrays[array] = found.points
+        maps[name] = {
+            "array": array,
+            "orders": list(found.orders),
+            "bounds": [list(found.low), list(found.high)],
+            "max_error": found.max_error,
+        }
+    return maps, arrays
 
 
 def read_frames(path: str | Path) -> FrameSet:
@@ -146,7 +92,7 @@ def read_frames(path: str | Path) -> FrameSet:
             orders=tuple(record["orders"]),
             domains=tuple(record["domains"]),
             classes=tuple(record["classes"]),
-            **{name: arrays[name] for name in ("domain", "label", "prediction", "confidence")},
+            **{name: arrays[name] for name in INDEXES},
             maps={name: _map(entry, arrays) for name, entry in record["maps"].items()},
             curves=record["curves"],
             head=record["head"],
@@ -154,7 +100,7 @@ def read_frames(path: str | Path) -> FrameSet:
         )
         if record["pairs"] != frames.pairs:
             raise ValueError(f"{record['pairs']} pairs stated, {frames.pairs} found")
-        check(frames)
+        require_fit(frames)
     except (KeyError, TypeError, ValueError, IndexError, AttributeError) as error:
         if isinstance(error, DataError):
             raise
@@ -188,63 +134,16 @@ def _array(
     first, count = start + int(entry["offset"]), math.prod(shape)
     if min((0, *shape)) < 0 or first < start or first + count * dtype.itemsize > len(content):
         raise DataError(f"'{file}' is cut short: array '{name}' does not fit; build it again.")
-    return np.frombuffer(content, dtype, count, first).reshape(shape)
+    array: NDArray[Any] = np.frombuffer(content, dtype, count, first).reshape(shape)
+    return array
 
 
 def _map(entry: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> MapFrames:
-    low, high = (tuple(map(float, corner)) for corner in entry["bounds"])
+    (left, bottom), (right, top) = entry["bounds"]
     return MapFrames(
         points=arrays[entry["array"]],
         orders=tuple(entry["orders"]),
-        low=low,  # type: ignore[arg-type]
-        high=high,  # type: ignore[arg-type]
+        low=(float(left), float(bottom)),
+        high=(float(right), float(top)),
         max_error=float(entry["max_error"]),
-    )
-
-
-def check(frames: FrameSet) -> None:
-    """Refuse frames whose parts do not fit one another. Raises ValueError saying which."""
-    stops, pairs = len(frames.orders), frames.pairs
-    for name, wanted in (
-        ("domain", (pairs,)),
-        ("prediction", (stops, pairs)),
-        ("confidence", (stops, pairs)),
-    ):
-        if getattr(frames, name).shape != wanted:
-            raise ValueError(f"{name} has shape {getattr(frames, name).shape}, wanted {wanted}")
-    for name, index, names in (
-        ("domain", frames.domain, frames.domains),
-        ("label", frames.label, frames.classes),
-        ("prediction", frames.prediction, frames.classes),
-    ):
-        if index.size and index.max() >= len(names):
-            raise ValueError(f"a {name} has no name")
-    for name, values in frames.curves.items():
-        if len(values) != stops:
-            raise ValueError(f"curve {name} has {len(values)} values for {stops} orders")
-    for name, frame in frames.maps.items():
-        wanted_shape = (len(frame.orders), 2 * pairs, 2)
-        if frame.points.shape != wanted_shape or frame.points.dtype.itemsize != 2:
-            raise ValueError(f"map {name} has shape {frame.points.shape}, wanted {wanted_shape}")
-        if not all(0 <= stop < stops for stop in frame.orders) or not frame.orders:
-            raise ValueError(f"map {name} has a frame for a stop that is not there")
-        if not all(math.isfinite(x) for x in (*frame.low, *frame.high, frame.max_error)):
-            raise ValueError(f"map {name} has bounds that are not numbers")
-
-
-def quantised(maps: list[NDArray[np.float64]], orders: tuple[int, ...]) -> MapFrames:
-    """Quantise maps (2N, 2) of one stage to u16 inside one square that holds them all."""
-    stacked = np.stack(maps).astype(np.float64)
-    flat = stacked.reshape(-1, 2)
-    lowest, highest = (flat.min(0), flat.max(0)) if len(flat) else (np.zeros(2), np.zeros(2))
-    middle, half = (lowest + highest) / 2, max(float((highest - lowest).max()) / 2, 1e-12)
-    low, high = middle - half, middle + half
-    points = np.rint((stacked - low) * (LEVELS / (2 * half))).clip(0, LEVELS).astype("<u2")
-    drawn = low + points * (2 * half / LEVELS)
-    return MapFrames(
-        points=points,
-        orders=orders,
-        low=(float(low[0]), float(low[1])),
-        high=(float(high[0]), float(high[1])),
-        max_error=float(np.abs(drawn - stacked).max()) if len(flat) else 0.0,
     )

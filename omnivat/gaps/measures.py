@@ -74,7 +74,7 @@ def margins(features: Mapping[str, Tensor], facts: Facts) -> Values:
 def mean_pairwise(features: Mapping[str, Tensor], facts: Facts, *, gap: str) -> Values:
     """Give the mean over every two domains, and both modalities, of a gap of `GAPS`."""
     measure = load(GAPS, gap, kind="gap")
-    each = []
+    each: list[Tensor] = []
     for rows in features.values():
         sets = {name: rows[members] for name, members in facts.parts() if name != "all"}
         each += pairwise_gaps(sets, measure).values()

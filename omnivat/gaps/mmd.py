@@ -66,7 +66,8 @@ def _gamma(a: Tensor, b: Tensor) -> Tensor:
 def _mean_kernel(x: Tensor, y: Tensor, gamma: Tensor) -> Tensor:
     total = x.new_zeros(())
     squares = y.square().sum(1)
-    for rows in x.split(BLOCK):
+    for start in range(0, len(x), BLOCK):
+        rows = x[start : start + BLOCK]
         distance = rows.square().sum(1, keepdim=True) + squares - 2 * rows @ y.T
         total = total + (-gamma * distance.clamp_min(0)).exp().sum()
     return total / (len(x) * len(y))

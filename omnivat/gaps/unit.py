@@ -14,7 +14,7 @@ def unit(x: Tensor) -> Tensor:
     largest = x.abs().amax(-1, keepdim=True)
     # dividing twice keeps the squares of huge and tiny rows inside the floating range
     x = x / largest.where(largest > 0, 1)
-    length = x.norm(dim=-1, keepdim=True)
+    length: Tensor = x.norm(dim=-1, keepdim=True)
     return x / length.where(length > 0, 1)
 
 

@@ -8,6 +8,8 @@ ATTENTION_SCALES = ("inside", "outside")
 FEATURE_SCALES = ("unit", "literal")
 THETA_INITS = ("ones", "signed", "normal")
 TREE_INITS = ("orthogonal", "default", "identity")
+GENERATIONS = ("tree", "series", "parallel", "interpolation", "none")
+COMPLEX_TO_REAL = ("tokens", "hermitian", "magnitude", "real")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -31,6 +33,10 @@ class HeadSettings:
     theta_init: str = "ones"
     tree_init: str = "orthogonal"
     logit_scale: float = 10.0  # of the cosine classifier
+    generation: str = "tree"  # of nodes; series and parallel hold as many matrices, the rest none
+    mffa: bool = True  # off: the tree grows from the embeddings themselves
+    complex_to_real: str = "tokens"  # Re and Im as tokens, |F|, Re alone, or complex attention
+    order_per_modality: bool = False  # a p each for LANG, VIS and TAC
 
     def __post_init__(self) -> None:
         for name, low, high in (
@@ -49,6 +55,8 @@ class HeadSettings:
             ("feature_scale", FEATURE_SCALES),
             ("theta_init", THETA_INITS),
             ("tree_init", TREE_INITS),
+            ("generation", GENERATIONS),
+            ("complex_to_real", COMPLEX_TO_REAL),
         ):
             value = getattr(self, name)
             if value not in allowed:
@@ -57,6 +65,11 @@ class HeadSettings:
             raise SettingsError(f"classes are {self.classes}; give two or more different names.")
         if not abs(self.order) <= 1e6:
             raise SettingsError(f"order is {self.order}; give a finite number of quarter turns.")
+
+    @property
+    def edges(self) -> int:
+        """How many matrices grow nodes: 2^R - 2, or none."""
+        return 2**self.levels - 2 if self.generation in ("tree", "series", "parallel") else 0
 
     @property
     def projects(self) -> bool:

@@ -18,7 +18,8 @@ def aligned(flat: Tensor, to: Tensor) -> Tensor:
     """
     require_shapes(flat=(flat, "N C"), to=(to, "N C"))
     left, _, right = torch.linalg.svd((flat.T @ to).double())
-    return flat @ (left @ right).to(flat.dtype)
+    turn: Tensor = (left @ right).to(flat.dtype)
+    return flat @ turn
 
 
 def chained(maps: Iterable[Tensor]) -> Iterator[Tensor]:

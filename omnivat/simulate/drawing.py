@@ -49,7 +49,7 @@ def photograph(
     """Return VIS: the surface around the contact, as the domain's camera takes it."""
     scene = SCENES[pair.domain]
     framing: Framing = framed(
-        scene, at=press.at, part=pair.part, seed=derive_seed(stream, "framing")
+        scene, thing, at=press.at, part=pair.part, seed=derive_seed(stream, "framing")
     )
     radiance = renderer(thing, framing, size=size)
     return exposed(radiance, scene, seed=derive_seed(stream, "camera"))

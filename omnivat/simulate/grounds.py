@@ -14,10 +14,10 @@ def ground(name: str, x: Array, y: Array, *, seed: int) -> Array:
 
 def _grass(x: Array, y: Array, seed: int) -> Array:
     blades = sum(
-        streaks(x, y, angle=0.9 * turn + 0.3, width=2.5, length=22.0, seed=seed + turn)
+        streaks(x, y, angle=0.9 * turn + 0.3, width=1.6, length=14.0, seed=seed + turn)
         for turn in range(3)
     )
-    return tinted((0.13, 0.19, 0.06), 0.35 * np.asarray(blades))
+    return tinted((0.12, 0.15, 0.06), 0.30 * np.asarray(blades))
 
 
 def _paving(x: Array, y: Array, seed: int) -> Array:

@@ -51,11 +51,11 @@ SENSORS = {
         field=16.0, depth=(0.35, 0.9), skin=0.07, give=0.9, dome=0.35,
         base=(0.60, 0.55, 0.62),
         lamps=(
-            Lamp(azimuth=-5, colour=(0.75, 0.02, 0.12), spill=0.75),
-            Lamp(azimuth=120, colour=(0.03, 0.70, 0.25), spill=0.65),
-            Lamp(azimuth=235, colour=(0.10, 0.12, 0.80), spill=0.65),
+            Lamp(azimuth=-5, colour=(0.75, 0.02, 0.12), spill=0.62),
+            Lamp(azimuth=120, colour=(0.03, 0.70, 0.25), spill=0.55),
+            Lamp(azimuth=235, colour=(0.10, 0.12, 0.80), spill=0.55),
         ),
-        gain=1.0, markers=Markers(pitch=2.0, radius=0.30, uneven=0.10), vignette=0.20, noise=0.02,
+        gain=1.0, markers=Markers(pitch=2.0, radius=0.30, uneven=0.06), vignette=0.20, noise=0.02,
     ),
     "GelSlim": Sensor(
         field=20.0, depth=(0.25, 0.7), skin=0.12, give=0.7, dome=0.10,
@@ -64,7 +64,7 @@ SENSORS = {
             Lamp(azimuth=90, colour=(0.42, 0.06, 0.38), spill=0.25),
             Lamp(azimuth=270, colour=(0.08, 0.42, 0.20), spill=0.25),
         ),
-        gain=1.1, markers=Markers(pitch=1.25, radius=0.16, uneven=0.04, darkness=0.6),
+        gain=1.7, markers=Markers(pitch=1.25, radius=0.16, uneven=0.04, darkness=0.6),
         vignette=0.30, noise=0.015, blur=0.6,
     ),
     "DIGIT": Sensor(
@@ -88,7 +88,7 @@ SENSORS = {
         gain=1.0, vignette=0.45, noise=0.010,
     ),
     "DuraGel": Sensor(
-        field=18.0, depth=(0.3, 0.9), skin=0.16, give=1.5, dome=0.15,
+        field=18.0, depth=(0.3, 0.9), skin=0.13, give=1.0, dome=0.15,
         base=(0.62, 0.66, 0.66),
         lamps=(
             Lamp(azimuth=0, colour=(0.10, 0.34, 0.42), spill=0.20),
@@ -96,7 +96,7 @@ SENSORS = {
             Lamp(azimuth=180, colour=(0.44, 0.22, 0.16), spill=0.20),
             Lamp(azimuth=270, colour=(0.20, 0.22, 0.24), spill=0.15),
         ),
-        gain=0.9, markers=Markers(pitch=3.0, radius=0.42, uneven=0.02, darkness=0.5),
+        gain=1.7, markers=Markers(pitch=3.0, radius=0.42, uneven=0.02, darkness=0.5),
         vignette=0.12, noise=0.014, blur=0.5,
     ),
 }  # fmt: skip

@@ -19,10 +19,11 @@ def shaded(surface: Surface, framing: Framing, *, size: int) -> Array:
     x, y = plane(framing.view, size)
     x, y = x - framing.off[0], (y - framing.off[1]) / np.cos(framing.tilt)
     u, v = turned(x, y, framing.turn)
+    along, across = turned(u, v, framing.axis)
     height = surface.height(u, v)
     normal = _normals(height, x, y)
     base = surface.colour(u + framing.at[0], v + framing.at[1])
-    inside = outline(u, v, framing)
+    inside = outline(along, across, framing)
     behind = ground(framing.ground, x, y, seed=framing.seed)
     level = np.asarray(framing.sky) + np.asarray(framing.sun) * np.sin(framing.height) * 0.3
     backdrop = behind * level

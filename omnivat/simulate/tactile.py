@@ -70,8 +70,8 @@ def marker_shade(
     u = x + 0.5 * right - shear[0] * pushed
     v = y - 0.5 * down - shear[1] * pushed
     jitter = markers.uneven * markers.pitch
-    u = u + jitter * noise(u, v, wavelength=1.7 * markers.pitch, seed=11)
-    v = v + jitter * noise(u, v, wavelength=1.7 * markers.pitch, seed=12)
+    u = u + jitter * noise(u, v, wavelength=2.6 * markers.pitch, seed=11)
+    v = v + jitter * noise(u, v, wavelength=2.6 * markers.pitch, seed=12)
     radius = markers.radius * (
         1.0 + 2.0 * markers.uneven * noise(u, v, wavelength=2.0 * markers.pitch, seed=13)
     )

@@ -73,7 +73,7 @@ def read(
     """Return the pairs of TacQuad, as four domains with an indoor and an outdoor part.
 
     source      the folder with contact_indoor.csv
-    strict      leave out metal, iron and aluminium (as steel)
+    strict      leave out iron and aluminium (as steel)
     seed        of the draw of frames
     all_frames  keep every frame in contact; otherwise 41 to train and 15 to test of each outdoor
                 item and 15 to test of each indoor item, as the paper's counts suggest

@@ -46,7 +46,7 @@ def read(
     """Return the pairs of Touch-and-Go.
 
     source       the folder with `dataset` in it, or with the clips themselves
-    strict       leave out metal (as steel) and tile (as ceramic)
+    strict       changes nothing here: metal and tile are its only words for steel and ceramic
     seed         of the balancing and of the split by clip
     by_folder    put whole clips into train or test. The official lists share 100 of their 106
                  test clips with training, so their test pairs are near copies of training pairs
@@ -152,7 +152,7 @@ def _materials(
     for frame in frames:
         rule = known.get(frame.label)
         name = rule.named if rule else names.get(frame.label, "")
-        why = why_left_out(rule, "another material", strict=strict)
+        why = why_left_out(rule, "labels of other materials", strict=strict)
         if not why and rule:
             kept.append((frame, rule.material))
         elif keep:

@@ -1,0 +1,46 @@
+/** The card of one pair: both thumbnails, what it is, what the head says of it. */
+
+import { escaped } from "./text.js";
+
+/** A thumbnail out of the sprite: pair i VIS is tile i, TAC is tile N + i. */
+export function thumbnail(sprite, tile, side, label) {
+  if (!sprite) return `<span class="thumb none" role="img" aria-label="${label}">${label}</span>`;
+  const scale = side / sprite.tile;
+  const column = tile % sprite.columns;
+  const row = Math.floor(tile / sprite.columns);
+  const rows = Math.ceil(sprite.count / sprite.columns);
+  return `<span class="thumb" role="img" aria-label="${label}" style="width:${side}px;height:${side}px;
+    background-image:url('${sprite.url}');background-position:${-column * side}px ${-row * side}px;
+    background-size:${sprite.columns * sprite.tile * scale}px ${rows * sprite.tile * scale}px"></span>`;
+}
+
+export const thumbnailPair = (frames, sprite, pair, side) =>
+  `<span class="thumbs"><figure>${thumbnail(sprite, pair, side, "VIS")}<figcaption>VIS</figcaption></figure>
+   <figure>${thumbnail(sprite, frames.pairs + pair, side, "TAC")}<figcaption>TAC</figcaption></figure></span>`;
+
+/** What the head says of a pair at one stop. */
+export function verdict(frames, pair, stop) {
+  const at = stop * frames.pairs + pair;
+  return {
+    domain: frames.domains[frames.domain[pair]],
+    truth: frames.classes[frames.label[pair]],
+    said: frames.classes[frames.prediction[at]],
+    right: frames.prediction[at] === frames.label[pair],
+    confidence: frames.confidence[at] / 255,
+  };
+}
+
+export function card(frames, sprite, pair, stop, pinned) {
+  if (pair < 0) {
+    return `<h3>No pair chosen</h3><p class="hint">Point at the map to see a pair’s photo and touch image.
+      Click one to pin it: it becomes the current pair of the other tabs.
+      <kbd>N</kbd> and <kbd>B</kbd> step through pairs, <kbd>Enter</kbd> pins.</p>`;
+  }
+  const v = verdict(frames, pair, stop);
+  return `<h3>Pair ${pair}${pinned ? ' <span class="tag">pinned</span>' : ""}</h3>
+    ${thumbnailPair(frames, sprite, pair, 124)}
+    <dl><dt>Domain</dt><dd>${escaped(v.domain)}</dd><dt>Class</dt><dd>${escaped(v.truth)}</dd>
+    <dt>Head says</dt><dd class="${v.right ? "right" : "wrong"}">${v.right ? "✓" : "✗"} ${escaped(v.said)}, ${Math.round(100 * v.confidence)} %</dd></dl>
+    ${pinned ? `<div class="near"><h4>Nearest by cosine <button type="button" class="find">Find</button></h4><div class="found"></div></div>
+    <div class="row"><button type="button" class="open">Open in Pair ›</button><button type="button" class="unpin">Unpin</button></div>` : ""}`;
+}

@@ -1,0 +1,95 @@
+/** The two places for images: choose, drop, paste, webcam; a file goes to the server once. */
+
+import { address, sendImage } from "./api.js";
+import { thumbnail } from "./card.js";
+import { escaped } from "./text.js";
+import { snapshot } from "./webcam.js";
+
+const NAMES = { vis: ["VIS", "a photo of the surface", "●"], tac: ["TAC", "the touch sensor’s image", "▲"] };
+const LARGEST = 20e6;
+export const sent = new Map(); // reference -> what the server said of an image of this visit
+
+export function slots(box, { onRef, onProblem }) {
+  box.innerHTML = Object.entries(NAMES).map(([key, [name, what, sign]]) => `
+    <div class="slot panel" data-modality="${key}" tabindex="0" aria-label="${name}: ${what}. Drop or paste an image here.">
+      <h3><span class="sign ${key}">${sign}</span> ${name} <small>${what}</small></h3>
+      <div class="picture"><span>Drop or paste an image</span></div>
+      <p class="what">&nbsp;</p>
+      <div class="row"><label class="choose">Choose file<input type="file" accept="image/*,.tif,.tiff,.webp,.png,.jpg" aria-label="Choose a ${name} image"></label>
+      <button type="button" class="camera">Webcam</button><button type="button" class="clear" aria-label="Remove ${name}">Remove</button></div>
+    </div>`).join("");
+  for (const slot of box.children) wire(slot);
+
+  function wire(slot) {
+    const { modality } = slot.dataset;
+    const input = slot.querySelector("input");
+    input.onchange = () => input.files[0] && take(input.files[0], input.files[0].name).finally(() => { input.value = ""; });
+    slot.ondragover = (event) => {
+      event.preventDefault();
+      slot.classList.add("over");
+    };
+    slot.ondragleave = () => slot.classList.remove("over");
+    slot.ondrop = (event) => {
+      event.preventDefault();
+      slot.classList.remove("over");
+      const file = event.dataTransfer.files[0];
+      if (file) take(file, file.name);
+    };
+    slot.onpaste = (event) => {
+      const file = [...event.clipboardData.files][0];
+      if (file) take(file, file.name || "the pasted image");
+    };
+    slot.querySelector(".clear").onclick = () => onRef(modality, null);
+    slot.querySelector(".camera").onclick = async () => {
+      try {
+        const picture = await snapshot(slot.querySelector(".picture"));
+        if (picture) await take(picture, "the webcam’s image");
+      } catch (error) {
+        onProblem(error.message);
+      }
+    };
+
+    async function take(file, name) {
+      onProblem("");
+      if (file.size > LARGEST) {
+        return onProblem(`'${name}' has ${(file.size / 1e6).toFixed(0)} MB and at most 20 are taken; scale it down and try again.`);
+      }
+      slot.classList.add("busy");
+      slot.querySelector(".what").textContent = "Reading the image (the first one also loads the encoder)…";
+      try {
+        const answer = await sendImage(file, name);
+        sent.set(answer.ref, { ...answer, name });
+        onRef(modality, answer.ref);
+      } catch (error) {
+        slot.querySelector(".what").textContent = "";
+        onProblem(error.message);
+      } finally {
+        slot.classList.remove("busy");
+      }
+    }
+  }
+
+  /** Show what is in both places now. */
+  return function show(refs, sprite, pairs, describe) {
+    for (const slot of box.children) {
+      const { modality } = slot.dataset;
+      const ref = refs[modality];
+      slot.querySelector(".picture").innerHTML = picture(modality, ref, sprite, pairs);
+      slot.querySelector(".what").textContent = ref ? describe(ref) : "nothing here: the head answers from the other one alone";
+      slot.querySelector(".clear").disabled = !ref;
+    }
+  };
+}
+
+function picture(modality, ref, sprite, pairs) {
+  if (!ref) return "<span>Drop or paste an image</span>";
+  const [kind, name] = [ref.slice(0, ref.indexOf(":")), ref.slice(ref.indexOf(":") + 1)];
+  const label = NAMES[modality][0];
+  if (kind === "row") return thumbnail(sprite, +name + (modality === "tac" ? pairs : 0), 150, label);
+  if (kind === "example") {
+    const path = name.split("/").map(encodeURIComponent).join("/");
+    return `<img src="${address(`example/${path}/${modality}`)}" alt="${label} of ${escaped(name)}">`;
+  }
+  const known = sent.get(ref);
+  return known ? `<img src="${known.preview}" alt="${label}: ${escaped(known.name)}">` : "<span>sent earlier</span>";
+}

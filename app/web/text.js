@@ -1,0 +1,6 @@
+/** Text that may hold anything, made safe for HTML. */
+
+const CODES = { "&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;", "'": "&#39;" };
+export const escaped = (text) => String(text).replace(/[&<>"']/g, (c) => CODES[c]);
+export const percent = (share, digits = 0) => `${(100 * share).toFixed(digits)} %`;
+export const isSimulated = (name) => name.endsWith("-sim");

@@ -1,0 +1,1 @@
+/** soon */ export function start() {}

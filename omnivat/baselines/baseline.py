@@ -1,0 +1,94 @@
+"""The paper's Baseline: style texts and source images through one D×D layer and a linear head.
+
+PromptStyler as the paper must have run it: its results depend on the source and its 0.3 M
+parameters leave room for a D×D layer, so it learns from source images as well as from text.
+Source: paper, Table of components, row 1; docs/protocol.md says what is read and what is ours.
+"""
+
+from collections.abc import Callable
+
+import torch
+from torch import Tensor, nn
+from torch.nn.functional import cross_entropy, normalize
+
+from omnivat.baselines.contract import Fitted, Source, fused, seeded
+from omnivat.baselines.descent import Descent, descend
+from omnivat.baselines.evidence import best
+from omnivat.seeding import derive_seed
+
+CANDIDATES = {
+    f"lr {lr:g}, text {share:g}": (lr, share) for lr in (0.005, 0.05, 0.5) for share in (0.1, 1.0)
+}
+TEXTS = 16  # style texts a step
+
+
+class Baseline(nn.Module):
+    """One D×D layer and a bias-free linear head that images and text share."""
+
+    def __init__(self, width: int, classes: int, text_width: int | None) -> None:
+        super().__init__()
+        self.text: nn.Module = nn.Identity()
+        if text_width is not None:
+            self.text = nn.Linear(text_width, width, bias=False)
+        self.layer = nn.Linear(width, width)
+        self.head = nn.Linear(width, classes, bias=False)
+
+    def forward(self, rows: Tensor) -> Tensor:
+        """Return logits (B, K) of rows (B, D), which are put on the sphere of radius √D."""
+        hidden: Tensor = self.layer(rows.shape[1] ** 0.5 * normalize(rows, dim=-1))
+        logits: Tensor = self.head(normalize(hidden, dim=-1) * 10.0)
+        return logits
+
+    def probabilities(self, rows: Tensor) -> Tensor:
+        """Return class probabilities (B, K)."""
+        return self(rows).softmax(-1)
+
+
+def fit(source: Source) -> Fitted:
+    """Train with SGD as the paper does; learning rate and the text's weight by held-out log loss."""
+    chosen, _ = best(
+        source,
+        CANDIDATES,
+        lambda part, choice: _fused(_train(part, *choice)),
+        repeats=2,
+    )
+    model = _train(source, *CANDIDATES[chosen])
+
+    @torch.inference_mode()
+    def predict(vis: Tensor, tac: Tensor) -> dict[str, Tensor]:
+        return fused({"vis": model.probabilities(vis), "tac": model.probabilities(tac)})
+
+    return Fitted(
+        predict=predict,
+        chosen={"training": chosen},
+        parameters=sum(p.numel() for p in model.parameters()),
+    )
+
+
+def _fused(model: Baseline) -> Callable[[Tensor, Tensor], Tensor]:
+    @torch.inference_mode()
+    def predict(vis: Tensor, tac: Tensor) -> Tensor:
+        return (model.probabilities(vis) + model.probabilities(tac)) / 2
+
+    return predict
+
+
+def _train(source: Source, lr: float, text_weight: float) -> Baseline:
+    lang, classes = source.lang, len(source.classes)
+    mapped = lang is not None and not source.lang_of_images
+    with seeded(derive_seed(source.seed, "baseline")):
+        model = Baseline(
+            source.width, classes, lang.shape[2] if mapped and lang is not None else None
+        )
+
+        def loss(rows: Tensor) -> Tensor:
+            images = torch.cat(source.drawn(rows))
+            total = cross_entropy(model(images), source.labels[rows].repeat(2))
+            if lang is not None:
+                truth = torch.randint(classes, (TEXTS,))
+                texts = lang[truth, torch.randint(lang.shape[1], (TEXTS,))]
+                total = total + text_weight * cross_entropy(model(model.text(texts)), truth)
+            return total
+
+        descend(model, len(source), Descent(lr=lr), loss)
+    return model

@@ -1,0 +1,56 @@
+"""Minibatch gradient descent for the baselines: warm-up, then cosine to zero."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor, nn
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Descent:
+    """How to descend. SGD has momentum 0.9; "adam" is AdamW."""
+
+    lr: float
+    epochs: int = 20
+    batch: int = 16
+    weight_decay: float = 5e-4
+    method: str = "sgd"
+    warmup: float = 0.05  # share of all steps
+
+
+def descend(module: nn.Module, count: int, how: Descent, loss: Callable[[Tensor], Tensor]) -> None:
+    """Train `module` in place on `count` pairs.
+
+    loss   (rows (B,) of the pairs of a step) -> () to minimise
+    Draws from torch's stream: call inside `seeded`.
+    """
+    optimiser: torch.optim.Optimizer
+    if how.method == "adam":
+        optimiser = torch.optim.AdamW(module.parameters(), lr=how.lr, weight_decay=how.weight_decay)
+    else:
+        optimiser = torch.optim.SGD(
+            module.parameters(), lr=how.lr, momentum=0.9, weight_decay=how.weight_decay
+        )
+    total = how.epochs * math.ceil(count / how.batch)
+    step = 0
+    module.train()
+    for _ in range(how.epochs):
+        for rows in torch.randperm(count).split(how.batch):
+            for group in optimiser.param_groups:
+                group["lr"] = how.lr * rate(step, total, how.warmup)
+            optimiser.zero_grad(set_to_none=True)
+            loss(rows).backward()  # type: ignore[no-untyped-call]
+            torch.nn.utils.clip_grad_norm_(module.parameters(), 5.0)
+            optimiser.step()
+            step += 1
+    module.eval()
+
+
+def rate(step: int, total: int, warmup: float) -> float:
+    """Return the share of the learning rate at a step: up in a line, down by a cosine."""
+    warm = max(1, round(warmup * total))
+    if step < warm:
+        return (step + 1) / warm
+    return 0.5 * (1 + math.cos(math.pi * (step - warm) / max(1, total - warm)))

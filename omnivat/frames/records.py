@@ -1,0 +1,116 @@
+"""What the page draws, as records: the maps of a stage, and everything for a set of pairs."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+LEVELS = 65535  # steps of a quantised coordinate
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class MapFrames:
+    """Maps of one stage by one method, quantised.
+
+    points     (F, 2N, 2) u16: N VIS rows, then N TAC rows; 0 is `low` and 65535 is `high`
+    orders     (F,) which stop each frame is for; one frame alone stands for every stop
+    low, high  corners of a square that holds all frames
+    max_error  largest distance between a drawn and a computed coordinate, in map units
+    """
+
+    points: NDArray[np.uint16]
+    orders: tuple[int, ...]
+    low: tuple[float, float]
+    high: tuple[float, float]
+    max_error: float
+
+    def places(self, frame: int) -> NDArray[np.float64]:
+        """Return the coordinates of a frame, (2N, 2), in map units."""
+        low = np.array(self.low)
+        step = (np.array(self.high) - low) / LEVELS
+        places: NDArray[np.float64] = low + self.points[frame] * step
+        return places
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FrameSet:
+    """What the page draws for N pairs at P orders.
+
+    orders       (P,) quarter turns
+    domain       (N,) u8 index into `domains`
+    label        (N,) u8 index into `classes`
+    prediction   (P, N) u8 fused class, an index into `classes`
+    confidence   (P, N) u8 its probability, 255 is 1
+    maps         "method/stage" -> frames
+    curves       "measure/stage" -> P values; None where a value does not exist
+    head         where the head comes from: learned order, source domain, hash
+    embeddings   where the embeddings come from: encoder, weights' hash, simulated, origin
+    """
+
+    orders: tuple[float, ...]
+    domains: tuple[str, ...]
+    classes: tuple[str, ...]
+    domain: NDArray[np.uint8]
+    label: NDArray[np.uint8]
+    prediction: NDArray[np.uint8]
+    confidence: NDArray[np.uint8]
+    maps: Mapping[str, MapFrames]
+    curves: Mapping[str, list[float | None]]
+    head: Mapping[str, Any] = field(default_factory=dict)
+    embeddings: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def pairs(self) -> int:
+        """N."""
+        return len(self.label)
+
+
+def require_fit(frames: FrameSet) -> None:
+    """Refuse frames whose parts do not fit one another. Raises ValueError saying which."""
+    stops, pairs = len(frames.orders), frames.pairs
+    for name, wanted in (
+        ("domain", (pairs,)),
+        ("prediction", (stops, pairs)),
+        ("confidence", (stops, pairs)),
+    ):
+        if getattr(frames, name).shape != wanted:
+            raise ValueError(f"{name} has shape {getattr(frames, name).shape}, wanted {wanted}")
+    for name, index, names in (
+        ("domain", frames.domain, frames.domains),
+        ("label", frames.label, frames.classes),
+        ("prediction", frames.prediction, frames.classes),
+    ):
+        if index.size and index.max() >= len(names):
+            raise ValueError(f"a {name} has no name")
+    for name, values in frames.curves.items():
+        if len(values) != stops:
+            raise ValueError(f"curve {name} has {len(values)} values for {stops} orders")
+    for name, frame in frames.maps.items():
+        wanted_shape = (len(frame.orders), 2 * pairs, 2)
+        if frame.points.shape != wanted_shape or frame.points.dtype.itemsize != 2:
+            raise ValueError(f"map {name} has shape {frame.points.shape}, wanted {wanted_shape}")
+        if not all(0 <= stop < stops for stop in frame.orders) or not frame.orders:
+            raise ValueError(f"map {name} has a frame for a stop that is not there")
+        if not all(math.isfinite(x) for x in (*frame.low, *frame.high, frame.max_error)):
+            raise ValueError(f"map {name} has bounds that are not numbers")
+
+
+def quantised(maps: list[NDArray[np.float64]], orders: tuple[int, ...]) -> MapFrames:
+    """Quantise maps (2N, 2) of one stage to u16 inside one square that holds them all."""
+    stacked = np.stack(maps).astype(np.float64)
+    flat = stacked.reshape(-1, 2)
+    lowest, highest = (flat.min(0), flat.max(0)) if len(flat) else (np.zeros(2), np.zeros(2))
+    middle, half = (lowest + highest) / 2, max(float((highest - lowest).max()) / 2, 1e-12)
+    low, high = middle - half, middle + half
+    points = np.rint((stacked - low) * (LEVELS / (2 * half))).clip(0, LEVELS).astype("<u2")
+    drawn = low + points * (2 * half / LEVELS)
+    return MapFrames(
+        points=points,
+        orders=orders,
+        low=(float(low[0]), float(low[1])),
+        high=(float(high[0]), float(high[1])),
+        max_error=float(np.abs(drawn - stacked).max()) if len(flat) else 0.0,
+    )

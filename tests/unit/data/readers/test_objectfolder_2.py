@@ -1,0 +1,120 @@
+"""ObjectFolder 2.0: what the numbers mean, and the paper's counts."""
+
+import json
+from collections import Counter
+
+import pytest
+
+from omnivat.data.readers import read_pairs
+from omnivat.errors import DataError
+
+SMALL = {1: "Wood", 2: "Steel", 3: "Polycarbonate", 101: "Wood", 102: "Iron", 103: "Plastic"}
+
+
+def test_the_first_hundred_objects_are_a_and_the_rest_b(release):
+    found = read_pairs(release(SMALL), split="paper")
+    assert {p.domain for p in found.pairs if int(p.object) <= 100} == {"OF 2.0 A"}
+    assert {p.domain for p in found.pairs if int(p.object) > 100} == {"OF 2.0 B"}
+    assert found.simulated  # by the data set's makers
+    assert {p.tac_crop for p in found.pairs} == {320}
+
+
+def test_the_draw_reproduces_the_papers_counts(release):
+    """With the objects of each material that objects.csv has, merged, and 100 instances as 1."""
+    a = (
+        ["Polycarbonate"] * 24
+        + ["Wood"] * 21
+        + ["Ceramic"] * 19
+        + ["Steel"] * 17
+        + ["Plastic"] * 11
+    )
+    a += ["Iron"] * 6 + ["Glass"] * 2
+    b = ["Wood"] * 30 + ["Iron"] * 20 + ["Ceramic"] * 30 + ["Polycarbonate"] * 25 + ["Glass"] * 24
+    b += ["Steel"] * 21 + ["Plastic"] * 9
+    objects = dict(enumerate(a, start=1)) | dict(enumerate(b, start=101))
+    found = read_pairs(release(objects, instances=1))
+    counts = found.counts()
+    assert {name: counts["OF 2.0 A", "train", name] for name in found.materials()} == dict.fromkeys(
+        found.materials(), 2
+    )  # 1,000 pairs = 5 classes * 2 objects * 100 instances
+    tests = {name: counts["OF 2.0 A", "test", name] for name in found.materials()}
+    assert tests == {"wood": 5, "steel": 5, "plastic": 5, "ceramic": 5, "glass": 2}  # 2,200
+    assert {counts["OF 2.0 B", "train", name] for name in found.materials()} == {19}  # 9,500
+    assert {counts["OF 2.0 B", "test", name] for name in found.materials()} == {5}  # 2,500
+
+
+def test_no_object_of_b_is_in_train_and_test(release):
+    objects = {100 + i: ("Wood", "Glass")[i % 2] for i in range(1, 21)}
+    found = read_pairs(release(objects))
+    sides = {s: {p.object for p in found.pairs if p.split == s} for s in ("train", "test")}
+    assert sides["train"]
+    assert sides["test"]
+    assert not sides["train"] & sides["test"]
+
+
+def test_strict_leaves_out_iron_and_polycarbonate(release):
+    found = read_pairs(release(SMALL), strict=True)
+    assert not {"3", "102"} & {p.object for p in found.pairs}
+    assert {s.why for s in found.skipped} >= {
+        "strict: iron is not steel itself",
+        "strict: polycarbonate is not plastic itself",
+    }
+
+
+def test_a_label_of_two_materials_is_refused(release):
+    root = release(SMALL)
+    labels = json.loads((root / "label.json").read_text())
+    (root / "label.json").write_text(json.dumps(labels | {"102": labels["1"]}))
+    with pytest.raises(DataError, match=r"label 2 to object 1 \(wood\) and to object 102 \(iron"):
+        read_pairs(root)
+
+
+def test_a_material_of_two_labels_is_refused(release):
+    root = release(SMALL)
+    labels = json.loads((root / "label.json").read_text())
+    (root / "label.json").write_text(json.dumps(labels | {"101": 9}))
+    with pytest.raises(DataError, match="gives wood the label 2 at object 1 and 9 at object 101"):
+        read_pairs(root)
+
+
+def test_the_order_of_the_labels_does_not_matter(release):
+    root = release(SMALL)
+    before = read_pairs(root).pairs
+    labels = json.loads((root / "label.json").read_text())
+    (root / "label.json").write_text(json.dumps({k: 6 - v for k, v in labels.items()}))
+    assert read_pairs(root).pairs == before
+
+
+def test_the_releases_own_split_can_be_read(release):
+    root = release(SMALL)
+    split = {"train": [[1, 0], [1, 1]], "val": [["2", 0]], "test": [["101", 1]]}
+    (root / "split.json").write_text(json.dumps(split))
+    found = read_pairs(root, split="release")
+    assert Counter(p.split for p in found.pairs) == {"train": 2, "val": 1, "test": 1}
+    assert sum(s.count for s in found.skipped) == 8
+
+
+@pytest.mark.parametrize(
+    "text", ["[]", "{", '{"train": 3}', '{"train": [[1]]}', '{"test": [["a", 1]]}']
+)
+def test_a_broken_split_is_refused(release, text):
+    root = release(SMALL)
+    (root / "split.json").write_text(text)
+    with pytest.raises(DataError, match=r"split\.json"):
+        read_pairs(root, split="release")
+
+
+def test_a_missing_table_of_objects_is_asked_for(release):
+    root = release(SMALL)
+    (root / "objects.csv").unlink()
+    with pytest.raises(DataError, match=r"copy objects\.csv of the ObjectFolder repository"):
+        read_pairs(root)
+
+
+def test_missing_halves_and_unnamed_objects_are_counted(release, put):
+    root = release(SMALL)
+    (root / "touch/1/0.png").unlink()
+    put(root / "touch/999/0.png")
+    whys = {s.what: s.why for s in read_pairs(root).skipped}
+    assert whys["object 1"] == "no image in touch"
+    assert whys["touch/999"] == "label.json does not name it"

@@ -1,0 +1,244 @@
+"""Every kind of file a person may hand over: read rightly, or refused in one sentence."""
+
+import struct
+import zlib
+from contextlib import suppress
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from omnivat.data.images import MAX_PIXELS, central_square, read_image
+from omnivat.errors import DataError
+
+RANDOM = np.random.default_rng(7)
+RGB = RANDOM.integers(0, 256, (24, 32, 3), dtype=np.uint8)
+GREY = RGB[..., 0].copy()
+
+
+def encoded(image: Image.Image, kind: str = "PNG", **options: Any) -> bytes:
+    buffer = BytesIO()
+    image.save(buffer, kind, **options)
+    return buffer.getvalue()
+
+
+def values(source: Any) -> np.ndarray:
+    image = read_image(source)
+    assert image.mode == "RGB"
+    return np.asarray(image)
+
+
+def refusal(source: Any, name: str = "touch.png") -> str:
+    with pytest.raises(DataError) as caught:
+        read_image(source, name=name)
+    sentence = str(caught.value)
+    assert name in sentence
+    assert "\n" not in sentence
+    return sentence
+
+
+LOSSLESS = {
+    "PNG": {},
+    "BMP": {},
+    "TIFF": {},
+    "PPM": {},
+    "QOI": {},
+    "WEBP": {"lossless": True},
+    "JPEG2000": {"irreversible": False},
+}
+
+
+@pytest.mark.parametrize("kind", LOSSLESS)
+def test_the_same_pixels_come_out_of_every_lossless_file(kind: str) -> None:
+    assert np.array_equal(values(encoded(Image.fromarray(RGB), kind, **LOSSLESS[kind])), RGB)
+
+
+@pytest.mark.parametrize("kind", ["PNG", "TIFF"])
+def test_sixteen_bits_of_grey_keep_their_upper_eight(kind: str) -> None:
+    wide = GREY.astype(np.uint16) * 257
+    read = values(encoded(Image.fromarray(wide), kind))
+    assert np.array_equal(read, np.repeat(GREY[..., None], 3, axis=2))
+
+
+def png(size: tuple[int, int], mode: int, depth: int, body: bytes) -> bytes:
+    """Return a PNG of kinds that Pillow does not write. size: width, height."""
+
+    def block(name: bytes, content: bytes) -> bytes:
+        check = struct.pack(">I", zlib.crc32(name + content))
+        return struct.pack(">I", len(content)) + name + content + check
+
+    header = struct.pack(">IIBBBBB", *size, depth, mode, 0, 0, 0)
+    blocks = block(b"IHDR", header) + block(b"IDAT", zlib.compress(body)) + block(b"IEND", b"")
+    return b"\x89PNG\r\n\x1a\n" + blocks
+
+
+def unfiltered(rows: np.ndarray) -> bytes:
+    return b"".join(b"\0" + row.tobytes() for row in rows)
+
+
+def test_sixteen_bit_colour_equals_sixteen_bit_grey_of_the_same_values() -> None:
+    wide = RANDOM.integers(0, 65536, GREY.shape).astype(">u2")
+    colour = np.repeat(wide[..., None], 3, axis=2).reshape(len(wide), -1)
+    size = GREY.shape[::-1]
+    read = [values(png(size, m, 16, unfiltered(rows))) for m, rows in ((2, colour), (0, wide))]
+    assert np.array_equal(*read)
+
+
+def test_a_sixteen_bit_pgm_is_read_like_the_png() -> None:
+    wide = RANDOM.integers(0, 65536, GREY.shape).astype(np.uint16)
+    pgm = b"P5 %d %d 65535\n" % GREY.shape[::-1] + wide.astype(">u2").tobytes()
+    assert np.array_equal(values(pgm), values(encoded(Image.fromarray(wide))))
+
+
+def test_values_of_32_bits_are_refused_with_their_range() -> None:
+    huge = Image.fromarray(np.full((16, 16), 1_000_000, np.int32))
+    assert "1000000" in refusal(encoded(huge, "TIFF"))
+
+
+def test_floating_values_from_0_to_1_are_scaled() -> None:
+    unit = (GREY / np.float32(255)).astype(np.float32)
+    assert np.array_equal(values(encoded(Image.fromarray(unit), "TIFF"))[..., 0], GREY)
+
+
+@pytest.mark.parametrize("bad", [2.0, -0.5, np.nan, np.inf])
+def test_other_floating_values_are_refused(bad: float) -> None:
+    wrong = np.zeros((16, 16), np.float32)
+    wrong[3, 3] = bad
+    assert "0 to 1" in refusal(encoded(Image.fromarray(wrong), "TIFF"))
+
+
+@pytest.mark.parametrize("mode", ["L", "1", "P", "CMYK", "YCbCr", "LA", "RGBA"])
+def test_each_mode_gives_what_its_conversion_says(mode: str) -> None:
+    image = Image.fromarray(RGB).convert(mode)
+    source = image if mode == "YCbCr" else encoded(image, "TIFF" if mode == "CMYK" else "PNG")
+    assert np.array_equal(values(source), np.asarray(image.convert("RGB")))
+
+
+def test_colours_hidden_under_full_transparency_do_not_matter() -> None:
+    alpha = np.zeros(GREY.shape, np.uint8)
+    alpha[:, 16:] = 255
+    seen = []
+    for hidden in (0, 255):
+        pixels = np.dstack([RGB, alpha])
+        pixels[:, :16, :3] = hidden
+        seen.append(values(encoded(Image.fromarray(pixels, "RGBA"))))
+    assert np.array_equal(seen[0], seen[1])
+    assert (seen[0][:, :16] == 255).all()
+    assert np.array_equal(seen[0][:, 16:], RGB[:, 16:])
+
+
+def test_a_transparent_entry_of_a_palette_is_laid_on_white() -> None:
+    image = Image.new("P", (16, 16), 0)
+    image.putpalette([10, 20, 30, 200, 100, 50])
+    image.paste(1, (8, 0, 16, 16))
+    read = values(encoded(image, transparency=0))
+    assert (read[:, :8] == 255).all()
+    assert (read[:, 8:] == (200, 100, 50)).all()
+
+
+def test_a_transparent_grey_of_a_grey_png_is_laid_on_white() -> None:
+    image = Image.new("L", (16, 16), 40)
+    image.paste(90, (8, 0, 16, 16))
+    read = values(encoded(image, transparency=40))
+    assert (read[:, :8] == 255).all()
+    assert (read[:, 8:] == 90).all()
+
+
+@pytest.mark.parametrize("orientation", range(1, 9))
+def test_the_exif_rotation_is_applied(orientation: int) -> None:
+    turns = {
+        1: lambda a: a,
+        2: np.fliplr,
+        3: lambda a: np.rot90(a, 2),
+        4: np.flipud,
+        5: lambda a: a.transpose(1, 0, 2),
+        6: lambda a: np.rot90(a, -1),
+        7: lambda a: np.rot90(a, 2).transpose(1, 0, 2),
+        8: np.rot90,
+    }
+    exif = Image.Exif()
+    exif[0x0112] = orientation
+    read = values(encoded(Image.fromarray(RGB), exif=exif))
+    assert np.array_equal(read, turns[orientation](RGB))
+
+
+def test_damaged_exif_leaves_the_image_as_it_is_stored() -> None:
+    content = encoded(Image.fromarray(RGB), exif=b"Exif\0\0II*\0\xff\xff\xff\xff")
+    assert np.array_equal(values(content), RGB)
+
+
+@pytest.mark.parametrize("kind", ["GIF", "PNG", "WEBP", "TIFF"])
+def test_the_first_frame_of_an_animation_is_taken(kind: str) -> None:
+    frames = [Image.new("RGB", (16, 16), colour) for colour in ("red", "blue", "lime")]
+    options = {"lossless": True} if kind == "WEBP" else {}
+    content = encoded(frames[0], kind, save_all=True, append_images=frames[1:], **options)
+    assert (values(content) == (255, 0, 0)).all()
+
+
+def test_a_very_long_image_is_read_whole() -> None:
+    assert read_image(encoded(Image.new("RGB", (20_000, 10), "green"))).size == (20_000, 10)
+
+
+def test_a_single_pixel_is_refused() -> None:
+    assert "1 × 1" in refusal(encoded(Image.new("RGB", (1, 1))))
+
+
+@pytest.mark.parametrize("side", [9_000, 10_000, 60_000])
+def test_a_decompression_bomb_is_refused_by_its_header(side: int) -> None:
+    """Pillow itself warns of the second and raises for the third; neither may show."""
+    assert side * side > MAX_PIXELS
+    assert f"{side} × {side}" in refusal(png((side, side), 2, 8, b"\0" * 99))
+
+
+@pytest.mark.parametrize(
+    "content", [b"hello, this is no image at all", b"\0" * 64, b"%!PS-Adobe-3.0 EPSF", b"<svg/>"]
+)
+def test_what_is_no_image_is_refused(content: bytes) -> None:
+    assert "PNG or JPEG" in refusal(content)
+
+
+def test_zero_bytes_are_refused() -> None:
+    assert "0 bytes" in refusal(b"")
+
+
+@pytest.mark.parametrize("kind", ["PNG", "JPEG", "BMP", "TIFF", "WEBP", "QOI", "PPM", "JPEG2000"])
+@pytest.mark.parametrize("share", [0.02, 0.3, 0.9])
+def test_a_file_that_is_cut_short_is_refused(kind: str, share: float) -> None:
+    content = encoded(Image.fromarray(RANDOM.integers(0, 256, (64, 64, 3), dtype=np.uint8)), kind)
+    sentence = refusal(content[: max(1, int(len(content) * share))])
+    assert "PNG or JPEG" in sentence or "pixels" in sentence
+
+
+def test_random_damage_never_gives_another_error() -> None:
+    for kind in ("PNG", "JPEG", "GIF", "BMP", "TIFF", "WEBP"):
+        content = encoded(Image.fromarray(RGB), kind)
+        for _ in range(40):
+            damaged = bytearray(content)
+            for place in RANDOM.integers(0, len(damaged), 4):
+                damaged[place] = RANDOM.integers(0, 256)
+            with suppress(DataError):
+                assert read_image(bytes(damaged)).mode == "RGB"
+
+
+def test_a_missing_file_and_a_folder_are_refused_by_name(tmp_path: Path) -> None:
+    for path in (tmp_path / "none.png", tmp_path):
+        with pytest.raises(DataError, match="cannot be read") as caught:
+            read_image(path)
+        assert str(path) in str(caught.value)
+
+
+def test_path_text_bytes_and_open_image_give_the_same(tmp_path: Path) -> None:
+    path = tmp_path / "a.png"
+    path.write_bytes(encoded(Image.fromarray(RGB)))
+    for source in (path, str(path), path.read_bytes(), Image.open(path)):
+        assert np.array_equal(values(source), RGB)
+
+
+def test_the_central_square_is_cut_and_never_grows() -> None:
+    image = Image.fromarray(RGB)
+    assert np.array_equal(np.asarray(central_square(image, 10)), RGB[7:17, 11:21])
+    assert central_square(image, 999).size == (24, 24)
+    assert central_square(image, 0).size == image.size

@@ -1,0 +1,101 @@
+"""Names of materials: one spelling, and what other names count as."""
+
+from itertools import product
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from omnivat.data.materials import (
+    MATERIALS,
+    class_key,
+    in_order,
+    rules,
+    rules_in_text,
+    why_left_out,
+)
+
+
+@pytest.mark.parametrize("name", ["Wood", "wood ", " WOOD", "\twood\n", "ｗｏｏｄ"])
+def test_case_blanks_and_look_alikes_make_no_new_class(name):
+    assert class_key(name) == "wood"
+
+
+@given(st.text())
+def test_a_spelling_is_its_own_spelling(name):
+    assert class_key(class_key(name)) == class_key(name)
+
+
+def test_the_five_come_first_and_the_others_sorted():
+    assert in_order({"felt", "glass", "bark", "wood"}) == ("wood", "glass", "bark", "felt")
+
+
+@pytest.mark.parametrize("source", ["touch_and_go", "objectfolder", "tacquad"])
+def test_every_rule_leads_to_one_of_the_five_and_says_why(source):
+    assert rules(source)
+    for raw, rule in rules(source).items():
+        assert rule.raw == raw == class_key(raw)
+        assert rule.material in (*MATERIALS, "")
+        assert rule.grade in ("read", "inferred", "chosen")
+        assert rule.why
+
+
+def test_touch_and_go_labels_are_those_of_the_paper():
+    labels = {rule.material: raw for raw, rule in rules("touch_and_go").items()}
+    assert labels == {"wood": "3", "steel": "4", "plastic": "1", "ceramic": "6", "glass": "2"}
+
+
+def test_only_iron_polycarbonate_and_other_metals_are_merged():
+    merged = {
+        rule.named
+        for source in ("touch_and_go", "objectfolder", "tacquad")
+        for rule in rules(source).values()
+        if rule.merged
+    }
+    assert merged == {"iron", "polycarbonate", "aluminium"}
+
+
+def test_strict_leaves_out_what_is_merged():
+    iron = rules("objectfolder")["iron"]
+    assert why_left_out(iron, "iron", strict=False) == ""
+    assert why_left_out(iron, "iron", strict=True) == "strict: iron is not steel itself"
+    assert why_left_out(None, "rubber", strict=False) == "rubber: none of the five materials"
+
+
+def test_tacquad_has_no_ceramic():
+    assert "ceramic" not in {rule.material for rule in rules("tacquad").values()}
+
+
+def found(text, glued=False):
+    return {rule.material for rule in rules_in_text(text, "tacquad", glued=glued)}
+
+
+@pytest.mark.parametrize(
+    "text", ["galss", "lgass", "glasss", "Glass", "glass3", "a_glass_cup", "GLASS."]
+)
+def test_a_slip_of_the_keyboard_is_forgiven(text):
+    assert found(text) == {"glass"}
+
+
+@pytest.mark.parametrize(
+    "text", ["grass", "class", "brass", "glasses", "glasscup", "medal", "wod", ""]
+)
+def test_another_word_is_not_a_slip(text):
+    assert found(text) == set()
+
+
+def test_a_word_glued_to_another_is_found_on_request():
+    assert found("glasscup", glued=True) == {"glass"}
+    assert found("teaglass", glued=True) == {"glass"}
+
+
+def test_steel_itself_counts_before_what_is_merged_with_it():
+    (rule,) = rules_in_text("an iron and steel rail", "tacquad")
+    assert rule.named == "steel"
+
+
+def test_no_word_is_a_slip_of_a_word_for_another_material():
+    words = rules("tacquad")
+    for one, other in product(words, words):
+        if words[one].material != words[other].material:
+            assert words[other] not in rules_in_text(one, "tacquad")

@@ -1,0 +1,56 @@
+"""Sets of pairs and their summary for people."""
+
+from pathlib import Path
+
+from omnivat.data.pairs import Pair, PairSet, Skipped, printable, summary_table
+
+
+def pair(material, domain="TAG", **names):
+    return Pair(vis=Path("v.png"), tac=Path("t.png"), domain=domain, material=material, **names)
+
+
+FOUND = PairSet(
+    pairs=(
+        pair("felt", split="train"),
+        pair("wood", split="train"),
+        pair("wood", split="test"),
+        pair("glass", domain="TQ-DIGIT", part="indoor"),
+    ),
+    skipped=(
+        Skipped(what="a", why="no half", count=1200),
+        Skipped(what="b", why="no half"),
+        Skipped(what="c", why="label -1"),
+    ),
+    origin="a test",
+)
+
+
+def test_domains_keep_their_order_and_materials_the_usual_one():
+    assert FOUND.domains() == ("TAG", "TQ-DIGIT")
+    assert FOUND.materials() == ("wood", "glass", "felt")
+    assert FOUND.counts()["TAG", "train", "wood"] == 1
+
+
+def test_the_summary_names_every_column_and_counts_every_pair():
+    assert summary_table(FOUND, examples=1).split("\n") == [
+        "4 pairs from a test",
+        "domain    part    split  wood  glass  felt  pairs",
+        "TAG       -       train  1     0      1     2",
+        "TAG       -       test   1     0      0     1",
+        "TQ-DIGIT  indoor  -      0     1      0     1",
+        "",
+        "skipped  why       for example",
+        "1201     no half   a; and 1 more",
+        "1        label -1  c",
+    ]
+
+
+def test_the_summary_says_what_is_simulated():
+    assert (
+        summary_table(PairSet(pairs=(), origin="x", simulated=True)) == "0 pairs from x (simulated)"
+    )
+
+
+def test_odd_names_are_written_as_escapes():
+    assert printable("a\nb\x1b\udcff\u200b é木") == "a\\nb\\x1b\\udcff\\u200b é木"
+    assert len(summary_table(PairSet(pairs=(pair("wo\nod"),))).split("\n")) == 3

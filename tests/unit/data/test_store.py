@@ -1,0 +1,238 @@
+"""A set of embeddings on disk: what goes in comes out, and damage is named."""
+
+import csv
+import json
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from safetensors import safe_open
+from safetensors.numpy import save_file
+
+from omnivat.data.arrays import Column, column, read_arrays, write_arrays
+from omnivat.data.store import Embeddings, load_embeddings, save_embeddings
+from omnivat.errors import DataError, SettingsError
+
+VECTORS = ("vis", "tac", "vis_flip", "tac_flip")
+
+
+@pytest.fixture
+def embeddings(make_embeddings: Callable[..., Any]) -> Embeddings:
+    made: Embeddings = make_embeddings(per_class=3, split=True)
+    return made
+
+
+def test_what_is_saved_is_what_is_loaded(embeddings: Embeddings, tmp_path: Path) -> None:
+    save_embeddings(tmp_path / "set.safetensors", embeddings)
+    loaded = load_embeddings(tmp_path / "set.safetensors")
+    assert loaded.header == embeddings.header
+    assert loaded.rows == embeddings.rows
+    for name in (*VECTORS, "domain", "label"):
+        assert np.array_equal(getattr(loaded, name), getattr(embeddings, name)), name
+
+
+def test_the_safetensors_package_reads_the_same(embeddings: Embeddings, tmp_path: Path) -> None:
+    """The writer is ours, so that sets need not fit in memory; the format is not."""
+    save_embeddings(tmp_path / "set.safetensors", embeddings)
+    with safe_open(tmp_path / "set.safetensors", framework="numpy") as handle:
+        for name in (*VECTORS, "domain", "label"):
+            assert np.array_equal(handle.get_tensor(name), getattr(embeddings, name)), name
+
+
+def test_vectors_are_mapped_and_writing_to_them_leaves_the_file(
+    embeddings: Embeddings, tmp_path: Path
+) -> None:
+    file = tmp_path / "set.safetensors"
+    save_embeddings(file, embeddings)
+    before = file.read_bytes()
+    loaded = load_embeddings(file)
+    assert isinstance(loaded.vis, np.memmap)
+    loaded.vis[0] = 0
+    assert file.read_bytes() == before
+
+
+def test_half_precision_takes_half_the_room_and_keeps_three_digits(
+    embeddings: Embeddings, tmp_path: Path
+) -> None:
+    save_embeddings(tmp_path / "half.safetensors", embeddings, dtype="float16")
+    loaded = load_embeddings(tmp_path / "half.safetensors")
+    assert loaded.vis.dtype == np.float32
+    np.testing.assert_allclose(loaded.vis, embeddings.vis, rtol=2**-11, atol=1e-7)
+    with safe_open(tmp_path / "half.safetensors", framework="numpy") as handle:
+        assert handle.get_tensor("vis").dtype == np.float16
+
+
+def test_a_set_without_mirrored_copies_has_none(embeddings: Embeddings, tmp_path: Path) -> None:
+    plain = replace(embeddings, vis_flip=None, tac_flip=None)
+    save_embeddings(tmp_path / "set.safetensors", plain)
+    loaded = load_embeddings(tmp_path / "set.safetensors")
+    assert loaded.vis_flip is None
+    assert loaded.tac_flip is None
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+def test_values_that_are_not_finite_are_not_written(
+    embeddings: Embeddings, tmp_path: Path, bad: float
+) -> None:
+    file = tmp_path / "set.safetensors"
+    save_embeddings(file, embeddings)
+    before = file.read_bytes()
+    embeddings.tac[1, 2] = bad
+    with pytest.raises(DataError, match=r"set\.safetensors.* tac holds NaN"):
+        save_embeddings(file, embeddings)
+    assert file.read_bytes() == before
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["set.csv", "set.safetensors"]
+
+
+def test_a_value_too_large_for_half_precision_is_not_written(
+    embeddings: Embeddings, tmp_path: Path
+) -> None:
+    embeddings.vis[0, 0] = 70_000
+    save_embeddings(tmp_path / "single.safetensors", embeddings)
+    with pytest.raises(DataError, match="float16"):
+        save_embeddings(tmp_path / "half.safetensors", embeddings, dtype="float16")
+
+
+@pytest.mark.parametrize("share", [0.0, 0.001, 0.2, 0.9, 0.999])
+def test_a_file_cut_short_is_refused_by_name(
+    embeddings: Embeddings, tmp_path: Path, share: float
+) -> None:
+    file = tmp_path / "set.safetensors"
+    save_embeddings(file, embeddings)
+    content = file.read_bytes()
+    file.write_bytes(content[: int(len(content) * share)])
+    with pytest.raises(DataError, match=r"set\.safetensors"):
+        load_embeddings(file)
+
+
+def test_a_missing_file_is_refused_with_the_command_that_makes_it(tmp_path: Path) -> None:
+    with pytest.raises(DataError, match="python -m omnivat embed"):
+        load_embeddings(tmp_path / "none.safetensors")
+
+
+def test_another_safetensors_file_is_refused(tmp_path: Path) -> None:
+    save_file({"a": np.zeros(3, np.float32)}, tmp_path / "other.safetensors")
+    with pytest.raises(DataError, match="not a set of embeddings"):
+        load_embeddings(tmp_path / "other.safetensors")
+
+
+def rewritten(file: Path, **changes: Any) -> None:
+    """Write the file again with some arrays in place of its own."""
+    arrays, metadata = read_arrays(file)
+    arrays = {name: np.array(array) for name, array in arrays.items()} | changes
+    save_file(arrays, file, metadata=metadata)
+
+
+@pytest.mark.parametrize(
+    ("changes", "match"),
+    [
+        ({"label": np.zeros(3, np.int64)}, "differing lengths"),
+        ({"tac": np.zeros((30, 5), np.float32)}, "differing lengths"),
+        ({"label": np.full(30, 99)}, "label index without a name"),
+        ({"domain": np.full(30, -1)}, "domain index without a name"),
+        ({"vis": np.full((30, 24), np.nan, np.float32)}, "NaN"),
+        ({"rows": np.frombuffer(b"{]", np.uint8)}, "cannot be read"),
+        ({"rows": np.frombuffer(b"{}", np.uint8)}, "differing lengths"),
+    ],
+)
+def test_arrays_that_do_not_fit_are_refused(
+    embeddings: Embeddings, tmp_path: Path, changes: dict[str, Any], match: str
+) -> None:
+    file = tmp_path / "set.safetensors"
+    save_embeddings(file, embeddings)
+    rewritten(file)
+    load_embeddings(file)
+    rewritten(file, **changes)
+    with pytest.raises(DataError, match=match):
+        load_embeddings(file)
+
+
+def test_the_manifest_names_every_pair(embeddings: Embeddings, tmp_path: Path) -> None:
+    save_embeddings(tmp_path / "set.safetensors", embeddings)
+    with (tmp_path / "set.csv").open(newline="", encoding="utf-8") as handle:
+        rows = list(csv.DictReader(handle))
+    assert [row["vis"] for row in rows] == embeddings.rows["vis"]
+    assert [row["material"] for row in rows] == [
+        embeddings.header.classes[label] for label in embeddings.label
+    ]
+
+
+def test_the_parquet_manifest_says_the_same_as_the_csv(
+    embeddings: Embeddings, tmp_path: Path
+) -> None:
+    parquet = pytest.importorskip("pyarrow.parquet")
+    save_embeddings(tmp_path / "set.safetensors", embeddings)
+    save_embeddings(tmp_path / "set.safetensors", embeddings, manifest="parquet")
+    with (tmp_path / "set.csv").open(newline="", encoding="utf-8") as handle:
+        rows = list(csv.DictReader(handle))
+    assert parquet.read_table(tmp_path / "set.parquet").to_pylist() == rows
+
+
+@pytest.mark.parametrize("setting", [{"dtype": "float64"}, {"manifest": "xls"}])
+def test_unknown_settings_are_refused_and_nothing_is_written(
+    embeddings: Embeddings, tmp_path: Path, setting: dict[str, str]
+) -> None:
+    with pytest.raises(SettingsError, match=next(iter(setting.values()))):
+        save_embeddings(tmp_path / "set.safetensors", embeddings, **setting)
+    assert not any(tmp_path.iterdir())
+
+
+def test_a_domain_its_split_and_an_unknown_one(embeddings: Embeddings) -> None:
+    train = embeddings.in_domain("OF Real-sim", split="train")
+    test = embeddings.in_domain("OF Real-sim", split="test")
+    assert len(train) + len(test) == len(embeddings) // 2
+    assert set(train.rows["split"]) == {"train"}
+    assert (train.domain == 1).all()
+    with pytest.raises(DataError, match="OF Real-sim"):
+        embeddings.in_domain("Of Real-sim")
+
+
+def test_a_split_that_is_not_stated_keeps_all(make_embeddings: Callable[..., Any]) -> None:
+    made = make_embeddings(per_class=2)
+    assert len(made.in_domain("TAG-sim", split="train")) == 10
+
+
+def test_a_mask_and_indices_select_the_same(embeddings: Embeddings) -> None:
+    mask = embeddings.label == 2
+    assert embeddings.select(mask).rows == embeddings.select(np.flatnonzero(mask)).rows
+
+
+def test_loading_needs_no_torch() -> None:
+    code = "import sys, omnivat.data.store; sys.exit('torch' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_blocks_that_do_not_add_up_are_refused(tmp_path: Path) -> None:
+    short = Column(dtype="F32", shape=(4, 2), blocks=[np.zeros((3, 2), np.float32)])
+    with pytest.raises(ValueError, match="24 bytes"):
+        write_arrays(tmp_path / "a.safetensors", {"a": short}, {})
+
+
+def test_arrays_of_every_type_and_of_no_length_return(tmp_path: Path) -> None:
+    arrays: dict[str, np.ndarray] = {
+        "bytes": np.arange(5, dtype=np.uint8),
+        "whole": np.arange(3, dtype=np.int64),
+        "half": np.arange(3, dtype=np.float16),
+        "none": np.zeros((0, 7), np.float32),
+    }
+    write_arrays(tmp_path / "a.safetensors", {n: column(a) for n, a in arrays.items()}, {"é": "ü"})
+    read, metadata = read_arrays(tmp_path / "a.safetensors")
+    assert metadata == {"é": "ü"}
+    for name, array in arrays.items():
+        assert read[name].dtype == array.dtype
+        assert np.array_equal(read[name], array)
+
+
+def test_every_array_starts_where_its_type_wants_it(tmp_path: Path) -> None:
+    arrays = {"a": np.arange(5, dtype=np.uint8), "b": np.arange(3), "c": np.zeros(3, np.float16)}
+    write_arrays(tmp_path / "a.safetensors", {n: column(a) for n, a in arrays.items()}, {})
+    content = (tmp_path / "a.safetensors").read_bytes()
+    length = int.from_bytes(content[:8], "little")
+    table = json.loads(content[8 : 8 + length])
+    for name, array in arrays.items():
+        assert (8 + length + table[name]["data_offsets"][0]) % array.itemsize == 0

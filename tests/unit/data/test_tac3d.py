@@ -1,0 +1,91 @@
+"""Tac3D fields as images: zero is grey, one scale, bad files refused."""
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from omnivat.data.tac3d import draw_all, field_to_rgb, load_field, robust_scale
+from omnivat.errors import DataError
+
+RANDOM = np.random.default_rng(0)
+
+
+def save(path, array):
+    np.save(path, array)
+    return path
+
+
+def test_no_displacement_is_mid_grey():
+    image = field_to_rgb(np.zeros((20, 20, 3)), 1.0)
+    assert image.shape == (224, 224, 3)
+    assert image.dtype == np.uint8
+    assert set(np.unique(image)) == {128}
+
+
+def test_axes_are_colours_and_signs_are_bright_and_dark():
+    field = np.zeros((20, 20, 3))
+    field[..., 0], field[..., 2] = 1.0, -1.0
+    assert (field_to_rgb(field, 1.0)[112, 112] == (255, 128, 0)).all()
+    assert (field_to_rgb(field, 2.0)[112, 112] == (191, 128, 64)).all()
+
+
+def test_rows_stay_rows():
+    field = np.zeros((20, 20, 3))
+    field[:10, :, 1] = 1.0
+    image = field_to_rgb(field, 1.0)
+    assert image[40, 100, 1] == 255
+    assert image[180, 100, 1] == 128
+
+
+def test_the_scale_covers_99_percent_and_ignores_a_wild_value():
+    field = np.ones((20, 20, 3))
+    field[0, 0, 0] = 1000.0
+    assert robust_scale([field]) == 1.0
+
+
+def test_the_scale_of_nothing_is_one():
+    assert robust_scale([]) == robust_scale([np.zeros((20, 20, 3))]) == 1.0
+
+
+def test_a_list_of_400_markers_is_the_same_field(tmp_path):
+    field = RANDOM.normal(size=(20, 20, 3)).astype(np.float32)
+    square = load_field(save(tmp_path / "a.npy", field))
+    listed = load_field(save(tmp_path / "b.npy", field.reshape(400, 3)))
+    np.testing.assert_array_equal(square, listed)
+
+
+@pytest.mark.parametrize(
+    ("array", "message"),
+    [
+        (np.zeros((20, 20)), r"has shape \(20, 20\)"),
+        (np.full((20, 20, 3), np.nan), "not finite numbers"),
+        (np.full((20, 20, 3), "x"), "not finite numbers"),
+    ],
+)
+def test_another_array_is_refused(tmp_path, array, message):
+    with pytest.raises(DataError, match=message):
+        load_field(save(tmp_path / "a.npy", array))
+
+
+@pytest.mark.parametrize("content", [b"", b"\x93NUMPY", b"not an array", b"PK\x03\x04"])
+def test_another_file_is_refused(tmp_path, content):
+    (tmp_path / "a.npy").write_bytes(content)
+    with pytest.raises(DataError, match="is not a NumPy array"):
+        load_field(tmp_path / "a.npy")
+
+
+def test_a_pickle_is_never_opened(tmp_path):
+    np.save(tmp_path / "a.npy", np.array([{"a": 1}], dtype=object), allow_pickle=True)
+    with pytest.raises(DataError, match="allow_pickle"):
+        load_field(tmp_path / "a.npy")
+
+
+def test_one_scale_serves_all_fields(tmp_path):
+    weak = save(tmp_path / "weak.npy", np.full((20, 20, 3), 1.0))
+    strong = save(tmp_path / "strong.npy", np.full((20, 20, 3), 4.0))
+    broken = tmp_path / "broken.npy"
+    broken.write_bytes(b"")
+    drawn, refused = draw_all([weak, strong, broken], tmp_path / "out")
+    assert Image.open(drawn[weak]).getpixel((100, 100)) == (159, 159, 159)
+    assert Image.open(drawn[strong]).getpixel((100, 100)) == (255, 255, 255)
+    assert list(refused) == [broken]

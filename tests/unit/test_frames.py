@@ -1,0 +1,289 @@
+"""The frames file: every frame is the library's answer within the u16 error, and damage is seen."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import torch
+
+from omnivat.data.store import Embeddings, Header
+from omnivat.errors import DataError, SettingsError
+from omnivat.frames import build, build_frames, read_frames, write_frames
+from omnivat.frames.build import DEFAULT_MAPS, spread, stacked
+from omnivat.frames.records import LEVELS, MapFrames, quantised
+from omnivat.gaps.unit import unit
+from omnivat.model.head import build_head
+from omnivat.model.settings import HeadSettings
+from omnivat.projection import pca, torch_umap
+from omnivat.projection.align import aligned
+from omnivat.projection.chain import chain
+from omnivat.sweep import sweep
+
+CLASSES = ("wood", "steel", "glass")
+ORDERS = (0.0, 0.25, 0.5, 0.75, 1.0)
+MAPS = {"pca/raw": 5, "pca/frft": 5, "pca/relu": 5, "pca/f_hat": 5, "umap/f_hat": 3}
+
+
+def pairs(count=24, width=12, classes=CLASSES):
+    rng = np.random.default_rng(0)
+    return Embeddings(
+        header=Header(
+            encoder="noise",
+            weights_hash="none",
+            preprocessing="none",
+            domains=("D0", "D1"),
+            classes=classes,
+            simulated=True,
+            origin="random numbers",
+        ),
+        vis=rng.normal(size=(count, width)).astype(np.float32),
+        tac=rng.normal(0.5, size=(count, width)).astype(np.float32),
+        domain=np.arange(count) % 2,
+        label=rng.integers(0, len(classes), count),
+        rows={name: [""] * count for name in ("vis", "tac", "object", "split", "part")},
+    )
+
+
+def head(width=12):
+    settings = HeadSettings(classes=CLASSES, input_width=12, width=width, lang_width=12)
+    return build_head(settings, seed=1).eval()
+
+
+@pytest.fixture(scope="module")
+def frames():
+    return build_frames(head(), pairs(), orders=ORDERS, maps=MAPS, provenance={"source": "D0"})
+
+
+@pytest.fixture
+def written(frames, tmp_path):
+    path = tmp_path / "frames.bin"
+    write_frames(path, frames)
+    return path
+
+
+@torch.no_grad()
+def features(stage):
+    """Unit rows of a stage at every order, through the head's own front door."""
+    data, model = pairs(), head()
+    for order in ORDERS:
+        out = model(torch.from_numpy(data.vis), torch.from_numpy(data.tac), order=order)
+        rows = getattr(out, stage)
+        yield torch.cat([unit(rows["vis"].flatten(1)), unit(rows["tac"].flatten(1))])
+
+
+def allowed(found: MapFrames) -> float:
+    """Half a step of the grid, and the rounding of single precision."""
+    return (found.high[0] - found.low[0]) / LEVELS / 2 + 1e-5
+
+
+@pytest.mark.parametrize("stage", ["relu", "f_hat"])
+def test_every_pca_frame_is_that_order_s_own_pca_within_the_u16_error(frames, stage):
+    found = frames.maps[f"pca/{stage}"]
+    assert found.orders == (0, 1, 2, 3, 4)
+    before = None
+    for stop, points in enumerate(features(stage)):
+        flat = pca.project(points)
+        flat = flat if before is None else aligned(flat, before)
+        assert np.abs(found.places(stop) - flat.numpy()).max() <= allowed(found)
+        before = flat
+
+
+def test_every_umap_frame_is_the_chain_s_own_map_within_the_u16_error(frames):
+    found = frames.maps["umap/f_hat"]
+    assert found.orders == (0, 2, 4)
+    chosen = [points for stop, points in enumerate(features("f_hat")) if stop in found.orders]
+    for place, flat in enumerate(chain(chosen)):
+        span = found.high[0] - found.low[0]
+        assert np.abs(found.places(place) - flat.numpy()).max() <= span / LEVELS / 2 + 1e-3
+
+
+def test_the_raw_map_stands_for_every_stop_and_for_the_raw_transform(frames):
+    raw, turned = frames.maps["pca/raw"], frames.maps["pca/frft"]
+    assert raw.orders == (0,)
+    assert raw.points is turned.points
+    assert frames.curves["modality_gap/frft"] == frames.curves["modality_gap/raw"]
+    wanted = pca.project(next(features("frft")))
+    np.testing.assert_allclose(
+        np.abs(turned.places(0) - turned.places(0).mean(0)), wanted.abs(), atol=1e-4
+    )
+
+
+def test_predictions_and_curves_are_those_of_the_sweep(frames):
+    found = sweep(head(), pairs(), ORDERS, stages=("relu", "f_hat"))
+    np.testing.assert_array_equal(frames.prediction, found.probabilities.argmax(2))
+    np.testing.assert_allclose(
+        frames.confidence / 255, found.probabilities.max(2), atol=0.5 / 255 + 1e-6
+    )
+    for name, curve in found.curves.items():
+        np.testing.assert_allclose(frames.curves[name], curve, atol=1e-6)
+    np.testing.assert_array_equal(frames.label, found.label)
+
+
+def test_what_stays_still_is_projected_once_for_all_orders(monkeypatch):
+    calls = []
+
+    def counted(method, points, before, *, seed):
+        calls.append((method, points.shape[1]))
+        return pca.project(points)
+
+    monkeypatch.setattr(build, "next_map", counted)
+    build_frames(head(), pairs(), orders=ORDERS, maps={"pca/raw": 9, "pca/frft": 9, "pca/f_bar": 9})
+    assert len(calls) == 1 + len(ORDERS)
+
+
+def test_maps_that_are_not_asked_for_are_not_made(monkeypatch):
+    monkeypatch.setattr(torch_umap, "project", None)
+    found = build_frames(head(), pairs(), orders=ORDERS, maps={"pca/f_hat": 2})
+    assert set(found.maps) == {"pca/f_hat"}
+    assert {name.split("/")[1] for name in found.curves if name.startswith("margin")} == {"f_hat"}
+
+
+def test_a_projecting_head_has_its_own_map_of_the_transform():
+    found = build_frames(head(width=8), pairs(), orders=ORDERS, maps={"pca/raw": 1, "pca/frft": 1})
+    assert found.maps["pca/raw"].points is not found.maps["pca/frft"].points
+
+
+def test_vis_rows_come_before_tac_rows():
+    rows = {"vis": torch.eye(3), "tac": 2 * torch.eye(3)[[2, 1, 0]]}
+    assert torch.equal(stacked(rows), torch.cat([torch.eye(3), torch.eye(3)[[2, 1, 0]]]))
+
+
+def test_a_written_file_reads_back_as_it_was(frames, written):
+    read = read_frames(written)
+    for name in ("domain", "label", "prediction", "confidence"):
+        np.testing.assert_array_equal(getattr(read, name), getattr(frames, name))
+    for name in ("orders", "domains", "classes", "curves", "head", "embeddings", "pairs"):
+        assert getattr(read, name) == getattr(frames, name)
+    assert read.head["source"] == "D0"
+    assert read.embeddings["simulated"] is True
+    for name, wanted in frames.maps.items():
+        np.testing.assert_array_equal(read.maps[name].points, wanted.points)
+        assert read.maps[name].low == wanted.low
+        assert read.maps[name].max_error == wanted.max_error
+
+
+def test_the_bytes_are_where_the_format_says(written, frames):
+    content = written.read_bytes()
+    length = int.from_bytes(content[8:12], "little")
+    record = json.loads(content[12 : 12 + length])
+    assert content[:8] == b"OVFRAMES"
+    assert (12 + length) % 8 == 0
+    assert record["maps"]["pca/raw"]["array"] == record["maps"]["pca/frft"]["array"]
+    for entry in record["arrays"].values():
+        assert entry["offset"] % 8 == 0
+    entry = record["arrays"][record["maps"]["pca/f_hat"]["array"]]
+    start = 12 + length + entry["offset"]
+    first = np.frombuffer(content[start : start + 4], "<u2")
+    np.testing.assert_array_equal(first, frames.maps["pca/f_hat"].points[0, 0])
+
+
+def test_reading_loads_no_torch(written):
+    program = (
+        "import sys; from omnivat.frames import read_frames; "
+        f"read_frames({str(written)!r}); print('torch' in sys.modules)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
+    assert done.stdout.strip() == "False"
+
+
+def damaged(path, change):
+    """Rewrite the JSON of a frames file through `change`."""
+    content = path.read_bytes()
+    length = int.from_bytes(content[8:12], "little")
+    record = json.loads(content[12 : 12 + length])
+    change(record)
+    text = json.dumps(record).encode()
+    text += b" " * (-(12 + len(text)) % 8)
+    path.write_bytes(b"OVFRAMES" + len(text).to_bytes(4, "little") + text + content[12 + length :])
+
+
+def test_a_missing_file_says_how_to_build_one(tmp_path):
+    with pytest.raises(DataError, match="No frames file at .*omnivat frames"):
+        read_frames(tmp_path / "none.bin")
+
+
+@pytest.mark.parametrize("kept", [0, 5, 11, 40, -1, -3000])
+def test_a_file_that_is_cut_short_is_refused(written, kept):
+    written.write_bytes(written.read_bytes()[:kept])
+    with pytest.raises(DataError, match=r"frames\.bin"):
+        read_frames(written)
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        (lambda r: r.update(version=9), "version 9, wanted 1"),
+        (lambda r: r["arrays"]["label"].update(offset=10**9), "array 'label' does not fit"),
+        (lambda r: r["arrays"]["label"].update(offset=-8), "array 'label' does not fit"),
+        (lambda r: r["arrays"]["label"].update(shape=[-1]), "array 'label' does not fit"),
+        (lambda r: r["arrays"]["label"].update(dtype="f8"), "cannot be read"),
+        (lambda r: r["arrays"].pop("domain"), "cannot be read"),
+        (lambda r: r.update(pairs=7), "7 pairs stated, 24 found"),
+        (lambda r: r.update(classes=["wood"]), "has no name"),
+        (lambda r: r["curves"].update({"margin/raw": [1.0]}), "curve margin/raw has 1 values"),
+        (lambda r: r["maps"]["pca/f_hat"].update(orders=[0, 1]), "map pca/f_hat has shape"),
+        (lambda r: r["maps"]["pca/raw"].update(orders=[99]), "a stop that is not there"),
+        (lambda r: r["maps"]["pca/raw"].update(array="label"), "map pca/raw has shape"),
+        (lambda r: r["maps"]["pca/raw"].update(bounds=[[0, 0]]), "cannot be read"),
+    ],
+)
+def test_a_file_whose_parts_do_not_fit_is_refused(written, change, sentence):
+    damaged(written, change)
+    with pytest.raises(DataError, match=sentence):
+        read_frames(written)
+
+
+def test_quantising_is_exact_to_half_a_step_and_says_so():
+    maps = [np.random.default_rng(seed).normal(size=(50, 2)) * (1, 40) for seed in range(3)]
+    found = quantised(maps, (0, 1, 2))
+    errors = [np.abs(found.places(k) - maps[k]).max() for k in range(3)]
+    assert max(errors) == pytest.approx(found.max_error)
+    assert found.max_error <= (found.high[1] - found.low[1]) / LEVELS / 2 * 1.000001
+    assert found.high[0] - found.low[0] == pytest.approx(found.high[1] - found.low[1])
+
+
+def test_equal_points_have_a_map():
+    assert quantised([np.ones((4, 2))], (0,)).max_error < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("stops", "count", "places"),
+    [(1, 101, (0,)), (2, 101, (0, 100)), (5, 3, (0, 1, 2)), (21, 101, tuple(range(0, 101, 5)))],
+)
+def test_stops_are_spread_evenly(stops, count, places):
+    assert spread(stops, count) == places
+
+
+def test_the_default_maps_stay_below_six_megabytes():
+    """For 1,440 pairs and 101 stops, counted from the shapes."""
+    stops = {n: 1 if n.split("/")[1] in ("raw", "frft") else s for n, s in DEFAULT_MAPS.items()}
+    assert sum(stops.values()) * 2880 * 4 + 2 * 101 * 1440 < 5_000_000
+
+
+@pytest.mark.parametrize(
+    ("wrong", "sentence"),
+    [
+        ({"orders": (0.5, 0.5)}, "each above the one before"),
+        ({"orders": ()}, "each above the one before"),
+        ({"maps": {"pca/none": 3}}, "No map is called 'pca/none'"),
+        ({"maps": {"tsne/f_hat": 3}}, "No map is called 'tsne/f_hat'"),
+        ({"maps": {"pca/f_hat": 0}}, "with 0 stops"),
+    ],
+)
+def test_frames_that_cannot_be_are_refused(wrong, sentence):
+    with pytest.raises(SettingsError, match=sentence):
+        build_frames(head(), pairs(), **wrong)
+
+
+def test_too_many_names_are_refused():
+    with pytest.raises(DataError, match="256 domains and classes"):
+        build_frames(head(), pairs(classes=tuple(map(str, range(300)))), orders=(0.0,))
+
+
+def test_no_pairs_are_refused():
+    with pytest.raises(DataError, match="no pairs to draw"):
+        build_frames(head(), pairs(count=0), orders=(0.0,))
