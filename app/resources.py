@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 log = logging.getLogger(__name__)
 KEPT_IMAGES = 512  # embeddings of sent images; about 5 kB each
+KEPT_FEATURES = 4  # the whole set at one stage and order; some MB each
 PREVIEW_SIDE = 320  # pixels of the picture that shows what the model sees
 
 
@@ -64,6 +65,7 @@ class Resources:
         self.encoder: Once[Encoder] = Once(self._load_encoder)
         self.examples: Once[dict[str, Example]] = Once(partial(find_examples, where.pairs))
         self.frames = FramesJob(where.head, where.embeddings, where.frames)
+        self.features: Recent[np.ndarray[Any, Any]] = Recent(KEPT_FEATURES)  # by stage and order
         self._row_of: Once[dict[str, int]] = Once(self._rows_by_file)
         self._sent: Recent[np.ndarray[Any, Any]] = Recent(KEPT_IMAGES)
 

@@ -13,28 +13,27 @@ export const CURVES = [
   { name: "margin", title: "Cosine margin", help: "mean cosine within classes minus between classes", good: "higher" },
 ];
 
-/** The values of one curve at one stage; accuracy is that of the whole head. */
-export function values(frames, name, stage) {
-  const all = frames.meta.curves;
-  if (name === "accuracy") return all["accuracy/all"] ?? null;
-  const found = all[`${name}/${stage}`] ?? (stage === "frft" ? all[`${name}/raw`] : null) ?? null;
-  return found && found.length === 1 ? frames.orders.map(() => found[0]) : found;
+/** The values of one curve at one stage, of one domain where named; null where not measured. */
+export function values(frames, name, stage, domain = "") {
+  const of = name === "accuracy" ? `/${domain || "all"}` : `/${stage}${domain && `/${domain}`}`;
+  return frames.meta.curves[name + of] ?? null;
 }
 
-/** One axis for a curve at every stage and stop: a flat line stays flat. */
+/** One axis for a curve at every stage, domain and stop: a flat line stays flat. */
 function axis(frames, name) {
+  if (name === "accuracy") return [0, 1];
   const all = Object.entries(frames.meta.curves)
     .filter(([key]) => key.startsWith(`${name}/`))
-    .flatMap(([, own]) => own);
-  if (name === "accuracy") return [0, 1];
+    .flatMap(([, own]) => own.filter(Number.isFinite));
   const top = Math.max(0.1, ...all);
   const low = Math.min(0, ...all);
   const step = 10 ** Math.floor(Math.log10(top)) / 2;
-  return [Math.floor(low / step) * step, Math.ceil(top / step) * step];
+  return [Math.floor(low / step) * step, Math.ceil(top / step - 1e-9) * step];
 }
 
-const path = (frames, own, ys) =>
-  own.map((v, i) => `${i ? "L" : "M"}${X(frames.orders[i], span(frames)).toFixed(1)} ${Y(v, ys).toFixed(1)}`).join("");
+/** A line through the values that exist; a gap starts a new one. */
+const path = (frames, own, ys) => own.map((v, i) => (Number.isFinite(v)
+  ? `${i && Number.isFinite(own[i - 1]) ? "L" : "M"}${X(frames.orders[i], span(frames)).toFixed(1)} ${Y(v, ys).toFixed(1)}` : "")).join("");
 const span = (frames) => [frames.orders[0], frames.orders.at(-1)];
 
 export class Curves {
@@ -54,7 +53,7 @@ export class Curves {
        <line class="grid" x1="${PAD.left}" x2="${W - PAD.right}" y1="${Y(v, ys)}" y2="${Y(v, ys)}"/>`);
     const stops = [a, (a + b) / 2, b].map((p, i) =>
       `<text x="${X(p, [a, b])}" y="${H - 6}" text-anchor="${["start", "middle", "end"][i]}">${i === 1 ? "p" : +p.toFixed(2)}</text>`);
-    return `<figure data-name="${name}"><figcaption title="${help}"><span>${title}</span><output></output></figcaption>
+    return `<figure data-name="${name}"><figcaption title="${help}"><span>${title} <small class="of"></small></span><output></output></figcaption>
       <svg viewBox="0 0 ${W} ${H}" role="img" aria-label="${title} against p: ${help}">${ticks.join("")}${stops.join("")}
       <path class="ghost"/><path class="own"/><line class="now" y1="${PAD.top}" y2="${H - PAD.bottom}"/><circle class="now" r="4"/></svg></figure>`;
   }
@@ -75,13 +74,15 @@ export class Curves {
   }
 
   /** Draw the curves of a stage; a thin line keeps the raw embedding's for comparison. */
-  show(stage) {
+  show(stage, domain = "") {
     this.own = {};
     for (const chart of this.charts) {
       const { name } = chart.dataset;
       const ys = axis(this.frames, name);
-      const own = values(this.frames, name, stage);
-      const raw = name === "accuracy" ? null : values(this.frames, name, "raw");
+      const only = name === "domain_gap" || name === "margin" ? "" : domain;
+      const own = values(this.frames, name, stage, only);
+      const raw = name === "accuracy" ? null : values(this.frames, name, "raw", only);
+      chart.querySelector(".of").textContent = only;
       this.own[name] = { own, ys };
       chart.querySelector(".own").setAttribute("d", own ? path(this.frames, own, ys) : "");
       chart.querySelector(".ghost").setAttribute("d", raw && stage !== "raw" ? path(this.frames, raw, ys) : "");
@@ -97,9 +98,10 @@ export class Curves {
       line.setAttribute("x1", x);
       line.setAttribute("x2", x);
       dot.setAttribute("cx", x);
-      dot.setAttribute("visibility", own ? "visible" : "hidden");
-      if (own) dot.setAttribute("cy", Y(own[stop], ys));
-      const text = !own ? "–" : chart.dataset.name === "accuracy" ? `${(100 * own[stop]).toFixed(1)} %` : own[stop].toFixed(3);
+      const known = own && Number.isFinite(own[stop]);
+      dot.setAttribute("visibility", known ? "visible" : "hidden");
+      if (known) dot.setAttribute("cy", Y(own[stop], ys));
+      const text = !known ? "–" : chart.dataset.name === "accuracy" ? `${(100 * own[stop]).toFixed(1)} %` : own[stop].toFixed(3);
       chart.querySelector("output").textContent = text;
     }
   }

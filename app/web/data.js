@@ -1,1 +1,68 @@
-/** soon */ export function start() {}
+/** Data & about: what is loaded and where from, what it cannot say, how to load one's own. */
+
+import { json } from "./api.js";
+import { theSet } from "./theset.js";
+import { ABOUT, glossary, OWN } from "./words.js";
+import { escaped, isSimulated, percent } from "./text.js";
+
+export async function start(root) {
+  const wait = root.querySelector(".wait");
+  try {
+    const [about, set] = await Promise.all([json("about"), theSet().catch(() => null)]);
+    wait.hidden = true;
+    root.querySelector(".facts").innerHTML = page(about, set);
+  } catch (error) {
+    wait.classList.add("problem");
+    wait.textContent = error.message;
+  }
+}
+
+const panel = (title, body) => `<section class="panel"><h2>${title}</h2>${body}</section>`;
+const facts = (rows) => `<dl>${rows.filter(([, v]) => v !== undefined && v !== "").map(([k, v]) => `<dt>${k}</dt><dd>${v}</dd>`).join("")}</dl>`;
+
+function page({ head, embeddings, examples, limits }, set) {
+  return [
+    panel("The set", embeddings.problem ? problem(embeddings) : theData(embeddings, examples)),
+    panel("The head", head.problem ? problem(head) : theHead(head)),
+    panel("What the figures do not say", ABOUT(embeddings.simulated)),
+    panel("Exact, and not exact", approximations(set?.frames, limits)),
+    panel("Your own head and pairs", OWN),
+    panel("Words", glossary()),
+  ].join("");
+}
+
+const problem = ({ problem: sentence }) => `<p class="wait problem">${escaped(sentence)}</p>`;
+
+function theData(e, examples) {
+  const head = `<tr><th scope="col">Pairs</th>${e.classes.map((name) => `<th scope="col">${escaped(name)}</th>`).join("")}<th scope="col">all</th></tr>`;
+  const rows = e.domains.map((name, i) => `<tr><th scope="row">${escaped(name)}</th>${e.counts[i].map((n) => `<td>${n || "–"}</td>`).join("")}<td><b>${e.counts[i].reduce((a, b) => a + b, 0)}</b></td></tr>`);
+  return `${e.simulated || e.domains.some(isSimulated) ? '<p class="note"><b>Simulated.</b> Photos and touch images of this set were rendered by this project; they stand in for the data sets whose names they carry with “-sim”. No figure here is a result on real sensors.</p>' : '<p class="note real"><b>Real pairs</b>, as the file’s header says.</p>'}
+    ${facts([["File", escaped(e.name)], ["Origin", escaped(e.origin)], ["Pairs", e.pairs], ["Encoder", `${escaped(e.encoder)}, ${e.width} numbers an image, weights ${escaped(e.weights_hash.slice(0, 12))}`], ["Preprocessing", escaped(e.preprocessing)], ["Examples to pick", examples]])}
+    <div class="scroll" tabindex="0" aria-label="Pairs by domain and class"><table class="counts"><thead>${head}</thead><tbody>${rows.join("")}</tbody></table></div>`;
+}
+
+function theHead(h) {
+  const { source, ...rest } = h.provenance;
+  return `${facts([["Folder", escaped(h.name)], ["Trained on", source && `<b>${escaped(source)}</b> alone; every other domain is new to it`], ["Learned p", h.order.toFixed(4)], ["Classes", escaped(h.classes.join(", "))],
+    ["Size", `${(h.parameters / 1e6).toFixed(2)} M parameters; D = ${h.width}, E = ${h.expansion}, ${h.levels} tree levels`], ["Encoder", escaped(h.encoder.name)]])}
+    ${scores(h.metrics)}
+    <details><summary>Everything its folder says</summary><pre tabindex="0">${escaped(JSON.stringify({ provenance: rest, metrics: h.metrics }, null, 2).slice(0, 20000))}</pre></details>`;
+}
+
+/** What `metrics.json` says of each domain. */
+function scores({ domains }) {
+  if (!Array.isArray(domains) || !domains.length) return "";
+  const cell = (v) => `<td>${Number.isFinite(v) ? percent(v, 1) : "–"}</td>`;
+  const rows = domains.map((d) => `<tr><th scope="row">${escaped(d.domain)}${d.is_source ? " <small>source, held out</small>" : ""}</th>${cell(d.scores?.fused?.accuracy)}${cell(d.scores?.fused?.macro_f1)}${cell(d.scores?.vis?.accuracy)}${cell(d.scores?.tac?.accuracy)}<td>${d.pairs ?? "–"}</td></tr>`);
+  return `<div class="scroll" tabindex="0" role="group" aria-label="Scores by domain"><table class="counts"><thead><tr><th scope="col">Measured on</th><th scope="col">accuracy</th><th scope="col">macro-F1</th><th scope="col">VIS alone</th><th scope="col">TAC alone</th><th scope="col">pairs</th></tr></thead><tbody>${rows.join("")}</tbody></table></div>`;
+}
+
+function approximations(frames, limits) {
+  const error = frames && Math.max(...Object.keys(frames.meta.maps).map((name) => frames.positions(...name.split("/"), 0).error));
+  return `<ul><li>Each stop of p in Explore and Pair is computed by the library, none is interpolated: in between, features can lie up to 1.65 radii from where a tween would put them.</li>
+    ${frames ? `<li>Map positions are kept in 16 bits: a point is at most ${percent(error, 3)} of the radius from its exact place.</li>` : ""}
+    <li>PCA is taken anew at every p, turned or mirrored to lie nearest to the map before. UMAP is a layout: neighbourhoods mean something, distances and axes do not; it has fewer stops than PCA, and the map says which one is drawn.</li>
+    <li>While p moves, the head’s weights and its bank of class tokens stay those of the learned p: the curves say how <i>this</i> head answers at another p, not how a head trained there would.</li>
+    <li>Nearest neighbours are by exact cosine in the full width, not on the map.</li>
+    <li>Images up to ${limits.image_bytes / 1e6} MB and ${limits.image_pixels / 1e6} megapixels are taken. The server keeps their embeddings while it runs, never the images. Nothing leaves this machine.</li></ul>`;
+}

@@ -4,7 +4,7 @@ import { card } from "./card.js";
 import { Cloud } from "./cloud.js";
 import { Curves, values } from "./curves.js";
 import { csv, download, png, svg } from "./exports.js";
-import { fetchFrames, fetchThumbnails, whenFine } from "./frames.js";
+import { whenFine } from "./frames.js";
 import { showFilters, shownBy } from "./filters.js";
 import { layersOf } from "./layers.js";
 import { axes, lassoLine, neighbourRings, pairLine } from "./marks.js";
@@ -14,9 +14,10 @@ import { COLOURINGS, isDark, onTheme } from "./palette.js";
 import { listen } from "./pointer.js";
 import { showSelection } from "./selection.js";
 import { stageButtons, stageNamed } from "./stages.js";
-import { change, state, watch } from "./store.js";
-import { percent } from "./text.js";
+import { change, hidden, state, watch } from "./store.js";
 import { openTab } from "./tabs.js";
+import { percent } from "./text.js";
+import { theSet } from "./theset.js";
 
 const MAPS = { pca: "PCA", umap: "UMAP" };
 
@@ -25,7 +26,7 @@ export async function start(root) {
   const wait = $(".wait");
   try {
     const telling = (step) => { wait.textContent = waiting(step); };
-    const [{ frames, coarse }, sprite] = await Promise.all([fetchFrames(telling), fetchThumbnails()]);
+    const { frames, coarse, sprite } = await theSet(telling);
     wait.hidden = true;
     const page = explore($, frames, sprite);
     if (!coarse) return;
@@ -120,8 +121,15 @@ function explore($, first, sprite) {
     $(".map-kind").innerHTML = kinds.map((k) => `<option value="${k}">${MAPS[k] ?? k}</option>`).join("");
     $(".map-kind").value = state.map;
     near = [];
-    curves.show(state.stage);
+    showCurves();
     showOrder();
+  }
+
+  /** Where one domain alone is shown, its own curves. */
+  function showCurves() {
+    const left = frames.domains.filter((name) => !hidden("domain").has(name));
+    curves.show(state.stage, left.length === 1 ? left[0] : "");
+    curves.mark(stop);
   }
 
   function showColours() {
@@ -132,6 +140,7 @@ function explore($, first, sprite) {
       showLayers();
     });
     showLayers();
+    showCurves();
   }
 
   function showCard() {
@@ -233,7 +242,7 @@ function explore($, first, sprite) {
     showStage();
   }
 
-  if (state.p === null) state.p = frames.orders[frames.stop(frames.meta.head?.order ?? 0.5)];
+  if (state.p === null) state.p = frames.orders[frames.stop(frames.meta.head?.learned_order ?? 0.5)];
   if (state.pin !== null && !(state.pin < frames.pairs)) state.pin = null;
   if (!COLOURINGS[state.colour]) state.colour = "domain";
   stop = frames.stop(state.p);

@@ -3,8 +3,7 @@
 import { address, get } from "./api.js";
 
 const MAGIC = "OVFRAMES";
-const ARRAYS = { u1: Uint8Array, u2: Uint16Array, f4: Float32Array };
-const KINDS = { uint8: "u1", uint16: "u2", float32: "f4" };
+const ARRAYS = { u8: Uint8Array, u16: Uint16Array };
 
 export class Frames {
   constructor(buffer) {
@@ -13,6 +12,7 @@ export class Frames {
     const length = new DataView(buffer).getUint32(8, true);
     this.meta = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 12, length)));
     this.buffer = buffer;
+    this.start = 12 + length; // offsets of arrays count from the end of the JSON
     this.orders = this.meta.orders;
     this.pairs = this.meta.pairs;
     this.domains = this.meta.domains;
@@ -25,10 +25,8 @@ export class Frames {
 
   array(name) {
     const entry = this.meta.arrays[name];
-    const kind = entry.dtype.replace(/[<>|=]/, "").replace(/^u(?=\d)/, "u");
-    const Kind = ARRAYS[KINDS[kind] ?? kind];
     const count = entry.shape.reduce((a, b) => a * b, 1);
-    return new Kind(this.buffer, entry.offset, count);
+    return new ARRAYS[entry.dtype](this.buffer, this.start + entry.offset, count);
   }
 
   /** The stop nearest to p: an index into `orders`. */
@@ -40,17 +38,15 @@ export class Frames {
     return best;
   }
 
-  /** The kinds of map that a stage has: "pca", "umap". Raw stages share their map. */
+  /** The kinds of map that a stage has: "pca", "umap". */
   kinds(stage) {
-    const wanted = mapStage(stage);
-    return Object.keys(this.meta.maps)
-      .filter((name) => name.endsWith(`/${wanted}`))
-      .map((name) => name.split("/")[0]);
+    const names = Object.keys(this.meta.maps).map((name) => name.split("/"));
+    return names.filter(([, of]) => of === stage).map(([kind]) => kind);
   }
 
   /** Positions at one stop of one map; `drawn` is the stop that they belong to. */
   positions(kind, stage, stop) {
-    const map = this.meta.maps[`${kind}/${mapStage(stage)}`];
+    const map = this.meta.maps[`${kind}/${stage}`];
     let index = 0;
     map.orders.forEach((order, i) => {
       if (Math.abs(order - stop) < Math.abs(map.orders[index] - stop)) index = i;
@@ -62,13 +58,10 @@ export class Frames {
       drawn: map.orders[index],
       stops: map.orders.length,
       bounds: map.bounds,
-      error: map.max_error,
+      error: (2 * map.max_error) / (map.bounds[1][0] - map.bounds[0][0]), // share of the radius
     };
   }
 }
-
-/** The raw DFrFT is unitary, so its map is that of the raw embedding. */
-export const mapStage = (stage) => (stage === "frft" ? "raw" : stage);
 
 /** Fetch the frames, telling `onWait` how far the server is while it still computes them. */
 export async function fetchFrames(onWait) {

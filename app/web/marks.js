@@ -29,13 +29,15 @@ export function axes(names) {
     context.textBaseline = "alphabetic";
     context.textAlign = "center";
     context.lineWidth = 1;
-    for (let v = Math.ceil(left / step) * step; (v - left) * per < width - 60; v += step) {
+    const { x: across, y: up } = names();
+    const taken = width - 34 - context.measureText(across).width * 1.15; // the axis's own name
+    for (let v = Math.ceil(left / step) * step; (v - left) * per < width; v += step) {
       const x = (v - left) * per;
       if (x < 34) continue;
       context.globalAlpha = 0.13;
       line(context, x, 0, x, height);
       context.globalAlpha = 1;
-      context.fillText(figure(v, step), x, height - 6);
+      if (x < taken) context.fillText(figure(v, step), x, height - 6);
     }
     context.textAlign = "left";
     for (let v = Math.floor(top / step) * step; (top - v) * per < height - 24; v -= step) {
@@ -48,9 +50,9 @@ export function axes(names) {
     }
     context.font = `600 12px ${ink(cloud.box, "--ov-font")}`;
     context.textAlign = "right";
-    context.fillText(`${names().x} →`, width - 8, height - 6);
+    context.fillText(`${across} →`, width - 8, height - 6);
     context.textAlign = "left";
-    context.fillText(`↑ ${names().y}`, 6, 15);
+    context.fillText(`↑ ${up}`, 6, 15);
   };
 }
 

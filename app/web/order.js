@@ -43,7 +43,7 @@ export function orderBar(bar, frames) {
     $(".learned-mark").style.setProperty("--at", (p - orders[0]) / (orders.at(-1) - orders[0]));
   }
   replace(frames);
-  learned(frames.meta.head?.order);
+  learned(frames.meta.head?.learned_order);
 
   return {
     learned,

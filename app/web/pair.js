@@ -14,14 +14,17 @@ const VOICES = [["both", "both"], ["vis", "VIS"], ["tac", "TAC"]];
 
 export async function start(root) {
   const $ = (selector) => root.querySelector(selector);
-  const [examples, set] = await Promise.all([json("examples").catch(() => []), theSet()]);
+  const none = { frames: null, sprite: null };
+  const [examples, set] = await Promise.all([
+    json("examples").catch(() => []), theSet().catch(() => none),
+  ]);
   pair($, examples, set);
 }
 
 /** A scale for the order bar before the server has said where p was learned. */
 const scale = (answer) => {
   const orders = answer?.orders ?? Array.from({ length: 101 }, (_, i) => i / 100);
-  return { orders, meta: { head: { order: answer?.learned } }, stop: (p) => Math.max(0, Math.min(100, Math.round(100 * p))) };
+  return { orders, meta: { head: { learned_order: answer?.learned } }, stop: (p) => Math.max(0, Math.min(100, Math.round(100 * p))) };
 };
 
 function pair($, examples, set) {

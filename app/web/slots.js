@@ -5,14 +5,14 @@ import { thumbnail } from "./card.js";
 import { escaped } from "./text.js";
 import { snapshot } from "./webcam.js";
 
-const NAMES = { vis: ["VIS", "a photo of the surface", "●"], tac: ["TAC", "the touch sensor’s image", "▲"] };
+const NAMES = { vis: ["VIS", "a photo of the surface"], tac: ["TAC", "the touch sensor’s image"] };
 const LARGEST = 20e6;
 export const sent = new Map(); // reference -> what the server said of an image of this visit
 
 export function slots(box, { onRef, onProblem }) {
-  box.innerHTML = Object.entries(NAMES).map(([key, [name, what, sign]]) => `
+  box.innerHTML = Object.entries(NAMES).map(([key, [name, what]]) => `
     <div class="slot panel" data-modality="${key}" tabindex="0" aria-label="${name}: ${what}. Drop or paste an image here.">
-      <h3><span class="sign ${key}">${sign}</span> ${name} <small>${what}</small></h3>
+      <h3><span class="sign ${key}"></span>${name} <small>${what}</small></h3>
       <div class="picture"><span>Drop or paste an image</span></div>
       <p class="what">&nbsp;</p>
       <div class="row"><label class="choose">Choose file<input type="file" accept="image/*,.tif,.tiff,.webp,.png,.jpg" aria-label="Choose a ${name} image"></label>

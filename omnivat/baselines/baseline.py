@@ -17,7 +17,7 @@ from omnivat.baselines.evidence import best
 from omnivat.seeding import derive_seed
 
 CANDIDATES = {
-    f"lr {lr:g}, text {share:g}": (lr, share) for lr in (0.005, 0.05, 0.5) for share in (0.1, 1.0)
+    f"lr {lr:g}, text {share:g}": (lr, share) for lr in (0.01, 0.1) for share in (0.1, 1.0)
 }
 TEXTS = 16  # style texts a step
 
@@ -41,12 +41,13 @@ class Baseline(nn.Module):
 
     def probabilities(self, rows: Tensor) -> Tensor:
         """Return class probabilities (B, K)."""
-        return self(rows).softmax(-1)
+        logits: Tensor = self(rows)
+        return logits.softmax(-1)
 
 
 def fit(source: Source) -> Fitted:
-    """Train with SGD as the paper does; learning rate and the text's weight by held-out log loss."""
-    chosen, _ = best(
+    """Train with SGD as the paper does; learning rate and the text's weight by held-out objects."""
+    chosen = best(
         source,
         CANDIDATES,
         lambda part, choice: _fused(_train(part, *choice)),

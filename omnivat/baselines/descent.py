@@ -37,7 +37,7 @@ def descend(module: nn.Module, count: int, how: Descent, loss: Callable[[Tensor]
     step = 0
     module.train()
     for _ in range(how.epochs):
-        for rows in torch.randperm(count).split(how.batch):
+        for rows in torch.split(torch.randperm(count), how.batch):
             for group in optimiser.param_groups:
                 group["lr"] = how.lr * rate(step, total, how.warmup)
             optimiser.zero_grad(set_to_none=True)

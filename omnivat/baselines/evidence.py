@@ -1,6 +1,7 @@
 """Source-side evidence: how well a choice does on objects of the source that were held out."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import TypeVar
 
 import torch
@@ -31,6 +32,24 @@ def folds(source: Source, repeats: int = REPEATS) -> list[tuple[Tensor, Tensor]]
     return found
 
 
+@dataclass(slots=True)
+class Score:
+    """Held-out answers added up over folds."""
+
+    right: int = 0
+    loss: float = 0.0
+
+    def add(self, probabilities: Tensor, labels: Tensor) -> None:
+        """Count one fold's answers: probabilities (B, K), labels (B,)."""
+        self.right += int((probabilities.argmax(-1) == labels).sum())
+        self.loss += log_loss(probabilities, labels)
+
+    @property
+    def rank(self) -> tuple[int, float]:
+        """What to maximise: right answers, then confidence in the right class."""
+        return self.right, -self.loss
+
+
 def log_loss(probabilities: Tensor, labels: Tensor) -> float:
     """Mean negative log probability of the true class, nats; finer than accuracy near 100 %."""
     return float(nll_loss(probabilities.clamp_min(1e-12).log(), labels))
@@ -42,20 +61,19 @@ def best(
     fit: Callable[[Source, C], Callable[[Tensor, Tensor], Tensor]],
     *,
     repeats: int = REPEATS,
-) -> tuple[str, dict[str, float]]:
-    """Return the candidate with the lowest held-out log loss, and every candidate's loss.
+) -> str:
+    """Return the candidate that is right most often on held-out objects; ties by log loss.
 
     fit      (part of the source, candidate) -> (vis, tac) -> probabilities (B, K)
-    return   the first candidate where there is one only, or nothing can be held out
+    return   its name; the first where there is one only, or nothing can be held out
     """
     first = next(iter(candidates))
     splits = folds(source, repeats) if len(candidates) > 1 else []
     if not splits:
-        return first, {}
-    losses = dict.fromkeys(candidates, 0.0)
+        return first
+    scores = {name: Score() for name in candidates}
     for rows, held in splits:
         part, rest = source.select(rows), source.select(held)
         for name, candidate in candidates.items():
-            answer = fit(part, candidate)(rest.vis, rest.tac)
-            losses[name] += log_loss(answer, rest.labels) / len(splits)
-    return min(losses, key=lambda name: losses[name]), losses
+            scores[name].add(fit(part, candidate)(rest.vis, rest.tac), rest.labels)
+    return max(scores, key=lambda name: scores[name].rank)

@@ -77,8 +77,8 @@ def _prototypes(source: Source) -> dict[str, Tensor]:
 
 
 def fit(source: Source) -> Fitted:
-    """Train with AdamW; learning rate and the base logits' scale by held-out log loss."""
-    chosen, _ = best(
+    """Train with AdamW; learning rate and the base logits' scale by held-out objects."""
+    chosen = best(
         source,
         CANDIDATES,
         lambda part, choice: lambda v, t: _predict(_train(part, *choice), v, t)["fused"],

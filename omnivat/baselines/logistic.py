@@ -8,7 +8,7 @@ from torch import Tensor
 from torch.nn.functional import cross_entropy, linear, normalize
 
 from omnivat.baselines.contract import Source
-from omnivat.baselines.evidence import folds, log_loss
+from omnivat.baselines.evidence import Score, folds
 
 STRENGTHS = tuple(10.0**power for power in range(-3, 5))  # C: the inverse of the penalty
 SCALINGS = ("unit", "standard")
@@ -85,8 +85,8 @@ def _solve(
     flat = flat.clone().requires_grad_(True)
     solver = torch.optim.LBFGS(
         [flat],
-        max_iter=300,
-        tolerance_grad=1e-7,
+        max_iter=100,
+        tolerance_grad=1e-6,
         tolerance_change=1e-10,
         history_size=20,
         line_search_fn="strong_wolfe",
@@ -106,7 +106,7 @@ def _solve(
 
 
 def fit_logistic(source: Source, view: View) -> Logistic:
-    """Fit on one view of the source, C and scaling chosen by held-out log loss.
+    """Fit on one view of the source, C and scaling chosen by held-out objects.
 
     view  Source -> rows (N, D): VIS, TAC or both side by side
     """
@@ -119,8 +119,8 @@ def fit_logistic(source: Source, view: View) -> Logistic:
 
 
 def _choose(source: Source, view: View) -> tuple[str, float]:
-    """Return the scaling and C of the lowest held-out log loss; unit and 1 without evidence."""
-    losses: dict[tuple[str, float], float] = {}
+    """Return the scaling and C that held-out objects prefer; unit and 1 without evidence."""
+    scores: dict[tuple[str, float], Score] = {}
     for fitted, held in folds(source):
         part, rest = source.select(fitted).both_views(), source.select(held)
         raw, test = view(part).double(), view(rest).double()
@@ -132,7 +132,5 @@ def _choose(source: Source, view: View) -> tuple[str, float]:
                     rows, part.labels, len(source.classes), strength, start
                 )
                 answer = linear(scale(test), weight, bias).softmax(-1)
-                losses[kind, strength] = losses.get((kind, strength), 0.0) + log_loss(
-                    answer, rest.labels
-                )
-    return min(losses, key=lambda choice: losses[choice]) if losses else ("unit", 1.0)
+                scores.setdefault((kind, strength), Score()).add(answer, rest.labels)
+    return max(scores, key=lambda choice: scores[choice].rank) if scores else ("unit", 1.0)

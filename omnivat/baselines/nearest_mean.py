@@ -15,8 +15,8 @@ CANDIDATES = {
 
 
 def fit(source: Source) -> Fitted:
-    """Keep one mean direction a class and modality; centring and sharpness by held-out log loss."""
-    chosen, _ = best(
+    """Keep one mean direction a class and modality; centring and sharpness by held-out objects."""
+    chosen = best(
         source, CANDIDATES, lambda part, choice: lambda v, t: _model(part, *choice)(v, t)["fused"]
     )
     return Fitted(

@@ -28,7 +28,7 @@ class Convolutions(nn.Sequential):
         super().__init__(*layers)
 
     def forward(self, rows: Tensor) -> Tensor:
-        features: Tensor = super().forward(rows[:, None])
+        features: Tensor = super().forward(rows[:, None])  # type: ignore[no-untyped-call]
         return features.mT
 
 
@@ -43,7 +43,7 @@ class RobustVisH(nn.Module):
         layer = nn.TransformerEncoderLayer(
             WIDTH[-1] + 1, HEADS, dim_feedforward=128, dropout=0.5, batch_first=True
         )
-        self.attention = nn.TransformerEncoder(layer, 2)
+        self.attention = nn.TransformerEncoder(layer, 2, enable_nested_tensor=False)
         self.head = nn.Linear(WIDTH[-1] + 1, classes)
 
     def forward(self, vis: Tensor, tac: Tensor) -> Tensor:

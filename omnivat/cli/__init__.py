@@ -6,7 +6,7 @@ import sys
 from collections.abc import Sequence
 
 from omnivat import __version__
-from omnivat.cli import embed, evaluate, predict, prompts, simulate, sweep, train
+from omnivat.cli import embed, evaluate, predict, prompts, protocol, simulate, sweep, thumbnails, train
 from omnivat.errors import OmniVatError
 
 COMMANDS = {
@@ -14,7 +14,9 @@ COMMANDS = {
     "embed": embed,
     "train": train,
     "evaluate": evaluate,
+    "protocol": protocol,
     "sweep": sweep,
+    "thumbnails": thumbnails,
     "simulate": simulate,
     "prompts": prompts,
 }

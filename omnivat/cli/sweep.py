@@ -40,7 +40,7 @@ def run(options: argparse.Namespace) -> None:
     }
     with progress_bar("sweep") as show:
         frames = build_frames(
-            head.model, embeddings, orders=orders, head=provenance, on_step=show
+            head.model, embeddings, orders=orders, provenance=provenance, on_step=show
         )
     write_frames(options.out, frames)
     if options.json:
@@ -48,5 +48,9 @@ def run(options: argparse.Namespace) -> None:
     print(f"{'curve':<28} {'p = 0':>9} {'p = 0.5':>9} {'p = 1':>9}")
     for name, values in frames.curves.items():
         picked = (values[0], values[len(values) // 2], values[-1])
-        print(f"{name:<28} " + " ".join(f"{value:>9.4f}" for value in picked))
+        print(f"{name:<28} " + " ".join(_number(value) for value in picked))
     print(f"{options.stops} stops of {len(embeddings)} pairs written to {options.out}")
+
+
+def _number(value: float | None) -> str:
+    return f"{'-':>9}" if value is None else f"{value:>9.4f}"

@@ -67,6 +67,8 @@ def embed_pairs(
     vector_type(dtype)
     if manifest not in MANIFESTS:
         raise SettingsError(f"manifest is '{manifest}'; choose {' or '.join(MANIFESTS)}.")
+    if workers is not None and workers < 1:
+        raise SettingsError(f"workers is {workers}; choose 1 or more.")
     if not pairs.pairs:
         raise DataError(
             f"There are no pairs to embed in {pairs.origin or 'what was given'}; "

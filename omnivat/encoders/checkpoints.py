@@ -5,6 +5,7 @@ import os
 import warnings
 from dataclasses import dataclass
 from pathlib import Path
+from zipfile import ZipFile, is_zipfile
 
 import torch
 from safetensors.torch import load_file
@@ -91,7 +92,13 @@ def read_state(place: Path, name: str) -> dict[str, Tensor]:
         state = load_file(file) if file.suffix == ".safetensors" else _torch_state(file)
     except Exception as error:  # a damaged file may raise anything in three readers
         raise DataError(f"'{file}' cannot be read as weights of {name}; fetch it again.") from error
-    return {key: value.float() for key, value in state.items() if value.is_floating_point()}
+    # Copied, because a mapped file need not lie where fast products want their numbers to begin,
+    # and the last digits of a product depend on it.
+    return {
+        key: value.to(torch.float32, copy=True)
+        for key, value in state.items()
+        if value.is_floating_point()
+    }
 
 
 def _weights_file(place: Path, name: str) -> Path:
@@ -104,14 +111,21 @@ def _weights_file(place: Path, name: str) -> Path:
 
 
 def _torch_state(file: Path) -> dict[str, Tensor]:
-    try:
+    if not _is_script(file):
         state: dict[str, Tensor] = torch.load(file, map_location="cpu", weights_only=True)
-    except RuntimeError:  # TorchScript: weights beside compiled code, which is not run here
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", DeprecationWarning)
-            archive = torch.jit.load(file, map_location="cpu")  # type: ignore[no-untyped-call]
-            state = dict(archive.state_dict())
-    return state
+        return state
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)
+        archive = torch.jit.load(file, map_location="cpu")  # type: ignore[no-untyped-call]
+    return dict(archive.state_dict())
+
+
+def _is_script(file: Path) -> bool:
+    """Tell a TorchScript archive, weights beside compiled code, which is not run here."""
+    if not is_zipfile(file):
+        return False
+    with ZipFile(file) as archive:
+        return any(name.endswith("/constants.pkl") for name in archive.namelist())
 
 
 def pick(state: dict[str, Tensor], prefixes: tuple[str, ...]) -> dict[str, Tensor]:

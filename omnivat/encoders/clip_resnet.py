@@ -15,7 +15,7 @@ from torch.nn.functional import avg_pool2d, conv2d, linear, relu, scaled_dot_pro
 
 from omnivat.encoders.checkpoints import Checkpoint, find, pick, read_state
 from omnivat.encoders.clip_vit import MEAN, PREPROCESSING, STD
-from omnivat.encoders.running import one_by_one, pixels, precision_type, state_hash
+from omnivat.encoders.running import one_by_one, pixels, placed, precision_type, state_hash
 from omnivat.errors import DataError
 
 RN50 = Checkpoint(
@@ -137,7 +137,7 @@ class ClipResNet:
         self.weights_hash = state_hash(state)
         self.precision = precision
         self._type = precision_type(precision, device)
-        self._network = tower.eval().to(device, self._type)
+        self._network = placed(tower, device, self._type)
         self._device = device
 
     def preprocess(self, image: Image.Image) -> Tensor:

@@ -26,16 +26,12 @@ class ClipText:
         self.network = transformers.CLIPTextModelWithProjection(config.text_config)
         fill(self.network, state, folder, name)
         self.network.eval().to(device)
-        try:
-            self.tokenizer = transformers.CLIPTokenizer.from_pretrained(folder)
-        except Exception as error:  # each missing file raises an error of its own
-            raise DataError(
-                f"'{folder}' has no tokenizer (tokenizer.json, or vocab.json and merges.txt); "
-                f"fetch {name} again."
-            ) from error
+        _require_tokenizer(folder, name)
+        self.tokenizer = transformers.CLIPTokenizer.from_pretrained(folder)
         self.name = name
         self.width = int(config.projection_dim)
         self.weights_hash = state_hash(self.network.state_dict())
+        self._longest = int(config.text_config.max_position_embeddings)
         self._device = device
 
     def embed_texts(self, texts: Sequence[str]) -> Tensor:
@@ -44,9 +40,21 @@ class ClipText:
             return torch.cat([self._embed(text) for text in texts])
 
     def _embed(self, text: str) -> Tensor:
-        tokens = self.tokenizer([text], truncation=True, return_tensors="pt").to(self._device)
+        tokens = self.tokenizer(
+            [text], truncation=True, max_length=self._longest, return_tensors="pt"
+        ).to(self._device)
         embeds: Tensor = self.network(**tokens).text_embeds
         return embeds.float()
+
+
+def _require_tokenizer(folder: Path, name: str) -> None:
+    """`transformers` makes an empty tokenizer, and says nothing, when its files are missing."""
+    choices = (("tokenizer.json",), ("vocab.json", "merges.txt"))
+    if not any(all((folder / file).is_file() for file in files) for files in choices):
+        raise DataError(
+            f"'{folder}' has no tokenizer (tokenizer.json, or vocab.json and merges.txt); "
+            f"fetch {name} again."
+        )
 
 
 def load_text_encoder(name: str, *, weights: Path | None = None, device: str = "cpu") -> ClipText:

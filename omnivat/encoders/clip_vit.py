@@ -11,7 +11,7 @@ from PIL import Image
 from torch import Tensor
 
 from omnivat.encoders.checkpoints import Checkpoint, find, pick, read_state
-from omnivat.encoders.running import one_by_one, pixels, precision_type, state_hash
+from omnivat.encoders.running import one_by_one, pixels, placed, precision_type, state_hash
 from omnivat.errors import DataError
 from omnivat.packages import need
 
@@ -48,7 +48,7 @@ class ClipVit:
         self.weights_hash = state_hash(network.state_dict())
         self.precision = precision
         self._type = precision_type(precision, device)
-        self._network = network.eval().to(device, self._type)
+        self._network = placed(network, device, self._type)
         self._device = device
 
     def preprocess(self, image: Image.Image) -> Tensor:

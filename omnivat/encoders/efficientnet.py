@@ -12,7 +12,7 @@ from PIL import Image
 from torch import Tensor, nn
 from torch.nn.functional import conv2d, pad, relu6
 
-from omnivat.encoders.running import one_by_one, pixels, precision_type, state_hash
+from omnivat.encoders.running import one_by_one, pixels, placed, precision_type, state_hash
 from omnivat.errors import DataError
 from omnivat.packages import need
 
@@ -113,7 +113,7 @@ class EfficientNetLite0:
         self.weights_hash = state_hash(state)
         self.precision = precision
         self._type = precision_type(precision, device)
-        self._network = Lite0(state).eval().to(device, self._type)
+        self._network = placed(Lite0(state), device, self._type)
         self._device = device
 
     def preprocess(self, image: Image.Image) -> Tensor:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -12,12 +13,12 @@ from torch import Tensor
 from omnivat.fractional.phases import phases
 
 _ELEMENTS = 2**16  # of one real plane; with its scratch it fills a core's second-level cache
-_ROWS_WORTH_A_LOOP = 16
+_WORTH_A_LOOP = 16  # rows; below that, phases row by row cost less than a piece for each order
 
 
 @dataclass(frozen=True)
 class Piece:
-    """Some rows (b, N) of coefficients, where they go, and their phases (1 or b, N)."""
+    """Some rows (b, N) of coefficients, where they lie, and their phases, (1, N) or (b, N)."""
 
     rows: slice
     values: Tensor
@@ -25,16 +26,10 @@ class Piece:
     imaginary: Tensor
 
 
-def rows_at_once(size: int, device: torch.device) -> int:
-    """How many rows of N samples one piece holds; an accelerator takes all at once."""
-    if device.type != "cpu":
-        return 2**31
-    return max(16, _ELEMENTS * torch.get_num_threads() // size)
-
-
 def slices(count: int, size: int, device: torch.device) -> Iterator[slice]:
-    """Cut `count` rows of N samples."""
-    step = rows_at_once(size, device)
+    """Cut `count` rows of N samples for the cache; an accelerator takes all at once."""
+    at_once = max(16, _ELEMENTS * torch.get_num_threads() // size)
+    step = at_once if device.type == "cpu" else max(count, 1)
     for start in range(0, count, step):
         yield slice(start, min(start + step, count))
 
@@ -45,41 +40,37 @@ def leading_shape(values: Tensor, order: Tensor) -> torch.Size:
 
 
 def _cast_phases(order: Tensor, indices: Tensor, like: Tensor) -> tuple[Tensor, Tensor]:
-    real, imaginary = phases(order, indices)
     kind = like.dtype.to_real()
+    real, imaginary = phases(order, indices)
     return real.to(kind), imaginary.to(kind)
 
 
 def pieces(values: Tensor, order: Tensor, indices: Tensor) -> Iterator[Piece]:
-    """All rows of the broadcast batch, in order. values (..., N), order (...) float64.
+    """All rows of the broadcast batch, first to last. values (..., N), order (...) float64.
 
-    Phases are computed once an order where many rows share it, else row by row.
+    Phases are computed once for each order where many rows share it, else row by row.
     """
-    size = values.shape[-1]
-    lead = leading_shape(values, order)
+    lead, size = leading_shape(values, order), values.shape[-1]
     if not math.prod(lead):
         return
+    rows = values.expand(*lead, size)
     order = order.reshape((1,) * (len(lead) - order.dim()) + order.shape)
-    shared = len(lead)  # trailing axes on which the order does not vary
-    while shared and order.numel() > 1 and order.shape[len(lead) - shared] != 1:
-        shared -= 1
-    while shared and any(length != 1 for length in order.shape[len(lead) - shared :]):
-        shared -= 1
-    count = math.prod(lead[len(lead) - shared :])
-    whole = values.expand(*lead, size)
-    if order.numel() == 1 or count >= _ROWS_WORTH_A_LOOP:
-        outer = lead[: len(lead) - shared]
-        each = order.expand(*outer, *(1,) * shared).reshape(-1, 1)
-        groups = [whole] if not outer else list(whole.flatten(0, len(outer) - 1)) if values.shape[
-            :-1
-        ] == lead else [whole[index] for index in _places(outer)]
-        for number, group in enumerate(groups):
-            real, imaginary = _cast_phases(each[number], indices, values)
-            flat = group.reshape(-1, size)
-            for rows in slices(count, size, values.device):
-                there = slice(number * count + rows.start, number * count + rows.stop)
-                yield Piece(there, flat[rows], real, imaginary)
+    varying = len(lead) if order.numel() > 1 else 0  # axes up to the last on which it varies
+    while varying and order.shape[varying - 1] == 1:
+        varying -= 1
+    sharing = math.prod(lead[varying:])
+    if varying and sharing < _WORTH_A_LOOP:
+        yield from _row_by_row(rows.reshape(-1, size), order.expand(lead).reshape(-1), indices)
         return
-    flat, each = whole.reshape(-1, size), order.expand(lead).reshape(-1)
-    for rows in slices(len(flat), size, values.device):
-        yield Piece(rows, flat[rows], *_cast_phases(each[rows], indices, values))
+    orders = order.expand(*lead[:varying], *order.shape[varying:]).reshape(-1, 1)
+    places = itertools.product(*(range(length) for length in lead[:varying]))
+    for number, place in enumerate(places):
+        real, imaginary = _cast_phases(orders[number], indices, values)
+        group, start = rows[place].reshape(-1, size), number * sharing
+        for some in slices(sharing, size, values.device):
+            yield Piece(slice(start + some.start, start + some.stop), group[some], real, imaginary)
+
+
+def _row_by_row(rows: Tensor, orders: Tensor, indices: Tensor) -> Iterator[Piece]:
+    for some in slices(*rows.shape, rows.device):
+        yield Piece(some, rows[some], *_cast_phases(orders[some], indices, rows))

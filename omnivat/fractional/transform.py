@@ -2,86 +2,128 @@
 
 from __future__ import annotations
 
-import functools
-import math
+from contextlib import nullcontext
+from typing import Any
 
 import torch
 from torch import Tensor
 
 from omnivat.errors import ShapeError
+from omnivat.fractional import gradients
+from omnivat.fractional.arguments import axis_from_end, checked_order, working_precision
 from omnivat.fractional.coefficients import Coefficients
+from omnivat.fractional.pieces import leading_shape
+from omnivat.fractional.plans import splits
+from omnivat.fractional.quarter_turns import quarter_turn, whole_turns
+from omnivat.fractional.rows import synthesise_rows
+from omnivat.fractional.splits import Split
 
 
-@functools.lru_cache(maxsize=16)
-def _eigenvectors(size: int) -> tuple[Tensor, Tensor]:
-    """V (N, N) and its indices k (N,), float64, built by parity halves."""
-    v = torch.zeros(size, size, dtype=torch.float64)
-    n = torch.arange(size, dtype=torch.float64)
-    s = torch.diag(2 * torch.cos(2 * math.pi * n / size))
-    for i in range(size):
-        s[i, (i + 1) % size] += 1
-        s[i, (i - 1) % size] += 1
-    even, odd = size // 2 + 1, (size - 1) // 2
-    fold = torch.zeros(size, size, dtype=torch.float64)
-    fold[0, 0] = 1
-    for j in range(1, odd + 1):
-        fold[j, j] = fold[size - j, j] = math.sqrt(0.5)
-        fold[j, even + j - 1], fold[size - j, even + j - 1] = math.sqrt(0.5), -math.sqrt(0.5)
-    if size % 2 == 0:
-        fold[size // 2, size // 2] = 1
-    t = fold.T @ s @ fold
-    v[:, :even] = fold[:, :even] @ torch.linalg.eigh(t[:even, :even])[1].flip(-1)
-    if odd:
-        v[:, even:] = fold[:, even:] @ torch.linalg.eigh(t[even:, even:])[1].flip(-1)
-    k = torch.cat([2 * torch.arange(even), 2 * torch.arange(odd) + 1]).to(torch.float64)
-    return v, k
+def coefficients(x: Tensor, dim: int = -1, *, centered: bool = False) -> Coefficients:
+    """The part of the transform that does not depend on the order: x in the eigenbasis.
 
+    x: any shape, real or complex; float64 stays so, half and integers are computed in float32.
+    dim: the axis of length N that is transformed.
+    centered: take sample N//2 instead of sample 0 as the origin, in and out.
 
-def _working(x: Tensor) -> Tensor:
-    """x in the precision of the computation: half and integers become float32."""
-    if x.dtype in (torch.float32, torch.float64, torch.complex64, torch.complex128):
-        return x
-    return x.to(torch.complex64 if x.is_complex() else torch.float32)
-
-
-def coefficients(x: Tensor, dim: int = -1) -> Coefficients:
-    """The part of the transform that does not depend on the order.
-
-    x: any shape; dim: the axis of length N that is transformed.
+    Raises ShapeError when the axis is missing or empty.
     """
-    x = _working(x)
-    if x.dim() == 0 or x.shape[dim] == 0:
-        raise ShapeError(f"x has shape {tuple(x.shape)}, expected an axis of one or more samples.")
-    dim = dim - x.dim() if dim >= 0 else dim
+    dim = axis_from_end(x, dim)
+    x = working_precision(x)
+    if centered:
+        x = torch.fft.ifftshift(x, dim)
     x = x.movedim(dim, -1)
-    v = _eigenvectors(x.shape[-1])[0].to(x)
-    return Coefficients(x @ v, dim)
+    with _full_precision(x.device):
+        return Coefficients(gradients.analyse(x, _split_for(x)), dim, centered)
 
 
 def synthesise(
-    coefficients: Coefficients, order: float | Tensor, *, planar: bool = False
+    coefficients: Coefficients,
+    order: float | Tensor,
+    *,
+    planar: bool = False,
+    out: Tensor | None = None,
 ) -> Tensor:
     """The transform of order `order` of the vectors whose coefficients are given.
 
     order: a number, or a tensor that broadcasts against the leading axes: (B,) is one order per
-    row of (B, N); (P, 1) gives P transforms of all rows, (P, B, N).
-    planar: give real and imaginary parts stacked, real (2, ..., N), instead of complex (..., N).
+    row of (B, N); (P, 1) gives P transforms of all rows, (P, B, N). In quarter turns, period 4.
+    planar: give real and imaginary part stacked, real (2, ..., N), instead of complex (..., N).
+    out: a contiguous tensor to write to, of the shape and dtype of the result, outside autograd and
+    for the last axis only; saves the time that a new large tensor costs.
+
+    Raises SettingsError for NaN or infinite orders, ShapeError when the axes do not fit.
     """
-    c = coefficients.values
-    v, k = _eigenvectors(coefficients.size)
-    p = torch.as_tensor(order, dtype=torch.float64, device=c.device)
-    if not bool(torch.isfinite(p).all()):
-        raise ShapeError(f"The order is {order}, expected finite numbers.")
-    turns = torch.fmod(p, 4)[..., None] * k.to(c.device)
-    phase = torch.polar(torch.ones_like(turns), -math.pi / 2 * torch.fmod(turns, 4))
-    wide = torch.complex128 if c.dtype in (torch.float64, torch.complex128) else torch.complex64
-    z = c * phase.to(wide)
-    real = torch.stack([z.real, z.imag]) @ v.to(z.real).T
-    if planar:
-        return real.movedim(-1, coefficients.dim)
-    return torch.complex(real[0], real[1]).movedim(-1, coefficients.dim)
+    values, dim = coefficients.values, coefficients.dim
+    p = checked_order(order, values.device)
+    split = _split_for(values)
+    try:
+        lead = leading_shape(values, p)
+    except RuntimeError as error:
+        raise ShapeError(
+            f"The order has shape {tuple(p.shape)}, expected one that broadcasts against the "
+            f"leading axes {tuple(values.shape[:-1])}: use order[:, None] for many orders of all rows."
+        ) from error
+    with _full_precision(values.device):
+        if out is not None:
+            _check_out(out, coefficients, (*lead, values.shape[-1]), planar)
+            return synthesise_rows(split, values.detach(), p.detach(), planar=planar, out=out)
+        result = gradients.synthesise(values, p, split, planar)
+    result = result.movedim(-1, dim)
+    return torch.fft.fftshift(result, dim) if coefficients.centered else result
 
 
-def dfrft(x: Tensor, order: float | Tensor, dim: int = -1, *, planar: bool = False) -> Tensor:
-    """The discrete fractional Fourier transform of x along dim; order 1 is the unitary DFT."""
-    return synthesise(coefficients(x, dim), order, planar=planar)
+def dfrft(
+    x: Tensor,
+    order: float | Tensor,
+    dim: int = -1,
+    *,
+    centered: bool = False,
+    planar: bool = False,
+) -> Tensor:
+    """The discrete fractional Fourier transform of x along dim; order 1 is the unitary DFT.
+
+    F_p = V diag(exp(-iπpk/2)) Vᵀ with the Hermite-like eigenvectors V of the DFT, k = 0 … N-2 and N
+    for even N, 0 … N-1 for odd N. Arguments as in `coefficients` and `synthesise`; the result is
+    complex and shaped like x, but for the axes that a tensor of orders adds.
+
+    Unitary, additive in the order, differentiable in x and in the order any number of times. Orders
+    0, 1, 2, 3 (mod 4) take the identity, the FFT, the reversal and the inverse FFT when no gradient
+    is wanted. To move the order over the same x, keep `coefficients(x)` and call `synthesise`.
+
+    Source: Candan, Kutay, Ozaktas, "The discrete fractional Fourier transform", 2000.
+    """
+    wants_gradient = torch.is_grad_enabled() and (
+        x.requires_grad or (isinstance(order, Tensor) and order.requires_grad)
+    )
+    turns = None if wants_gradient else whole_turns(order)
+    if turns is None:
+        return synthesise(coefficients(x, dim, centered=centered), order, planar=planar)
+    dim = axis_from_end(x, dim)
+    result = quarter_turn(working_precision(x), turns, dim, centered=centered)
+    return torch.stack([result.real, result.imag]) if planar else result
+
+
+def _split_for(values: Tensor) -> Split:
+    return splits.get(values.shape[-1], values.dtype.to_real(), values.device)
+
+
+def _full_precision(device: torch.device) -> Any:
+    """Autocast off: in bfloat16 the transform would be wrong in its third digit."""
+    if torch.is_autocast_enabled(device.type):
+        return torch.autocast(device.type, enabled=False)
+    return nullcontext()
+
+
+def _check_out(
+    out: Tensor, coefficients: Coefficients, shape: tuple[int, ...], planar: bool
+) -> None:
+    kind = coefficients.values.dtype
+    wanted = ((2, *shape), kind.to_real()) if planar else (shape, kind.to_complex())
+    if coefficients.dim != -1 or coefficients.centered:
+        raise ShapeError("`out` is for the last axis without centring: leave it out here.")
+    if (tuple(out.shape), out.dtype) != wanted or not out.is_contiguous():
+        raise ShapeError(
+            f"out has shape {tuple(out.shape)} and {out.dtype}, expected contiguous "
+            f"{wanted[0]} and {wanted[1]}."
+        )

@@ -80,7 +80,7 @@ def read_frames(path: str | Path) -> FrameSet:
     """
     file = Path(path)
     if not file.is_file():
-        raise DataError(f"No frames file at '{file}'. Build one with `python -m omnivat frames`.")
+        raise DataError(f"No frames file at '{file}'. Build one with `python -m omnivat sweep`.")
     content = file.read_bytes()
     record, start = _record(file, content)
     try:
@@ -106,7 +106,7 @@ def read_frames(path: str | Path) -> FrameSet:
             raise
         raise DataError(
             f"'{file}' cannot be read as frames ({error!r}). Build it again with "
-            "`python -m omnivat frames`."
+            "`python -m omnivat sweep`."
         ) from error
     return frames
 

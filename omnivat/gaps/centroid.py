@@ -19,7 +19,8 @@ def centroid_gap(a: Tensor, b: Tensor) -> Tensor:
     """
     require_shapes(a=(a, "N D"), b=(b, "M D"))
     require_rows(1, a=a, b=b)
-    return (unit(a).mean(0) - unit(b).mean(0)).norm()
+    gap: Tensor = (unit(a).mean(0) - unit(b).mean(0)).norm()
+    return gap
 
 
 def modality_gap(vis: Tensor, tac: Tensor) -> Tensor:

@@ -33,4 +33,5 @@ def domain_gap(features: Tensor, domains: Tensor) -> Tensor:
     if len(means) < 2:
         return rows.new_tensor(float("nan"))
     first, second = torch.triu_indices(len(means), len(means), 1, device=rows.device)
-    return (means[first] - means[second]).norm(dim=1).mean()
+    gaps: Tensor = (means[first] - means[second]).norm(dim=1)
+    return gaps.mean()

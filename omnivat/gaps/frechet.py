@@ -25,11 +25,12 @@ def frechet(a: Tensor, b: Tensor) -> Tensor:
     means = (a.mean(0) - b.mean(0)).square().sum()
     root_a, root_b = _root(a), _root(b)
     spread = root_a.square().sum() + root_b.square().sum()
-    shared = torch.linalg.svdvals(root_a @ root_b.T).sum()
+    shared: Tensor = torch.linalg.svdvals(root_a @ root_b.T).sum()
     return means + (spread - 2 * shared).clamp_min(0)
 
 
 def _root(x: Tensor) -> Tensor:
     """Return R (min(N, D), D) with RᵀR the covariance of the rows of x (N, D)."""
     centred = (x - x.mean(0)) / (len(x) - 1) ** 0.5
-    return torch.linalg.qr(centred, mode="r").R if len(x) > x.shape[1] else centred
+    root: Tensor = torch.linalg.qr(centred, mode="r").R if len(x) > x.shape[1] else centred
+    return root

@@ -56,9 +56,11 @@ def _solve(rows: Tensor, penalty: Tensor, target: Tensor) -> Tensor:
     count, width = rows.shape
     if count >= width:
         gram = rows.T @ rows + penalty * torch.eye(width, dtype=rows.dtype, device=rows.device)
-        return torch.linalg.solve(gram, target) * penalty
+        direct: Tensor = torch.linalg.solve(gram, target)
+        return direct * penalty
     gram = rows @ rows.T + penalty * torch.eye(count, dtype=rows.dtype, device=rows.device)
-    return target - rows.T @ torch.linalg.solve(gram, rows @ target)
+    inner: Tensor = torch.linalg.solve(gram, rows @ target)
+    return target - rows.T @ inner
 
 
 def _wrong(score: Tensor) -> Tensor:

@@ -6,19 +6,23 @@ from torch.nn.functional import kl_div, log_softmax
 from omnivat.shapes import require_shapes
 
 
-def mma_loss(lang: Tensor, vis: Tensor, tac: Tensor) -> Tensor:
+def mma_loss(lang: Tensor, vis: Tensor | None = None, tac: Tensor | None = None) -> Tensor:
     """Multimodal alignment (MMA): KL(LANG || VIS) + KL(LANG || TAC), without the weight λ.
 
-    lang, vis, tac  (B, D) features; a softmax over D makes each a distribution
-    return          () nats, >= 0, mean over the batch; 0 where the three agree
+    lang, vis, tac  (B, D) features; a softmax over D makes each a distribution. A modality that is
+                    not there (None) has no term
+    return          () nats, >= 0, mean over the batch; 0 where they agree
 
-    LANG is the reference, the first argument of the divergence. Gradients flow to all three.
+    LANG is the reference, the first argument of the divergence. Gradients flow to all.
     Raises ShapeError if shapes differ.
     Source: paper, L_MMA.
     """
-    require_shapes(lang=(lang, "B D"), vis=(vis, "B D"), tac=(tac, "B D"))
+    others = {name: x for name, x in (("vis", vis), ("tac", tac)) if x is not None}
+    require_shapes(lang=(lang, "B D"), **{name: (x, "B D") for name, x in others.items()})
     target = log_softmax(lang, dim=-1)
-    return sum(  # type: ignore[return-value]  # a sum of tensors, never the int 0
-        kl_div(log_softmax(other, dim=-1), target, reduction="batchmean", log_target=True)
-        for other in (vis, tac)
-    )
+    total = lang.new_zeros(())
+    for other in others.values():
+        total = total + kl_div(
+            log_softmax(other, dim=-1), target, reduction="batchmean", log_target=True
+        )
+    return total

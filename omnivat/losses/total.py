@@ -9,6 +9,8 @@ from torch.nn.functional import cross_entropy
 from omnivat.losses.mma import mma_loss
 from omnivat.losses.nod import nod_loss
 
+MODALITIES = ("lang", "vis", "tac")
+
 
 class Losses(NamedTuple):
     """The parts of the joint loss, unweighted, and their weighted sum."""
@@ -30,15 +32,15 @@ def joint_loss(
 ) -> Losses:
     """Return λ MMA + NOD + CE.
 
-    features  "vis", "tac" and, where there is LANG, "lang": (B, D) F-bar
+    features  F-bar (B, D) of "vis", "tac" or both and, where there is LANG, "lang"
     layers    the tree's levels (B, n, D)
-    logits    "vis", "tac": (B, K); CE is the mean over the modalities
+    logits    (B, K) of "vis", "tac" or both; CE is their mean
     labels    (B,)
     Source: paper, Eq. 12.
     """
     zero = layers[0].new_zeros(())
     aligned = "lang" in features and mma_weight > 0
-    mma = mma_loss(features["lang"], features["vis"], features["tac"]) if aligned else zero
+    mma = mma_loss(**{n: features[n] for n in MODALITIES if n in features}) if aligned else zero
     nod = nod_loss(layers) if nod_weight > 0 else zero
     ce = torch.stack([cross_entropy(values, labels) for values in logits.values()]).mean()
     return Losses(mma_weight * mma + nod_weight * nod + ce, mma, nod, ce)

@@ -63,7 +63,7 @@ class DTG(nn.Module):
 
     def grow(self, root: Tensor) -> Grown:
         """Grow all nodes from root (B, D)."""
-        if self.arrangement == "tree":
+        if self.arrangement == "tree" or not len(self.weight):
             layers = self._levels(root)
             return Grown(torch.cat(layers, dim=1), layers)
         if self.arrangement == "parallel":
@@ -96,12 +96,16 @@ class DTG(nn.Module):
         """Return all nodes (B, 2^R - 1, D) in heap order: root, its two children, and so on."""
         return self.grow(root).nodes
 
-    def fold(self) -> tuple[Tensor, Tensor]:
-        """Return M (D, D) and b (D,): the mean over all nodes of root T is T @ M.T + b, exactly."""
-        width = self.weight.shape[-1]
-        eye = torch.eye(width, dtype=self.weight.dtype, device=self.weight.device)
+    def fold(self, dtype: torch.dtype | None = None) -> tuple[Tensor, Tensor]:
+        """Return M (D, D) and b (D,): the mean over all nodes of root T is T @ M.T + b, exactly.
+
+        dtype  precision to multiply in; that of the weights where None
+        """
+        dtype = dtype or self.weight.dtype
+        weights, biases = self.weight.to(dtype), self.bias.to(dtype)
+        eye = torch.eye(weights.shape[-1], dtype=weights.dtype, device=weights.device)
         matrices, offsets = [eye], [torch.zeros_like(eye[0])]
-        for node, (weight, bias) in enumerate(zip(self.weight, self.bias, strict=True), start=1):
+        for node, (weight, bias) in enumerate(zip(weights, biases, strict=True), start=1):
             parent = self.parent(node)
             matrices.append(weight @ matrices[parent])
             offsets.append(weight @ offsets[parent] + bias)

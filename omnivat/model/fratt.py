@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import torch
 from torch import Tensor, nn
+from torch.nn.functional import linear
 
 
 class Attended(NamedTuple):
@@ -17,7 +18,8 @@ class FrATT(nn.Module):
     """Fractional Fourier attention (FrATT): attention, mean over queries, feed-forward network.
 
     One head; biases on all linear layers; no output projection, residual or normalisation.
-    The same weights serve VIS, TAC and LANG.
+    The same weights serve VIS, TAC and LANG. The bias of the keys and the class token in the keys
+    add the same to a whole row of scores, which the softmax ignores.
     Source: paper, Eq. 4 and 6.
     """
 
@@ -31,6 +33,12 @@ class FrATT(nn.Module):
             nn.Linear(width, ffn_ratio * width), nn.GELU(), nn.Linear(ffn_ratio * width, width)
         )
 
+    @property
+    def roots(self) -> tuple[float, float]:
+        """What the scores and what the values are divided by: √D for the one or the other."""
+        root = float(self.query.in_features**0.5)
+        return (root, 1.0) if self.scale == "inside" else (1.0, root)
+
     def forward(self, queries: Tensor, tokens: Tensor) -> Attended:
         """Attend from `queries` to `tokens`, average over the queries, feed forward.
 
@@ -41,14 +49,29 @@ class FrATT(nn.Module):
         The mean over queries is taken of the weights, before the values: the same by linearity,
         and Q times cheaper.
         """
+        score_root, value_root = self.roots
         scores = self.query(queries) @ self.key(tokens).mT
-        root = queries.shape[-1] ** 0.5
-        if self.scale == "inside":
-            weights = torch.softmax(scores / root, dim=-1)
-            mixed = weights.mean(1, keepdim=True) @ tokens
-            pooled = self.value(mixed)
-        else:  # as printed: the softmax is divided, so the values and not the scores shrink
-            weights = torch.softmax(scores, dim=-1)
-            mixed = weights.mean(1, keepdim=True) @ tokens
-            pooled = self.value(mixed) / root
-        return Attended(self.ffn(pooled.squeeze(1)), weights)
+        weights = torch.softmax(scores / score_root, dim=-1)
+        mean = weights.mean(1, keepdim=True) @ tokens
+        return Attended(self.ffn((self.value(mean) / value_root).squeeze(1)), weights)
+
+    def hermitian(self, queries: Tensor, tokens: Tensor) -> Attended:
+        """Attend with complex queries and tokens: scores Re(Q Kᴴ), modulus of the mixed values.
+
+        queries  (B, 2, Q, D) real and imaginary part;  tokens  (B, 2, T, D)
+        return   feature (B, D) and the attention weights (B, Q, T)
+
+        The weights are real and act on both parts; biases belong to the real part.
+        """
+        score_root, value_root = self.roots
+        asked, keys = _complex_linear(self.query, queries), _complex_linear(self.key, tokens)
+        weights = torch.softmax((asked @ keys.mT).sum(1) / score_root, dim=-1)
+        mean = weights.mean(1, keepdim=True)[:, None] @ tokens  # (B, 2, 1, D)
+        modulus = torch.linalg.vector_norm(_complex_linear(self.value, mean), dim=1)
+        return Attended(self.ffn((modulus / value_root).squeeze(1)), weights)
+
+
+def _complex_linear(layer: nn.Linear, parts: Tensor) -> Tensor:
+    """Apply a real layer to (B, 2, N, D): its bias goes to the real part alone."""
+    real = layer(parts[:, :1])
+    return torch.cat((real, linear(parts[:, 1:], layer.weight)), dim=1)

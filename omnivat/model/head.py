@@ -1,21 +1,26 @@
 """The OmniVaT head: frozen embeddings in, class probabilities and every stage out."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import torch
 from torch import Tensor, nn
 from torch.nn.functional import linear, normalize
 
 from omnivat.errors import DataError, ShapeError
-from omnivat.fractional import coefficients, synthesise
+from omnivat.fractional import Coefficients, coefficients, synthesise
 from omnivat.model.dtg import DTG
-from omnivat.model.mffa import MFFA, expanded, planar
-from omnivat.model.output import HeadOutput, TrainingOutput
+from omnivat.model.folded import FoldedMFFA, fold_mffa, fold_tree, versions
+from omnivat.model.mffa import MFFA, MODALITIES
+from omnivat.model.output import HeadOutput, TrainingOutput, joined
 from omnivat.model.settings import HeadSettings
+from omnivat.model.training import class_means, grow, training_pass
+
+__all__ = ["OmniVaT", "PairCoefficients", "build_head", "class_means", "parameter_count"]
 
 IMAGE_MODALITIES = ("vis", "tac")
+CHUNK = 512  # pairs that are predicted at once
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,15 +35,6 @@ class PairCoefficients:
 
     def __len__(self) -> int:
         return int(next(iter(self.by_modality.values())).shape[0])
-
-
-class _Bars(NamedTuple):
-    """F-bar of each modality with what was seen on the way."""
-
-    frft: dict[str, Tensor]
-    relu: dict[str, Tensor]
-    f_bar: dict[str, Tensor]
-    attention: dict[str, Tensor]
 
 
 class OmniVaT(nn.Module):
@@ -65,12 +61,19 @@ class OmniVaT(nn.Module):
         self.dtg = DTG.from_settings(settings)
         self.classifier = nn.Parameter(torch.empty(len(settings.classes), width))
         nn.init.normal_(self.classifier, std=width**-0.5)
-        self._folded: tuple[Tensor, Tensor] | None = None
+        self._folded: dict[tuple[str, ...], Any] = {}
+        self._folded_from: object = None
 
     @property
     def order(self) -> float:
-        """The learned fractional order p, in quarter turns."""
-        return float(self.mffa.order.detach())
+        """The learned fractional order p, in quarter turns; the mean of VIS and TAC if each has one."""
+        return float(self.mffa.orders(IMAGE_MODALITIES).detach().mean())
+
+    @property
+    def orders(self) -> dict[str, float]:
+        """The learned order of each modality, LANG included: the same unless each has its own."""
+        own = self.mffa.order.detach().expand(len(MODALITIES)).tolist()
+        return dict(zip(MODALITIES, own, strict=True))
 
     @property
     def dtype(self) -> torch.dtype:
@@ -99,17 +102,9 @@ class OmniVaT(nn.Module):
         vis, tac  (B, input_width) as the encoder gave them; either may be None, not both
         Raises DataError when both are missing, ShapeError on a wrong width or differing B.
         """
-        given = {"vis": vis, "tac": tac}
-        kept = {
-            name: coefficients(self._embedded(name, embedding))
-            for name, embedding in given.items()
-            if embedding is not None
-        }
-        if not kept:
-            raise DataError("Neither VIS nor TAC was given; give one of them or both.")
-        if len({len(e) for e in given.values() if e is not None}) > 1:
-            raise ShapeError("vis and tac hold different numbers of pairs; give one each per pair.")
-        return PairCoefficients(kept)
+        given = {n: e for n, e in (("vis", vis), ("tac", tac)) if e is not None}
+        kept = coefficients(self.embedded(given))
+        return PairCoefficients({name: kept[row] for row, name in enumerate(given)})
 
     def from_coefficients(
         self,
@@ -125,58 +120,109 @@ class OmniVaT(nn.Module):
         order      quarter turns: a number, or (B,) for one order a pair; the learned one if None
         nodes      also return the tree's nodes
         attention  also return attention weights
+
+        Where neither gradients nor attention weights are asked for, weights are folded once and
+        pairs pass in chunks that stay in the processor's cache.
         """
-        order = self.order if order is None else order
-        bars = self._bars(kept, order)
-        root = torch.stack(list(bars.f_bar.values())).sum(0)
-        mean = linear(root, *self._fold()) if self.settings.tree_at_inference else 0.0
-        f_hat = {name: feature + mean for name, feature in bars.f_bar.items()}
+        names = tuple(kept.by_modality)
+        stacked = Coefficients(torch.stack([c.values for c in kept.by_modality.values()]))
+        order = self.mffa.orders(names) if order is None else order
+        grad = torch.is_grad_enabled() and any(
+            t.requires_grad for t in (stacked.values, torch.as_tensor(order), *self.parameters())
+        )
+        printed = grad or attention or self.mffa.as_printed
+        if printed or self.settings.complex_to_real == "hermitian":
+            return self._answer(names, stacked, order, nodes=nodes, attention=attention)
+        outputs = [
+            self._answer(names, stacked[:, rows], _rows(order, rows), nodes=nodes, fold=True)
+            for rows in (slice(i, i + CHUNK) for i in range(0, max(len(kept), 1), CHUNK))
+        ]
+        return outputs[0] if len(outputs) == 1 else joined(outputs)
+
+    def _answer(
+        self,
+        names: tuple[str, ...],
+        kept: Coefficients,
+        order: float | Tensor,
+        *,
+        nodes: bool = False,
+        attention: bool = False,
+        fold: bool = False,
+    ) -> HeadOutput:
+        """Predict from stacked coefficients (M, B, N), with folded weights or live ones."""
+        parts = synthesise(kept, order, planar=True)  # (2, M, B, D)
+        weights: dict[str, Tensor] = {}
+        if not self.settings.mffa:
+            relu = torch.relu(parts)
+            found = synthesise(kept, 0.0, planar=True)[0] / self.length
+        elif fold:
+            found, relu = self._fold(names).features(self.mffa.channels(parts))
+        else:
+            relu = self.mffa.mean_channels(names, parts)
+            if attention:
+                attended = [
+                    self.mffa.attend(name, parts[:, row].movedim(0, 1))
+                    for row, name in enumerate(names)
+                ]
+                found = torch.stack([a.feature for a in attended])
+                weights = {n: a.weights for n, a in zip(names, attended, strict=True)}
+            else:
+                found = self.mffa.features(names, parts)
+        root = found.sum(0)
+        mean = self._mean(found, root, fold) if self.settings.tree_at_inference else None
+        f_hat = found if mean is None else found + mean
+        grown = grow(self, found, root) if nodes else None
+        if len(relu) == 1:  # |F| or Re F alone: nothing is left of the imaginary part
+            relu = torch.cat((relu, torch.zeros_like(relu)))
         return HeadOutput(
-            logits={name: self.classify(feature) for name, feature in f_hat.items()},
-            frft=bars.frft,
-            relu=bars.relu,
-            f_bar=bars.f_bar,
-            f_hat=f_hat,
-            attention=bars.attention if attention else {},
-            nodes=self.dtg.nodes(root) if nodes else None,
+            logits=dict(zip(names, self.classify(f_hat), strict=True)),
+            frft=_by_name(names, parts),
+            relu=_by_name(names, relu),
+            f_bar=dict(zip(names, found, strict=True)),
+            f_hat=dict(zip(names, f_hat, strict=True)),
+            attention=weights,
+            nodes=None if grown is None else grown.nodes,
         )
 
     def classify(self, features: Tensor) -> Tensor:
         """Return logits (..., K) of features (..., D): tree nodes can be asked, too."""
         if self.settings.feature_scale == "literal":
             return linear(features, self.classifier)
-        directions = normalize(self.classifier, dim=-1)
-        return self.settings.logit_scale * linear(normalize(features, dim=-1), directions)
+        directions = self.settings.logit_scale * normalize(self.classifier, dim=-1)
+        lengths = torch.linalg.vector_norm(features, dim=-1, keepdim=True)
+        return linear(features, directions) / lengths.clamp_min(1e-12)
 
-    def _bars(self, kept: PairCoefficients, order: float | Tensor) -> _Bars:
-        bars = _Bars({}, {}, {}, {})
-        for name, own in kept.by_modality.items():
-            parts = planar(synthesise(own, order))
-            attended = self.mffa.attend(name, parts)
-            bars.frft[name] = parts
-            bars.relu[name] = expanded(parts, self.mffa.theta[name]).unflatten(1, (2, -1)).mean(2)
-            bars.f_bar[name] = attended.feature
-            bars.attention[name] = attended.weights
-        return bars
+    def _mean(self, found: Tensor, root: Tensor, fold: bool) -> Tensor | None:
+        """Return the mean (B, D) over the nodes that grow from features (M, B, D)."""
+        if self.settings.generation == "none":
+            return None
+        if self.settings.generation == "interpolation":
+            return root / len(found)  # points lie evenly between the features
+        return linear(root, *(self._fold_tree() if fold else self.dtg.fold()))
 
-    def _fold(self) -> tuple[Tensor, Tensor]:
-        if self.training or torch.is_grad_enabled():
-            return self.dtg.fold()
-        if self._folded is None or self._folded[0].dtype != self.dtype:
-            self._folded = self.dtg.fold()
-        return self._folded
+    def _fold(self, names: tuple[str, ...]) -> FoldedMFFA:
+        folded: FoldedMFFA = self._cached(names, lambda: fold_mffa(self.mffa, names))
+        return folded
 
-    def train(self, mode: bool = True) -> "OmniVaT":
-        """Switch between training and prediction; what was folded is forgotten."""
-        self._folded = None
-        return super().train(mode)
+    def _fold_tree(self) -> tuple[Tensor, Tensor]:
+        folded: tuple[Tensor, Tensor] = self._cached(("tree",), lambda: fold_tree(self.dtg))
+        return folded
+
+    def _cached(self, name: tuple[str, ...], make: Callable[[], Any]) -> Any:
+        """Return what `make` gives, made again only after a weight has changed."""
+        current = versions(self)
+        if self._folded_from != current:
+            self._folded, self._folded_from = {}, current
+        if name not in self._folded:
+            self._folded[name] = make()
+        return self._folded[name]
 
     # ---- training ----------------------------------------------------------------------------
 
     def training_pass(
         self,
-        vis: Tensor,
-        tac: Tensor,
+        vis: Tensor | None,
+        tac: Tensor | None,
         lang: Tensor | None,
         labels: Tensor,
         *,
@@ -185,84 +231,55 @@ class OmniVaT(nn.Module):
     ) -> TrainingOutput:
         """Run one batch with LANG and class tokens, as the losses need it.
 
-        vis, tac  (B, input_width);  lang  (B, lang_width) of each pair's class, or None
+        vis, tac  (B, input_width), one of which may be None
+        lang      (B, lang_width) of each pair's class, or None
         labels    (B,) class indices
         lang_on   (B,) bool: pairs whose VIS and TAC are guided by LANG; all where None
         token_on  (B,) bool: pairs that see their own class's token; others see the
                   class-agnostic one, as in prediction, where labels are not known
         """
-        tokens: dict[str, Tensor] = {}
-        features: dict[str, Tensor] = {}
-        guide = None
-        if lang is not None:
-            parts = self.mffa.parts(self._embedded("lang", lang))
-            features["lang"] = self._attend_in_training("lang", parts, labels, token_on, tokens)
-            guide = self._scale() * features["lang"]
-        lang_on = torch.ones_like(labels, dtype=torch.bool) if lang_on is None else lang_on
-        for name, raw in (("vis", vis), ("tac", tac)):
-            embedding = self._embedded(name, raw)
-            query = None
-            if guide is not None:
-                embedding = embedding + guide * lang_on[:, None]
-            parts = self.mffa.parts(embedding)
-            if guide is not None:
-                own = expanded(parts, self.mffa.theta[name])
-                query = torch.where(lang_on[:, None, None], guide[:, None].expand_as(own), own)
-            features[name] = self._attend_in_training(
-                name, parts, labels, token_on, tokens, query=query
-            )
-        root = features["vis"] + features["tac"]
-        if guide is not None:
-            root = root + features["lang"] * lang_on[:, None]
-        layers = self.dtg.layers(root)
-        mean = torch.cat(layers, dim=1).mean(1)
-        logits = {name: self.classify(features[name] + mean) for name in IMAGE_MODALITIES}
-        return TrainingOutput(features=features, layers=layers, logits=logits, tokens=tokens)
-
-    def _attend_in_training(
-        self,
-        name: str,
-        parts: Tensor,
-        labels: Tensor,
-        token_on: Tensor | None,
-        tokens: dict[str, Tensor],
-        *,
-        query: Tensor | None = None,
-    ) -> Tensor:
-        tokens[name] = expanded(parts, self.mffa.theta[name]).mean(1)
-        token = None
-        if self.settings.class_token:
-            token = class_means(tokens[name], labels)
-            if token_on is not None:
-                agnostic = self.mffa.class_agnostic_token(name)
-                token = torch.where(token_on[:, None], token, agnostic)
-        return self.mffa.attend(name, parts, query=query, token=token).feature
+        given = {n: e for n, e in (("vis", vis), ("tac", tac)) if e is not None}
+        return training_pass(self, given, lang, labels, lang_on=lang_on, token_on=token_on)
 
     # ---- both --------------------------------------------------------------------------------
 
-    def _scale(self) -> float:
+    @property
+    def length(self) -> float:
         """Length given to a unit vector before the transform: √D, so that entries are near 1."""
-        return 1.0 if self.settings.feature_scale == "literal" else self.settings.width**0.5
+        return 1.0 if self.settings.feature_scale == "literal" else float(self.settings.width**0.5)
 
-    def _embedded(self, name: str, raw: Tensor) -> Tensor:
-        """Return an embedding (B, D) as the transform wants it: projected, of length √D."""
-        lang = name == "lang"
+    def embedded(self, given: Mapping[str, Tensor]) -> Tensor:
+        """Return embeddings (M, B, D) as the transform wants them: projected, of length √D.
+
+        given  VIS and TAC, or LANG alone, as the encoders gave them
+        """
+        if not given:
+            raise DataError("Neither VIS nor TAC was given; give one of them or both.")
+        lang = "lang" in given
         width = self.settings.lang_width if lang else self.settings.input_width
-        if raw.ndim != 2 or raw.shape[1] != width:
-            raise ShapeError(
-                f"{name} has shape {tuple(raw.shape)}; this head wants (B, {width}). "
-                "Use embeddings of the encoder that the head was trained with."
-            )
-        projected = (self.project_lang if lang else self.project_image)(raw.to(self.dtype))
+        for name, raw in given.items():
+            if raw.ndim != 2 or raw.shape[1] != width:
+                raise ShapeError(
+                    f"{name} has shape {tuple(raw.shape)}; this head wants (B, {width}). "
+                    "Use embeddings of the encoder that the head was trained with."
+                )
+        if len({len(raw) for raw in given.values()}) > 1:
+            raise ShapeError("vis and tac hold different numbers of pairs; give one each per pair.")
+        raw = torch.stack([raw.to(self.dtype) for raw in given.values()])
+        projected: Tensor = (self.project_lang if lang else self.project_image)(raw)
         if self.settings.feature_scale == "literal":
-            return projected  # type: ignore[no-any-return]
-        return self._scale() * normalize(projected, dim=-1)
+            return projected
+        return self.length * normalize(projected, dim=-1)
 
 
-def class_means(values: Tensor, labels: Tensor) -> Tensor:
-    """Return for each sample the mean over its class in the batch: (B, D), (B,) -> (B, D)."""
-    same = (labels[:, None] == labels[None]).to(values.dtype)
-    return same @ values / same.sum(1, keepdim=True)
+def _by_name(names: tuple[str, ...], channels: Tensor) -> dict[str, Tensor]:
+    """Return (2, M, B, D) as (B, 2, D) by modality."""
+    return {name: channels[:, row].movedim(0, 1) for row, name in enumerate(names)}
+
+
+def _rows(order: float | Tensor, rows: slice) -> float | Tensor:
+    """Return the orders of some pairs, where each has its own."""
+    return order[rows] if isinstance(order, Tensor) and order.ndim == 1 else order
 
 
 def build_head(settings: HeadSettings, *, seed: int = 0) -> OmniVaT:

@@ -1,56 +1,63 @@
 """Multimodal fractional Fourier adapter (MFFA): embeddings to embedding-frequency features."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import torch
 from torch import Tensor, nn
-from torch.nn.functional import normalize
+from torch.nn.functional import linear, normalize
 
 from omnivat.fractional import dfrft
+from omnivat.model import factored
 from omnivat.model.fratt import Attended, FrATT
 from omnivat.model.settings import HeadSettings
 
 MODALITIES = ("lang", "vis", "tac")
 
 
-def planar(transformed: Tensor) -> Tensor:
-    """Return real and imaginary parts side by side: complex (..., D) -> real (..., 2, D)."""
-    return torch.stack((transformed.real, transformed.imag), dim=-2)
-
-
 def expanded(parts: Tensor, theta: Tensor) -> Tensor:
     """Expand by θ_e, then ReLU on each part: the tokens that attention sees.
 
-    parts   (B, 2, D) real and imaginary part of the transformed embedding
+    parts   (B, C, D) channels of the transformed embedding, such as its real and imaginary part
     theta   (E,) the expansion; it commutes with the transform, which is linear
-    return  (B, 2E, D), E real tokens and then E imaginary ones
+    return  (B, C E, D), E real tokens and then E imaginary ones
 
     The tokens are multiples of at most four vectors: the rank is 4 whatever E is.
     Source: paper, Eq. 3, with Re and Im stacked as tokens.
     """
-    tokens = torch.relu(theta[:, None] * parts[:, :, None, :])  # (B, 2, E, D)
+    tokens = torch.relu(theta[:, None] * parts[:, :, None, :])  # (B, C, E, D)
     return tokens.flatten(1, 2)
 
 
 class MFFA(nn.Module):
     """Multimodal fractional Fourier adapter (MFFA).
 
-    Holds the order p (one for all modalities, float64: rounding it to float32 moves the
-    transform by 1e-5), θ_e for each modality, FrATT, and the bank of class tokens.
+    Holds the order p (one for all modalities, or one each; float64: rounding it to float32 moves
+    the transform by 1e-5), θ_e for each modality, FrATT, and the bank of class tokens. Switched
+    off it holds nothing that is learned.
     Source: paper, Eq. 3 to 6.
     """
 
     order: Tensor
+    fratt: FrATT
     bank: Tensor
     bank_seen: Tensor
+    as_printed = False  # compute token by token, as `attend` does: slower, the same answer
 
     def __init__(self, settings: HeadSettings) -> None:
         super().__init__()
         self.unit = settings.feature_scale == "unit"
         self.class_token = settings.class_token
-        order = torch.tensor(settings.order, dtype=torch.float64)
-        self.order = nn.Parameter(order, requires_grad=settings.learn_order)
-        self.theta = nn.ParameterDict({name: nn.Parameter(_theta(settings)) for name in MODALITIES})
+        self.real = settings.complex_to_real
+        start = settings.order if settings.mffa else 0.0
+        order = torch.tensor(start, dtype=torch.float64)
+        if settings.order_per_modality:
+            order = order.repeat(len(MODALITIES))
+        self.order = nn.Parameter(order, requires_grad=settings.learn_order and settings.mffa)
+        self.theta = nn.ParameterDict()
+        if not settings.mffa:
+            return
+        for name in MODALITIES:
+            self.theta[name] = nn.Parameter(_theta(settings))
         self.fratt = FrATT(
             settings.width, ffn_ratio=settings.ffn_ratio, scale=settings.attention_scale
         )
@@ -58,52 +65,181 @@ class MFFA(nn.Module):
         self.register_buffer("bank", torch.zeros(len(MODALITIES), classes, settings.width))
         self.register_buffer("bank_seen", torch.zeros(classes, dtype=torch.bool))
 
-    def parts(self, embedding: Tensor, order: Tensor | float | None = None) -> Tensor:
-        """Transform embeddings (B, D) by `order` (the learned one by default) -> (B, 2, D)."""
-        return planar(dfrft(embedding, self.order if order is None else order))
+    def orders(self, names: Sequence[str]) -> Tensor:
+        """Return the learned order: () for all, or (M, 1), one for each of the modalities."""
+        if self.order.ndim == 0:
+            return self.order
+        return self.order[[MODALITIES.index(name) for name in names], None]
+
+    def parts(
+        self, names: Sequence[str], embedding: Tensor, order: Tensor | float | None = None
+    ) -> Tensor:
+        """Transform embeddings (M, B, D), by the learned order if None -> Re and Im, (2, M, B, D)."""
+        return dfrft(embedding, self.orders(names) if order is None else order, planar=True)
+
+    def channels(self, parts: Tensor) -> Tensor:
+        """Return what becomes tokens: Re and Im, their modulus, or Re. (2, ...) -> (C, ...)."""
+        if self.real == "magnitude":
+            return torch.linalg.vector_norm(parts, dim=0, keepdim=True)
+        return parts[:1] if self.real == "real" else parts
+
+    def thetas(self, names: Sequence[str]) -> Tensor:
+        """Return θ_e (M, E) as it multiplies the channels; a modulus takes its modulus."""
+        theta = torch.stack([self.theta[name] for name in names])
+        return theta.abs() if self.real == "magnitude" else theta
+
+    # ---- class tokens ------------------------------------------------------------------------
+
+    def class_agnostic_tokens(self, names: Sequence[str]) -> Tensor:
+        """Return the mean (M, D) of the class tokens seen in training: labels are not needed."""
+        seen = self.bank_seen.to(self.bank.dtype)
+        rows = self.bank[[MODALITIES.index(name) for name in names]]
+        return (seen @ rows) / seen.sum().clamp_min(1)
 
     def class_agnostic_token(self, modality: str) -> Tensor:
-        """Return the mean (D,) of the class tokens seen in training: labels are not needed."""
-        bank = self.bank[MODALITIES.index(modality)]
-        seen = self.bank_seen.to(bank.dtype)
-        return (bank * seen[:, None]).sum(0) / seen.sum().clamp_min(1)
+        """Return the class-agnostic token (D,) of one modality."""
+        return self.class_agnostic_tokens([modality])[0]
 
     @torch.no_grad()
     def update_bank(
         self, tokens: Mapping[str, Tensor], labels: Tensor, *, momentum: float = 0.9
     ) -> None:
         """Move the bank towards the class means of `tokens`, (B, D) by modality; labels (B,)."""
-        for label in labels.unique().tolist():
-            members = labels == label
-            keep = momentum if self.bank_seen[label] else 0.0
-            for name, values in tokens.items():
-                row = self.bank[MODALITIES.index(name), label]
-                row.mul_(keep).add_(values[members].mean(0), alpha=1 - keep)
-            self.bank_seen[label] = True
+        if not tokens:
+            return
+        values = torch.stack(list(tokens.values()))  # (M, B, D)
+        rows = [MODALITIES.index(name) for name in tokens]
+        classes = torch.arange(len(self.bank_seen), device=labels.device)
+        members = (labels == classes[:, None]).to(values.dtype)  # (K, B)
+        count = members.sum(1, keepdim=True)
+        means = members @ values / count.clamp_min(1)
+        keep = torch.where(self.bank_seen[:, None], momentum, 0.0)
+        moved = keep * self.bank[rows] + (1 - keep) * means
+        self.bank[rows] = torch.where(count > 0, moved.to(self.bank.dtype), self.bank[rows])
+        self.bank_seen |= count[:, 0] > 0
+
+    def mean_tokens(self, names: Sequence[str], parts: Tensor) -> Tensor:
+        """Return the mean over its tokens of every sample: parts (2, M, B, D) -> (M, B, D).
+
+        With complex attention it is that of the real tokens, to which class tokens are added.
+        """
+        channels = self.channels(parts)
+        channels = channels[:1] if self.real == "hermitian" else channels
+        table = factored.tables(self.thetas(names), len(channels))
+        base = factored.base_vectors(channels, table.halves.shape[1])
+        return factored.combined(base, table.tokens.mean(-1)[:, None])
+
+    def mean_channels(self, names: Sequence[str], parts: Tensor) -> Tensor:
+        """Return F, the mean over θ of the tokens of each channel: (2, M, B, D) -> (C, M, B, D)."""
+        channels = self.channels(parts)
+        table = factored.tables(self.thetas(names), len(channels))
+        return factored.mean_channels(factored.base_vectors(channels, table.halves.shape[1]), table)
+
+    # ---- attention ---------------------------------------------------------------------------
+
+    def features(
+        self,
+        names: Sequence[str],
+        parts: Tensor,
+        *,
+        guide: Tensor | None = None,
+        guided: Tensor | None = None,
+        token: Tensor | None = None,
+    ) -> Tensor:
+        """Return F-bar (M, B, D) of several modalities; equals `attend` on each.
+
+        parts   (2, M, B, D) from `parts`
+        guide   (B, D) F-bar of LANG, which asks in the place of tokens where guided (B,) is true
+        token   (M, B, D) or (M, 1, D) class tokens; the class-agnostic ones where None
+        """
+        if self.class_token and token is None:
+            token = self.class_agnostic_tokens(names)[:, None]
+        if self.as_printed or self.real == "hermitian":
+            return self._features_as_printed(names, parts, guide, guided, token)
+        fratt, channels = self.fratt, self.channels(parts)
+        table = factored.tables(self.thetas(names), len(channels))
+        base = factored.base_vectors(channels, table.halves.shape[1])
+        score_root, value_root = fratt.roots
+        keys = linear(base, fratt.key.weight)
+        scores = factored.dots(linear(base, fratt.query.weight), keys)
+        bias_scores = (keys @ fratt.query.bias).movedim(0, -1)
+        weights = factored.mean_weights(scores, bias_scores, table, score_root)
+        if guide is not None and guided is not None:
+            asked = fratt.query(guide).expand(1, *keys.shape[1:])
+            theirs = factored.dots(asked, keys).squeeze(-2) @ table.tokens
+            theirs = torch.softmax(theirs / score_root, dim=-1)
+            weights = torch.where(guided[:, None], theirs, weights)
+        pooled = factored.mixed(base, weights, table)
+        if self.class_token:
+            pooled = pooled + token
+        return self._finished(fratt.ffn(fratt.value(pooled) / value_root))
+
+    def _features_as_printed(
+        self,
+        names: Sequence[str],
+        parts: Tensor,
+        guide: Tensor | None,
+        guided: Tensor | None,
+        token: Tensor | None,
+    ) -> Tensor:
+        count = parts.shape[2]
+        token = None if token is None else token.expand(-1, count, -1)
+        return torch.stack(
+            [
+                self.attend(
+                    name,
+                    parts[:, row].movedim(0, 1),
+                    guide=guide,
+                    guided=guided,
+                    token=None if token is None else token[row],
+                ).feature
+                for row, name in enumerate(names)
+            ]
+        )
 
     def attend(
         self,
         modality: str,
         parts: Tensor,
         *,
-        query: Tensor | None = None,
+        guide: Tensor | None = None,
+        guided: Tensor | None = None,
         token: Tensor | None = None,
     ) -> Attended:
-        """Return F-bar of one modality.
+        """Return F-bar of one modality and where it looked, token by token as printed.
 
-        parts   (B, 2, D) from `parts`
-        query   (B, Q, D) what asks; the modality's own tokens where None, as without LANG
+        parts   (B, 2, D) Re and Im of the transformed embedding
+        guide, guided  as in `features`
         token   (B, D) or (D,) class token F_g; the class-agnostic one where None
         return  feature (B, D), of unit length unless feature_scale is "literal", and weights
         """
-        tokens = expanded(parts, self.theta[modality])
-        queries = tokens if query is None else query
-        if self.class_token:
-            token = self.class_agnostic_token(modality) if token is None else token
-            tokens = tokens + (token if token.ndim == 1 else token[:, None])
-        attended = self.fratt(queries, tokens)
-        feature = normalize(attended.feature, dim=-1) if self.unit else attended.feature
-        return Attended(feature, attended.weights)
+        channels = self.channels(parts.movedim(1, 0)).movedim(0, 1)
+        tokens = expanded(channels, self.thetas([modality])[0])
+        queries = tokens
+        if guide is not None and guided is not None:
+            queries = torch.where(guided[:, None, None], guide[:, None], tokens)
+        if self.class_token and token is None:
+            token = self.class_agnostic_token(modality)
+        added = torch.zeros_like(tokens[:, :1])
+        if self.class_token and token is not None:
+            added = added + (token if token.ndim == 1 else token[:, None])
+        if self.real != "hermitian":
+            attended = self.fratt(queries, tokens + added)
+        else:
+            complex_queries = queries.unflatten(1, (2, -1))
+            if guide is not None and guided is not None:  # F-bar of LANG is real
+                off = torch.zeros_like(complex_queries[:, 1:])
+                imaginary = torch.where(guided[:, None, None, None], off, complex_queries[:, 1:])
+                complex_queries = torch.cat((complex_queries[:, :1], imaginary), dim=1)
+            complex_tokens = tokens.unflatten(1, (2, -1))
+            real = complex_tokens[:, :1] + added[:, None]
+            attended = self.fratt.hermitian(
+                complex_queries, torch.cat((real, complex_tokens[:, 1:]), dim=1)
+            )
+        return Attended(self._finished(attended.feature), attended.weights)
+
+    def _finished(self, feature: Tensor) -> Tensor:
+        return normalize(feature, dim=-1) if self.unit else feature
 
 
 def _theta(settings: HeadSettings) -> Tensor:

@@ -1,5 +1,6 @@
 """What the head answers: predictions and every stage on the way to them."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import torch
@@ -15,8 +16,8 @@ class HeadOutput:
     frft       (B, 2, D) Re and Im of the transformed embedding
     relu       (B, 2, D) F: after θ_e and ReLU, mean over the E tokens
     f_bar      (B, D) after FrATT;  f_hat  (B, D) after DTG
-    attention  (B, 2E, 2E) weights, where asked for
-    nodes      (B, 2^R - 1, D) tree nodes in heap order, where asked for
+    attention  (B, T, T) weights, where asked for; T = 2E tokens, or E where Re and Im are one
+    nodes      (B, 2^R - 1, D) tree nodes in heap order, where asked for and there are any
     """
 
     logits: dict[str, Tensor]
@@ -43,6 +44,26 @@ class TrainingOutput:
     """What the losses need from one forward pass in training."""
 
     features: dict[str, Tensor]  # F-bar: "vis", "tac" and "lang" where there is LANG; (B, D)
-    layers: list[Tensor]  # tree levels (B, n, D)
+    layers: list[Tensor]  # groups (B, n, D) that NOD looks at: the tree's levels, root first
     logits: dict[str, Tensor]  # (B, K)
     tokens: dict[str, Tensor]  # mean token (B, D) of each modality, for the bank of class tokens
+
+
+def joined(outputs: Sequence[HeadOutput]) -> HeadOutput:
+    """Return the output of many pairs from those of chunks of them."""
+    first = outputs[0]
+
+    def cat(name: str) -> dict[str, Tensor]:
+        parts = [getattr(output, name) for output in outputs]
+        return {modality: torch.cat([part[modality] for part in parts]) for modality in parts[0]}
+
+    nodes = [output.nodes for output in outputs if output.nodes is not None]
+    return HeadOutput(
+        logits=cat("logits"),
+        frft=cat("frft"),
+        relu=cat("relu"),
+        f_bar=cat("f_bar"),
+        f_hat=cat("f_hat"),
+        attention=cat("attention") if first.attention else {},
+        nodes=torch.cat(nodes) if nodes else None,
+    )

@@ -48,7 +48,8 @@ def basis(points: Tensor) -> Basis:
 
 
 def _from_covariance(centred: Tensor) -> Tensor:
-    return torch.linalg.eigh((centred.T @ centred).double()).eigenvectors[:, -2:].flip(1)
+    vectors: Tensor = torch.linalg.eigh((centred.T @ centred).double()).eigenvectors
+    return vectors[:, -2:].flip(1)
 
 
 def _from_gram(centred: Tensor) -> Tensor:
@@ -56,4 +57,5 @@ def _from_gram(centred: Tensor) -> Tensor:
     vectors = torch.linalg.eigh((centred @ centred.T).double()).eigenvectors[:, -2:].flip(1)
     axes = centred.double().T @ vectors
     # QR gives unit columns, and a perpendicular one where the rows have no second direction
-    return torch.linalg.qr(axes).Q
+    turned: Tensor = torch.linalg.qr(axes).Q
+    return turned

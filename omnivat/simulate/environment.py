@@ -41,4 +41,4 @@ def _surroundings(way: Array, polar: Array, seed: int) -> Array:
     blocks = octaves(
         3.0 * way[..., 0] + way[..., 2], 3.0 * way[..., 1], wavelength=1.5, finest=0.4, seed=seed
     )
-    return np.asarray((0.25 + 0.9 * above) * (1.0 + 0.45 * np.tanh(1.5 * blocks)))
+    return np.asarray((0.2 + 0.8 * above) * (1.0 + 0.8 * np.tanh(2.0 * blocks)))

@@ -9,7 +9,7 @@ from omnivat.simulate.surfaces import Surface
 
 _WIDEST = 1.75  # width of a curved object, in radii of its curvature
 _ROOM = 42.0  # mm: a narrower object would be hidden by the sensor
-_OFTEN = 0.6  # of the pictures show the sensor
+_OFTEN = 0.4  # of the pictures show the sensor
 _LEAST_SHARE = 0.5  # of the view that an object's narrower side takes
 
 

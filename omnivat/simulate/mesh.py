@@ -9,7 +9,7 @@ from omnivat.simulate.framing import Framing
 from omnivat.simulate.noise import Array, turned
 from omnivat.simulate.surfaces import Surface
 
-_SIDE = 192  # vertices along each side of the object's top
+_SIDE = 176  # vertices along each side of the object's top
 _THICKNESS = 0.08  # of the view: how high the object stands on the ground
 
 
@@ -46,10 +46,12 @@ def object_mesh(surface: Surface, framing: Framing) -> Mesh:
     wall = top[rim] * [1.0, 1.0, 0.0] + [0.0, 0.0, ground]
     texture = np.stack([s, t], axis=-1).reshape(-1, 2)
     return Mesh(
-        vertices=np.concatenate([top, top[rim], wall]),
-        texture=np.concatenate([texture, texture[rim], texture[rim]]),
-        faces=np.concatenate([_top_faces(), _wall_faces(len(top), len(rim))]).astype(np.uint32),
-        ground=ground,
+        vertices=np.concatenate([top, top[rim], wall, wall, [[0.0, 0.0, ground]]]),
+        texture=np.concatenate([texture, *[texture[rim]] * 3, [[0.5, 0.5]]]),
+        faces=np.concatenate(
+            [_top_faces(), _wall_faces(len(top), len(rim)), _floor_faces(len(top), len(rim))]
+        ).astype(np.uint32),
+        ground=ground - 0.002 * framing.view,
     )
 
 
@@ -62,9 +64,9 @@ def filtered_relief(surface: Surface, framing: Framing) -> Array:
 
 def colours(surface: Surface, framing: Framing) -> Array:
     """Return the object's colour as a texture (side, side, 3), averaged likewise."""
-    u, v = top_points(framing, side=3 * _SIDE)
+    u, v = top_points(framing, side=2 * _SIDE)
     fine = surface.colour(u + framing.at[0], v + framing.at[1])
-    return np.asarray(fine.reshape(_SIDE, 3, _SIDE, 3, 3).mean((1, 3)))
+    return np.asarray(fine.reshape(_SIDE, 2, _SIDE, 2, 3).mean((1, 3)))
 
 
 def unresolved_slopes(surface: Surface, framing: Framing) -> tuple[float, float]:
@@ -107,3 +109,10 @@ def _wall_faces(first: int, count: int) -> NDArray[np.int64]:
             np.stack([after, upper + count, after + count], -1),
         ]
     )
+
+
+def _floor_faces(first: int, count: int) -> NDArray[np.int64]:
+    """Return a fan over the object's underside; clear glass needs a way out."""
+    start = first + 2 * count
+    near, after = start + np.arange(count), start + (np.arange(count) + 1) % count
+    return np.stack([near, np.full(count, start + count), after], -1)

@@ -5,9 +5,12 @@ from typing import Any
 import numpy as np
 
 from omnivat.simulate.framing import Framing
+from omnivat.simulate.scenes import Colour
 
-_HOUSING = 11.0  # mm, half-width of a sensor
+_HOUSING = 9.0  # mm, radius of a sensor
 _SKIN = (0.52, 0.30, 0.21)
+_BLACK = (0.025, 0.025, 0.03)
+_GREY = (0.16, 0.16, 0.17)
 
 
 def props(mi: Any, framing: Framing) -> dict[str, Any]:
@@ -16,29 +19,28 @@ def props(mi: Any, framing: Framing) -> dict[str, Any]:
     if not framing.held:
         return {}
     yaw, lean = float(rng.uniform(0, 360)), float(rng.uniform(-12, 12))
-    upright = mi.ScalarTransform4f().rotate([0, 0, 1], yaw).rotate([1, 0, 0], lean)
-    shapes = {"housing": _box(upright.translate([0, 0, 17]).scale([_HOUSING, _HOUSING, 16]), 0.03)}
+    stand = mi.ScalarTransform4f().rotate([0, 0, 1], yaw).rotate([1, 0, 0], lean)
+    shapes = {"housing": _rod(mi, stand, length=26.0, radius=_HOUSING, colour=_BLACK)}
     if framing.scene.prop == "clamp":
-        arm = upright.translate([0, 0, 50]).scale([6, 6, 18])
-        shapes["arm"] = _box(arm, 0.35)
+        shapes["arm"] = _rod(mi, stand.translate([0, 0, 26]), 60.0, 5.0, _GREY)
         return shapes
-    for finger in range(4):
-        side = 1 if finger % 2 else -1
-        place = upright.translate([side * 13.0, 9.0 - 6.0 * finger, 24.0 + 4.0 * finger])
-        shapes[f"finger{finger}"] = _ball(place.rotate([0, 0, 1], 25 * side).scale([9, 17, 9]))
-    palm = upright.translate([0, -24, 46]).scale([24, 30, 20])
-    shapes["palm"] = _ball(palm)
+    sleeve = stand.translate([0, 6, 30]).rotate([1, 0, 0], -58)
+    shapes["wrist"] = _rod(mi, sleeve, length=30.0, radius=13.0, colour=_SKIN)
+    shapes["sleeve"] = _rod(mi, sleeve.translate([0, 0, 22]), 150.0, 21.0, _BLACK)
+    for finger, (x, y, turn) in enumerate(((9, 4, 20), (-9, 4, -20), (4, -9, 75))):
+        place = stand.translate([x, y, 23]).rotate([0, 0, 1], turn).scale([5.5, 13, 6])
+        shapes[f"finger{finger}"] = {"type": "sphere", "to_world": place, "bsdf": _plastic(_SKIN)}
     return shapes
 
 
-def _box(place: Any, tone: float) -> dict[str, Any]:
-    return {"type": "cube", "to_world": place, "bsdf": _plastic((tone, tone, tone * 1.1), 0.25)}
+def _rod(mi: Any, place: Any, length: float, radius: float, colour: Colour) -> dict[str, Any]:
+    """Return a closed cylinder that stands on `place`."""
+    return {
+        "type": "cylinder", "to_world": place, "p0": [0, 0, 0.2], "p1": [0, 0, length],
+        "radius": radius, "bsdf": {"type": "twosided", "bsdf": _plastic(colour)},
+    }  # fmt: skip
 
 
-def _ball(place: Any) -> dict[str, Any]:
-    return {"type": "sphere", "to_world": place, "bsdf": _plastic(_SKIN, 0.4)}
-
-
-def _plastic(colour: tuple[float, float, float], alpha: float) -> dict[str, Any]:
+def _plastic(colour: Colour) -> dict[str, Any]:
     reflectance = {"type": "rgb", "value": list(colour)}
-    return {"type": "roughplastic", "diffuse_reflectance": reflectance, "alpha": alpha}
+    return {"type": "roughplastic", "diffuse_reflectance": reflectance, "alpha": 0.3}

@@ -4,6 +4,7 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
+from scipy.ndimage import gaussian_filter, median_filter
 
 from omnivat.packages import need
 from omnivat.simulate.environment import panorama
@@ -14,11 +15,11 @@ from omnivat.simulate.noise import Array
 from omnivat.simulate.props import props
 from omnivat.simulate.surfaces import Surface
 
-SAMPLES = 9  # paths a pixel
-SAMPLES_CLEAN = 16  # where the scene's camera adds no noise of its own
+SAMPLES = 5  # paths a pixel: what grain is left passes for a camera's
+SAMPLES_GLASS = 9
 _FIELD_OF_VIEW = 32.0  # degrees
-_GROUND_PIXELS = 448
-_GROUND_VIEWS = 3.5  # side of the ground, in widths of the view
+_GROUND_PIXELS = 320
+_GROUND_VIEWS = 3.0  # side of the ground, in widths of the view
 
 
 @lru_cache(maxsize=1)
@@ -37,8 +38,8 @@ def rendered(surface: Surface, framing: Framing, *, size: int) -> Array:
     """
     mi = _mitsuba()
     mesh = object_mesh(surface, framing)
-    samples = SAMPLES if framing.scene.noise else SAMPLES_CLEAN
-    depth = 8 if surface.gloss == "glass" else 4
+    clear = surface.gloss == "glass"
+    depth, samples = (8, SAMPLES_GLASS) if clear else (3, SAMPLES)
     scene = mi.load_dict(
         props(mi, framing)
         | {
@@ -51,7 +52,10 @@ def rendered(surface: Surface, framing: Framing, *, size: int) -> Array:
         }
     )
     image = mi.render(scene, spp=samples, seed=framing.seed % 2**31)
-    return np.clip(np.asarray(image, dtype=np.float64)[..., :3], 0.0, 12.0)
+    radiance = np.clip(np.asarray(image, dtype=np.float64)[..., :3], 0.0, 5.0)
+    if clear:  # each path is mirrored or let through: single pixels stand out
+        radiance = np.asarray(median_filter(radiance, size=(3, 3, 1), mode="nearest"))
+    return np.asarray(gaussian_filter(radiance, (0.5, 0.5, 0.0), mode="nearest"))
 
 
 def _camera(mi: Any, framing: Framing, size: int, samples: int) -> dict[str, Any]:
@@ -73,13 +77,13 @@ def _camera(mi: Any, framing: Framing, size: int, samples: int) -> dict[str, Any
             "type": "hdrfilm", "width": size, "height": size, "pixel_format": "rgb",
             "rfilter": {"type": "gaussian"},
         },
-        "sampler": {"type": "multijitter", "sample_count": samples},
+        "sampler": {"type": "independent", "sample_count": samples},
     }  # fmt: skip
 
 
 def _light(mi: Any, surface: Surface, framing: Framing) -> dict[str, Any]:
     # Light that reaches the eye through clear glass is found by chance: a small lamp would sparkle.
-    least = 0.3 if surface.gloss == "glass" else 0.0
+    least = 0.6 if surface.gloss == "glass" else 0.0
     sky = panorama(framing, least_softness=least).astype(np.float32)
     upright = mi.ScalarTransform4f().rotate([1, 0, 0], 90)
     return {"type": "envmap", "bitmap": mi.Bitmap(sky), "to_world": upright}
@@ -111,7 +115,7 @@ def _material(mi: Any, surface: Surface, framing: Framing) -> dict[str, Any]:
     """Return the BSDF: its highlight is as wide as the skin and the unresolved relief make it."""
     colour = _bitmap(mi, colours(surface, framing))
     along, across = (
-        float(np.clip(np.hypot(surface.roughness, 1.4 * slope), 0.015, 0.6))
+        float(np.clip(np.hypot(surface.roughness, slope), 0.015, 0.6))
         for slope in unresolved_slopes(surface, framing)
     )
     if surface.gloss == "matte":

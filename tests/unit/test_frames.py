@@ -202,7 +202,7 @@ def damaged(path, change):
 
 
 def test_a_missing_file_says_how_to_build_one(tmp_path):
-    with pytest.raises(DataError, match="No frames file at .*omnivat frames"):
+    with pytest.raises(DataError, match="No frames file at .*omnivat sweep"):
         read_frames(tmp_path / "none.bin")
 
 

@@ -1,5 +1,7 @@
 """Training: it learns, repeats itself, and never leans on what prediction lacks."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import torch
@@ -92,7 +94,12 @@ def guided_accuracy(model, pairs):
         {"batch": 7},
         {"batch": 1},
         {"selection": "source-val"},
+        {"modalities": "vis"},
+        {"modalities": "tac"},
+        {"modalities": "vis", "lang": False},
+        {"modalities": "tac", "selection": "source-val"},
     ],
+    ids=str,
 )
 def test_every_setting_of_training_gives_finite_weights(source, change):
     settings = TrainSettings(epochs=1, **change)
@@ -114,7 +121,18 @@ def test_every_setting_of_training_gives_finite_weights(source, change):
         {"theta_init": "normal"},
         {"expansion": 1},
         {"feature_scale": "literal"},
+        {"attention_scale": "outside"},
+        {"generation": "series"},
+        {"generation": "parallel"},
+        {"generation": "interpolation"},
+        {"generation": "none"},
+        {"mffa": False},
+        {"complex_to_real": "hermitian"},
+        {"complex_to_real": "magnitude"},
+        {"complex_to_real": "real"},
+        {"order_per_modality": True},
     ],
+    ids=str,
 )
 def test_every_setting_of_the_head_trains_to_finite_weights(source, change):
     trained = train(source, head(**change), TrainSettings(epochs=1), bank=load_bank())
@@ -128,6 +146,114 @@ def test_selection_on_the_source_holds_out_whole_objects_and_keeps_the_best_epoc
     trained = train(source, head(), settings, bank=load_bank())
     scores = [epoch["source_val_macro_f1"] for epoch in trained.epochs]
     assert scores[trained.chosen_epoch] == max(scores)
+
+
+@pytest.mark.parametrize("modality", ["vis", "tac"])
+def test_a_head_of_one_modality_learns_from_it_and_never_reads_the_other(source, modality):
+    other = "tac" if modality == "vis" else "vis"
+    settings = TrainSettings(epochs=6, modalities=modality)
+    trained = train(source, head(), settings, bank=load_bank())
+    noise = np.full_like(source.vis, np.nan)
+    blind = replace(source, **{other: noise, f"{other}_flip": noise})
+    again = train(blind, head(), settings, bank=load_bank())
+    assert equal_weights(trained.model, again.model)
+    answers = predicted_probabilities(trained.model, source, modalities=(modality,))["fused"]
+    assert (answers.argmax(-1).numpy() == source.label).mean() > 0.9
+
+
+def test_an_order_a_modality_is_learned_apart_and_logged(source):
+    trained = train(
+        source, head(order_per_modality=True), TrainSettings(epochs=2), bank=load_bank()
+    )
+    assert len(set(trained.model.orders.values())) == 3
+    assert trained.epochs[-1]["order_vis"] == trained.model.orders["vis"]
+
+
+class Stop(Exception):
+    """What a test raises in the middle of training."""
+
+
+@pytest.mark.parametrize("selection", ["last", "source-val"])
+def test_resumed_training_equals_uninterrupted_training_to_the_bit(source, tmp_path, selection):
+    settings = TrainSettings(epochs=4, selection=selection)
+    whole = train(source, head(), settings, bank=load_bank(), seed=3)
+    state = tmp_path / "training.safetensors"
+
+    def stop_in_the_third_epoch(step):
+        if step.done > 0.6 * step.total:
+            raise Stop
+
+    with pytest.raises(Stop):
+        train(
+            source,
+            head(),
+            settings,
+            bank=load_bank(),
+            seed=3,
+            resume=state,
+            on_step=stop_in_the_third_epoch,
+        )
+    assert state.is_file()
+    steps = []
+    resumed = train(
+        source, head(), settings, bank=load_bank(), seed=3, resume=state, on_step=steps.append
+    )
+    assert steps[0].done == steps[0].total // 2 + 1  # two of four epochs were not done again
+    assert equal_weights(whole.model, resumed.model)
+    assert whole.epochs == resumed.epochs
+    assert whole.chosen_epoch == resumed.chosen_epoch
+    assert not state.exists()
+
+
+def test_the_resume_check_can_fail(source, tmp_path, monkeypatch):
+    """Without the optimiser's momentum the weights differ."""
+    monkeypatch.setattr("omnivat.train.state._parameters", lambda optimiser: [])
+    settings, state = TrainSettings(epochs=2), tmp_path / "training.safetensors"
+    whole = train(source, head(), settings, bank=load_bank())
+
+    def stop_in_the_second_epoch(step):
+        if step.done > step.total // 2:
+            raise Stop
+
+    with pytest.raises(Stop):
+        train(
+            source,
+            head(),
+            settings,
+            bank=load_bank(),
+            resume=state,
+            on_step=stop_in_the_second_epoch,
+        )
+    resumed = train(source, head(), settings, bank=load_bank(), resume=state)
+    assert not equal_weights(whole.model, resumed.model)
+
+
+def test_the_state_of_another_training_is_refused(source, tmp_path):
+    state = tmp_path / "training.safetensors"
+
+    def stop_in_the_second_epoch(step):
+        if step.done > step.total // 2:
+            raise Stop
+
+    with pytest.raises(Stop):
+        train(
+            source,
+            head(),
+            TrainSettings(epochs=2),
+            bank=load_bank(),
+            resume=state,
+            on_step=stop_in_the_second_epoch,
+        )
+    with pytest.raises(DataError, match="state of another training"):
+        train(source, head(), TrainSettings(epochs=2), bank=load_bank(), seed=9, resume=state)
+    state.write_bytes(b"cut short")
+    with pytest.raises(DataError, match="cannot be read .*remove it to start again"):
+        train(source, head(), TrainSettings(epochs=2), bank=load_bank(), resume=state)
+
+
+def equal_weights(first, second) -> bool:
+    one, two = first.state_dict(), second.state_dict()
+    return all(torch.equal(one[name], two[name]) for name in one)
 
 
 def test_training_reports_every_step(source):
@@ -162,9 +288,17 @@ def test_a_loss_that_is_not_finite_stops_with_a_sentence(source):
         train(broken, head(), TrainSettings(epochs=1), bank=load_bank())
 
 
-def test_unknown_selection_is_refused():
-    with pytest.raises(SettingsError, match="choose one of last, source-val"):
-        TrainSettings(selection="target")
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ({"selection": "target"}, "choose one of last, source-val"),
+        ({"modalities": "audio"}, r"choose one of vis\+tac, vis, tac"),
+        ({"lr": -1.0}, "lr is -1.0; choose 0.0 to 100.0"),
+    ],
+)
+def test_impossible_settings_are_refused(change, sentence):
+    with pytest.raises(SettingsError, match=sentence):
+        TrainSettings(**change)
 
 
 def test_a_bank_without_a_class_says_how_to_make_one():

@@ -1,5 +1,6 @@
 """Readers of pairs: one file a data set, one table, one door."""
 
+from collections.abc import Callable
 from inspect import Parameter, signature
 from pathlib import Path
 from typing import Any
@@ -29,7 +30,8 @@ def read_pairs(
     reader   a name in READERS; "auto" tells from what lies in the folder
     strict   only the five materials under their own names: no iron as steel, no other classes
     seed     of the balanced subsampling, where the reader has one
-    options  settings of that reader alone, such as by_folder for Touch-and-Go
+    options  settings of that reader alone, such as by_folder for Touch-and-Go; a truth value may
+             be the text "true" or "false", as it comes from a command line
 
     Raises DataError when there is nothing at `source`, it is of another layout, or it holds no
     pairs; SettingsError for an option that the reader does not have.
@@ -39,16 +41,26 @@ def read_pairs(
         raise DataError(f"There is no folder or file at '{show(path)}'. Check the path.")
     name = recognise(path) if reader == "auto" else reader
     read = load(READERS, name, kind="reader")
-    own = [
-        parameter.name
+    found: PairSet = read(path, strict=strict, seed=seed, **_checked(name, read, options))
+    return found
+
+
+def _checked(name: str, read: Callable[..., PairSet], options: dict[str, Any]) -> dict[str, Any]:
+    """Return the options, true and false as truth values where a command line gave them as text."""
+    own = {
+        parameter.name: parameter.default
         for parameter in signature(read).parameters.values()
         if parameter.kind is Parameter.KEYWORD_ONLY and parameter.name not in ("strict", "seed")
-    ]
-    for option in options:
+    }
+    checked = dict(options)
+    for option, value in options.items():
         if option not in own:
             known = f"it has {', '.join(own)}" if own else "it has none"
             raise SettingsError(
                 f"The reader '{name}' has no option '{option}'; {known}.{suggestion(option, own)}"
             )
-    found: PairSet = read(path, strict=strict, seed=seed, **options)
-    return found
+        if isinstance(own[option], bool) and not isinstance(value, bool):
+            if str(value).lower() not in ("true", "false"):
+                raise SettingsError(f"{option} is '{value}'; choose true or false.")
+            checked[option] = str(value).lower() == "true"
+    return checked

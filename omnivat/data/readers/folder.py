@@ -88,6 +88,8 @@ class _Walk:
         real = os.path.realpath(folder)
         if leads_upwards(folder):
             self.skip(folder, "leads back to a folder that it lies in")
+        elif not os.access(folder, os.R_OK | os.X_OK):
+            self.skip(folder, "may not be opened: its permissions forbid it")
         elif real in self._seen:
             first = show(self._seen[real].relative_to(self.root))
             self.skip(folder, f"leads to the same folder as '{first}'")

@@ -59,6 +59,16 @@ def test_an_embedding_is_the_same_alone_and_in_any_batch(
     assert torch.equal(together, backwards)
 
 
+def test_an_embedding_does_not_depend_on_how_the_numbers_lie_in_memory(
+    encoder: Encoder, images: torch.Tensor
+) -> None:
+    orders = (torch.contiguous_format, torch.channels_last)
+    found = [encoder.embed(images.contiguous(memory_format=order)) for order in orders]
+    unaligned = torch.zeros(images.numel() + 1)[1:].view_as(images).copy_(images)
+    assert torch.equal(*found)
+    assert torch.equal(encoder.embed(unaligned), found[0])
+
+
 @pytest.mark.usefixtures("threads")
 def test_an_embedding_does_not_depend_on_the_number_of_threads(
     encoder: Encoder, images: torch.Tensor

@@ -39,6 +39,13 @@ def test_mma_refuses_features_of_differing_shape():
         mma_loss(torch.zeros(2, 4), torch.zeros(2, 3), torch.zeros(2, 4))
 
 
+def test_mma_has_no_term_for_a_modality_that_is_not_there():
+    lang, vis, tac = (torch.randn(2, 7, dtype=torch.float64) for _ in range(3))
+    torch.testing.assert_close(
+        mma_loss(lang, vis=vis) + mma_loss(lang, tac=tac), mma_loss(lang, vis, tac)
+    )
+
+
 def test_mma_gradient_agrees_with_finite_differences():
     inputs = [torch.randn(2, 5, dtype=torch.float64, requires_grad=True) for _ in range(3)]
     assert torch.autograd.gradcheck(mma_loss, inputs)

@@ -179,6 +179,13 @@ def test_names_that_are_not_utf8_are_skipped_and_can_be_printed(tmp_path, pair, 
     ] * 2
 
 
+def test_a_folder_without_permission_is_listed(tmp_path, pair, monkeypatch):
+    pair(tmp_path / "D" / "wood", "a")
+    pair(tmp_path / "D" / "glass", "a")
+    monkeypatch.setattr("os.access", lambda path, mode: Path(path).name != "glass")
+    assert reasons(read(tmp_path)) == {"D/glass": "may not be opened: its permissions forbid it"}
+
+
 def test_a_path_that_is_not_there_is_named(tmp_path):
     with pytest.raises(DataError, match="There is no folder or file at"):
         read_pairs(tmp_path / "nowhere")

@@ -4,7 +4,7 @@ import pytest
 
 from omnivat.data.readers import READERS, read_pairs
 from omnivat.data.readers.recognise import recognise
-from omnivat.errors import MissingNameError, SettingsError
+from omnivat.errors import DataError, MissingNameError, SettingsError
 from omnivat.tables import load
 
 
@@ -49,3 +49,13 @@ def test_an_unknown_option_gets_a_suggestion(tmp_path):
 def test_a_reader_without_options_says_so(tmp_path):
     with pytest.raises(SettingsError, match="'folder' has no option 'camera'; it has none"):
         read_pairs(tmp_path, reader="folder", camera="x")
+
+
+def test_a_truth_value_may_be_text(tmp_path, put):
+    put(tmp_path / "wood" / "video_frame" / "0.png")
+    put(tmp_path / "wood" / "gelsight_frame" / "0.png")
+    assert len(read_pairs(tmp_path, keep_labels="true").pairs) == 1
+    with pytest.raises(DataError, match="No labels for the clips"):
+        read_pairs(tmp_path, keep_labels="False")
+    with pytest.raises(SettingsError, match="keep_labels is 'perhaps'; choose true or false"):
+        read_pairs(tmp_path, keep_labels="perhaps")

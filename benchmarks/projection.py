@@ -1,0 +1,173 @@
+"""Maps of 2,000 points: our UMAP against umap-learn and PCA, and one map per order as a chain.
+
+    python -m benchmarks.projection [--points 2000] [--width 512] [--runs 5] [--threads 1] [--out FILE]
+
+Each method runs in a process of its own, so that its first call pays for what it compiles or
+warms. Quality is measured on the same points for all, in the same run. One thread by default: with
+more, threads that wait for one another are counted as CPU time.
+"""
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import time
+import warnings
+from collections.abc import Callable
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from benchmarks.measure import as_dict, machine, timed
+from omnivat.projection import PROJECTIONS
+from omnivat.projection.quality import drift, recall, trustworthiness
+from omnivat.tables import load
+
+CHAIN_STOPS = 11
+
+
+def made_points(count: int, width: int) -> Tensor:
+    """Return rows with the shape of visual-tactile embeddings: (count, width), unit length.
+
+    Two modalities, eight domains and five classes, each a direction of its own; an object's rows
+    lie on a curved sheet of two dimensions; a little noise everywhere.
+    """
+    rng = np.random.default_rng(0)
+    modality = np.arange(count) % 2
+    domain, kind = rng.integers(0, 8, count), rng.integers(0, 5, count)
+    sheet = rng.uniform(-2, 2, (count, 2))
+    waves = np.cos(sheet @ rng.normal(size=(2, 24)) + rng.uniform(0, 6, 24))
+    directions = [rng.normal(size=(n, width)) for n in (2, 8, 5, 24)]
+    rows = (
+        1.5 * directions[0][modality]
+        + directions[1][domain]
+        + 0.8 * directions[2][kind]
+        + 0.35 * waves @ directions[3]
+        + 0.1 * rng.normal(size=(count, width))
+    )
+    return torch.nn.functional.normalize(torch.from_numpy(rows).float())
+
+
+def method_report(name: str, points: Tensor, runs: int) -> dict[str, Any]:
+    """Time a method's first call in this process, then more calls, and judge its map."""
+    begun = time.process_time()
+    project: Callable[[Tensor], Tensor] = load(PROJECTIONS, name, kind="projection")
+    if name == "umap-learn":
+        import umap  # noqa: F401  # the import is not part of the first call
+    imported = time.process_time() - begun
+    first = timed(lambda: project(points), 1)
+    flat = project(points)
+    return {
+        "method": name,
+        "import_cpu": imported,
+        "first": as_dict(first),
+        "again": as_dict(timed(lambda: project(points), runs)),
+        "trustworthiness": trustworthiness(points, flat),
+        "recall_at_15": recall(points, flat),
+    }
+
+
+def chain_report(points: Tensor) -> list[dict[str, Any]]:
+    """One map for each of 11 orders of ReLU(Re, Im) of the transform: apart, and as a chain."""
+    from omnivat.fractional import coefficients, synthesise
+    from omnivat.projection import torch_umap
+    from omnivat.projection.chain import chain
+
+    kept = coefficients(points)
+    stops = []
+    for order in torch.linspace(0, 1, CHAIN_STOPS).tolist():
+        turned = synthesise(kept, order)
+        stops.append(torch.cat([turned.real.relu(), turned.imag.relu()], dim=1))
+    torch_umap.project(points)  # both are timed warm
+    found = []
+    ways: dict[str, Callable[[], list[Tensor]]] = {
+        "apart, one seed": lambda: [torch_umap.project(rows) for rows in stops],
+        "chain": lambda: list(chain(stops)),
+    }
+    for name, maps in ways.items():
+        begun = time.process_time()
+        flats = maps()
+        found.append(
+            {
+                "maps": name,
+                "cpu": time.process_time() - begun,
+                "drift": float(np.mean([drift(a, b) for a, b in pairwise(flats)])),
+                "trustworthiness": float(
+                    np.mean([trustworthiness(x, y) for x, y in zip(stops, flats, strict=True)])
+                ),
+                "recall_at_15": float(
+                    np.mean([recall(x, y) for x, y in zip(stops, flats, strict=True)])
+                ),
+            }
+        )
+    return found
+
+
+def in_own_process(name: str, arguments: argparse.Namespace) -> dict[str, Any]:
+    """Run one method in a fresh interpreter and return its report."""
+    command = [sys.executable, "-m", "benchmarks.projection", "--only", name]
+    for option in ("points", "width", "runs", "threads"):
+        command += [f"--{option}", str(getattr(arguments, option))]
+    limits = dict.fromkeys(("OMP_NUM_THREADS", "NUMBA_NUM_THREADS"), str(arguments.threads))
+    done = subprocess.run(
+        command, check=True, capture_output=True, text=True, env={**os.environ, **limits}
+    )
+    report: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
+    return report
+
+
+def show(report: dict[str, Any]) -> None:
+    """Print the tables of docs/benchmarks/projection.md."""
+    print(json.dumps(report["machine"]))
+    print("| method | first call, CPU s | again, CPU s (lowest to highest) | trust | recall@15 |")
+    print("| --- | --- | --- | --- | --- |")
+    for row in report["methods"]:
+        again = row["again"]
+        print(
+            f"| {row['method']} | {row['first']['cpu']:.2f} | {again['cpu']:.2f} "
+            f"({again['cpu_low']:.2f} to {again['cpu_high']:.2f}) "
+            f"| {row['trustworthiness']:.4f} | {row['recall_at_15']:.3f} |"
+        )
+    print("\n| 11 orders | CPU s | drift | trust | recall@15 |\n| --- | --- | --- | --- | --- |")
+    for row in report["chain"]:
+        print(
+            f"| {row['maps']} | {row['cpu']:.2f} | {row['drift']:.3f} "
+            f"| {row['trustworthiness']:.4f} | {row['recall_at_15']:.3f} |"
+        )
+
+
+def main() -> None:
+    """Read the arguments, measure, print, and write the JSON where asked."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--points", type=int, default=2000)
+    parser.add_argument("--width", type=int, default=512)
+    parser.add_argument("--runs", type=int, default=5)
+    parser.add_argument("--threads", type=int, default=1)
+    parser.add_argument("--only", choices=list(PROJECTIONS), help=argparse.SUPPRESS)
+    parser.add_argument("--out", type=Path)
+    arguments = parser.parse_args()
+    torch.set_num_threads(arguments.threads)
+    points = made_points(arguments.points, arguments.width)
+    if arguments.only:
+        warnings.simplefilter("ignore")  # umap-learn warns that a seed means one thread
+        print(json.dumps(method_report(arguments.only, points, arguments.runs)))
+        return
+    report = {
+        "machine": machine(),
+        "points": arguments.points,
+        "width": arguments.width,
+        "methods": [in_own_process(name, arguments) for name in PROJECTIONS],
+        "chain": chain_report(points),
+    }
+    show(report)
+    if arguments.out:
+        arguments.out.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,174 @@
+"""The paper's ablations as plain data: what each row changes, and which table or figure it is of.
+
+Rows are settings of the head and of training over whatever base settings a run has; the row "full"
+changes nothing and is run once for all tables.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from omnivat.errors import MissingNameError
+from omnivat.tables import suggestion
+
+TWO_SOURCES = ("TAG", "OF 2.0 A")  # where the paper prints ablations
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Row:
+    """One variant. `base` is the head unless it names a baseline."""
+
+    label: str
+    head: Mapping[str, Any] = field(default_factory=dict)
+    train: Mapping[str, Any] = field(default_factory=dict)
+    modalities: tuple[str, ...] = ("vis", "tac")
+    base: str = "omnivat"
+    value: float | None = None  # where a figure plots it
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ablation:
+    """One table or figure of the paper."""
+
+    title: str
+    rows: Mapping[str, Row]
+    sources: tuple[str, ...] = TWO_SOURCES
+    axis: str = ""  # a figure's horizontal axis
+
+
+FULL = Row(label="OmniVaT")
+BASELINE = Row(label="Baseline", base="baseline")
+
+
+def _generation(kind: str, label: str) -> Row:
+    return Row(label=f"OmniVaT ({label})", head={"generation": kind})
+
+
+def _modalities(lang: bool, names: tuple[str, ...]) -> Row:
+    label = " / ".join(name.upper() for name in (("lang",) if lang else ()) + names)
+    train = {"lang": lang, "modalities": "+".join(names)}
+    return Row(label=label, train=train, modalities=names)
+
+
+ONLY_MFFA = {"generation": "none"}
+ONLY_DTG = {"mffa": False}
+
+ABLATIONS = {
+    "components": Ablation(
+        title="Key components",
+        rows={
+            "baseline": BASELINE,
+            "mffa without MMA": Row(
+                label="+ MFFA (without L_MMA)", head=ONLY_MFFA, train={"mma_weight": 0.0}
+            ),
+            "mffa": Row(label="+ MFFA", head=ONLY_MFFA),
+            "dtg without NOD": Row(
+                label="+ DTG (without L_NOD)", head=ONLY_DTG, train={"nod_weight": 0.0}
+            ),
+            "dtg": Row(label="+ DTG", head=ONLY_DTG),
+            "full": FULL,
+        },
+    ),
+    "generation": Ablation(
+        title="Feature generation, seven nodes each",
+        rows={
+            "baseline": BASELINE,
+            "interpolation": _generation("interpolation", "linear interpolation"),
+            "series": _generation("series", "series"),
+            "parallel": _generation("parallel", "parallel"),
+            "full": FULL,
+        },
+    ),
+    "class_token": Ablation(
+        title="Global class token",
+        rows={
+            "baseline": BASELINE,
+            "without class token": Row(
+                label="OmniVaT (without class token)", head={"class_token": False}
+            ),
+            "full": FULL,
+        },
+    ),
+    "modalities": Ablation(
+        title="Modalities in training and prediction",
+        sources=("TAG",),
+        rows={
+            "vis": _modalities(False, ("vis",)),
+            "tac": _modalities(False, ("tac",)),
+            "vis+tac": _modalities(False, ("vis", "tac")),
+            "lang, vis": _modalities(True, ("vis",)),
+            "lang, tac": _modalities(True, ("tac",)),
+            "full": FULL,
+        },
+    ),
+    "order": Ablation(
+        title="Fractional order p: fixed at 0 and 1, learnable from elsewhere",
+        sources=("TAG",),
+        axis="p",
+        rows={
+            **{
+                f"p {p:g}": Row(
+                    label=f"p = {p:g}" + (" (fixed)" if p in (0.0, 1.0) else ""),
+                    head={"order": p, "learn_order": p not in (0.0, 1.0)},
+                    value=p,
+                )
+                for p in (0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 1.0)
+            },
+            "p 0.5 fixed": Row(label="p = 0.5 (fixed)", head={"order": 0.5, "learn_order": False}),
+            "p per modality": Row(
+                label="p = 0.5, one for each modality", head={"order_per_modality": True}
+            ),
+        },
+    ),
+    "levels": Ablation(
+        title="Depth R of the tree",
+        sources=("TAG",),
+        axis="R",
+        rows={
+            f"R {levels}": Row(
+                label=f"R = {levels}, {2**levels - 1} nodes",
+                head={"levels": levels},
+                value=levels,
+            )
+            for levels in (1, 2, 3, 4, 5)
+        },
+    ),
+    "expansion": Ablation(
+        title="Expansion E",
+        sources=("TAG",),
+        axis="E",
+        rows={
+            f"E {count}": Row(label=f"E = {count}", head={"expansion": count}, value=count)
+            for count in (1, 2, 3, 4, 6, 8)
+        },
+    ),
+    "balance": Ablation(
+        title="Balance weight λ of L_MMA",
+        sources=("TAG",),
+        axis="λ",
+        rows={
+            f"λ {weight:g}": Row(
+                label=f"λ = {weight:g}", train={"mma_weight": weight}, value=weight
+            )
+            for weight in (0.0, 0.1, 1.0, 10.0, 100.0)
+        },
+    ),
+}
+
+
+def chosen(names: tuple[str, ...]) -> dict[str, Ablation]:
+    """Return ablations by name, all where none is named.
+
+    Raises MissingNameError with the nearest name.
+    """
+    for name in names:
+        if name not in ABLATIONS:
+            known = ", ".join(ABLATIONS)
+            hint = suggestion(name, ABLATIONS)
+            raise MissingNameError(f"No ablation is called '{name}'; there are {known}.{hint}")
+    return {name: ABLATIONS[name] for name in names or ABLATIONS}
+
+
+def method_name(row: str) -> str:
+    """Return what a row's runs are called in the records, so that tables share them."""
+    return f"ablation: {row}"

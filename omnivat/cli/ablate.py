@@ -1,0 +1,88 @@
+"""Run the paper's ablations and write their tables and plots.
+
+python -m omnivat ablate --embeddings FILE --out DIR [--only components,order] [--seeds 0,1,2]
+"""
+
+import argparse
+from typing import TYPE_CHECKING, Any
+
+from omnivat.cli.protocol import RUNS, add_running, listed, numbers, work
+
+if TYPE_CHECKING:
+    from omnivat.ablations import Ablation
+    from omnivat.protocol.run import Run
+
+
+def add(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    add_running(parser)
+    parser.add_argument("--only", default="", metavar="a,b,c", help="some of the ablations")
+    parser.add_argument("--sources", default="", metavar="A,B", help="instead of the paper's")
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="key=value",
+        help="a setting that all rows start from, such as width=64",
+    )
+
+
+def run(options: argparse.Namespace) -> None:
+    """Do what is not done yet, then write tables and plots anew."""
+    from omnivat.ablations import chosen
+    from omnivat.cli.train import split_settings
+    from omnivat.model.settings import HeadSettings
+    from omnivat.protocol import records
+    from omnivat.reports.ablation_report import write_ablations
+    from omnivat.train import TrainSettings
+
+    tables = chosen(listed(options.only))
+    if not options.tables_only:
+        head, training = split_settings(options.set, HeadSettings, TrainSettings)
+        sources, seeds = listed(options.sources), numbers(options.seeds)
+        work(planned_rows(tables, sources, seeds, head, training), options)
+    layout = {
+        name: {
+            "title": table.title,
+            "axis": table.axis,
+            "sources": listed(options.sources) or table.sources,
+            "rows": {row: (_name(row), one.label, one.value) for row, one in table.rows.items()},
+        }
+        for name, table in tables.items()
+    }
+    print(write_ablations(records.read(options.out / RUNS), layout, options.out))
+
+
+def planned_rows(
+    tables: "dict[str, Ablation]",
+    sources: tuple[str, ...],
+    seeds: tuple[int, ...],
+    head: dict[str, Any],
+    training: dict[str, Any],
+) -> "list[Run]":
+    """Return the runs of all tables; a row that stands in several is run once."""
+    from omnivat.protocol.methods import HEAD, Method
+    from omnivat.protocol.run import Run
+
+    runs: dict[tuple[str, str, int], Run] = {}
+    for seed in seeds:
+        for table in tables.values():
+            for source in sources or table.sources:
+                for row, one in table.rows.items():
+                    ours = one.base == HEAD
+                    method = Method(
+                        name=_name(row),
+                        label=one.label,
+                        base=one.base,
+                        head={**head, **one.head} if ours else {},
+                        train={**training, **one.train} if ours else {},
+                        modalities=one.modalities,
+                    )
+                    runs[row, source, seed] = Run(method=method, source=source, seed=seed)
+    return list(runs.values())
+
+
+def _name(row: str) -> str:
+    from omnivat.ablations import method_name
+
+    return method_name(row)

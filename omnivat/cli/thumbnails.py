@@ -1,0 +1,34 @@
+"""Make the sheet of thumbnails that the page shows for a set of embeddings.
+
+    python -m omnivat thumbnails PAIRS --embeddings FILE
+"""
+
+import argparse
+from pathlib import Path
+
+from omnivat.cli.bar import progress_bar
+from omnivat.errors import SettingsError
+from omnivat.heads import default_embeddings
+
+
+def add(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("pairs", type=Path, help="the folder of pairs that was embedded")
+    parser.add_argument("--embeddings", type=Path, default=default_embeddings())
+    parser.add_argument("--out", type=Path, help="a .webp; beside the embeddings if left out")
+    parser.add_argument("--tile", type=int, default=64, help="pixels a side of one thumbnail")
+
+
+def run(options: argparse.Namespace) -> None:
+    """Read every image once, write one sheet."""
+    if not 8 <= options.tile <= 512:
+        raise SettingsError(f"--tile is {options.tile}; choose 8 to 512 pixels.")
+    from omnivat.data.store import load_embeddings
+    from omnivat.thumbnails import sheet_of, write_thumbnails
+
+    embeddings = load_embeddings(options.embeddings)
+    out = options.out or sheet_of(options.embeddings)
+    root = options.pairs if options.pairs.is_dir() else options.pairs.parent
+    with progress_bar("thumbnails") as show:
+        missing = write_thumbnails(embeddings, root, out, tile=options.tile, on_step=show)
+    print(f"{2 * len(embeddings)} thumbnails written to {out}, {missing} images missing")

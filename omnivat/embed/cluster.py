@@ -1,0 +1,77 @@
+"""The Ray engine: the same chunks over Ray Data, for people with a cluster and a million images.
+
+The machines must see the images under the same paths and have the same weights; the second is
+checked. A machine that is lost has its chunks done again by another. Part files are named by their
+chunk, so whatever is done twice is kept once.
+"""
+
+import pickle
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
+
+from omnivat.embed.job import Chunk, Job, embed_one
+from omnivat.embed.parts import part_bytes
+from omnivat.encoders import Encoder
+from omnivat.encoders.cache import EmbeddingCache
+from omnivat.errors import DataError
+from omnivat.packages import need
+
+PURPOSE, INSTALL = "embedding over a cluster", "'ray[data]'"
+
+
+def run(
+    chunks: Sequence[Chunk],
+    job: Job,
+    encoder: Encoder,
+    *,
+    workers: int,
+    on_pairs: Callable[[int], None],
+) -> Iterator[tuple[Chunk, bytes]]:
+    """Give each chunk with the content of its part file, in the order they are finished.
+
+    Uses the cluster this process is connected to, or that $RAY_ADDRESS names, or starts Ray here.
+    workers     how many worker processes, each on one core of the cluster
+    """
+    ray = need("ray", purpose=PURPOSE, install=INSTALL)
+    data = need("ray.data", purpose=PURPOSE, install=INSTALL)
+    if not chunks:
+        return
+    started_here = not ray.is_initialized()
+    if started_here:
+        ray.init()
+    try:
+        data.DataContext.get_current().enable_progress_bars = False
+        rows = [{"index": i, "chunk": pickle.dumps(chunk)} for i, chunk in enumerate(chunks)]
+        finished = data.from_items(rows, override_num_blocks=len(rows)).map(
+            Worker,
+            fn_constructor_args=(job, encoder.weights_hash),
+            concurrency=min(workers, len(rows)),
+            num_cpus=1,
+        )
+        for row in finished.iter_rows():
+            chunk = chunks[row["index"]]
+            on_pairs(len(chunk.pairs))
+            yield chunk, row["part"]
+    finally:
+        if started_here:
+            ray.shutdown()
+
+
+class Worker:
+    """One process of the cluster: loads the encoder once, then turns chunks into part files."""
+
+    def __init__(self, job: Job, weights_hash: str) -> None:
+        self._job = job
+        self._encoder = job.load()
+        self._cache = EmbeddingCache(in_memory=1024)
+        if self._encoder.weights_hash != weights_hash:
+            raise DataError(
+                f"A worker has other weights of {job.encoder} than the machine that asked "
+                f"({self._encoder.weights_hash}, not {weights_hash}); put the same checkpoint on both."
+            )
+
+    def __call__(self, row: dict[str, Any]) -> dict[str, Any]:
+        """Return the content of the part file of the chunk in `row`."""
+        chunk: Chunk = pickle.loads(row["chunk"])  # sent by `run` above, never read from a file
+        results = [embed_one(self._encoder, self._job, pair, self._cache) for pair in chunk.pairs]
+        return {"index": row["index"], "part": part_bytes(chunk, self._job, results)}

@@ -1,0 +1,56 @@
+"""What users hand in, checked at the border: vectors, axes and orders."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import torch
+from torch import Tensor
+
+from omnivat.errors import SettingsError, ShapeError
+
+_KEPT = (torch.float32, torch.float64, torch.complex64, torch.complex128)
+
+
+def working_precision(x: Tensor) -> Tensor:
+    """x as it is computed with: half precision, integers and booleans become single precision."""
+    if x.dtype in _KEPT:
+        return x
+    return x.to(torch.complex64 if x.is_complex() else torch.float32)
+
+
+def axis_from_end(x: Tensor, dim: int) -> int:
+    """dim counted from the end (-1 is the last axis), checked to exist and to hold samples."""
+    shape = tuple(x.shape)
+    if not -len(shape) <= dim < len(shape):
+        raise ShapeError(f"x has shape {shape}, expected an axis {dim}: choose one that it has.")
+    if shape[dim] == 0:
+        raise ShapeError(f"x has shape {shape}, expected one sample or more along axis {dim}.")
+    return dim - len(shape) if dim >= 0 else dim
+
+
+def checked_order(order: float | Tensor | Any, device: torch.device) -> Tensor:
+    """The order as float64 on `device`, in the graph if it was.
+
+    An order that already lies on an accelerator is not read back: there NaN gives NaN rows.
+    Raises SettingsError for NaN, infinite or complex orders.
+    """
+    try:
+        found = order if isinstance(order, Tensor) else torch.as_tensor(order, dtype=torch.float64)
+    except (TypeError, ValueError, OverflowError, RuntimeError) as error:
+        raise SettingsError(
+            f"The order is {order!r}, expected a finite real number, or a tensor of them."
+        ) from error
+    if found.is_complex():
+        raise SettingsError(f"The order is complex ({found.dtype}), expected real quarter turns.")
+    if found.device.type == "cpu" and not bool(torch.isfinite(found).all()):
+        raise SettingsError(
+            f"The order holds NaN or infinity ({_shortened(found)}), expected finite quarter turns."
+        )
+    return found.to(device=device, dtype=torch.float64)
+
+
+def _shortened(order: Tensor) -> str:
+    bad = order.detach().reshape(-1)
+    bad = bad[~torch.isfinite(bad)]
+    return ", ".join(str(value) for value in bad[:3].tolist()) + (", …" if len(bad) > 3 else "")

@@ -1,0 +1,76 @@
+"""FrATT over the few vectors that its tokens are multiples of: exact, whatever E is.
+
+A token is ReLU(θ x) = ReLU(θ) ReLU(x) + ReLU(-θ) ReLU(-x), so the tokens of a sample are multiples
+of r base vectors: r = C for C channels (Re and Im) while no θ is negative, else 2 C. Scores between
+tokens follow from the r x r scores between base vectors.
+
+Axes here: r base vectors, C channels, M modalities, B pairs, D width, T = C E tokens.
+"""
+
+from typing import NamedTuple
+
+import torch
+from torch import Tensor
+
+
+class Tables(NamedTuple):
+    """How tokens are made of base vectors; all follow from θ."""
+
+    tokens: Tensor  # (M, r, T): token t is the sum over s of tokens[s, t] times base vector s
+    pairs: Tensor  # (M, r * r, T * T): the same for all pairs of tokens, query first
+    columns: Tensor  # (M, r, T * T): for what a key adds to its column, whoever asks
+    halves: Tensor  # (M, h): mean over θ of ReLU(θ) and, where there is one, of ReLU(-θ)
+
+
+def base_vectors(channels: Tensor, halves: int) -> Tensor:
+    """Return ReLU(x), and ReLU(-x) where there are two halves: (C, M, B, D) -> (r, M, B, D)."""
+    positive = torch.relu(channels)
+    return positive if halves == 1 else torch.cat((positive, torch.relu(-channels)))
+
+
+def tables(theta: Tensor, channels: int) -> Tables:
+    """Return the tables for θ (M, E). Looks at the signs of θ: half the work without a negative."""
+    signs = (theta, -theta) if bool((theta < 0).any()) else (theta,)
+    weights = torch.relu(torch.stack(signs, dim=1))  # (M, h, E)
+    eye = torch.eye(channels, dtype=theta.dtype, device=theta.device)
+    tokens = torch.einsum("mhe,cd->mhcde", weights, eye).flatten(3).flatten(1, 2)  # (M, r, T)
+    pairs = torch.einsum("mri,msj->mrsij", tokens, tokens)
+    columns = tokens[:, :, None].expand(-1, -1, tokens.shape[-1], -1)
+    return Tables(tokens, pairs.flatten(3).flatten(1, 2), columns.flatten(2), weights.mean(-1))
+
+
+def dots(queries: Tensor, keys: Tensor) -> Tensor:
+    """Return all products of a sample: (q, M, B, D) and (r, M, B, D) -> (M, B, q, r)."""
+    return torch.einsum("qmbd,rmbd->mbqr", queries, keys)
+
+
+def mean_weights(scores: Tensor, key_scores: Tensor, table: Tables, root: float) -> Tensor:
+    """Return attention (M, B, T), the mean over a sample's own tokens as queries.
+
+    scores      (M, B, r, r) between base vectors
+    key_scores  (M, B, r) of base vectors as keys with the bias of the queries
+    root        what scores are divided by
+    """
+    count = table.tokens.shape[-1]
+    full = scores.flatten(2) @ table.pairs + key_scores @ table.columns  # (M, B, T * T)
+    return torch.softmax(full.unflatten(-1, (count, count)) / root, dim=-1).mean(-2)
+
+
+def mixed(base: Tensor, weights: Tensor, table: Tables) -> Tensor:
+    """Return the weighted sum of tokens: (r, M, B, D), (M, B, T) -> (M, B, D)."""
+    return combined(base, weights @ table.tokens.mT)
+
+
+def combined(base: Tensor, shares: Tensor) -> Tensor:
+    """Return the weighted sum of base vectors: (r, M, B, D), (M, B or 1, r) -> (M, B, D)."""
+    total = base[0] * shares[..., :1]
+    for index in range(1, len(base)):
+        total = torch.addcmul(total, base[index], shares[..., index : index + 1])
+    return total
+
+
+def mean_channels(base: Tensor, table: Tables) -> Tensor:
+    """Return F, the mean over θ of the tokens of each channel: (r, M, B, D) -> (C, M, B, D)."""
+    halves = table.halves.shape[1]
+    parts = base.unflatten(0, (halves, -1)) * table.halves.T[:, None, :, None, None]
+    return parts.sum(0) if halves > 1 else parts[0]

@@ -1,0 +1,90 @@
+"""Prediction with everything folded that can be folded exactly: the fast path of the head.
+
+Scores need only θ_Qᵀ θ_K; θ_V follows the mean over tokens and goes into the first layer of the
+feed-forward network; the tree's mean is one matrix; the class token is one constant vector. Products
+of weights are taken in double precision once, so that folding costs no accuracy.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor, nn
+from torch.nn.functional import gelu, linear, normalize
+
+from omnivat.model import factored
+from omnivat.model.dtg import DTG
+from omnivat.model.fratt import FrATT
+from omnivat.model.mffa import MFFA
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FoldedMFFA:
+    """MFFA for given modalities with its weights multiplied out; gradients do not pass.
+
+    Source: docs/method.md, "Folding"; `MFFA.attend` is the unfolded form.
+    """
+
+    table: factored.Tables
+    scores: Tensor  # (D, D): base vector u asks v by u @ scores @ v
+    key_scores: Tensor  # (D,): v adds key_scores @ v, whoever asks
+    first: Tensor  # (4D, D): θ_V, then the first layer
+    first_bias: Tensor  # (4D,)
+    second: nn.Linear
+    token: Tensor | None  # (M, 1, D)
+    score_root: float
+    unit: bool
+
+    def features(self, channels: Tensor) -> tuple[Tensor, Tensor]:
+        """Return F-bar (M, B, D) and F (C, M, B, D) of channels (C, M, B, D)."""
+        base = factored.base_vectors(channels, self.table.halves.shape[1])
+        scores = factored.dots(base @ self.scores, base)
+        key_scores = (base @ self.key_scores).movedim(0, -1)
+        weights = factored.mean_weights(scores, key_scores, self.table, self.score_root)
+        pooled = factored.mixed(base, weights, self.table)
+        if self.token is not None:
+            pooled = pooled + self.token
+        feature = self.second(gelu(linear(pooled, self.first, self.first_bias)))
+        feature = normalize(feature, dim=-1) if self.unit else feature
+        return feature, factored.mean_channels(base, self.table)
+
+
+@torch.no_grad()
+def fold_mffa(mffa: MFFA, names: Sequence[str]) -> FoldedMFFA:
+    """Return MFFA of the modalities `names` in its folded form."""
+    fratt: FrATT = mffa.fratt
+    dtype = fratt.query.weight.dtype
+    score_root, value_root = fratt.roots
+    first, second = fratt.ffn[0], fratt.ffn[2]
+    assert isinstance(first, nn.Linear), "FrATT's network starts with a linear layer"
+    assert isinstance(second, nn.Linear), "FrATT's network ends with a linear layer"
+    key, value = fratt.key.weight.double(), fratt.value.weight.double()
+    wide = first.weight.double()
+    channels = 1 if mffa.real in ("magnitude", "real") else 2
+    return FoldedMFFA(
+        table=factored.tables(mffa.thetas(names), channels),
+        scores=(fratt.query.weight.double().T @ key).to(dtype),
+        key_scores=(fratt.query.bias.double() @ key).to(dtype),
+        first=(wide @ value / value_root).to(dtype),
+        first_bias=(wide @ fratt.value.bias.double() / value_root + first.bias).to(dtype),
+        second=second,
+        token=mffa.class_agnostic_tokens(names)[:, None] if mffa.class_token else None,
+        score_root=score_root,
+        unit=mffa.unit,
+    )
+
+
+@torch.no_grad()
+def fold_tree(tree: DTG) -> tuple[Tensor, Tensor]:
+    """Return the tree's mean as one matrix (D, D) and one offset (D,)."""
+    dtype = tree.weight.dtype
+    matrix, offset = tree.fold(torch.float64)
+    return matrix.to(dtype), offset.to(dtype)
+
+
+def versions(module: nn.Module) -> tuple[tuple[int, int, str], ...]:
+    """Return what changes whenever a weight does: in place, by loading, or by conversion."""
+    tensors = (*module.parameters(), *module.buffers())
+    return tuple(
+        (t.data_ptr(), -1 if t.is_inference() else t._version, str(t.dtype)) for t in tensors
+    )

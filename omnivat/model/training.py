@@ -1,0 +1,117 @@
+"""One batch through the head as the losses need it: with LANG, class tokens and the whole tree."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import torch
+from torch import Tensor
+
+from omnivat.model.dtg import Grown, interpolated
+from omnivat.model.output import TrainingOutput
+
+if TYPE_CHECKING:
+    from omnivat.model.head import OmniVaT
+
+
+def training_pass(
+    model: OmniVaT,
+    given: dict[str, Tensor],
+    lang: Tensor | None,
+    labels: Tensor,
+    *,
+    lang_on: Tensor | None,
+    token_on: Tensor | None,
+) -> TrainingOutput:
+    """Run one batch; see `OmniVaT.training_pass`. given: "vis", "tac" or both, (B, input_width)."""
+    names = tuple(given)
+    lang_on = torch.ones_like(labels, dtype=torch.bool) if lang_on is None else lang_on
+    if not model.settings.mffa:
+        return _without_mffa(model, given, lang, lang_on)
+    features: dict[str, Tensor] = {}
+    tokens: dict[str, Tensor] = {}
+    embedding = model.embedded(given)
+    guide = None
+    if lang is not None:
+        text = model.embedded({"lang": lang})
+        parts = model.mffa.parts(("lang",), text)
+        token = _class_tokens(model, ("lang",), parts, labels, token_on, tokens)
+        features["lang"] = model.mffa.features(("lang",), parts, token=token)[0]
+        guide = model.length * features["lang"]
+        embedding = embedding + guide * lang_on[:, None]
+    parts = model.mffa.parts(names, embedding)
+    token = _class_tokens(model, names, parts, labels, token_on, tokens)
+    found = model.mffa.features(names, parts, guide=guide, guided=lang_on, token=token)
+    features |= dict(zip(names, found, strict=True))
+    root = found.sum(0)
+    if guide is not None:
+        root = root + features["lang"] * lang_on[:, None]
+    return _output(model, features, found, root, tokens)
+
+
+def _without_mffa(
+    model: OmniVaT, given: dict[str, Tensor], lang: Tensor | None, lang_on: Tensor
+) -> TrainingOutput:
+    """Grow the tree from the embeddings; MMA has nothing to align."""
+    found = model.embedded(given) / model.length
+    root = found.sum(0)
+    if lang is not None:
+        root = root + model.embedded({"lang": lang})[0] / model.length * lang_on[:, None]
+    return _output(model, dict(zip(given, found, strict=True)), found, root, {})
+
+
+def _output(
+    model: OmniVaT,
+    features: dict[str, Tensor],
+    found: Tensor,
+    root: Tensor,
+    tokens: dict[str, Tensor],
+) -> TrainingOutput:
+    """Grow nodes from `root` (B, D), add their mean to the features (M, B, D), classify."""
+    names = [name for name in features if name != "lang"]
+    grown = grow(model, found, root)
+    f_hat = found if grown is None else found + grown.nodes.mean(1)
+    return TrainingOutput(
+        features=features,
+        layers=[root[:, None]] if grown is None else grown.groups,
+        logits=dict(zip(names, model.classify(f_hat), strict=True)),
+        tokens=tokens,
+    )
+
+
+def grow(model: OmniVaT, found: Tensor, root: Tensor) -> Grown | None:
+    """Return all nodes of features (M, B, D) with the root (B, D), or None where none grow."""
+    if model.settings.generation == "none":
+        return None
+    if model.settings.generation == "interpolation":
+        points = interpolated(list(found), model.settings.levels)
+        return Grown(points, [root[:, None]])  # on one line: NOD has no say
+    return model.dtg.grow(root)
+
+
+def _class_tokens(
+    model: OmniVaT,
+    names: tuple[str, ...],
+    parts: Tensor,
+    labels: Tensor,
+    token_on: Tensor | None,
+    tokens: dict[str, Tensor],
+) -> Tensor | None:
+    """Return class tokens (M, B, D): a pair's own class's, or the class-agnostic one.
+
+    The mean token of each pair goes into `tokens`, for the bank.
+    """
+    if not model.settings.class_token:
+        return None
+    values = model.mffa.mean_tokens(names, parts)
+    tokens |= dict(zip(names, values, strict=True))
+    own = class_means(values, labels)
+    if token_on is None:
+        return own
+    return torch.where(token_on[:, None], own, model.mffa.class_agnostic_tokens(names)[:, None])
+
+
+def class_means(values: Tensor, labels: Tensor) -> Tensor:
+    """Return for each sample the mean over its class in the batch: (..., B, D), (B,) -> same."""
+    same = (labels[:, None] == labels[None]).to(values.dtype)
+    return same @ values / same.sum(1, keepdim=True)

@@ -1,0 +1,118 @@
+"""Records of runs as JSON lines. Every line has a key made of all that decides its figures."""
+
+import json
+import os
+import platform
+from collections.abc import Iterator, Mapping
+from hashlib import blake2b
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from omnivat import __version__
+from omnivat.data.store import Embeddings
+from omnivat.errors import DataError
+from omnivat.lang.bank import LangBank
+
+FORMAT = "omnivat-run-1"
+
+
+def fingerprint(embeddings: Embeddings) -> str:
+    """Return a short name of the content: vectors, labels, domains, splits and parts."""
+    digest = blake2b(digest_size=8)
+    for array in (embeddings.vis, embeddings.tac, embeddings.domain, embeddings.label):
+        digest.update(np.ascontiguousarray(array).tobytes())
+    header = embeddings.header
+    columns = [embeddings.rows[name] for name in ("object", "split", "part")]
+    names = [header.key, header.domains, header.classes, columns, embeddings.vis_flip is not None]
+    digest.update(json.dumps(names).encode())
+    return digest.hexdigest()
+
+
+def provenance(embeddings: Embeddings, bank: LangBank | None) -> dict[str, Any]:
+    """Return what all records of a file share: data, text, versions."""
+    header = embeddings.header
+    return {
+        "format": FORMAT,
+        "data": {
+            "encoder": header.encoder,
+            "weights_hash": header.weights_hash,
+            "preprocessing": header.preprocessing,
+            "fingerprint": fingerprint(embeddings),
+            "simulated": header.simulated,
+            "origin": header.origin,
+        },
+        "lang": None if bank is None else {"origin": bank.origin, "hash": bank.hash},
+        "versions": _versions(),
+    }
+
+
+def key(record: Mapping[str, Any]) -> str:
+    """Return the name of what a record answers: the same question gives the same key.
+
+    Versions and times are not part of it.
+    """
+    parts = [
+        record[name] for name in ("method", "base", "settings", "source", "part", "seed", "fold")
+    ]
+    parts += [record["data"]["fingerprint"], (record["lang"] or {}).get("hash", "")]
+    text = json.dumps(parts, sort_keys=True)
+    return blake2b(text.encode(), digest_size=8).hexdigest()
+
+
+def append(path: Path, record: Mapping[str, Any]) -> None:
+    """Add one line and make sure that it is on disk."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("a", encoding="utf-8") as handle:
+        handle.write(json.dumps(record, ensure_ascii=False) + "\n")
+        handle.flush()
+        os.fsync(handle.fileno())
+
+
+def read(path: Path) -> list[dict[str, Any]]:
+    """Return the records of a file; a last line that was cut short is left out.
+
+    Raises DataError, with the line's number, for anything else that is not a record.
+    """
+    if not path.is_file():
+        return []
+    return list(_records(path))
+
+
+def _records(path: Path) -> Iterator[dict[str, Any]]:
+    lines = path.read_text(encoding="utf-8").split("\n")
+    for number, line in enumerate(lines, start=1):
+        if not line.strip():
+            continue
+        try:
+            record = json.loads(line)
+        except ValueError as error:
+            if number == len(lines):  # no line end: the program was stopped while writing
+                return
+            raise DataError(f"Line {number} of '{path}' is not JSON; remove it.") from error
+        if not isinstance(record, dict) or record.get("format") != FORMAT:
+            raise DataError(f"Line {number} of '{path}' is not a record of a run ('{FORMAT}').")
+        yield record
+
+
+def mend(path: Path) -> None:
+    """Cut off a last line that was not written to its end, so that lines can follow."""
+    if not path.is_file():
+        return
+    content = path.read_bytes()
+    whole = content.rfind(b"\n") + 1
+    if whole < len(content):
+        with path.open("r+b") as handle:
+            handle.truncate(whole)
+
+
+def _versions() -> dict[str, str]:
+    found = {"python": platform.python_version(), "omnivat": __version__}
+    for name in ("torch", "numpy", "scipy"):
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            continue
+    return found

@@ -1,0 +1,1 @@
+"""Tables, intervals and plots, rebuilt from records of runs; nothing here runs anything."""

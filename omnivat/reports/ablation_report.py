@@ -1,0 +1,98 @@
+"""Ablations as Markdown tables, the paper's figures beside, and SVG plots where it has figures."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from omnivat.data.domains import paper_name
+from omnivat.files import write_text
+from omnivat.reports.intervals import Spread, spread
+from omnivat.reports.paper import MARK, ablation_cell, not_comparable
+from omnivat.reports.plot import line_plot
+from omnivat.reports.reading import METRICS, Record, answered, by_run, latest
+from omnivat.reports.text_table import markdown, spread_text
+
+REPORT = "ablations.md"
+SCORES = ("accuracy", "macro_f1")
+
+
+def write_ablations(
+    records: Sequence[Record], layout: Mapping[str, Mapping[str, Any]], folder: Path
+) -> str:
+    """Write `ablations.md` and a plot for each figure; return the text.
+
+    layout  ablation -> title, axis, sources, rows: {row: (method, label, place on the axis)}
+    """
+    found = latest(records)
+    if not found:
+        return "No runs yet.\n"
+    parts = [_heading(found)]
+    for name, table in layout.items():
+        sources = [_in_data(found, source) for source in table["sources"]]
+        parts += [f"## {table['title']}", ablation_table(found, name, table, sources)]
+        if table["axis"]:
+            file = f"{name}.svg"
+            write_text(folder / file, ablation_plot(found, table, sources))
+            parts.append(f"![{table['title']}]({file})")
+    text = "\n\n".join(parts) + "\n"
+    write_text(folder / REPORT, text)
+    return text
+
+
+def _heading(records: Sequence[Record]) -> str:
+    data = records[0]["data"]
+    seeds = sorted({record["seed"] for record in records})
+    what = "Simulated domains" if data["simulated"] else "Data"
+    return (
+        f"# Ablations\n\n{what}: {data['origin'] or 'origin not stated'}; encoder "
+        f"{data['encoder']}. ACC / Macro-F1, mean over unseen targets, ± standard deviation "
+        f"(n − 1) over seeds {', '.join(map(str, seeds))}."
+    )
+
+
+def _in_data(records: Sequence[Record], source: str) -> str:
+    """Return a source's name in the records, simulated or not; its own where it was not run."""
+    wanted = paper_name(source)
+    return next((r["source"] for r in records if paper_name(r["source"]) == wanted), source)
+
+
+def _spread(records: Sequence[Record], method: str, source: str, metric: str) -> Spread:
+    values = by_run(records, method, metric)
+    return spread([value for (s, _), value in values.items() if s == source])
+
+
+def ablation_table(
+    records: Sequence[Record], name: str, table: Mapping[str, Any], sources: Sequence[str]
+) -> str:
+    """Return one ablation: a row a variant, ours and the printed figures for each source."""
+    why = not_comparable(records[0]["data"])
+    printed = f"printed, ViT-B/16{f' {MARK}' if why else ''}"
+    rows = []
+    for row, (method, label, _) in table["rows"].items():
+        cells = []
+        for source in sources:
+            ours = [spread_text(_spread(records, method, source, metric)) for metric in SCORES]
+            cells += [" / ".join(ours), ablation_cell(name, row, source)]
+        parameters = spread([r["parameters"] for r in answered(records, method)]).mean
+        rows.append([label, *cells, "" if parameters != parameters else f"{parameters:,.0f}"])
+    header = [text for source in sources for text in (f"{source} → X", printed)]
+    return markdown(["variant", *header, "parameters"], rows)
+
+
+def ablation_plot(
+    records: Sequence[Record], table: Mapping[str, Any], sources: Sequence[str]
+) -> str:
+    """Return the figure of one ablation, ACC and Macro-F1 of its first source."""
+    placed = [(method, value) for method, _, value in table["rows"].values() if value is not None]
+    series = {
+        METRICS[metric]: [
+            _percent(_spread(records, method, sources[0], metric)) for method, _ in placed
+        ]
+        for metric in SCORES
+    }
+    title = f"{table['title'].split(':')[0]}, {sources[0]} → X"
+    return line_plot(title, table["axis"], [f"{value:g}" for _, value in placed], series)
+
+
+def _percent(found: Spread) -> Spread:
+    return Spread(mean=100 * found.mean, std=100 * found.std, n=found.n)

@@ -1,0 +1,93 @@
+"""Means, spreads and paired confidence intervals."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Spread:
+    """A mean, the standard deviation (n - 1) around it, and how many values there are."""
+
+    mean: float
+    std: float  # NaN for fewer than two values
+    n: int
+
+
+def spread(values: Sequence[float]) -> Spread:
+    """Return mean, standard deviation and n."""
+    array = np.asarray(values, dtype=float)
+    return Spread(
+        mean=float(array.mean()) if len(array) else float("nan"),
+        std=float(array.std(ddof=1)) if len(array) > 1 else float("nan"),
+        n=len(array),
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Interval:
+    """A mean paired difference with a confidence interval, and what it was counted over."""
+
+    mean: float
+    low: float
+    high: float
+    n: int
+
+    @property
+    def excludes_zero(self) -> bool:
+        """Whether zero lies outside."""
+        return self.low > 0 or self.high < 0
+
+
+def t_interval(differences: Sequence[float], *, level: float = 0.95) -> Interval:
+    """Return Student's interval for the mean of n paired differences.
+
+    It takes them as independent. NaN ends for fewer than two.
+    """
+    from scipy.stats import t
+
+    found = spread(differences)
+    half = float("nan")
+    if found.n > 1:
+        half = float(t.ppf(0.5 + level / 2, found.n - 1)) * found.std / found.n**0.5
+    return Interval(mean=found.mean, low=found.mean - half, high=found.mean + half, n=found.n)
+
+
+def bootstrap_interval(
+    differences: Mapping[str, Sequence[float]],
+    *,
+    level: float = 0.95,
+    draws: int = 10_000,
+    seed: int = 0,
+) -> Interval:
+    """Return a percentile interval that resamples groups, then values inside each.
+
+    differences  group (a source) -> its paired differences (seeds): seeds of one source share its
+                 data and are not independent, so whole groups are drawn
+    return       mean of the groups' means; n counts all values
+    """
+    random = np.random.default_rng(seed)
+    groups = [np.asarray(values, dtype=float) for values in differences.values()]
+    total = sum(map(len, groups))
+    centre = float(np.mean([values.mean() for values in groups])) if groups else float("nan")
+    if len(groups) < 2:
+        return Interval(mean=centre, low=float("nan"), high=float("nan"), n=total)
+    resampled = np.empty((draws, len(groups)))  # means of resampled seeds, for every group
+    for column, values in enumerate(groups):
+        resampled[:, column] = random.choice(values, (draws, len(values))).mean(1)
+    chosen = random.integers(len(groups), size=(draws, len(groups)))
+    means = np.take_along_axis(resampled, chosen, axis=1).mean(1)
+    low, high = np.quantile(means, [0.5 - level / 2, 0.5 + level / 2])
+    return Interval(mean=centre, low=float(low), high=float(high), n=total)
+
+
+def paired_differences(
+    ours: Mapping[tuple[str, int], float], theirs: Mapping[tuple[str, int], float]
+) -> dict[str, list[float]]:
+    """Return ours - theirs by source, for every (source, seed) that both have."""
+    found: dict[str, list[float]] = {}
+    for (source, seed), value in ours.items():
+        if (source, seed) in theirs:
+            found.setdefault(source, []).append(value - theirs[source, seed])
+    return found

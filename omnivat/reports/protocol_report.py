@@ -1,0 +1,181 @@
+"""The comparison as Markdown: main table, intervals, every target, and the paper's figures beside."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from omnivat.files import write_text
+from omnivat.reports.intervals import (
+    bootstrap_interval,
+    paired_differences,
+    spread,
+    t_interval,
+)
+from omnivat.reports.paper import not_comparable, paper_rows
+from omnivat.reports.reading import (
+    METRICS,
+    Record,
+    answered,
+    by_run,
+    by_seed,
+    latest,
+    methods,
+)
+from omnivat.reports.text_table import interval_text, markdown, percent, spread_text
+
+REPORT = "report.md"
+OURS = "omnivat"
+SCORES = ("accuracy", "macro_f1")
+
+
+def write_report(records: Sequence[Record], folder: Path) -> str:
+    """Write `report.md` into the folder and return its text."""
+    text = protocol_report(records)
+    write_text(folder / REPORT, text)
+    return text
+
+
+def protocol_report(records: Sequence[Record]) -> str:
+    """Return the whole report of a protocol's records."""
+    found = latest(record for record in records if record["fold"] is None)
+    if not found:
+        return "No runs yet.\n"
+    parts = [
+        "# Single-domain generalization: comparison",
+        _origin(found),
+        "## ACC / Macro-F1, mean over unseen targets",
+        main_table(found),
+        "Mean ± standard deviation (n − 1) over seeds; Macro-F1 over classes present in a target.",
+        "## OmniVaT minus each method, 95 % intervals of paired differences",
+        interval_table(found),
+        "Points. t: over sources × seeds (n printed), taken as independent. Grouped: percentile "
+        "bootstrap that draws whole sources, then seeds.",
+        "## Macro-F1 with answered classes counted too (union), calibration, modalities",
+        side_table(found),
+        "## Every target",
+        *[part for name, label in methods(found).items() for part in _targets(found, name, label)],
+        _notes(found),
+    ]
+    return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def _origin(records: Sequence[Record]) -> str:
+    data, versions = records[0]["data"], records[0]["versions"]
+    seeds = sorted({record["seed"] for record in records})
+    what = "**Simulated domains**" if data["simulated"] else "Data"
+    return (
+        f"{what}: {data['origin'] or 'origin not stated'}. Encoder {data['encoder']} "
+        f"({data['weights_hash'][:12]}). Seeds {', '.join(map(str, seeds))}. "
+        f"torch {versions.get('torch', '?')}."
+    )
+
+
+def _sources(records: Sequence[Record]) -> list[str]:
+    return list(dict.fromkeys(record["source"] for record in records))
+
+
+def main_table(records: Sequence[Record]) -> str:
+    """Return the paper's main table on these records, its own rows beneath."""
+    sources = _sources(records)
+    rows = []
+    for name, label in methods(records).items():
+        scores = [by_run(records, name, metric) for metric in SCORES]
+        if not scores[0]:
+            continue
+        cells = []
+        for source in sources:
+            values = [spread([v for (s, _), v in score.items() if s == source]) for score in scores]
+            cells.append(" / ".join(map(spread_text, values)))
+        means = [spread(by_seed(score, sources)) for score in scores]
+        rows.append([label, *cells, " / ".join(map(spread_text, means))])
+    printed = paper_rows(sources, not_comparable(records[0]["data"]))
+    return markdown(["method", *(f"{s} → X" for s in sources), "average"], rows + printed)
+
+
+def interval_table(records: Sequence[Record]) -> str:
+    """Return intervals of OmniVaT's lead over every other method."""
+    rows = []
+    for name, label in methods(records).items():
+        if name == OURS or not answered(records, name):
+            continue
+        cells = []
+        for metric in SCORES:
+            found = paired_differences(by_run(records, OURS, metric), by_run(records, name, metric))
+            flat = [value for values in found.values() for value in values]
+            plain = t_interval(flat)
+            cells += [
+                f"{interval_text(plain)} n={plain.n}",
+                interval_text(bootstrap_interval(found)),
+            ]
+        rows.append([label, *cells])
+    header = ["OmniVaT minus", "ACC, t", "ACC, grouped", "Macro-F1, t", "Macro-F1, grouped"]
+    return markdown(header, rows) if rows else ""
+
+
+def side_table(records: Sequence[Record]) -> str:
+    """Return what the main table leaves out, averaged over all runs."""
+    rows = []
+    for name, label in methods(records).items():
+        if not answered(records, name):
+            continue
+        wanted = [
+            ("fused", "macro_f1_union"),
+            ("fused", "ece"),
+            ("vis", "accuracy"),
+            ("tac", "accuracy"),
+        ]
+        means = [
+            spread(list(by_run(records, name, metric, which).values())).mean
+            for which, metric in wanted
+        ]
+        found = answered(records, name)
+        own = [
+            r["source_test"]["scores"]["fused"]["accuracy"] for r in found if r.get("source_test")
+        ]
+        parameters = spread([r["parameters"] for r in found]).mean
+        seconds = sorted(r["seconds"] for r in found)[len(found) // 2]
+        rows.append(
+            [
+                label,
+                *map(percent, means),
+                percent(spread(own).mean),
+                f"{parameters:,.0f}",
+                f"{seconds:.1f}",
+            ]
+        )
+    header = ["method", METRICS["macro_f1_union"], "ECE", "VIS ACC", "TAC ACC", "source-test ACC"]
+    return markdown([*header, "parameters", "fit, s (median)"], rows)
+
+
+def _targets(records: Sequence[Record], name: str, label: str) -> list[str]:
+    """Return the matrix source × target of ACC / Macro-F1, mean over seeds."""
+    found = answered(records, name)
+    if not found:
+        return []
+    targets = list(dict.fromkeys(t for record in found for t in record["targets"]))
+    rows = []
+    for source in _sources(found):
+        cells = []
+        for target in targets:
+            scores = [
+                r["targets"][target]["scores"]["fused"]
+                for r in found
+                if r["source"] == source and target in r["targets"]
+            ]
+            cells.append(
+                " / ".join(percent(spread([s[m] for s in scores]).mean) for m in SCORES)
+                if scores
+                else ""
+            )
+        rows.append([source, *cells])
+    return [f"### {label}", markdown(["source", *targets], rows)]
+
+
+def _notes(records: Sequence[Record]) -> str:
+    lines = [f"- {r['label']}: {r['note']}." for r in records if r["note"]]
+    lines += [f"- {r['label']} did not run: {r['skipped']}" for r in records if "skipped" in r]
+    lines += [
+        f"- From {r['source']} these targets are not in the data: {', '.join(r['missing_targets'])}."
+        for r in records
+        if r["missing_targets"]
+    ]
+    return "\n".join(["## Notes", "", *dict.fromkeys(lines)]) if lines else ""

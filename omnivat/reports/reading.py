@@ -1,0 +1,60 @@
+"""Look values up in records: by method, source and seed."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+Record = Mapping[str, Any]
+METRICS = {
+    "accuracy": "ACC",
+    "macro_f1": "Macro-F1",
+    "macro_f1_union": "Macro-F1 (union)",
+    "ece": "ECE",
+}
+
+
+def latest(records: Iterable[Record]) -> list[Record]:
+    """Return the newest record of every (method, source, seed) in their first order."""
+    found: dict[tuple[str, str, int], Record] = {}
+    for record in records:
+        found[record["method"], record["source"], record["seed"]] = record
+    return list(found.values())
+
+
+def methods(records: Sequence[Record]) -> dict[str, str]:
+    """Return method -> label in the order of their first record."""
+    return {record["method"]: record["label"] for record in records}
+
+
+def answered(records: Iterable[Record], method: str) -> list[Record]:
+    """Return the records of a method that did run."""
+    return [r for r in records if r["method"] == method and "targets" in r]
+
+
+def target_mean(record: Record, metric: str, which: str = "fused") -> float:
+    """Return the unweighted mean of a score over a record's targets; NaN without targets."""
+    values = [
+        target["scores"][which][metric]
+        for target in record["targets"].values()
+        if which in target["scores"]
+    ]
+    return sum(values) / len(values) if values else float("nan")
+
+
+def by_run(
+    records: Iterable[Record], method: str, metric: str, which: str = "fused"
+) -> dict[tuple[str, int], float]:
+    """Return (source, seed) -> mean score over targets."""
+    return {
+        (record["source"], record["seed"]): target_mean(record, metric, which)
+        for record in answered(records, method)
+    }
+
+
+def by_seed(values: Mapping[tuple[str, int], float], sources: Sequence[str]) -> list[float]:
+    """Return for each seed the mean over sources, of seeds that all the sources have."""
+    seeds = sorted({seed for _, seed in values})
+    return [
+        sum(values[source, seed] for source in sources) / len(sources)
+        for seed in seeds
+        if all((source, seed) in values for source in sources)
+    ]

@@ -1,0 +1,78 @@
+"""Source-side evidence for choosing settings: held-out objects of the source, plain and shifted.
+
+A target is never looked at. Held-out objects alone say how well a method fits its source; a new
+sensor also moves every embedding of a modality at once. That is imitated: one random offset, and
+one random stretch of each axis, drawn at the scale of the source's own spread, for all held-out
+pairs of a modality. Several draws stand for several unknown sensors.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from omnivat.data.splits import hold_out
+from omnivat.data.store import Embeddings
+from omnivat.errors import DataError
+from omnivat.seeding import derive_seed
+
+FRACTION = 0.25
+SHIFTS, STRENGTH = 6, 1.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Evidence:
+    """One fold: pairs to fit, and held-out pairs as they are and under imitated sensors."""
+
+    fit: Embeddings
+    held: dict[str, Embeddings]  # "held out", "shift 0", "shift 1", ...
+
+
+def evidence(
+    source: Embeddings, fold: int, *, shifts: int = SHIFTS, strength: float = STRENGTH
+) -> Evidence:
+    """Split a source's training pairs by object and shift the held-out ones.
+
+    fold      number of the fold; the same for every method
+    shifts    imitated sensors
+    strength  their size in standard deviations of the source's axes
+
+    Raises DataError when no object can be held out.
+    """
+    seed = derive_seed(0, "evidence", fold)
+    held = hold_out(source.rows["object"], source.label, FRACTION, seed=seed)
+    if not held.any():
+        raise DataError("No object of the source can be held out: every class has one object only.")
+    fit, rest = source.select(~held), source.select(held)
+    shifted = {
+        f"shift {number}": shift(rest, fit, strength, derive_seed(seed, "shift", number))
+        for number in range(shifts)
+    }
+    return Evidence(fit=fit, held={"held out": rest, **shifted})
+
+
+def shift(pairs: Embeddings, reference: Embeddings, strength: float, seed: int) -> Embeddings:
+    """Return the pairs as another pair of sensors might give them.
+
+    Each axis of a modality is stretched around the reference's mean and moved, the same for all
+    pairs: x -> mean + (x - mean) (1 + s a) + s std b, with a in [-0.5, 0.5] and b ~ N(0, 1).
+    """
+    random = np.random.default_rng(seed)
+    return replace(
+        pairs,
+        vis=_moved(pairs.vis, reference.vis, strength, random),
+        tac=_moved(pairs.tac, reference.tac, strength, random),
+        vis_flip=None,
+        tac_flip=None,
+    )
+
+
+def _moved(
+    rows: NDArray[Any], reference: NDArray[Any], strength: float, random: np.random.Generator
+) -> NDArray[np.float32]:
+    mean, std = reference.mean(0), reference.std(0)
+    stretch = 1 + strength * random.uniform(-0.5, 0.5, len(mean))
+    offset = strength * std * random.normal(size=len(mean))
+    moved: NDArray[np.float32] = (mean + (rows - mean) * stretch + offset).astype(np.float32)
+    return moved

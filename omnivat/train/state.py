@@ -1,0 +1,114 @@
+"""The state of a training on disk, so that a stopped one goes on as if it had not stopped."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+import torch
+from safetensors import SafetensorError, safe_open
+from safetensors.torch import save_file
+from torch import Tensor
+
+from omnivat.config import settings_dict
+from omnivat.data.store import Embeddings
+from omnivat.errors import DataError
+from omnivat.files import replacing
+from omnivat.lang.bank import LangBank
+from omnivat.model.head import OmniVaT
+from omnivat.model.settings import HeadSettings
+from omnivat.train.settings import TrainSettings
+
+STATE = "training.safetensors"  # its name in the folder of a head that is being trained
+FORMAT = "omnivat-training-1"
+
+
+@dataclass(slots=True)
+class Progress:
+    """What training knows after an epoch, beside the weights."""
+
+    epochs: list[dict[str, float]] = field(default_factory=list)  # one record an epoch done
+    best_score: float = -1.0  # on the held-out part of the source
+    best_epoch: int = -1
+    best: dict[str, Tensor] = field(default_factory=dict)  # weights of that epoch
+
+
+def run_name(
+    source: Embeddings,
+    head: HeadSettings,
+    settings: TrainSettings,
+    bank: LangBank | None,
+    seed: int,
+) -> str:
+    """Return what tells two trainings apart: data, settings, LANG and seed."""
+    digest = sha256()
+    for array in (source.vis, source.tac, source.vis_flip, source.tac_flip, source.label):
+        digest.update(b"none" if array is None else array.tobytes())
+    names = [settings_dict(head), settings_dict(settings), bank.hash if bank else None, seed]
+    digest.update(json.dumps([names, list(source.rows["object"])]).encode())
+    return digest.hexdigest()[:16]
+
+
+def save_state(
+    path: Path, run: str, model: OmniVaT, optimiser: torch.optim.Optimizer, progress: Progress
+) -> None:
+    """Write the state after an epoch, whole or not at all."""
+    tensors = {f"model.{name}": t for name, t in model.state_dict().items()}
+    tensors |= {f"best.{name}": t for name, t in progress.best.items()}
+    for index, parameter in enumerate(_parameters(optimiser)):
+        momentum = optimiser.state.get(parameter, {}).get("momentum_buffer")
+        if momentum is not None:
+            tensors[f"momentum.{index}"] = momentum
+    metadata = {
+        "format": FORMAT,
+        "run": run,
+        "epochs": json.dumps(progress.epochs),
+        "best": json.dumps([progress.best_score, progress.best_epoch]),
+    }
+    with replacing(path) as temporary:
+        save_file(
+            {n: t.detach().contiguous() for n, t in tensors.items()}, temporary, metadata=metadata
+        )
+
+
+def load_state(path: Path, run: str, model: OmniVaT, optimiser: torch.optim.Optimizer) -> Progress:
+    """Put a stopped training's state into model and optimiser; return how far it was.
+
+    A file that is not there is a training that has not begun.
+    Raises DataError when the file cannot be read or belongs to another training.
+    """
+    if not path.is_file():
+        return Progress()
+    try:
+        with safe_open(path, framework="pt") as handle:
+            metadata = handle.metadata() or {}
+            tensors = {name: handle.get_tensor(name) for name in handle.keys()}  # noqa: SIM118
+    except (SafetensorError, OSError) as error:
+        raise DataError(f"'{path}' cannot be read ({error}); remove it to start again.") from error
+    if metadata.get("format") != FORMAT or metadata.get("run") != run:
+        raise DataError(
+            f"'{path}' is the state of another training: data, settings, LANG or seed differ. "
+            "Train with the same ones, or remove it to start again."
+        )
+    model.load_state_dict(_under("model.", tensors))
+    momenta = _under("momentum.", tensors)
+    for index, parameter in enumerate(_parameters(optimiser)):
+        if str(index) in momenta:
+            optimiser.state[parameter] = {"momentum_buffer": momenta[str(index)]}
+    score, epoch = json.loads(metadata["best"])
+    return Progress(
+        epochs=json.loads(metadata["epochs"]),
+        best_score=score,
+        best_epoch=epoch,
+        best=_under("best.", tensors),
+    )
+
+
+def _parameters(optimiser: torch.optim.Optimizer) -> list[Any]:
+    return [parameter for group in optimiser.param_groups for parameter in group["params"]]
+
+
+def _under(prefix: str, tensors: Mapping[str, Tensor]) -> dict[str, Tensor]:
+    return {n.removeprefix(prefix): t for n, t in tensors.items() if n.startswith(prefix)}

@@ -1,0 +1,91 @@
+"""The optimiser, its rate, and one step of learning."""
+
+import math
+from typing import Any
+
+import torch
+
+from omnivat.errors import OmniVatError
+from omnivat.losses.total import joint_loss
+from omnivat.model.head import OmniVaT
+from omnivat.train.batches import Batch
+from omnivat.train.settings import TrainSettings
+
+
+def make_optimiser(model: OmniVaT, settings: TrainSettings) -> torch.optim.SGD:
+    """SGD in three groups: p (slow, clamped), θ_e (no decay) and everything else."""
+    order, theta = [model.mffa.order], list(model.mffa.theta.values())
+    apart = {id(parameter) for parameter in (*order, *theta)}
+    rest = [p for p in model.parameters() if id(p) not in apart]
+    groups: list[dict[str, Any]] = [
+        {"params": rest, "weight_decay": settings.weight_decay, "scale": 1.0}
+    ]
+    if theta:
+        groups.append({"params": theta, "weight_decay": 0.0, "scale": 1.0})
+    if model.mffa.order.requires_grad:
+        groups.append({"params": order, "weight_decay": 0.0, "scale": settings.order_lr_scale})
+    return torch.optim.SGD(groups, lr=settings.lr, momentum=settings.momentum, fused=True)
+
+
+def set_rate(
+    optimiser: torch.optim.SGD, settings: TrainSettings, epoch: float, step: float
+) -> None:
+    """Linear warm-up by step, then cosine to zero. epoch and step count in epochs."""
+    warm = min(settings.warmup_epochs, settings.epochs)
+    if epoch < warm:
+        share = (epoch + step) / warm
+    else:
+        share = 0.5 * (1 + math.cos(math.pi * (epoch - warm) / max(settings.epochs - warm, step)))
+    for group in optimiser.param_groups:
+        group["lr"] = settings.lr * group["scale"] * share
+
+
+def learn(
+    model: OmniVaT, optimiser: torch.optim.SGD, batch: Batch, settings: TrainSettings
+) -> dict[str, float]:
+    """Take one optimiser step; return the losses as numbers.
+
+    Also counts 1 under "clipped" and "order_clipped" where a gradient was held back.
+    Raises OmniVatError when the loss or a gradient is not finite.
+    """
+    output = model.training_pass(
+        batch.vis,
+        batch.tac,
+        batch.lang,
+        batch.labels,
+        lang_on=batch.lang_on,
+        token_on=batch.token_on,
+    )
+    losses = joint_loss(
+        features=output.features,
+        layers=output.layers,
+        logits=output.logits,
+        labels=batch.labels,
+        mma_weight=settings.mma_weight,
+        nod_weight=settings.nod_weight,
+    )
+    optimiser.zero_grad(set_to_none=True)
+    losses.total.backward()  # type: ignore[no-untyped-call]
+    order = model.mffa.order
+    rest = [p for p in model.parameters() if p is not order]
+    norm = float(torch.nn.utils.clip_grad_norm_(rest, settings.clip))
+    total = float(losses.total.detach())
+    if not (math.isfinite(total) and math.isfinite(norm)):
+        raise OmniVatError(
+            f"Training stopped: the loss is {total:g}. Lower lr or "
+            "mma_weight, or look for extreme values in the embeddings."
+        )
+    held = 0.0
+    if order.grad is not None:
+        held = float((order.grad.abs() > settings.order_clip).any())
+        order.grad.clamp_(-settings.order_clip, settings.order_clip)
+    optimiser.step()
+    model.mffa.update_bank({n: t.detach() for n, t in output.tokens.items()}, batch.labels)
+    return {
+        "loss": total,
+        "mma": float(losses.mma.detach()),
+        "nod": float(losses.nod.detach()),
+        "cross_entropy": float(losses.cross_entropy.detach()),
+        "clipped": float(norm > settings.clip),
+        "order_clipped": held,
+    }

@@ -1,0 +1,80 @@
+"""A small set and head for the page's tests: learnable numbers made on the spot, not examples."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from app.resources import Places, Resources
+
+
+@pytest.fixture(scope="session")
+def small_places(
+    head_folder: Path, tmp_path_factory: pytest.TempPathFactory
+) -> Places:
+    """Return where a small head, its set and two example pairs lie; frames are not made yet."""
+    pairs = tmp_path_factory.mktemp("pairs")
+    random = np.random.default_rng(0)
+    for name in ("TAG-sim/wood/0", "OF Real-sim/steel/new"):
+        for modality in ("vis", "tac"):
+            file = pairs / f"{name}_{modality}.png"
+            file.parent.mkdir(parents=True, exist_ok=True)
+            Image.fromarray(random.integers(0, 255, (32, 32, 3), dtype=np.uint8)).save(file)
+    return Places(
+        head=head_folder,
+        embeddings=head_folder.parent / "set.safetensors",
+        frames=None,
+        sprite=None,
+        pairs=pairs,
+    )
+
+
+class PixelMeans:
+    """An encoder for tests: colours of an image on a grid, as wide as the small head wants."""
+
+    name, weights_hash, preprocessing, precision = "test-encoder", "0" * 16, "none", "fp32"
+    width = 24
+    calls = 0
+
+    def preprocess(self, image: Image.Image) -> Any:
+        import torch
+
+        return torch.from_numpy(np.array(image.resize((4, 2)), dtype=np.float32)).permute(2, 0, 1)
+
+    def embed(self, images: Any) -> Any:
+        self.calls += 1
+        return images.flatten(1) / 255
+
+
+@pytest.fixture
+def encoder() -> PixelMeans:
+    return PixelMeans()
+
+
+@pytest.fixture
+def resources(
+    small_places: Places, encoder: PixelMeans, monkeypatch: pytest.MonkeyPatch
+) -> Resources:
+    """Return fresh resources over the small places, with an encoder that needs no weights."""
+    monkeypatch.setattr("omnivat.encoders.base.load_encoder", lambda name: encoder)
+    return Resources(small_places)
+
+
+@pytest.fixture
+def png() -> Callable[..., bytes]:
+    """Return a maker of PNG bytes."""
+
+    def make(side: int = 32, seed: int = 0) -> bytes:
+        from io import BytesIO
+
+        random = np.random.default_rng(seed)
+        with BytesIO() as handle:
+            Image.fromarray(random.integers(0, 255, (side, side, 3), dtype=np.uint8)).save(
+                handle, "PNG"
+            )
+            return handle.getvalue()
+
+    return make

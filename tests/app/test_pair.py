@@ -1,0 +1,92 @@
+"""The Pair tab's answer, without Gradio and without a server."""
+
+import base64
+
+import numpy as np
+import pytest
+import torch
+
+from app.views.pair import STOPS, answer, spectrum
+from omnivat.errors import DataError
+
+
+def test_every_stop_is_what_the_library_answers_there(resources):
+    got = answer(resources, {"vis": "row:3", "tac": "row:3"})
+    model, embeddings = resources.head().model, resources.embeddings()
+    vis, tac = (torch.from_numpy(a[3:4].copy()) for a in (embeddings.vis, embeddings.tac))
+    for stop in (0, 37, 100):
+        with torch.inference_mode():
+            out = model(vis, tac, order=STOPS[stop])
+        np.testing.assert_allclose(got["stops"]["both"][stop], out.probabilities[0], atol=2e-6)
+        np.testing.assert_allclose(
+            got["stops"]["vis"][stop], out.modality_probabilities["vis"][0], atol=2e-6
+        )
+
+
+def test_the_exact_answer_is_at_the_learned_order(resources):
+    got = answer(resources, {"vis": "row:0", "tac": "row:0"})
+    assert got["exact"]["order"] == got["learned"] == resources.head().model.order
+
+
+def test_one_image_alone_is_answered(resources):
+    got = answer(resources, {"vis": "row:1", "tac": None})
+    assert set(got["stops"]) == {"vis", "both"}
+    assert got["stops"]["vis"] == got["stops"]["both"]
+    assert set(got["spectra"]) == {"vis"}
+
+
+def test_vis_of_one_pair_goes_with_tac_of_another(resources):
+    mixed = answer(resources, {"vis": "row:0", "tac": "row:30"})
+    own = answer(resources, {"vis": "row:0", "tac": "row:0"})
+    assert mixed["stops"]["tac"] != own["stops"]["tac"]
+    np.testing.assert_allclose(np.sum(mixed["stops"]["both"], axis=1), 1, atol=1e-5)
+
+
+def test_nothing_chosen_is_refused_in_a_sentence(resources):
+    with pytest.raises(DataError, match="Choose a pair first"):
+        answer(resources, {})
+
+
+def test_a_pair_that_is_not_there_is_refused(resources):
+    with pytest.raises(DataError, match="No pair has the number '999'; there are 0 to 79"):
+        answer(resources, {"vis": "row:999"})
+
+
+def test_an_example_of_the_set_needs_no_encoder(resources, encoder):
+    answer(resources, {"vis": "example:TAG-sim/wood/0", "tac": "example:TAG-sim/wood/0"})
+    assert encoder.calls == 0
+    assert not resources.encoder.ready
+
+
+def test_an_example_outside_the_set_is_encoded_once(resources, encoder):
+    for _ in range(2):
+        answer(resources, {"tac": "example:OF Real-sim/steel/new"})
+    assert encoder.calls == 1
+
+
+def test_an_unknown_example_is_refused(resources):
+    with pytest.raises(DataError, match="No example is called"):
+        answer(resources, {"vis": "example:../../../etc/passwd"})
+
+
+def test_the_same_image_twice_is_encoded_once_and_keeps_its_name(resources, encoder, png):
+    first, _ = resources.take_image(png(seed=1), "a.png")
+    again, _ = resources.take_image(png(seed=1), "b.png")
+    other, _ = resources.take_image(png(seed=2), "c.png")
+    assert first == again != other
+    assert encoder.calls == 2
+    assert answer(resources, {"vis": str(first)})["stops"]["vis"]
+
+
+def test_a_forgotten_image_is_asked_for_again(resources):
+    with pytest.raises(DataError, match="send it again"):
+        answer(resources, {"vis": "image:00"})
+
+
+def test_a_spectrum_keeps_its_peaks_when_entries_are_joined():
+    magnitudes = np.zeros((3, 600), dtype=np.float32)
+    magnitudes[1, 417] = 2.0
+    picture = spectrum(magnitudes)
+    pixels = np.frombuffer(base64.b64decode(picture["pixels"]), np.uint8)
+    pixels = pixels.reshape(picture["rows"], picture["columns"])
+    assert (picture["top"], pixels.max(), (pixels > 0).sum()) == (2.0, 255, 1)

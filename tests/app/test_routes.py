@@ -1,0 +1,220 @@
+"""The page's routes over HTTP: what they serve, and that every refusal is one sentence."""
+
+import json
+import logging
+from io import BytesIO
+
+import pytest
+from PIL import Image
+from starlette.applications import Starlette
+from starlette.testclient import TestClient
+
+from app.limits import MAX_IMAGE_BYTES
+from app.messages import UNEXPECTED
+from app.routes import QUESTIONS, routes
+from omnivat.frames import read_frames
+
+
+@pytest.fixture
+def client(resources):
+    with TestClient(Starlette(routes=routes(resources))) as client:
+        yield client
+
+
+def sentence(response, status=400):
+    """Return the one sentence that a refusal holds."""
+    assert response.status_code == status, response.text
+    assert set(response.json()) == {"error"}
+    text = response.json()["error"]
+    assert text.endswith(".")
+    assert "Traceback" not in text
+    assert "\n" not in text
+    return text
+
+
+JUNK = [
+    b"",
+    b"\xff\xfe\x00",
+    b"[]",
+    b"null",
+    b'"vis"',
+    b"[" * 5000,
+    b'{"vis": 1, "point": [], "order": "x", "stage": {}}',
+    b'{"vis": "row:-1", "point": -1, "order": 1e999, "stage": "raw"}',
+    b'{"vis": "row:\\u0661", "point": 1e9, "stage": "raw"}',
+    b'{"vis": "example:../../etc/passwd", "point": true, "stage": "raw"}',
+    b'{"vis": {"path": "/etc/passwd"}, "point": null}',
+]
+
+
+@pytest.mark.parametrize("name", QUESTIONS)
+@pytest.mark.parametrize("junk", JUNK)
+def test_junk_sent_to_a_question_is_refused_in_a_sentence(client, name, junk):
+    sentence(client.post(f"/omnivat/{name}", content=junk))
+
+
+@pytest.mark.parametrize("name", QUESTIONS)
+def test_an_endless_question_is_cut_off(client, name):
+    assert "larger than 0.01 MB" in sentence(client.post(f"/omnivat/{name}", content=b"x" * 20_000))
+
+
+def test_an_image_goes_in_and_its_pair_is_answered(client, png):
+    taken = client.post("/omnivat/image?name=bench.png", content=png(40)).json()
+    assert (taken["width"], taken["height"]) == (40, 40)
+    assert taken["preview"].startswith("data:image/jpeg;base64,")
+    answer = client.post("/omnivat/pair", json={"vis": taken["ref"], "tac": "row:2"}).json()
+    assert len(answer["stops"]["both"]) == 101
+
+
+def picture(mode, size, kind="PNG", **options):
+    with BytesIO() as handle:
+        Image.new(mode, size).save(handle, kind, **options)
+        return handle.getvalue()
+
+
+@pytest.mark.parametrize(
+    ("content", "wanted"),
+    [
+        (b"", "empty"),
+        (b"GIF but not really", "not an image"),
+        (picture("RGB", (64, 64))[:60], "cut short or damaged|damaged"),
+        (picture("RGB", (1, 1)), "a side needs 8"),
+        (picture("1", (20_000, 20_000)), "megapixels"),
+    ],
+    ids=["empty", "not an image", "truncated", "one pixel", "bomb"],
+)
+def test_a_bad_image_is_refused_by_name(client, content, wanted):
+    import re
+
+    text = sentence(client.post("/omnivat/image?name=touch.png", content=content))
+    assert "'touch.png'" in text
+    assert re.search(wanted, text)
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        picture("L", (40, 30)),
+        picture("RGBA", (40, 30)),
+        picture("P", (40, 30)),
+        picture("I;16", (40, 30)),
+        picture("CMYK", (40, 30), "JPEG"),
+        picture("RGB", (2000, 10)),
+    ],
+    ids=["grey", "alpha", "palette", "16 bit", "cmyk", "wide"],
+)
+def test_images_of_odd_kinds_are_accepted(client, content):
+    assert client.post("/omnivat/image", content=content).status_code == 200
+
+
+def test_an_image_over_the_limit_is_refused(client):
+    assert "larger than 20 MB" in sentence(
+        client.post("/omnivat/image", content=bytes(MAX_IMAGE_BYTES + 1))
+    )
+
+
+def test_an_error_nobody_thought_of_is_a_sentence_and_its_traceback_is_logged(
+    client, monkeypatch, caplog
+):
+    monkeypatch.setattr("app.views.pair.refs_from", lambda question: 1 / 0)
+    with caplog.at_level(logging.ERROR):
+        assert sentence(client.post("/omnivat/pair", json={}), 500) == UNEXPECTED
+    assert "ZeroDivisionError" in caplog.text
+
+
+def test_the_page_serves_its_scripts_and_nothing_else(client):
+    assert client.get("/omnivat/web/explore.js").headers["content-type"].startswith("text/javascript")
+    assert client.get("/omnivat/web/page.css").status_code == 200
+    for name in ("server.py", "..%2Fserver.py", "%2e%2e/server.py", "explore.html", "%2fetc%2fpasswd"):
+        assert client.get(f"/omnivat/web/{name}").status_code == 404
+
+
+def test_an_example_is_served_by_name_and_no_other_file_is(client):
+    assert client.get("/omnivat/example/TAG-sim/wood/0/vis").headers["content-type"] == "image/png"
+    for path in ("TAG-sim/wood/0/secret", "../../etc/passwd/vis", "TAG-sim/wood/1/vis"):
+        assert client.get(f"/omnivat/example/{path}").status_code in (400, 404)
+
+
+def test_the_gallery_lists_complete_pairs(client):
+    names = [one["name"] for one in client.get("/omnivat/examples").json()]
+    assert names == ["OF Real-sim/steel/new", "TAG-sim/wood/0"]
+
+
+def test_a_set_without_thumbnails_says_so(client):
+    assert "names instead" in sentence(client.get("/omnivat/thumbnails.json"), 404)
+    sentence(client.get("/omnivat/thumbnails.py"), 404)
+
+
+def test_about_says_what_is_loaded_and_tells_no_path_of_the_server(client, small_places):
+    about = client.get("/omnivat/about").json()
+    assert about["embeddings"]["simulated"] is True
+    assert sum(map(sum, about["embeddings"]["counts"])) == about["embeddings"]["pairs"]
+    assert about["head"]["provenance"]["source"] == "TAG-sim"
+    assert str(small_places.head.parent) not in json.dumps(about)
+
+
+def test_frames_are_computed_once_in_the_background_and_kept(
+    resources, client, monkeypatch, tmp_path
+):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setattr("app.frames_job.FINE", (0.0, 0.25, 0.5))
+    monkeypatch.setattr("app.frames_job.COARSE", (0.0, 0.5))
+    first = client.get("/omnivat/frames")
+    assert first.status_code in (200, 202)
+    state = resources.frames.wait()
+    assert read_frames(state.file).orders == (0.0, 0.25, 0.5)
+    served = client.get("/omnivat/frames")
+    assert served.headers["X-Frames"] == "fine"
+    assert served.content == state.file.read_bytes()
+
+    def never(*_, **__):
+        raise AssertionError("frames that are kept are not computed again")
+
+    monkeypatch.setattr("omnivat.frames.build.build_frames", never)
+    from app.resources import Resources
+
+    assert Resources(resources.where).frames.wait().file == state.file
+
+
+def test_a_missing_head_is_a_sentence_everywhere_and_the_page_goes_on(resources, tmp_path):
+    from dataclasses import replace
+
+    from app.resources import Resources
+
+    missing = Resources(replace(resources.where, head=tmp_path / "none"))
+    with TestClient(Starlette(routes=routes(missing))) as client:
+        assert "omnivat train" in sentence(client.post("/omnivat/pair", json={"vis": "row:0"}))
+        assert "No head" in client.get("/omnivat/about").json()["head"]["problem"]
+        missing.frames.wait()
+        assert "missing" in sentence(client.get("/omnivat/frames"), 404)
+        assert client.get("/omnivat/examples").status_code == 200
+
+
+def test_embeddings_of_another_encoder_are_refused_by_name(
+    resources, make_embeddings, tmp_path, monkeypatch
+):
+    from dataclasses import replace
+
+    from app.resources import Resources
+    from omnivat.data.store import save_embeddings
+
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    made = make_embeddings()
+    other = replace(made, header=replace(made.header, encoder="other-encoder"))
+    save_embeddings(tmp_path / "other.safetensors", other)
+    wrong = Resources(replace(resources.where, embeddings=tmp_path / "other.safetensors"))
+    with TestClient(Starlette(routes=routes(wrong))) as client:
+        text = sentence(client.post("/omnivat/pair", json={"vis": "row:0"}))
+        assert "other-encoder" in text
+        assert "test-encoder" in text
+        assert wrong.frames.wait().problem == text
+
+
+def test_two_visitors_share_nothing_but_equal_images(client, png):
+    mine = client.post("/omnivat/image", content=png(seed=1)).json()["ref"]
+    theirs = client.post("/omnivat/image", content=png(seed=2)).json()["ref"]
+    answers = [
+        client.post("/omnivat/pair", json={"vis": ref}).json()["stops"]
+        for ref in (mine, theirs, mine)
+    ]
+    assert answers[0] == answers[2] != answers[1]

@@ -1,0 +1,92 @@
+"""Starting the page: what it loads, what it listens to, what Gradio is told."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from app.server import VIEWS, parser
+
+ROOT = Path(__file__).resolve().parents[2]
+
+FIRST_PAGE = """
+import os, sys, urllib.request
+os.environ["GRADIO_ANALYTICS_ENABLED"] = "False"
+from app.server import build, launch, parser
+from app.resources import Resources, places
+{extra}
+resources = Resources(places())
+page = build(resources)
+_, address, _ = launch(page, resources, parser().parse_args(["--no-browser"]), prevent_thread_lock=True, quiet=True)
+for path in ("", "omnivat/web/explore.js", "omnivat/web/page.css", "omnivat/examples"):
+    with urllib.request.urlopen(address + path) as answer:
+        assert answer.status == 200 and answer.read()
+print("LOADED", *sorted({{"torch", "umap", "plotly", "transformers", "sklearn", "scipy"}} & set(sys.modules)))
+page.close()
+"""
+
+
+def loaded_by_first_page(extra: str = "") -> set[str]:
+    done = subprocess.run(
+        [sys.executable, "-c", FIRST_PAGE.format(extra=extra)],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=True,
+    )
+    line = next(line for line in done.stdout.splitlines() if line.startswith("LOADED"))
+    return set(line.split()[1:])
+
+
+def test_the_first_page_loads_neither_torch_nor_umap_nor_plotly():
+    assert loaded_by_first_page() == set()
+
+
+def test_the_check_itself_sees_a_heavy_import():
+    assert "torch" in loaded_by_first_page("import torch")
+
+
+def test_the_command_line_is_the_documented_one():
+    chosen = parser().parse_args(
+        ["--head", "h", "--embeddings", "e", "--host", "0.0.0.0", "--port", "80", "--no-browser"]
+    )
+    assert (chosen.head, chosen.embeddings) == (Path("h"), Path("e"))
+    assert (chosen.host, chosen.port, chosen.no_browser) == ("0.0.0.0", 80, True)
+
+
+def test_the_page_listens_to_this_machine_alone_unless_told_otherwise():
+    assert parser().parse_args([]).host == "127.0.0.1"
+
+
+@pytest.mark.parametrize("name", VIEWS)
+def test_every_tab_has_a_title_and_a_component_with_its_script(name):
+    from importlib import import_module
+
+    from app.components import WEB
+
+    view = import_module(name)
+    short = name.rpartition(".")[2]
+    assert view.TITLE
+    assert (WEB / f"{short}.html").is_file()
+    assert "export" in (WEB / f"{short}.js").read_text(encoding="utf-8")
+
+
+def test_no_script_or_style_names_an_outside_address():
+    from app.components import WEB
+
+    for file in WEB.iterdir():
+        text = file.read_text(encoding="utf-8").replace("http://www.w3.org/2000/svg", "")
+        assert "http://" not in text, file.name
+        assert "https://" not in text, file.name
+        assert "@import" not in text, file.name
+
+
+def test_only_one_place_catches_everything():
+    found = [
+        path.name
+        for path in (ROOT / "app").rglob("*.py")
+        if "except Exception" in path.read_text(encoding="utf-8")
+    ]
+    assert found == ["messages.py"]

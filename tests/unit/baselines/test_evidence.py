@@ -1,0 +1,80 @@
+"""Choices are made on held-out objects of the source."""
+
+import math
+
+import pytest
+import torch
+
+from omnivat.baselines.contract import Source
+from omnivat.baselines.evidence import best, folds, log_loss
+
+
+@pytest.fixture
+def source():
+    count = 24
+    return Source(
+        vis=torch.randn(count, 3),
+        tac=torch.randn(count, 3),
+        labels=torch.arange(count) % 3,
+        objects=tuple(f"{i % 3}/{i // 6}" for i in range(count)),
+        classes=("wood", "steel", "glass"),
+    )
+
+
+def test_folds_keep_objects_whole_and_differ(source):
+    found = folds(source)
+    assert len(found) == 4
+    for rows, held in found:
+        assert sorted([*rows.tolist(), *held.tolist()]) == list(range(24))
+        assert not {source.objects[i] for i in rows} & {source.objects[i] for i in held}
+    assert len({tuple(held.tolist()) for _, held in found}) > 1
+
+
+def test_the_candidate_that_is_right_more_often_wins_and_ties_go_to_the_surer(source):
+    answers = {"wrong": -5.0, "right": 1.0, "surer": 3.0}
+
+    def fit(part, sharpness):
+        def predict(vis, tac):
+            held = torch.tensor([i for i in range(24) if (source.vis[i] == vis).all(-1).any()])
+            truth = torch.nn.functional.one_hot(source.labels[held], 3).float()
+            return (sharpness * truth).softmax(-1)
+
+        return predict
+
+    assert best(source, answers, fit) == "surer"
+    assert best(source, {"wrong": -5.0, "right": 1.0}, fit) == "right"
+
+
+def test_one_candidate_is_taken_without_fitting(source):
+    def fit(part, candidate):
+        raise AssertionError("fitted for nothing")
+
+    assert best(source, {"only": 1}, fit) == "only"
+
+
+def test_where_nothing_can_be_held_out_the_first_candidate_is_taken(source):
+    one_object_each = source.select(torch.tensor([0, 1, 2]))
+    assert best(one_object_each, {"a": 1, "b": 2}, lambda part, c: None) == "a"
+
+
+def test_log_loss_is_the_mean_of_minus_log_probabilities():
+    probabilities = torch.tensor([[0.5, 0.5], [0.25, 0.75]])
+    wanted = -(math.log(0.5) + math.log(0.75)) / 2
+    assert log_loss(probabilities, torch.tensor([0, 1])) == pytest.approx(wanted)
+
+
+def test_the_flipped_copies_of_held_out_objects_are_not_fitted(source):
+    flipped = torch.randn(24, 3)
+    both = Source(
+        vis=source.vis,
+        tac=source.tac,
+        vis_flip=flipped,
+        tac_flip=flipped,
+        labels=source.labels,
+        objects=source.objects,
+        classes=source.classes,
+    )
+    rows, held = folds(both)[0]
+    part = both.select(rows).both_views()
+    assert len(part) == 2 * len(rows)
+    assert not any((part.vis == flipped[i]).all(-1).any() for i in held)

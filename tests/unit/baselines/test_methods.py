@@ -1,0 +1,118 @@
+"""Every baseline learns a source, repeats itself, and says when it cannot run."""
+
+import pytest
+import torch
+
+from omnivat.baselines import BASELINES, LABELS
+from omnivat.baselines.contract import Source
+from omnivat.baselines.descent import Descent, rate
+from omnivat.baselines.robust_vish import fit as fit_robust_vish
+from omnivat.baselines.vt_cmc_head import contrastive_loss
+from omnivat.errors import DataError
+from omnivat.tables import load
+
+QUICK = [n for n in BASELINES if n not in ("robust_vish", "promptstyler", "zero_shot")]
+CLASSES = ("wood", "steel", "plastic", "ceramic", "glass")
+
+
+@pytest.fixture(scope="module")
+def source(make_embeddings):
+    return as_source(make_embeddings(domains=("TAG-sim",), per_class=8))
+
+
+def as_source(pairs, **changes):
+    values = {
+        "vis": torch.from_numpy(pairs.vis),
+        "tac": torch.from_numpy(pairs.tac),
+        "vis_flip": torch.from_numpy(pairs.vis_flip),
+        "tac_flip": torch.from_numpy(pairs.tac_flip),
+        "labels": torch.from_numpy(pairs.label),
+        "objects": tuple(pairs.rows["object"]),
+        "classes": CLASSES,
+        "lang": torch.randn(5, 6, 7, generator=torch.Generator().manual_seed(0)),
+    }
+    return Source(**(values | changes))
+
+
+def right(fitted, source):
+    answers = fitted.predict(source.vis, source.tac)["fused"].argmax(-1)
+    return (answers == source.labels).double().mean().item()
+
+
+@pytest.fixture(scope="module")
+def fitted(source):
+    return {name: load(BASELINES, name, kind="baseline")(source) for name in QUICK}
+
+
+@pytest.mark.parametrize("name", QUICK)
+def test_it_learns_its_source_and_gives_probabilities(name, source, fitted):
+    answers = fitted[name].predict(source.vis, source.tac)
+    for values in answers.values():
+        assert values.shape == (len(source), 5)
+        torch.testing.assert_close(values.sum(-1), torch.ones(len(source)))
+    assert right(fitted[name], source) > 0.9
+    assert fitted[name].parameters > 0
+
+
+@pytest.mark.parametrize("name", QUICK)
+def test_a_pair_is_answered_alike_alone_and_among_others(name, source, fitted):
+    every = fitted[name].predict(source.vis, source.tac)["fused"]
+    alone = fitted[name].predict(source.vis[3:4], source.tac[3:4])["fused"]
+    torch.testing.assert_close(alone, every[3:4], atol=1e-5, rtol=1e-4)
+
+
+@pytest.mark.parametrize("name", QUICK)
+def test_the_same_seed_gives_the_same_answers_and_leaves_the_global_stream(name, source, fitted):
+    before = torch.random.get_rng_state()
+    again = load(BASELINES, name, kind="baseline")(source)
+    assert torch.equal(torch.random.get_rng_state(), before)
+    first, second = (m.predict(source.vis, source.tac)["fused"] for m in (fitted[name], again))
+    assert torch.equal(first, second)
+
+
+def test_every_baseline_loads_and_has_a_label():
+    assert set(LABELS) == set(BASELINES)
+    for name in BASELINES:
+        assert callable(load(BASELINES, name, kind="baseline"))
+
+
+def test_surrogates_say_what_is_missing():
+    for name in ("vt_cmc_head", "ldc_icd", "robust_vish"):
+        assert "-" in LABELS[name].name
+        assert LABELS[name].note
+
+
+def test_robustvish_fits_a_few_steps(source):
+    few = source.select(torch.arange(0, len(source), 4))
+    fitted = fit_robust_vish(few, Descent(lr=1e-3, epochs=1, batch=8, method="adam"))
+    answers = fitted.predict(few.vis, few.tac)["fused"]
+    torch.testing.assert_close(answers.sum(-1), torch.ones(len(few)))
+
+
+@pytest.mark.parametrize("name", ["promptstyler", "zero_shot"])
+def test_methods_that_live_on_text_refuse_texts_of_another_encoder(name, source):
+    with pytest.raises(DataError, match="needs texts in the image encoder's own space"):
+        load(BASELINES, name, kind="baseline")(source)
+
+
+@pytest.mark.parametrize("name", ["promptstyler", "zero_shot"])
+def test_methods_that_live_on_text_answer_images_of_the_same_space(name, make_embeddings):
+    pairs = make_embeddings(domains=("TAG-sim",), per_class=8)
+    means = torch.stack([torch.from_numpy(pairs.vis[pairs.label == k]).mean(0) for k in range(5)])
+    texts = means[:, None] + 0.1 * torch.randn(5, 6, pairs.width)
+    source = as_source(pairs, lang=texts, lang_of_images=True)
+    assert right(load(BASELINES, name, kind="baseline")(source), source) > 0.8
+
+
+def test_the_contrastive_loss_is_small_for_pairs_that_belong_together():
+    rows = torch.eye(4)
+    assert contrastive_loss(rows, rows).item() == pytest.approx(0, abs=1e-4)
+    assert contrastive_loss(rows, rows.roll(1, 0)).item() > 10
+
+
+def test_the_rate_rises_then_falls_to_almost_nothing():
+    rates = [rate(step, 100, 0.1) for step in range(100)]
+    assert rates[9] == 1.0
+    assert rates[0] == pytest.approx(0.1)
+    assert rates[-1] < 0.01
+    assert rates[10:] == sorted(rates[10:], reverse=True)

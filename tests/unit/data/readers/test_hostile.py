@@ -1,0 +1,118 @@
+"""Whatever lies in a data set's own files, a reader answers with pairs or with one sentence."""
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from omnivat.data.pairs import summary_table
+from omnivat.data.readers import read_pairs
+from omnivat.errors import DataError
+
+few = settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
+cells = st.sampled_from(
+    [
+        "1",
+        "0",
+        "-1",
+        "007",
+        "a",
+        "glass",
+        "3.5",
+        "",
+        " ",
+        "../..",
+        "1e9",
+        "٣",
+        "²",
+        "\0",
+        "é",
+        '"',
+        "9" * 30,
+    ]
+)
+tables = st.lists(st.lists(cells, max_size=9), max_size=6).map(
+    lambda rows: "\n".join(",".join(row) for row in rows).encode()
+)
+contents = st.one_of(st.binary(max_size=40), tables)
+values = st.recursive(
+    st.one_of(
+        st.none(), st.booleans(), st.integers(-1, 101), st.text(max_size=3), st.just(float("nan"))
+    ),
+    lambda inner: st.one_of(
+        st.lists(inner, max_size=3),
+        st.dictionaries(st.sampled_from(["1", "101", "a", "train", ""]), inner, max_size=3),
+    ),
+    max_leaves=8,
+)
+
+
+def answer(root: Path, **options: object) -> None:
+    """Read, and check that the answer is either whole pairs or a printable sentence."""
+    try:
+        found = read_pairs(root, **options)
+    except DataError as error:
+        said = str(error)
+        assert said.isprintable()
+        assert len(said) < 1500
+        return
+    assert found.pairs
+    assert all(p.vis.is_file() and p.tac.is_file() for p in found.pairs)
+    assert summary_table(found).replace("\n", "").isprintable()
+
+
+@pytest.fixture
+def clips(tmp_path, clip):
+    clip(tmp_path, "1", [0, 1, 7])
+    return tmp_path
+
+
+@few
+@given(contents, contents, st.booleans())
+def test_touch_and_go_lists(clips, train, names, keep):
+    (clips / "train.txt").write_bytes(b"1/0.jpg,3\n" * keep + train)
+    (clips / "test.txt").write_bytes(b"1/7.jpg,2")
+    (clips / "category_reference.txt").write_bytes(names.replace(b",", b":"))
+    answer(clips, keep_labels=keep)
+
+
+@few
+@given(values, values, contents)
+def test_objectfolder_2_tables(release, labels, split, table):
+    root = release({1: "Wood", 2: "Glass", 101: "Iron"}, instances=1)
+    answer(root)
+    (root / "split.json").write_text(json.dumps(split))
+    answer(root, split="release")
+    (root / "objects.csv").write_bytes(b"1,x,1,Wood,u\n" + table)
+    answer(root)
+    (root / "label.json").write_text(json.dumps(labels))
+    answer(root)
+
+
+@few
+@given(contents)
+def test_objectfolder_real_materials(tmp_path, put, table):
+    recording = tmp_path / "1" / "tactile_data" / "0" / "0"
+    put(recording / "gelsight" / "0.png")
+    put(recording / "hand" / "0.png")
+    (tmp_path / "materials.csv").write_bytes(b"object,material\n1,Wood\n" + table)
+    answer(tmp_path)
+
+
+@few
+@given(contents, st.one_of(st.none(), contents))
+def test_tacquad_contacts(tmp_path, put, contact, materials):
+    shutil.rmtree(tmp_path / "data_indoor", ignore_errors=True)
+    for folder in ("digit", "img_digit", "gelsight"):
+        put(tmp_path / "data_indoor" / "glass" / folder / "1.png")
+    (tmp_path / "data_indoor" / "glass" / "tac3d").mkdir()
+    (tmp_path / "data_indoor" / "glass" / "tac3d" / "1.npy").write_bytes(contact)
+    (tmp_path / "contact_indoor.csv").write_bytes(b"glass,0,1,0,1,0,1\n" + contact)
+    table = tmp_path / "materials.csv"
+    table.unlink(missing_ok=True)
+    if materials is not None:
+        table.write_bytes(b"item,material\n" + materials)
+    answer(tmp_path, cache=tmp_path / "cache")

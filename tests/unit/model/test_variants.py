@@ -1,0 +1,254 @@
+"""The settings of the paper's ablations: each does what its name says."""
+
+import pytest
+import torch
+
+from omnivat.config import settings_dict, settings_from
+from omnivat.errors import SettingsError
+from omnivat.fractional import dfrft
+from omnivat.losses.nod import nod_loss
+from omnivat.model.dtg import DTG, interpolated
+from omnivat.model.fratt import FrATT
+from omnivat.model.head import parameter_count
+from omnivat.model.profiles import PROFILES, STYLE_NUMBERS, settings_for_profile
+from omnivat.model.settings import HeadSettings
+
+CLASSES = ("wood", "steel", "plastic", "ceramic", "glass")
+CORE = {"classes": CLASSES, "input_width": 512, "lang_width": 512, "width": 512}
+
+
+# ---- counts --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("profile", "count"),
+    [("core", 4_466_189), ("match", 4_991_501), ("literal", 4_466_189), ("light", 136_525)],
+)
+def test_every_profile_has_the_parameters_that_were_counted(profile, count):
+    assert parameter_count(settings_for_profile(profile, classes=CLASSES)) == count
+
+
+def test_match_and_light_with_the_styles_are_5_03_and_0_18_million():
+    counts = [
+        parameter_count(settings_for_profile(name, classes=CLASSES)) + STYLE_NUMBERS
+        for name in ("match", "light")
+    ]
+    assert [f"{count / 1e6:.2f}" for count in counts] == ["5.03", "0.18"]
+
+
+def test_an_unknown_profile_names_the_nearest():
+    with pytest.raises(SettingsError, match=r"No profile is called 'lite'.*Did you mean 'light'\?"):
+        settings_for_profile("lite", classes=CLASSES)
+    assert PROFILES == ("core", "match", "literal", "light")
+
+
+@pytest.mark.parametrize(
+    ("change", "fewer"),
+    [
+        ({"generation": "series"}, 0),
+        ({"generation": "parallel"}, 0),
+        ({"generation": "interpolation"}, 6 * (512**2 + 512)),
+        ({"generation": "none"}, 6 * (512**2 + 512)),
+        ({"mffa": False}, 11 * 512**2 + 8 * 512 + 12 + 1),
+        ({"order_per_modality": True}, -2),
+        ({"learn_order": False}, 1),
+        ({"complex_to_real": "hermitian"}, 0),
+        ({"complex_to_real": "magnitude"}, 0),
+        ({"complex_to_real": "real"}, 0),
+    ],
+    ids=str,
+)
+def test_a_setting_changes_the_count_by_its_own_matrices_alone(change, fewer):
+    whole = parameter_count(HeadSettings(**CORE))
+    assert whole - parameter_count(HeadSettings(**CORE, **change)) == fewer
+
+
+# ---- generation ----------------------------------------------------------------------------------
+
+
+def test_in_series_every_node_grows_from_the_one_before():
+    torch.manual_seed(0)
+    chain, root = DTG(8, arrangement="series").double(), torch.randn(3, 8, dtype=torch.float64)
+    torch.nn.init.normal_(chain.bias)
+    node, wanted = root, [root]
+    for weight, bias in zip(chain.weight, chain.bias, strict=True):
+        node = node @ weight.T + bias
+        wanted.append(node)
+    grown = chain.grow(root)
+    torch.testing.assert_close(grown.nodes, torch.stack(wanted, 1))
+    assert [group.shape[1] for group in grown.groups] == [1, 7]
+
+
+def test_in_parallel_every_node_is_a_child_of_the_root():
+    torch.manual_seed(0)
+    fan, root = DTG(8, arrangement="parallel").double(), torch.randn(3, 8, dtype=torch.float64)
+    torch.nn.init.normal_(fan.bias)
+    grown = fan.grow(root)
+    for index, (weight, bias) in enumerate(zip(fan.weight, fan.bias, strict=True), start=1):
+        torch.testing.assert_close(grown.nodes[:, index], root @ weight.T + bias)
+    assert [group.shape[1] for group in grown.groups] == [1, 6]
+
+
+@pytest.mark.parametrize("arrangement", ["tree", "series", "parallel"])
+@pytest.mark.parametrize("levels", [1, 2, 4])
+def test_every_arrangement_folds_into_its_mean(arrangement, levels):
+    torch.manual_seed(0)
+    tree = DTG(8, levels=levels, arrangement=arrangement).double()
+    torch.nn.init.normal_(tree.bias)
+    root = torch.randn(5, 8, dtype=torch.float64)
+    matrix, offset = tree.fold()
+    assert tree.nodes(root).shape == (5, 2**levels - 1, 8)
+    torch.testing.assert_close(root @ matrix.T + offset, tree.nodes(root).mean(1))
+    assert nod_loss(tree.layers(root)).isfinite()
+
+
+def test_interpolated_points_lie_at_eighths_between_vis_and_tac():
+    vis, tac = torch.zeros(1, 2), torch.tensor([[8.0, 16.0]])
+    points = interpolated([vis, tac], 3)[0]
+    torch.testing.assert_close(points, torch.arange(1.0, 8.0)[:, None] * torch.tensor([1.0, 2.0]))
+
+
+def test_interpolation_adds_the_middle_of_vis_and_tac(make_head, make_pairs):
+    model, given = make_head(generation="interpolation"), make_pairs(4)
+    with torch.no_grad():
+        output = model(*given, nodes=True)
+        alone = model(given[0], None, nodes=True)
+    middle = (output.f_bar["vis"] + output.f_bar["tac"]) / 2
+    torch.testing.assert_close(output.f_hat["vis"], output.f_bar["vis"] + middle)
+    torch.testing.assert_close(output.nodes.mean(1), middle)
+    torch.testing.assert_close(alone.f_hat["vis"], 2 * alone.f_bar["vis"])
+    assert output.nodes.shape == (4, 7, 16)
+
+
+def test_without_generation_features_are_classified_as_they_are(make_head, make_pairs):
+    with torch.no_grad():
+        output = make_head(generation="none")(*make_pairs(4), nodes=True)
+    torch.testing.assert_close(output.f_hat["tac"], output.f_bar["tac"])
+    assert output.nodes is None
+
+
+# ---- DTG without MFFA ----------------------------------------------------------------------------
+
+
+def test_without_mffa_the_tree_grows_from_the_embeddings_at_any_order(make_head, make_pairs):
+    model = make_head(mffa=False, input_width=16)
+    vis, tac = make_pairs(4, 16)
+    units = [torch.nn.functional.normalize(x, dim=-1) for x in (vis, tac)]
+    with torch.no_grad():
+        for order in (None, 0.0, 0.6):
+            output = model(vis, tac, order=order, nodes=True)
+            torch.testing.assert_close(output.f_bar["vis"], units[0])
+            mean = model.dtg.nodes(units[0] + units[1]).mean(1)
+            torch.testing.assert_close(output.f_hat["tac"], units[1] + mean)
+    assert model.order == 0.0
+
+
+def test_without_mffa_training_adds_lang_to_the_root_and_aligns_nothing(make_head, make_pairs):
+    model = make_head(mffa=False, input_width=16)
+    lang, labels = torch.randn(3, 8, dtype=torch.float64), torch.tensor([0, 1, 2])
+    on = torch.tensor([True, True, False])
+    output = model.training_pass(*make_pairs(3, 16), lang, labels, lang_on=on)
+    text = torch.nn.functional.normalize(model.project_lang(lang), dim=-1)
+    wanted = output.features["vis"] + output.features["tac"] + text * on[:, None]
+    torch.testing.assert_close(output.layers[0][:, 0], wanted)
+    assert set(output.features) == {"vis", "tac"}
+
+
+# ---- complex to real -----------------------------------------------------------------------------
+
+
+def channels_of(model, embedding, order):
+    turned = dfrft(embedding, order)
+    kind = model.settings.complex_to_real
+    if kind == "magnitude":
+        return turned.abs()[:, None]
+    return turned.real[:, None] if kind == "real" else torch.stack((turned.real, turned.imag), 1)
+
+
+@pytest.mark.parametrize("kind", ["tokens", "magnitude", "real"])
+def test_tokens_are_made_of_the_parts_that_the_setting_names(make_head, make_pairs, kind):
+    """Eq. 3 and 4 written out token by token."""
+    model, (vis, _) = make_head(theta="normal", complex_to_real=kind), make_pairs(3)
+    theta = model.mffa.theta["vis"].detach()
+    embedding = 16**0.5 * torch.nn.functional.normalize(model.project_image(vis), dim=-1)
+    channels = channels_of(model, embedding, 0.3)
+    own = theta.abs() if kind == "magnitude" else theta
+    tokens = torch.relu(own[:, None] * channels[:, :, None]).flatten(1, 2)
+    token = model.mffa.class_agnostic_token("vis")
+    feature = model.mffa.fratt(tokens, tokens + token).feature
+    with torch.no_grad():
+        found = model(vis, None, order=0.3)
+    torch.testing.assert_close(found.f_bar["vis"], torch.nn.functional.normalize(feature, dim=-1))
+    means = torch.relu(own[:, None] * channels[:, :, None]).mean(2)
+    torch.testing.assert_close(found.relu["vis"][:, : means.shape[1]], means)
+    assert found.relu["vis"].shape == (3, 2, 16)
+
+
+def test_hermitian_attention_is_that_of_complex_numbers():
+    torch.manual_seed(0)
+    fratt = FrATT(6).double()
+    queries, tokens = (torch.randn(2, 2, n, 6, dtype=torch.float64) for n in (3, 4))
+
+    def layer(module, parts):
+        whole = torch.complex(parts[:, 0], parts[:, 1])
+        return whole @ module.weight.T.to(whole.dtype) + module.bias
+
+    asked, keys, values = (
+        layer(module, parts)
+        for module, parts in ((fratt.query, queries), (fratt.key, tokens), (fratt.value, tokens))
+    )
+    weights = torch.softmax((asked @ keys.mH).real / 6**0.5, dim=-1)
+    mixed = (weights.to(values.dtype) @ values).mean(1)
+    attended = fratt.hermitian(queries, tokens)
+    torch.testing.assert_close(attended.weights, weights)
+    torch.testing.assert_close(attended.feature, fratt.ffn(mixed.abs()))
+
+
+@pytest.mark.parametrize("kind", ["tokens", "hermitian", "magnitude", "real"])
+def test_answers_move_continuously_with_the_order_whatever_becomes_real(
+    make_head, make_pairs, kind
+):
+    model, given = make_head(theta="normal", complex_to_real=kind), make_pairs(6)
+    with torch.no_grad():
+        for order in (0.0, 0.5, 1.0):
+            here, beside = (model(*given, order=order + d).probabilities for d in (0.0, 1e-6))
+            assert (here - beside).abs().max() < 1e-4
+        apart = model(*given, order=0.0).probabilities - model(*given, order=0.5).probabilities
+    assert apart.abs().max() > 1e-3
+
+
+# ---- orders --------------------------------------------------------------------------------------
+
+
+def test_an_order_a_modality_turns_each_by_its_own(make_head, make_pairs):
+    model, given = make_head(order_per_modality=True), make_pairs(4)
+    with torch.no_grad():
+        model.mffa.order.copy_(torch.tensor([0.9, 0.2, 0.7]))
+        own = model(*given)
+        vis, tac = (model(*given, order=p) for p in (0.2, 0.7))
+    torch.testing.assert_close(own.f_bar["vis"], vis.f_bar["vis"])
+    torch.testing.assert_close(own.f_bar["tac"], tac.f_bar["tac"])
+    assert model.orders == pytest.approx({"lang": 0.9, "vis": 0.2, "tac": 0.7})
+    assert model.order == pytest.approx(0.45)
+
+
+# ---- settings ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ({"generation": "forest"}, "choose one of tree, series, parallel, interpolation, none"),
+        ({"complex_to_real": "x"}, "choose one of tokens, hermitian, magnitude, real"),
+    ],
+)
+def test_unknown_choices_are_refused(change, sentence):
+    with pytest.raises(SettingsError, match=sentence):
+        HeadSettings(**CORE, **change)
+
+
+def test_settings_saved_before_these_existed_mean_the_defaults():
+    values = settings_dict(HeadSettings(**CORE))
+    for name in ("generation", "mffa", "complex_to_real", "order_per_modality"):
+        del values[name]
+    assert settings_from(HeadSettings, values) == HeadSettings(**CORE)

@@ -1,0 +1,150 @@
+"""Runs: what a record says, resuming, processes, and what cannot run."""
+
+import json
+import sys
+import types
+
+import pytest
+
+from omnivat.data.store import load_embeddings, save_embeddings
+from omnivat.errors import DataError, MissingNameError, MissingPackageError, SettingsError
+from omnivat.lang.bank import DEFAULT_BANK, load_bank
+from omnivat.protocol import engine, records
+from omnivat.protocol.engine import planned, run_all
+from omnivat.protocol.methods import Method, methods_named
+from omnivat.protocol.run import Run, execute, target_mean
+
+QUICK = {"head": {"width": 16}, "train": {"epochs": 1}}
+NAMES = ("omnivat", "nearest_mean")
+
+
+@pytest.fixture(scope="module")
+def file(make_embeddings, tmp_path_factory):
+    path = tmp_path_factory.mktemp("protocol") / "set.safetensors"
+    pairs = make_embeddings(domains=("TAG-sim", "OF Real-sim", "OF 2.0 A-sim"), split=True)
+    save_embeddings(path, pairs)
+    return path
+
+
+@pytest.fixture(scope="module")
+def runs():
+    methods = methods_named(NAMES, QUICK["head"], QUICK["train"])
+    return planned(methods, ("TAG", "OF Real"), (0, 1))
+
+
+def done(file, runs, out, **changes):
+    return run_all(runs, out, embeddings=file, bank=DEFAULT_BANK, **changes)
+
+
+def without_times(found):
+    return sorted(
+        (json.dumps({k: v for k, v in r.items() if k != "seconds"}) for r in found), key=str
+    )
+
+
+def test_a_record_tells_what_was_resolved_and_every_target(file, runs, tmp_path):
+    assert done(file, runs[:1], tmp_path / "runs.jsonl") == 1
+    (record,) = records.read(tmp_path / "runs.jsonl")
+    assert record["source"] == "TAG-sim"
+    assert set(record["targets"]) == {"OF Real-sim", "OF 2.0 A-sim"}
+    scores = record["targets"]["OF Real-sim"]["scores"]["fused"]
+    assert set(scores) == {"accuracy", "macro_f1", "macro_f1_union", "ece"}
+    assert record["settings"]["head"]["width"] == 16
+    assert record["settings"]["train"]["lr"] == 0.05
+    assert record["versions"]["torch"]
+    assert record["data"]["simulated"] is True
+    assert record["lang"]["hash"] == load_bank().hash
+    accuracies = [t["scores"]["fused"]["accuracy"] for t in record["targets"].values()]
+    assert target_mean(record) == pytest.approx(sum(accuracies) / 2)
+
+
+def test_what_is_done_is_not_done_again_and_a_torn_line_is_mended(file, runs, tmp_path):
+    out = tmp_path / "runs.jsonl"
+    assert done(file, runs[:3], out) == 3
+    assert done(file, runs, out) == len(runs) - 3
+    whole = out.read_text()
+    out.write_text(whole[:-40])  # stopped while the last line was written
+    assert len(records.read(out)) == len(runs) - 1
+    assert done(file, runs, out) == 1
+    assert without_times(records.read(out)) == without_times(map(json.loads, whole.splitlines()))
+
+
+def test_another_setting_another_seed_or_other_data_is_another_question(file, runs, tmp_path):
+    out = tmp_path / "runs.jsonl"
+    run = runs[0]
+    done(file, [run], out)
+    changed = Method(name="omnivat", head=QUICK["head"], train={"epochs": 1, "lr": 0.01})
+    assert done(file, [Run(method=changed, source="TAG", seed=0)], out) == 1
+    assert done(file, [Run(method=run.method, source="TAG", seed=7)], out) == 1
+    assert done(file, [Run(method=run.method, source="TAG", seed=0, fold=0)], out) == 1
+    pairs = load_embeddings(file)
+    pairs.vis[0, 0] += 1
+    save_embeddings(tmp_path / "other.safetensors", pairs)
+    assert done(tmp_path / "other.safetensors", [run], out) == 1
+    assert done(file, [run], out) == 0
+
+
+def test_processes_side_by_side_give_the_same_records(file, runs, tmp_path):
+    done(file, runs, tmp_path / "one.jsonl")
+    done(file, runs, tmp_path / "two.jsonl", jobs=2)
+    one, two = (records.read(tmp_path / f"{name}.jsonl") for name in ("one", "two"))
+    assert without_times(one) == without_times(two)
+
+
+def test_a_method_that_cannot_run_leaves_its_reason(file, tmp_path):
+    run = Run(method=Method(name="promptstyler", base="promptstyler"), source="TAG", seed=0)
+    record = execute(run, load_embeddings(file), load_bank())
+    assert "needs texts in the image encoder's own space" in record["skipped"]
+    assert "targets" not in record
+
+
+def test_source_side_evidence_answers_held_out_objects_and_no_target(file):
+    run = Run(method=Method(name="nearest_mean", base="nearest_mean"), source="TAG", seed=0, fold=1)
+    record = execute(run, load_embeddings(file), None)
+    assert list(record["targets"])[:2] == ["held out", "shift 0"]
+    assert not any("sim" in name for name in record["targets"])
+    assert "source_test" not in record
+
+
+def test_an_unknown_method_is_refused_with_the_nearest():
+    with pytest.raises(MissingNameError, match="Did you mean 'linear_probe'"):
+        methods_named(["linear_prob"], {}, {})
+
+
+def test_a_baseline_takes_no_settings():
+    with pytest.raises(SettingsError, match="tunes itself on the source"):
+        Method(name="x", base="erm_mlp", train={"lr": 1.0})
+
+
+def test_a_line_that_is_no_record_is_named(tmp_path):
+    (tmp_path / "runs.jsonl").write_text('{"format": "omnivat-run-1"}\n{"a": 1}\n')
+    with pytest.raises(DataError, match=r"Line 2 of .* is not a record"):
+        records.read(tmp_path / "runs.jsonl")
+
+
+def test_ray_is_asked_for_with_its_purpose(file, runs, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "ray", None)
+    monkeypatch.setattr(
+        engine, "need", lambda name, **how: (_ for _ in ()).throw(MissingPackageError(str(how)))
+    )
+    with pytest.raises(MissingPackageError, match="cluster"):
+        done(file, runs[:1], tmp_path / "runs.jsonl", engine="ray")
+
+
+def test_the_ray_engine_gives_the_same_records(file, runs, tmp_path, monkeypatch):
+    """Through a stand-in that has ray's four calls and does each task at once."""
+
+    def remote(function):
+        return types.SimpleNamespace(remote=function)
+
+    def wait(tasks, num_returns):
+        return tasks[:num_returns], tasks[num_returns:]
+
+    stand_in = types.SimpleNamespace(
+        init=lambda **_: None, remote=remote, wait=wait, get=lambda value: value
+    )
+    monkeypatch.setattr(engine, "need", lambda name, **how: stand_in)
+    done(file, runs[:2], tmp_path / "ray.jsonl", engine="ray")
+    done(file, runs[:2], tmp_path / "local.jsonl")
+    ray, local = (records.read(tmp_path / f"{name}.jsonl") for name in ("ray", "local"))
+    assert without_times(ray) == without_times(local)
