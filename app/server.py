@@ -13,6 +13,7 @@ VIEWS = (
     "app.views.explore",
     "app.views.pair",
     "app.views.tree",
+    "app.views.compare",
     "app.views.data",
 )
 ICON = Path(__file__).parent / "web" / "icon.svg"

@@ -55,10 +55,22 @@ def label_map(head_classes: Sequence[str], data_classes: Sequence[str]) -> np.nd
     return np.array([head_classes.index(c) if c in head_classes else -1 for c in data_classes])
 
 
+def trained_modalities(head: Head) -> tuple[str, ...]:
+    """Return what the head learned from, and is asked with unless told otherwise."""
+    return tuple(head.provenance.get("train", {}).get("modalities", "vis+tac").split("+"))
+
+
 def evaluate(
-    head: Head, embeddings: Embeddings, *, order: float | None = None
+    head: Head,
+    embeddings: Embeddings,
+    *,
+    order: float | None = None,
+    modalities: Sequence[str] | None = None,
 ) -> list[dict[str, Any]]:
     """Return one record for each domain: counts, ACC and macro-F1, fused and by modality.
+
+    order       quarter turns; the learned one where None
+    modalities  what the head is given: "vis", "tac" or both; those it was trained with where None
 
     Where the data state a split only its test part counts. Pairs of classes that the head has
     not learned are left out and counted. F1 averages the classes present in the domain; the
@@ -67,14 +79,19 @@ def evaluate(
     Raises DataError when the embeddings are of another encoder.
     """
     head.require_embeddings(embeddings)
+    given = trained_modalities(head) if modalities is None else tuple(modalities)
     return [
-        _evaluate_domain(head, embeddings.in_domain(name, split="test"), name, order)
+        _evaluate_domain(head, embeddings.in_domain(name, split="test"), name, order, given)
         for name in embeddings.header.domains
     ]
 
 
 def _evaluate_domain(
-    head: Head, pairs: Embeddings, domain: str, order: float | None
+    head: Head,
+    pairs: Embeddings,
+    domain: str,
+    order: float | None,
+    modalities: Sequence[str],
 ) -> dict[str, Any]:
     classes = head.settings.classes
     labels = label_map(classes, pairs.header.classes)[pairs.label]
@@ -89,7 +106,9 @@ def _evaluate_domain(
     if not known.any():
         return record | {"scores": {}}
     truth = torch.from_numpy(labels[known])
-    probabilities = predicted_probabilities(head.model, pairs.select(known), order=order)
+    probabilities = predicted_probabilities(
+        head.model, pairs.select(known), order=order, modalities=modalities
+    )
     answers = {name: values.argmax(-1) for name, values in probabilities.items()}
     record["scores"] = {name: _scores(truth, answer) for name, answer in answers.items()}
     record["classes"] = list(classes)

@@ -1,4 +1,14 @@
-/** Questions to the server. Every failure becomes an Error whose message is one sentence. */
+/** Questions to the server. Every failure becomes a Refusal whose message is one sentence. */
+
+/** Something that a person is told; any other error is a fault of a script and stays one. */
+export class Refusal extends Error {}
+
+/** Tell `say` the sentence of a refusal; let faults, and questions called off, pass. */
+export function refused(error, say) {
+  if (error.name === "AbortError") return;
+  if (!(error instanceof Refusal)) throw error;
+  say(error.message);
+}
 
 const LOST = "The server does not answer. Is it still running? The page goes on when it is back.";
 const base = new URL("omnivat/", document.baseURI);
@@ -11,14 +21,14 @@ async function answered(request) {
     response = await request;
   } catch (error) {
     if (error.name === "AbortError") throw error;
-    throw new Error(LOST);
+    throw new Refusal(LOST);
   }
   if (response.ok) return response;
   let sentence = `The server refused (${response.status}).`;
   try {
     sentence = (await response.json()).error || sentence;
   } catch { /* not our server's JSON: the status has to do */ }
-  throw new Error(sentence);
+  throw new Refusal(sentence);
 }
 
 export const get = (path, options) => answered(fetch(address(path), options));

@@ -1,6 +1,6 @@
 /** Probabilities as bars, and as lines over p with the current p marked. */
 
-import { many } from "./palette.js";
+import { classColour } from "./palette.js";
 import { escaped, percent } from "./text.js";
 
 const W = 560;
@@ -15,7 +15,7 @@ export function bars(classes, at) {
   const voices = Object.keys(VOICES).filter((voice) => at[voice]);
   const best = at.both.indexOf(Math.max(...at.both));
   return `<table class="bar-table"><thead><tr><th scope="col">Class</th>${voices.map((v) => `<th scope="col"><span class="sign ${v}"></span>${VOICES[v]}</th>`).join("")}</tr></thead><tbody>
-    ${classes.map((name, k) => `<tr class="${k === best ? "best" : ""}"><th scope="row"><i style="background:${many(k)}"></i>${escaped(name)}</th>${voices.map((v) =>
+    ${classes.map((name, k) => `<tr class="${k === best ? "best" : ""}"><th scope="row"><i style="background:${classColour(k)}"></i>${escaped(name)}</th>${voices.map((v) =>
       `<td data-voice="${v}"><span class="bar ${v}" style="--share:${at[v][k]}"></span><span class="share">${percent(at[v][k], 1)}</span></td>`).join("")}</tr>`).join("")}</tbody></table>`;
 }
 
@@ -51,10 +51,10 @@ export class Lines {
     const labels = spread(classes.map((_, k) => Y(rows.at(-1)[k])));
     const lines = classes.map((name, k) => {
       const d = rows.map((row, i) => `${i ? "L" : "M"}${X(orders[i]).toFixed(1)} ${Y(row[k]).toFixed(1)}`).join("");
-      return `<path d="${d}" style="stroke:${many(k)}"/><text class="name" x="${W - PAD.right + 6}" y="${labels[k] + 4}"><tspan style="fill:${many(k)}">━ </tspan>${escaped(name)}</text>`;
+      return `<path d="${d}" style="stroke:${classColour(k)}"/><text class="name" x="${W - PAD.right + 6}" y="${labels[k] + 4}"><tspan style="fill:${classColour(k)}">━ </tspan>${escaped(name)}</text>`;
     });
     const mark = learned >= 0 && learned <= 1 ? `<path class="learned-at" d="M${X(learned)} ${H - PAD.bottom + 1}l-4 7h8z"/>` : "";
-    this.box.innerHTML = `<svg viewBox="0 0 ${W} ${H}" role="img" aria-label="Probability of each class against p">${grid.join("")}${stops.join("")}<text x="${(PAD.left + W - PAD.right) / 2}" y="${H - 1}" text-anchor="middle">p</text>${mark}${lines.join("")}<line class="now" y1="${PAD.top}" y2="${H - PAD.bottom}"/>${classes.map((_, k) => `<circle r="4" style="fill:${many(k)}"/>`).join("")}</svg>`;
+    this.box.innerHTML = `<svg viewBox="0 0 ${W} ${H}" role="img" aria-label="Probability of each class against p">${grid.join("")}${stops.join("")}<text x="${(PAD.left + W - PAD.right) / 2}" y="${H - 1}" text-anchor="middle">p</text>${mark}${lines.join("")}<line class="now" y1="${PAD.top}" y2="${H - PAD.bottom}"/>${classes.map((_, k) => `<circle r="4" style="fill:${classColour(k)}"/>`).join("")}</svg>`;
   }
 
   mark(stop, orders) {

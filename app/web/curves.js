@@ -7,10 +7,10 @@ const X = (p, [a, b]) => PAD.left + ((p - a) / (b - a)) * (W - PAD.left - PAD.ri
 const Y = (v, [lo, hi]) => H - PAD.bottom - ((v - lo) / (hi - lo)) * (H - PAD.top - PAD.bottom);
 
 export const CURVES = [
-  { name: "modality_gap", title: "Modality gap", help: "distance between the mean directions of VIS and TAC", good: "lower" },
-  { name: "domain_gap", title: "Domain gap", help: "mean distance between the domains' centres", good: "lower" },
-  { name: "accuracy", title: "Accuracy", help: "share of all pairs predicted right", good: "higher" },
-  { name: "margin", title: "Cosine margin", help: "mean cosine within classes minus between classes", good: "higher" },
+  { name: "modality_gap", title: "Modality gap", help: "distance between the mean directions of VIS and TAC; the thin line is the raw embedding", good: "lower" },
+  { name: "domain_gap", title: "Domain gap", help: "mean distance between the mean directions of two domains; the thin line is the raw embedding", good: "lower" },
+  { name: "accuracy", title: "Accuracy", help: "share of pairs predicted right by the whole head; the thin line is guessing", good: "higher" },
+  { name: "margin", title: "Cosine margin", help: "mean cosine within classes minus between classes; the thin line is the raw embedding", good: "higher" },
 ];
 
 /** The values of one curve at one stage, of one domain where named; null where not measured. */
@@ -35,6 +35,9 @@ function axis(frames, name) {
 const path = (frames, own, ys) => own.map((v, i) => (Number.isFinite(v)
   ? `${i && Number.isFinite(own[i - 1]) ? "L" : "M"}${X(frames.orders[i], span(frames)).toFixed(1)} ${Y(v, ys).toFixed(1)}` : "")).join("");
 const span = (frames) => [frames.orders[0], frames.orders.at(-1)];
+
+/** What guessing gets. */
+const chance = (frames) => frames.orders.map(() => 1 / frames.classes.length);
 
 export class Curves {
   constructor(box, frames, onOrder) {
@@ -81,11 +84,11 @@ export class Curves {
       const ys = axis(this.frames, name);
       const only = name === "domain_gap" || name === "margin" ? "" : domain;
       const own = values(this.frames, name, stage, only);
-      const raw = name === "accuracy" ? null : values(this.frames, name, "raw", only);
+      const raw = name === "accuracy" ? chance(this.frames) : values(this.frames, name, "raw", only);
       chart.querySelector(".of").textContent = only;
       this.own[name] = { own, ys };
       chart.querySelector(".own").setAttribute("d", own ? path(this.frames, own, ys) : "");
-      chart.querySelector(".ghost").setAttribute("d", raw && stage !== "raw" ? path(this.frames, raw, ys) : "");
+      chart.querySelector(".ghost").setAttribute("d", raw && (stage !== "raw" || name === "accuracy") ? path(this.frames, raw, ys) : "");
     }
   }
 

@@ -1,6 +1,6 @@
 /** Data & about: what is loaded and where from, what it cannot say, how to load one's own. */
 
-import { json } from "./api.js";
+import { json, refused } from "./api.js";
 import { theSet } from "./theset.js";
 import { ABOUT, glossary, OWN } from "./words.js";
 import { escaped, isSimulated, percent } from "./text.js";
@@ -12,8 +12,10 @@ export async function start(root) {
     wait.hidden = true;
     root.querySelector(".facts").innerHTML = page(about, set);
   } catch (error) {
-    wait.classList.add("problem");
-    wait.textContent = error.message;
+    refused(error, (sentence) => {
+      wait.classList.add("problem");
+      wait.textContent = sentence;
+    });
   }
 }
 

@@ -1,5 +1,6 @@
 /** Explore: the slider, the curves and the map, answered in the browser stop by stop. */
 
+import { refused } from "./api.js";
 import { card } from "./card.js";
 import { Cloud } from "./cloud.js";
 import { Curves, values } from "./curves.js";
@@ -7,7 +8,7 @@ import { csv, download, png, svg } from "./exports.js";
 import { whenFine } from "./frames.js";
 import { showFilters, shownBy } from "./filters.js";
 import { layersOf } from "./layers.js";
-import { axes, lassoLine, neighbourRings, pairLine } from "./marks.js";
+import { axes, axisNames, lassoLine, neighbourRings, pairLine } from "./marks.js";
 import { findNeighbours } from "./neighbours.js";
 import { orderBar } from "./order.js";
 import { COLOURINGS, isDark, onTheme } from "./palette.js";
@@ -34,9 +35,11 @@ export async function start(root) {
     page.replace(await whenFine(telling));
     wait.hidden = true;
   } catch (error) {
-    wait.hidden = false;
-    wait.classList.add("problem");
-    wait.textContent = error.message;
+    refused(error, (sentence) => {
+      wait.hidden = false;
+      wait.classList.add("problem");
+      wait.textContent = sentence;
+    });
   }
 }
 
@@ -250,9 +253,6 @@ function explore($, first, sprite) {
   showStage();
   return { replace };
 }
-
-const axisNames = (kind) =>
-  kind === "umap" ? { x: "UMAP 1", y: "UMAP 2" } : { x: "principal component 1", y: "principal component 2" };
 
 function approximate(frames, frame, stop) {
   const parts = [];

@@ -1,6 +1,6 @@
 /** Read the binary of frames: exact map positions for every stop of p, and the curves. */
 
-import { address, get } from "./api.js";
+import { address, get, Refusal } from "./api.js";
 
 const MAGIC = "OVFRAMES";
 const ARRAYS = { u8: Uint8Array, u16: Uint16Array };
@@ -8,7 +8,7 @@ const ARRAYS = { u8: Uint8Array, u16: Uint16Array };
 export class Frames {
   constructor(buffer) {
     const magic = new TextDecoder().decode(new Uint8Array(buffer, 0, 8));
-    if (magic !== MAGIC) throw new Error("The frames file is of another kind; make it again.");
+    if (magic !== MAGIC) throw new Refusal("The frames file is of another kind; make it again.");
     const length = new DataView(buffer).getUint32(8, true);
     this.meta = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 12, length)));
     this.buffer = buffer;

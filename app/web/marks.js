@@ -14,6 +14,10 @@ const figure = (value, step) => {
   return (Math.abs(value) < step / 2 ? 0 : value).toFixed(Math.min(6, digits));
 };
 
+/** What the axes of a kind of map are. */
+export const axisNames = (kind) =>
+  kind === "umap" ? { x: "UMAP 1", y: "UMAP 2" } : { x: "principal component 1", y: "principal component 2" };
+
 /** Axes of the map: thin lines at round figures, and what each axis is. */
 export function axes(names) {
   return (context, cloud) => {
@@ -30,7 +34,10 @@ export function axes(names) {
     context.textAlign = "center";
     context.lineWidth = 1;
     const { x: across, y: up } = names();
-    const taken = width - 34 - context.measureText(across).width * 1.15; // the axis's own name
+    const small = context.font;
+    context.font = `600 12px ${ink(cloud.box, "--ov-font")}`;
+    const taken = width - 34 - context.measureText(`${across} →`).width; // where the axis's own name stands
+    context.font = small;
     for (let v = Math.ceil(left / step) * step; (v - left) * per < width; v += step) {
       const x = (v - left) * per;
       if (x < 34) continue;
@@ -42,7 +49,7 @@ export function axes(names) {
     context.textAlign = "left";
     for (let v = Math.floor(top / step) * step; (top - v) * per < height - 24; v -= step) {
       const y = (top - v) * per;
-      if (y < 24) continue;
+      if (y < 34) continue;
       context.globalAlpha = 0.13;
       line(context, 0, y, width, y);
       context.globalAlpha = 1;

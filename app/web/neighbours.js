@@ -1,6 +1,6 @@
 /** Nearest neighbours in the full width of the features, asked of the server when wanted. */
 
-import { ask } from "./api.js";
+import { ask, refused } from "./api.js";
 import { thumbnail } from "./card.js";
 
 /** Ask, show thumbnails, and return the points to ring on the map. */
@@ -10,7 +10,7 @@ export async function findNeighbours(box, { frames, sprite, pair, stage, p, onPi
   try {
     found = (await ask("neighbours", { point: pair, stage, order: p })).neighbours;
   } catch (error) {
-    box.textContent = error.message;
+    refused(error, (sentence) => { box.textContent = sentence; });
     return [];
   }
   box.innerHTML = found.map(({ point, cosine }) => {

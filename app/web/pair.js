@@ -1,9 +1,11 @@
 /** Pair: choose two images, read the prediction, move p; all stops come in one answer. */
 
-import { address, ask, json } from "./api.js";
+import { address, ask, json, refused } from "./api.js";
+import { thumbnail } from "./card.js";
 import { bars, Lines } from "./chart.js";
 import { orderBar } from "./order.js";
 import { onTheme } from "./palette.js";
+import { shelf, somePair } from "./pick.js";
 import { sent, slots } from "./slots.js";
 import { Spectra } from "./spectrum.js";
 import { change, state, watch } from "./store.js";
@@ -70,9 +72,10 @@ function pair($, examples, set) {
       problem("");
       showAnswer();
     } catch (error) {
-      if (error.name === "AbortError") return;
-      problem(error.message);
-      empty();
+      refused(error, (sentence) => {
+        problem(sentence);
+        empty();
+      });
     } finally {
       clearTimeout(slow);
       $(".results").setAttribute("aria-busy", "false");
@@ -133,21 +136,28 @@ function pair($, examples, set) {
 
   function showGallery() {
     const used = new Set([state.vis, state.tac]);
-    $(".gallery").querySelectorAll("button").forEach((button) => button.setAttribute("aria-pressed", used.has(`example:${button.dataset.name}`)));
+    $(".gallery").querySelectorAll("button").forEach((button) => button.setAttribute("aria-pressed", used.has(button.dataset.ref)));
   }
 
-  $(".gallery").innerHTML = examples.length ? examples.map((one) => {
-    const path = one.name.split("/").map(encodeURIComponent).join("/");
-    const image = (modality) => `<img loading="lazy" alt="" src="${address(`example/${path}/${modality}`)}">`;
-    return `<button type="button" data-name="${escaped(one.name)}" aria-label="${escaped(`${one.class}, ${one.domain}`)}"><span>${image("vis")}${image("tac")}</span><small><b>${escaped(one.class)}</b> ${escaped(one.domain)}</small></button>`;
-  }).join("") : '<p class="hint">No examples are here; upload images, or pin a pair in Explore.</p>';
+  const offers = shelf(examples, set.frames);
+  $(".gallery").innerHTML = offers.length ? offers.map((one) =>
+    `<button type="button" data-ref="${escaped(one.ref)}" aria-label="${escaped(`${one.truth}, ${one.domain}`)}"><span>${pictures(one)}</span><small><b>${escaped(one.truth)}</b> ${escaped(one.domain)}</small></button>`).join("")
+    : '<p class="hint">No examples are here; upload images, or pin a pair in Explore.</p>';
   $(".gallery").onclick = (event) => {
     const button = event.target.closest("button");
     if (!button) return;
-    const ref = `example:${button.dataset.name}`;
+    const { ref } = button.dataset;
     const take = $(".take").value;
     change(take === "both" ? { vis: ref, tac: ref } : { [take]: ref });
   };
+
+  function pictures({ path, pair: row }) {
+    if (path === undefined) {
+      return ["VIS", "TAC"].map((label, i) => thumbnail(set.sprite, row + i * set.frames.pairs, 48, label)).join("");
+    }
+    const coded = path.split("/").map(encodeURIComponent).join("/");
+    return ["vis", "tac"].map((modality) => `<img loading="lazy" alt="" src="${address(`example/${coded}/${modality}`)}">`).join("");
+  }
   $(".which").onclick = (event) => {
     const button = event.target.closest("button");
     if (!button || !answer) return;
@@ -160,8 +170,6 @@ function pair($, examples, set) {
     spectra.paint();
     showOrder();
   });
-  if (!state.vis && !state.tac && examples.length) {
-    const ref = `example:${examples[0].name}`;
-    change({ vis: ref, tac: ref });
-  } else answerAgain();
+  if (state.vis || state.tac) answerAgain();
+  else somePair(examples, set.frames); // which asks in turn
 }

@@ -1,7 +1,11 @@
-/** Colours and shapes. Hues are those of Okabe and Ito: told apart by colour-blind eyes, too. */
+/** Colours and shapes. Domains take the hues of Okabe and Ito, classes those of Tol's bright
+ * scheme: both are told apart by colour-blind eyes, and neither is taken for the other. */
 
 const OKABE_ITO = [
   "#e69f00", "#56b4e9", "#009e73", "#d55e00", "#0072b2", "#cc79a7", "#f0e442", "#8c8c8c",
+];
+const TOL_BRIGHT = [
+  "#4477aa", "#ee6677", "#228833", "#ccbb44", "#aa3377", "#66ccee", "#bbbbbb", "#332288",
 ];
 const CIVIDIS = ["#00224e", "#27406f", "#575d6d", "#7d7c78", "#a59c74", "#d2c060", "#fee838"];
 
@@ -14,18 +18,19 @@ export function onTheme(action) {
   new MutationObserver(action).observe(document.body, { attributeFilter: ["class"] });
 }
 
-export const many = (index) => OKABE_ITO[index % OKABE_ITO.length];
+export const domainColour = (index) => OKABE_ITO[index % OKABE_ITO.length];
+export const classColour = (index) => TOL_BRIGHT[index % TOL_BRIGHT.length];
 
 /** How points may be coloured: each gives names, colours, and the group of a point. */
 export const COLOURINGS = {
   domain: {
     label: "Domain",
-    groups: (f) => f.domains.map((name, i) => [name, many(i)]),
+    groups: (f) => f.domains.map((name, i) => [name, domainColour(i)]),
     of: (f) => (pair) => f.domain[pair],
   },
   class: {
     label: "Class",
-    groups: (f) => f.classes.map((name, i) => [name, many(i)]),
+    groups: (f) => f.classes.map((name, i) => [name, classColour(i)]),
     of: (f) => (pair) => f.label[pair],
   },
   modality: {

@@ -1,6 +1,6 @@
 /** The two places for images: choose, drop, paste, webcam; a file goes to the server once. */
 
-import { address, sendImage } from "./api.js";
+import { address, refused, sendImage } from "./api.js";
 import { thumbnail } from "./card.js";
 import { escaped } from "./text.js";
 import { snapshot } from "./webcam.js";
@@ -45,7 +45,7 @@ export function slots(box, { onRef, onProblem }) {
         const picture = await snapshot(slot.querySelector(".picture"));
         if (picture) await take(picture, "the webcam’s image");
       } catch (error) {
-        onProblem(error.message);
+        refused(error, onProblem);
       }
     };
 
@@ -54,15 +54,17 @@ export function slots(box, { onRef, onProblem }) {
       if (file.size > LARGEST) {
         return onProblem(`'${name}' has ${(file.size / 1e6).toFixed(0)} MB and at most 20 are taken; scale it down and try again.`);
       }
+      const what = slot.querySelector(".what");
+      const before = what.textContent;
       slot.classList.add("busy");
-      slot.querySelector(".what").textContent = "Reading the image (the first one also loads the encoder)…";
+      what.textContent = "Reading the image (the first one also loads the encoder)…";
       try {
         const answer = await sendImage(file, name);
         sent.set(answer.ref, { ...answer, name });
         onRef(modality, answer.ref);
       } catch (error) {
-        slot.querySelector(".what").textContent = "";
-        onProblem(error.message);
+        what.textContent = before;
+        refused(error, onProblem);
       } finally {
         slot.classList.remove("busy");
       }

@@ -1,11 +1,13 @@
 /** Tree: the nodes that grow from the current pair, and the cosines that NOD keeps low. */
 
-import { ask } from "./api.js";
+import { ask, json, refused } from "./api.js";
 import { orderBar } from "./order.js";
-import { many, onTheme } from "./palette.js";
+import { classColour, onTheme } from "./palette.js";
+import { somePair } from "./pick.js";
 import { change, state, watch } from "./store.js";
 import { drawTree } from "./treeview.js";
 import { escaped } from "./text.js";
+import { theSet } from "./theset.js";
 
 const STOPS = Array.from({ length: 101 }, (_, i) => i / 100);
 const scale = {
@@ -13,7 +15,7 @@ const scale = {
   stop: (p) => Math.max(0, Math.min(100, Math.round(100 * p))),
 };
 
-export function start(root) {
+export async function start(root) {
   const $ = (selector) => root.querySelector(selector);
   const bar = orderBar($(".order-bar"), scale);
   let answer = null;
@@ -41,9 +43,10 @@ export function start(root) {
       say("");
       show();
     } catch (error) {
-      if (error.name === "AbortError") return;
-      $(".grove").hidden = true;
-      say(error.message, true);
+      refused(error, (sentence) => {
+        $(".grove").hidden = true;
+        say(sentence, true);
+      });
     } finally {
       clearTimeout(slow);
     }
@@ -62,12 +65,16 @@ export function start(root) {
     bar.show(scale.stop(state.p));
     $(".whose").textContent = `of ${[state.vis, state.tac].filter(Boolean).filter((ref, i, all) => all.indexOf(ref) === i).join(" and ").replaceAll("row:", "pair ").replaceAll("example:", "")} at p = ${answer.order.toFixed(2)}`;
     $(".nodes").innerHTML = drawTree(answer);
-    $(".key").innerHTML = `${answer.classes.map((name, k) => `<span class="key"><i style="background:${many(k)}"></i>${escaped(name)}</span>`).join("")} A disc’s area follows the node’s norm. The bar shows what the shared classifier gives the node by itself, the name its nearest class direction.${answer.in_use ? "" : " This head predicts without its tree (Alg. 2 to the letter)."}`;
+    $(".legend-line").innerHTML = `${answer.classes.map((name, k) => `<span class="key"><i style="background:${classColour(k)}"></i>${escaped(name)}</span>`).join("")} A disc’s area follows the node’s norm. The bar shows what the shared classifier gives the node by itself, the name its nearest class direction.${answer.in_use ? "" : " This head predicts without its tree (Alg. 2 to the letter)."}`;
     $(".matrices").innerHTML = answer.layers.map(matrix).join("");
   }
   watch(["vis", "tac"], soon);
   watch(["p"], soon);
   onTheme(() => answer && show());
+  if (!state.vis && !state.tac) {
+    const set = await theSet().catch(() => null);
+    somePair(await json("examples").catch(() => []), set?.frames);
+  }
   soon();
 }
 

@@ -1,6 +1,6 @@
 /** Draw the nodes in layers, the root on top. */
 
-import { many, rgb } from "./palette.js";
+import { classColour, rgb } from "./palette.js";
 import { escaped, percent } from "./text.js";
 
 const ROW = 132;
@@ -50,13 +50,13 @@ function disc({ norm, probabilities }, i, [x, y], r, classes, fits) {
   const label = fits ? `<text class="name" x="${x}" y="${y + r + 17}">${escaped(classes[best])} ${percent(probabilities[best])}</text>
     ${bar(probabilities, x - 46, y + r + 23)}<text x="${x}" y="${y + r + 43}">norm ${norm.toFixed(2)}</text>` : "";
   return `<g tabindex="0" role="listitem" aria-label="Node ${i + 1}, norm ${norm.toFixed(2)}, ${escaped(parts)}">${title}
-    <circle class="disc" cx="${x}" cy="${y}" r="${r}" style="fill:${many(best)}"/><text class="index${isDeep(many(best)) ? " pale" : ""}" x="${x}" y="${y + 5}">${i + 1}</text>${label}</g>`;
+    <circle class="disc" cx="${x}" cy="${y}" r="${r}" style="fill:${classColour(best)}"/><text class="index${isDeep(classColour(best)) ? " pale" : ""}" x="${x}" y="${y + 5}">${i + 1}</text>${label}</g>`;
 }
 
 function bar(probabilities, left, top) {
   let x = left;
   return probabilities.map((p, k) => {
-    const rect = `<rect x="${x.toFixed(1)}" y="${top}" width="${(92 * p).toFixed(1)}" height="6" style="fill:${many(k)}"/>`;
+    const rect = `<rect x="${x.toFixed(1)}" y="${top}" width="${(92 * p).toFixed(1)}" height="6" style="fill:${classColour(k)}"/>`;
     x += 92 * p;
     return rect;
   }).join("");

@@ -1,15 +1,17 @@
 /** One picture from a camera; a DIGIT or a GelSight Mini is an ordinary camera to the browser. */
 
+import { Refusal } from "./api.js";
+
 /** Show the camera in `box` until a picture is taken. Returns its PNG, or null when called off. */
 export async function snapshot(box) {
   if (!navigator.mediaDevices?.getUserMedia) {
-    throw new Error("This browser gives no camera here; open the page on localhost or over https.");
+    throw new Refusal("This browser gives no camera here; open the page on localhost or over https.");
   }
   let stream;
   try {
     stream = await navigator.mediaDevices.getUserMedia({ video: true });
   } catch {
-    throw new Error("No camera could be opened; connect one and allow the page to use it.");
+    throw new Refusal("No camera could be opened; connect one and allow the page to use it.");
   }
   const before = box.innerHTML;
   box.innerHTML = '<video autoplay playsinline muted></video><div class="row"><button type="button" class="main">Take it</button><button type="button">Cancel</button></div>';

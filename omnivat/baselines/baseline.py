@@ -17,7 +17,7 @@ from omnivat.baselines.evidence import best
 from omnivat.seeding import derive_seed
 
 CANDIDATES = {
-    f"lr {lr:g}, text {share:g}": (lr, share) for lr in (0.01, 0.1) for share in (0.1, 1.0)
+    f"lr {lr:g}, text {share:g}": (lr, share) for lr in (0.02, 0.1) for share in (0.1, 1.0)
 }
 TEXTS = 16  # style texts a step
 
@@ -51,7 +51,7 @@ def fit(source: Source) -> Fitted:
         source,
         CANDIDATES,
         lambda part, choice: _fused(_train(part, *choice)),
-        repeats=2,
+        repeats=1,
     )
     model = _train(source, *CANDIDATES[chosen])
 

@@ -6,7 +6,18 @@ import sys
 from collections.abc import Sequence
 
 from omnivat import __version__
-from omnivat.cli import embed, evaluate, predict, prompts, protocol, simulate, sweep, thumbnails, train
+from omnivat.cli import (
+    ablate,
+    embed,
+    evaluate,
+    predict,
+    prompts,
+    protocol,
+    simulate,
+    sweep,
+    thumbnails,
+    train,
+)
 from omnivat.errors import OmniVatError
 
 COMMANDS = {
@@ -15,6 +26,7 @@ COMMANDS = {
     "train": train,
     "evaluate": evaluate,
     "protocol": protocol,
+    "ablate": ablate,
     "sweep": sweep,
     "thumbnails": thumbnails,
     "simulate": simulate,

@@ -9,6 +9,7 @@ from pathlib import Path
 from omnivat.cli.bar import progress_bar
 from omnivat.data.readers import READERS
 from omnivat.encoders.base import DEFAULT_ENCODER, ENCODERS
+from omnivat.errors import SettingsError
 
 
 def add(parser: argparse.ArgumentParser) -> None:
@@ -19,6 +20,13 @@ def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--weights", type=Path, help="checkpoint of the encoder")
     parser.add_argument("--reader", choices=["auto", *READERS], default="auto")
     parser.add_argument("--strict", action="store_true", help="no merged or unknown materials")
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="key=value",
+        help="an option of the reader, such as by_folder=true (docs/data.md lists them)",
+    )
     parser.add_argument("--seed", type=int, default=0, help="of balanced subsampling")
     parser.add_argument("--precision", choices=["fp32", "bf16"], default="fp32")
     parser.add_argument("--dtype", choices=["float32", "float16"], default="float32")
@@ -35,7 +43,11 @@ def run(options: argparse.Namespace) -> None:
     from omnivat.embed import embed_pairs
 
     found = read_pairs(
-        options.pairs, reader=options.reader, strict=options.strict, seed=options.seed
+        options.pairs,
+        reader=options.reader,
+        strict=options.strict,
+        seed=options.seed,
+        **reader_options(options.set),
     )
     print(summary_table(found))
     with progress_bar(f"embed with {options.encoder}") as show:
@@ -59,3 +71,11 @@ def run(options: argparse.Namespace) -> None:
         f"{report.embedded} pairs embedded{resumed} in {report.seconds:.0f} s, "
         f"{len(report.skipped)} skipped; written to {report.out}"
     )
+
+
+def reader_options(texts: list[str]) -> dict[str, str]:
+    """Return {option: text} for `key=value` texts. Raises SettingsError for one without "="."""
+    for text in texts:
+        if "=" not in text:
+            raise SettingsError(f"--set got '{text}'; write it as key=value.")
+    return dict(text.split("=", 1) for text in texts)  # type: ignore[misc]

@@ -1,6 +1,9 @@
 """Train a head on one domain of an embeddings file, and evaluate it on all.
 
 python -m omnivat train --embeddings FILE --source DOMAIN --out DIR [--set key=value ...]
+
+The state after every epoch lies in DIR until the head is there; --resume takes a stopped training
+up again and gives the weights that it would have given.
 """
 
 import argparse
@@ -23,6 +26,9 @@ def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--lang", type=Path, help="LANG bank; the project's own if left out")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument(
+        "--resume", action="store_true", help="go on from where a stopped training of --out was"
+    )
+    parser.add_argument(
         "--set",
         action="append",
         default=[],
@@ -40,7 +46,7 @@ def run(options: argparse.Namespace) -> None:
     from omnivat.lang.bank import DEFAULT_BANK, load_bank
     from omnivat.model.head import parameter_count
     from omnivat.model.settings import HeadSettings
-    from omnivat.train import TrainSettings, train
+    from omnivat.train import STATE, TrainSettings, train
 
     embeddings = load_embeddings(options.embeddings)
     source = embeddings.in_domain(options.source, split="train", part=options.part)
@@ -59,8 +65,19 @@ def run(options: argparse.Namespace) -> None:
         }
     )
     print(f"{parameter_count(settings):,} trainable parameters, {len(source)} pairs")
+    state = options.out / STATE
+    if not options.resume:
+        state.unlink(missing_ok=True)
     with progress_bar(f"train on {options.source}") as show:
-        trained = train(source, settings, training, bank=bank, seed=options.seed, on_step=show)
+        trained = train(
+            source,
+            settings,
+            training,
+            bank=bank,
+            seed=options.seed,
+            resume=state,
+            on_step=show,
+        )
     header = embeddings.header
     encoder = {
         "name": header.encoder,

@@ -1,6 +1,23 @@
-"""The discrete fractional Fourier transform: exact eigenbasis, cached coefficients, any order."""
+"""The discrete fractional Fourier transform: exact, fast, differentiable in x and in the order.
 
+`dfrft(x, order)` transforms; `coefficients(x)` is what to keep while the order moves and
+`synthesise(coefficients, order)` turns it into the same as `dfrft(x, order)` at a fraction of the
+cost; `project` fuses a linear map with that. The mathematics: docs/fractional.md.
+"""
+
+from omnivat.fractional.basis import Basis, basis
 from omnivat.fractional.coefficients import Coefficients
+from omnivat.fractional.module import FractionalTransform
+from omnivat.fractional.projecting import project
 from omnivat.fractional.transform import coefficients, dfrft, synthesise
 
-__all__ = ["Coefficients", "coefficients", "dfrft", "synthesise"]
+__all__ = [
+    "Basis",
+    "Coefficients",
+    "FractionalTransform",
+    "basis",
+    "coefficients",
+    "dfrft",
+    "project",
+    "synthesise",
+]

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
 import torch
 from torch import Tensor
 
 from omnivat.errors import SettingsError, ShapeError
+from omnivat.fractional.plans import splits
+from omnivat.fractional.splits import Split
 
 _KEPT = (torch.float32, torch.float64, torch.complex64, torch.complex128)
 
@@ -35,6 +38,8 @@ def checked_order(order: float | Tensor | Any, device: torch.device) -> Tensor:
     An order that already lies on an accelerator is not read back: there NaN gives NaN rows.
     Raises SettingsError for NaN, infinite or complex orders.
     """
+    if isinstance(order, int | float) and abs(order) < 1e300:
+        return torch.full((), order, dtype=torch.float64, device=device)
     try:
         found = order if isinstance(order, Tensor) else torch.as_tensor(order, dtype=torch.float64)
     except (TypeError, ValueError, OverflowError, RuntimeError) as error:
@@ -54,3 +59,15 @@ def _shortened(order: Tensor) -> str:
     bad = order.detach().reshape(-1)
     bad = bad[~torch.isfinite(bad)]
     return ", ".join(str(value) for value in bad[:3].tolist()) + (", …" if len(bad) > 3 else "")
+
+
+def split_for(values: Tensor) -> Split:
+    """The split that fits the last axis, the precision and the device of `values`."""
+    return splits.get(values.shape[-1], values.dtype.to_real(), values.device)
+
+
+def full_precision(device: torch.device) -> AbstractContextManager[object]:
+    """Autocast off: in bfloat16 the transform would be wrong in its third digit."""
+    if torch.is_autocast_enabled(device.type):
+        return torch.autocast(device.type, enabled=False)
+    return nullcontext()

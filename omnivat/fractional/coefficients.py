@@ -24,7 +24,6 @@ class Coefficients:
     dim: int = -1
     centered: bool = False
 
-
     @property
     def shape(self) -> torch.Size:
         """The leading axes: the shape of the batch, without the transformed axis."""

@@ -20,17 +20,27 @@ from omnivat.fractional.splits import Split
 
 def analyse(x: Tensor, split: Split) -> Tensor:
     """x V on the last axis."""
+    if not _wants_gradient(x):
+        return analyse_rows(split, x)
     return _Analyse.apply(x, split)  # type: ignore[no-any-return,no-untyped-call]
 
 
 def restore(z: Tensor, split: Split) -> Tensor:
     """z Vᵀ on the last axis."""
+    if not _wants_gradient(z):
+        return restore_rows(split, z)
     return _Restore.apply(z, split)  # type: ignore[no-any-return,no-untyped-call]
 
 
 def synthesise(values: Tensor, order: Tensor, split: Split, planar: bool) -> Tensor:
     """(λ^p ⊙ values) Vᵀ on the last axis; order (...) float64 broadcasts against the leading axes."""
+    if not _wants_gradient(values, order):
+        return synthesise_rows(split, values, order, planar=planar)
     return _Synthesise.apply(values, order, split, planar)  # type: ignore[no-any-return,no-untyped-call]
+
+
+def _wants_gradient(*tensors: Tensor) -> bool:
+    return torch.is_grad_enabled() and any(tensor.requires_grad for tensor in tensors)
 
 
 class _Analyse(Function):

@@ -27,9 +27,9 @@ def phases(order: Tensor, indices: Tensor) -> Tensor:
     quarter = torch.round(turns)
     angle = (turns - quarter) * (-math.pi / 2)
     quarter = quarter.remainder_(4.0)
-    rest = torch.complex(torch.cos(angle), torch.sin(angle))
-    # (-i)^q = cos - i sin of q quarter turns, which these two polynomials give exactly
-    return rest.mul_(_unit(quarter))
+    # q quarter turns have cosine |q - 2| - 1 and sine 1 - |q - 1|, without rounding
+    whole = torch.complex((quarter - 2.0).abs_().sub_(1.0), (quarter - 1.0).abs_().sub_(1.0))
+    return torch.complex(torch.cos(angle), torch.sin(angle)).mul_(whole)
 
 
 def smooth_phases(order: Tensor, indices: Tensor) -> Tensor:
@@ -38,6 +38,6 @@ def smooth_phases(order: Tensor, indices: Tensor) -> Tensor:
     The exact value is a constant; the second factor is 1, with the derivative -iπk/2 · exp(…).
     """
     with torch.no_grad():
-        real, imaginary = phases(order, indices)
+        exact = phases(order, indices)
     step = (order - order.detach())[..., None] * (-math.pi / 2) * indices
-    return torch.complex(real, imaginary) * torch.exp(torch.complex(torch.zeros_like(step), step))
+    return exact * torch.exp(torch.complex(torch.zeros_like(step), step))

@@ -12,37 +12,42 @@ from torch import Tensor
 
 from omnivat.fractional.phases import phases
 
-_ELEMENTS = 2**16  # of one real plane; with its scratch it fills a core's second-level cache
+_ELEMENTS = 2**17  # of one real plane; with its scratch it fills a core's second-level cache
 _WORTH_A_LOOP = 16  # rows; below that, phases row by row cost less than a piece for each order
 
 
 @dataclass(frozen=True)
 class Piece:
-    """Some rows (b, N) of coefficients, where they lie, and their phases, (1, N) or (b, N)."""
+    """Some rows of coefficients.
+
+    rows: where they lie in the broadcast batch; values (b, N); phases (2, 1 or b, N), the real and
+    the imaginary part of exp(-iπpk/2).
+    """
 
     rows: slice
     values: Tensor
-    real: Tensor
-    imaginary: Tensor
+    phases: Tensor
 
 
-def slices(count: int, size: int, device: torch.device) -> Iterator[slice]:
-    """Cut `count` rows of N samples for the cache; an accelerator takes all at once."""
+def slices(rows: Tensor) -> Iterator[slice]:
+    """Cut rows (R, N) for the cache; an accelerator takes all at once."""
+    count, size = rows.shape
     at_once = max(16, _ELEMENTS * torch.get_num_threads() // size)
-    step = at_once if device.type == "cpu" else max(count, 1)
+    step = at_once if rows.device.type == "cpu" else max(count, 1)
     for start in range(0, count, step):
         yield slice(start, min(start + step, count))
 
 
 def leading_shape(values: Tensor, order: Tensor) -> torch.Size:
     """The batch of the result: the leading axes of the values and the order's, broadcast."""
-    return torch.broadcast_shapes(values.shape[:-1], order.shape)
+    shape: torch.Size = torch.broadcast_shapes(values.shape[:-1], order.shape)  # type: ignore[no-untyped-call]
+    return shape
 
 
-def _cast_phases(order: Tensor, indices: Tensor, like: Tensor) -> tuple[Tensor, Tensor]:
-    kind = like.dtype.to_real()
-    real, imaginary = phases(order, indices)
-    return real.to(kind), imaginary.to(kind)
+def _planar_phases(order: Tensor, indices: Tensor, like: Tensor) -> Tensor:
+    """Phases of orders (b,) as planes (2, b, N), cast to the precision of the values."""
+    both = torch.view_as_real(phases(order, indices)).movedim(-1, 0)
+    return both.to(like.dtype.to_real(), memory_format=torch.contiguous_format, copy=True)
 
 
 def pieces(values: Tensor, order: Tensor, indices: Tensor) -> Iterator[Piece]:
@@ -62,15 +67,15 @@ def pieces(values: Tensor, order: Tensor, indices: Tensor) -> Iterator[Piece]:
     if varying and sharing < _WORTH_A_LOOP:
         yield from _row_by_row(rows.reshape(-1, size), order.expand(lead).reshape(-1), indices)
         return
-    orders = order.expand(*lead[:varying], *order.shape[varying:]).reshape(-1, 1)
+    orders = order.expand((*lead[:varying], *order.shape[varying:])).reshape(-1, 1)
     places = itertools.product(*(range(length) for length in lead[:varying]))
     for number, place in enumerate(places):
-        real, imaginary = _cast_phases(orders[number], indices, values)
+        turned = _planar_phases(orders[number], indices, values)
         group, start = rows[place].reshape(-1, size), number * sharing
-        for some in slices(sharing, size, values.device):
-            yield Piece(slice(start + some.start, start + some.stop), group[some], real, imaginary)
+        for some in slices(group):
+            yield Piece(slice(start + some.start, start + some.stop), group[some], turned)
 
 
 def _row_by_row(rows: Tensor, orders: Tensor, indices: Tensor) -> Iterator[Piece]:
-    for some in slices(*rows.shape, rows.device):
-        yield Piece(some, rows[some], *_cast_phases(orders[some], indices, rows))
+    for some in slices(rows):
+        yield Piece(some, rows[some], _planar_phases(orders[some], indices, rows))

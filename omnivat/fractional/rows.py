@@ -5,6 +5,7 @@ from __future__ import annotations
 import torch
 from torch import Tensor
 
+from omnivat.fractional.memory import empty
 from omnivat.fractional.pieces import Piece, leading_shape, pieces, slices
 from omnivat.fractional.splits import Split
 
@@ -17,8 +18,8 @@ def planes(x: Tensor) -> Tensor:
 def analyse_rows(split: Split, x: Tensor) -> Tensor:
     """x V for x (..., N), real or complex."""
     rows = x.reshape(-1, x.shape[-1])
-    out = rows.new_empty(rows.shape)
-    for some in slices(*rows.shape, rows.device):
+    out = empty(rows.shape, rows.dtype, rows.device)
+    for some in slices(rows):
         if x.is_complex():
             part = planes(rows[some]).flatten(0, 1)
             found = torch.empty_like(part)
@@ -32,8 +33,8 @@ def analyse_rows(split: Split, x: Tensor) -> Tensor:
 def restore_rows(split: Split, z: Tensor) -> Tensor:
     """z Vᵀ for z (..., N), real or complex."""
     rows = z.reshape(-1, z.shape[-1])
-    out = rows.new_empty(rows.shape)
-    for some in slices(*rows.shape, rows.device):
+    out = empty(rows.shape, rows.dtype, rows.device)
+    for some in slices(rows):
         if z.is_complex():
             part = planes(rows[some])
             found = torch.empty_like(part)
@@ -46,10 +47,9 @@ def restore_rows(split: Split, z: Tensor) -> Tensor:
 
 def turn(piece: Piece) -> Tensor:
     """Coefficients times phases as planes (2, b, N)."""
-    c, real, imaginary = piece.values, piece.real, piece.imaginary
-    if c.is_complex():
-        return planes(c * torch.complex(real, imaginary))
-    return c * torch.stack([real, imaginary])
+    if piece.values.is_complex():
+        return planes(piece.values * torch.complex(*piece.phases))
+    return piece.values * piece.phases
 
 
 def synthesise_rows(
@@ -59,10 +59,10 @@ def synthesise_rows(
     size, kind = values.shape[-1], values.dtype
     shape = (*leading_shape(values, order), size)
     if planar:
-        result = values.new_empty((2, *shape), dtype=kind.to_real()) if out is None else out
+        result = empty((2, *shape), kind.to_real(), values.device) if out is None else out
         flat = result.view(2, -1, size)
     else:
-        result = values.new_empty(shape, dtype=kind.to_complex()) if out is None else out
+        result = empty(shape, kind.to_complex(), values.device) if out is None else out
         flat = result.view(-1, size)
     for piece in pieces(values, order, split.indices):
         z = turn(piece)
@@ -84,7 +84,7 @@ def turned_back(
     order gets Σ (π/2) k Im(conj(U) ⊙ values).
     """
     size, shape = values.shape[-1], (*leading_shape(values, order), values.shape[-1])
-    to_values = values.new_empty(shape).view(-1, size)
+    to_values = empty(shape, values.dtype, values.device).view(-1, size)
     to_order = order.new_empty(len(to_values))
     grad = grad.reshape(2, -1, size) if planar else grad.reshape(-1, size)
     slope = (split.indices * (torch.pi / 2)).to(values.dtype.to_real())
@@ -92,8 +92,9 @@ def turned_back(
         part = grad[:, piece.rows] if planar else planes(grad[piece.rows])
         g = torch.empty_like(part, memory_format=torch.contiguous_format)
         split.analyse(part.reshape(-1, size), g.view(-1, size))
-        real = (g[0] * piece.real).addcmul_(g[1], piece.imaginary)
-        minus = (g[0] * piece.imaginary).addcmul_(g[1], piece.real, value=-1)  # -Im U
+        cosine, sine = piece.phases  # U = (cosine - i sine)(G0 + i G1)
+        real = (g[0] * cosine).addcmul_(g[1], sine)
+        minus = (g[0] * sine).addcmul_(g[1], cosine, value=-1)  # -Im U
         c = piece.values
         if c.is_complex():
             torch.complex(real, -minus, out=to_values[piece.rows])

@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from contextlib import nullcontext
-from typing import Any
-
 import torch
 from torch import Tensor
 
 from omnivat.errors import ShapeError
 from omnivat.fractional import gradients
-from omnivat.fractional.arguments import axis_from_end, checked_order, working_precision
+from omnivat.fractional.arguments import (
+    axis_from_end,
+    checked_order,
+    full_precision,
+    split_for,
+    working_precision,
+)
 from omnivat.fractional.coefficients import Coefficients
 from omnivat.fractional.pieces import leading_shape
-from omnivat.fractional.plans import splits
 from omnivat.fractional.quarter_turns import quarter_turn, whole_turns
 from omnivat.fractional.rows import synthesise_rows
-from omnivat.fractional.splits import Split
 
 
 def coefficients(x: Tensor, dim: int = -1, *, centered: bool = False) -> Coefficients:
@@ -33,8 +34,8 @@ def coefficients(x: Tensor, dim: int = -1, *, centered: bool = False) -> Coeffic
     if centered:
         x = torch.fft.ifftshift(x, dim)
     x = x.movedim(dim, -1)
-    with _full_precision(x.device):
-        return Coefficients(gradients.analyse(x, _split_for(x)), dim, centered)
+    with full_precision(x.device):
+        return Coefficients(gradients.analyse(x, split_for(x)), dim, centered)
 
 
 def synthesise(
@@ -56,7 +57,7 @@ def synthesise(
     """
     values, dim = coefficients.values, coefficients.dim
     p = checked_order(order, values.device)
-    split = _split_for(values)
+    split = split_for(values)
     try:
         lead = leading_shape(values, p)
     except RuntimeError as error:
@@ -64,7 +65,7 @@ def synthesise(
             f"The order has shape {tuple(p.shape)}, expected one that broadcasts against the "
             f"leading axes {tuple(values.shape[:-1])}: use order[:, None] for many orders of all rows."
         ) from error
-    with _full_precision(values.device):
+    with full_precision(values.device):
         if out is not None:
             _check_out(out, coefficients, (*lead, values.shape[-1]), planar)
             return synthesise_rows(split, values.detach(), p.detach(), planar=planar, out=out)
@@ -102,17 +103,6 @@ def dfrft(
     dim = axis_from_end(x, dim)
     result = quarter_turn(working_precision(x), turns, dim, centered=centered)
     return torch.stack([result.real, result.imag]) if planar else result
-
-
-def _split_for(values: Tensor) -> Split:
-    return splits.get(values.shape[-1], values.dtype.to_real(), values.device)
-
-
-def _full_precision(device: torch.device) -> Any:
-    """Autocast off: in bfloat16 the transform would be wrong in its third digit."""
-    if torch.is_autocast_enabled(device.type):
-        return torch.autocast(device.type, enabled=False)
-    return nullcontext()
 
 
 def _check_out(

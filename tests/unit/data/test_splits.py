@@ -122,6 +122,12 @@ def test_a_domains_split_does_not_depend_on_the_others():
     assert split_by_object([*two, *one], seed=0)[30:] == alone
 
 
+def test_two_domains_of_the_same_objects_are_drawn_apart():
+    members = [(f"a{i}", "wood") for i in range(40)]
+    made = split_by_object([*pairs(members, "A"), *pairs(members, "B")], seed=0)
+    assert [p.split for p in made[:40]] != [p.split for p in made[40:]]
+
+
 def test_fractions_that_leave_no_training_are_refused():
     with pytest.raises(DataError, match="leave no pairs to train on"):
         split_by_object(pairs([("a", "wood")]), seed=0, test=0.6, val=0.4)

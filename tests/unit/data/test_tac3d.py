@@ -29,6 +29,12 @@ def test_axes_are_colours_and_signs_are_bright_and_dark():
     assert (field_to_rgb(field, 2.0)[112, 112] == (191, 128, 64)).all()
 
 
+def test_a_wild_marker_is_drawn_as_full_colour_and_no_further():
+    field = np.zeros((20, 20, 3))
+    field[10, 10] = 1.0
+    np.testing.assert_array_equal(field_to_rgb(field * 1000, 1.0), field_to_rgb(field, 1.0))
+
+
 def test_rows_stay_rows():
     field = np.zeros((20, 20, 3))
     field[:10, :, 1] = 1.0

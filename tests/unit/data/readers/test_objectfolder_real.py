@@ -18,6 +18,7 @@ def tree(tmp_path, put):
             for n in range(9):
                 put(recording / "third_view" / f"{n}.png")
                 put(recording / "in_hand" / f"{n}.png")
+                put(recording / "another" / f"{n}.png")
     rows = "".join(f"{i},{name}\n" for i, name in enumerate(names, start=1))
     (tmp_path / "materials.csv").write_text("object,material\n" + rows)
     return tmp_path

@@ -1,0 +1,221 @@
+"""Tables, intervals and plots rebuilt from records, against figures worked out by hand."""
+
+import math
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+from omnivat.ablations import ABLATIONS, method_name
+from omnivat.reports.ablation_report import write_ablations
+from omnivat.reports.evidence_report import evidence_report
+from omnivat.reports.intervals import (
+    Interval,
+    Spread,
+    bootstrap_interval,
+    paired_differences,
+    spread,
+    t_interval,
+)
+from omnivat.reports.paper import not_comparable, paper
+from omnivat.reports.plot import line_plot
+from omnivat.reports.protocol_report import interval_table, main_table, protocol_report
+from omnivat.reports.reading import by_run, by_seed
+from omnivat.reports.text_table import interval_text, markdown, percent, spread_text
+
+DATA = {
+    "encoder": "efficientnet-lite0",
+    "weights_hash": "0" * 16,
+    "simulated": True,
+    "origin": "made by a test",
+}
+
+
+def record(method, source, seed, values, *, fold=None, **changes):
+    """Return a record with one target for each value of ACC; Macro-F1 is 0.1 lower."""
+    scores = [
+        {"accuracy": v, "macro_f1": v - 0.1, "macro_f1_union": v - 0.2, "ece": 0.05} for v in values
+    ]
+    return {
+        "method": method,
+        "label": {"omnivat": "OmniVaT"}.get(method, method),
+        "note": "",
+        "source": source,
+        "part": "",
+        "seed": seed,
+        "fold": fold,
+        "data": DATA,
+        "versions": {"torch": "2"},
+        "parameters": 10,
+        "seconds": 1.0,
+        "missing_targets": [],
+        "targets": {
+            f"target {i}": {"part": "", "pairs": 9, "scores": {"fused": s, "vis": s, "tac": s}}
+            for i, s in enumerate(scores)
+        },
+    } | changes
+
+
+@pytest.fixture
+def records():
+    found = []
+    for source, base in (("TAG-sim", 0.5), ("OF Real-sim", 0.6)):
+        for seed in (0, 1, 2):
+            found.append(record("omnivat", source, seed, [base + 0.1, base + 0.01 * seed]))
+            found.append(record("linear_probe", source, seed, [base, base]))
+    return found
+
+
+def test_a_spread_has_n_minus_one_in_its_deviation():
+    found = spread([1.0, 2.0, 4.0])
+    assert found.mean == pytest.approx(7 / 3)
+    assert found.std == pytest.approx(np.std([1, 2, 4], ddof=1))
+    assert math.isnan(spread([1.0]).std)
+    assert spread([]).n == 0
+
+
+def test_the_t_interval_is_students_for_ten_known_values():
+    """Sleep data of Student (1908): mean 1.58, 95 % interval 0.70 to 2.46."""
+    sleep = [1.2, 2.4, 1.3, 1.3, 0.0, 1.0, 1.8, 0.8, 4.6, 1.4]
+    found = t_interval(sleep)
+    assert (round(found.mean, 2), round(found.low, 2), round(found.high, 2)) == (1.58, 0.7, 2.46)
+    assert found.excludes_zero
+    assert not t_interval([-1.0, 1.0, 0.5]).excludes_zero
+
+
+def test_the_bootstrap_takes_sources_as_the_unit():
+    """Many seeds that agree do not make two sources that disagree certain."""
+    agreeing = {"A": [0.1] * 50, "B": [-0.05] * 50}
+    found = bootstrap_interval(agreeing)
+    assert found.mean == pytest.approx(0.025)
+    assert (found.low, found.high) == (pytest.approx(-0.05), pytest.approx(0.1))
+    assert not found.excludes_zero
+    assert t_interval([v for values in agreeing.values() for v in values]).excludes_zero
+
+
+def test_the_bootstrap_repeats_and_needs_two_sources():
+    values = {"A": [0.1, 0.2], "B": [0.3, 0.1]}
+    assert bootstrap_interval(values) == bootstrap_interval(values)
+    assert math.isnan(bootstrap_interval({"A": [0.1, 0.2]}).low)
+
+
+def test_only_runs_that_both_have_are_paired():
+    ours = {("A", 0): 0.5, ("A", 1): 0.7, ("B", 0): 0.9}
+    theirs = {("A", 0): 0.4, ("B", 0): 0.8, ("C", 0): 0.1}
+    found = paired_differences(ours, theirs)
+    assert found == {"A": [pytest.approx(0.1)], "B": [pytest.approx(0.1)]}
+
+
+def test_an_average_over_sources_waits_for_all_of_them(records):
+    values = by_run(records[:-2], "omnivat", "accuracy")
+    assert len(by_seed(values, ["TAG-sim", "OF Real-sim"])) == 2
+
+
+def test_the_main_table_has_means_over_targets_and_deviations_over_seeds(records):
+    row = next(line for line in main_table(records).splitlines() if line.startswith("| OmniVaT"))
+    assert "56.0" not in row
+    assert "55.5 ± 0.5 / 45.5 ± 0.5" in row  # TAG: (0.6 + 0.5 + 0.01 seed) / 2
+    assert row.rstrip(" |").endswith("60.5 ± 0.5 / 50.5 ± 0.5")
+
+
+def test_printed_figures_are_marked_where_the_data_differ(records):
+    table = main_table(records)
+    assert "printed: OmniVaT, ViT-B/16 *not comparable* (other data: ours are simulated)" in table
+    assert "57.3 / 54.0" in table
+    assert not_comparable({"simulated": False, "encoder": "clip-vit-b/16"}) == ""
+    assert "other encoder" in not_comparable({"simulated": False, "encoder": "clip-rn50"})
+
+
+def test_the_lead_is_paired_and_its_n_printed(records):
+    assert "+5.5 [5.0, 6.0] n=6" in interval_table(records)
+
+
+def test_a_record_run_again_replaces_the_older(records):
+    newer = record("omnivat", "TAG-sim", 0, [1.0, 1.0])
+    assert "| TAG-sim | 73.3 / 63.3 |" in protocol_report([*records, newer])  # (1 + .6 + .6) / 3
+
+
+def test_what_did_not_run_is_told_with_its_reason(records):
+    missing = {k: v for k, v in record("promptstyler", "TAG-sim", 0, []).items() if k != "targets"}
+    text = protocol_report([*records, missing | {"skipped": "No text.", "parameters": 0}])
+    assert "- promptstyler did not run: No text." in text
+
+
+def test_evidence_and_targets_never_mix(records):
+    folds = [
+        record("omnivat", "TAG-sim", 0, [], fold=0)
+        | {"targets": {"held out": target(0.9), "shift 0": target(0.5), "shift 1": target(0.7)}}
+    ]
+    assert "90.0" not in protocol_report([*records, *folds])
+    text = evidence_report([*records, *folds])
+    assert "| OmniVaT | 90.0 | 80.0 | 60.0 | 50.0 |" in text
+    assert evidence_report(records) == "No evidence yet.\n"
+
+
+def target(value):
+    scores = {"accuracy": value, "macro_f1": value - 0.1}
+    return {"part": "", "pairs": 4, "scores": {"fused": scores}}
+
+
+def test_no_records_give_a_sentence():
+    assert protocol_report([]) == "No runs yet.\n"
+
+
+def test_the_papers_figures_are_means_of_what_it_prints():
+    """Every printed average is the plain mean of the eight sources, rounding apart."""
+    for methods in paper()["main"].values():
+        for printed in methods.values():
+            for metric in (0, 1):
+                values = [pair[metric] for name, pair in printed.items() if name != "average"]
+                assert len(values) == 8
+                assert printed["average"][metric] == pytest.approx(np.mean(values), abs=0.16)
+
+
+def test_figures_are_written_with_one_digit_and_bars_escaped():
+    assert percent(0.5) == "50.0"
+    assert percent(math.nan) == "–"
+    assert spread_text(Spread(mean=0.5, std=0.012, n=3)) == "50.0 ± 1.2"
+    assert interval_text(Interval(mean=0.021, low=-0.004, high=0.046, n=6)) == "+2.1 [-0.4, 4.6]"
+    assert markdown(["a"], [["x|y"]]).endswith("| x\\|y |")
+
+
+def test_a_plot_is_a_picture_with_a_name_and_a_point_for_every_value():
+    series = {"ACC": [Spread(mean=50, std=2, n=3), Spread(mean=60, std=math.nan, n=1)]}
+    root = ElementTree.fromstring(line_plot("p & q", "p", ["0", "0.5"], series))
+    names = [element.tag.rsplit("}", 1)[1] for element in root.iter()]
+    assert root.find("{http://www.w3.org/2000/svg}title").text == "p & q"
+    assert names.count("circle") == 2
+    heights = [float(e.get("cy")) for e in root.iter() if e.tag.endswith("circle")]
+    assert heights[1] < heights[0]  # more is higher
+
+
+def test_a_plot_without_values_is_still_a_picture():
+    nothing = Spread(mean=math.nan, std=math.nan, n=0)
+    assert ElementTree.fromstring(line_plot("t", "p", ["0"], {"ACC": [nothing]})) is not None
+
+
+def test_ablation_tables_stand_beside_the_printed_figures(tmp_path):
+    table = ABLATIONS["class_token"]
+    found = [
+        record(method_name(row), source, seed, [0.5 + 0.01 * seed])
+        for row in table.rows
+        for source in ("TAG-sim", "OF 2.0 A-sim")
+        for seed in (0, 1)
+    ]
+    order = ABLATIONS["order"]
+    found += [record(method_name(row), "TAG-sim", 0, [0.5]) for row in order.rows]
+    layout = {
+        name: {
+            "title": one.title,
+            "axis": one.axis,
+            "sources": one.sources,
+            "rows": {r: (method_name(r), row.label, row.value) for r, row in one.rows.items()},
+        }
+        for name, one in (("class_token", table), ("order", order))
+    }
+    text = write_ablations(found, layout, tmp_path)
+    line = next(x for x in text.splitlines() if x.startswith("| OmniVaT (without class token)"))
+    assert "50.5 ± 0.7 / 40.5 ± 0.7 | 55.8 / 53.5" in line
+    assert "58.3 / 57.7" in line
+    assert "printed, ViT-B/16 *not comparable*" in text
+    assert (tmp_path / "order.svg").read_text().count("<circle") == 14
