@@ -95,17 +95,24 @@ class FramesJob:
         head, embeddings = load_head(self._head), load_embeddings(self._embeddings)
         head.require_embeddings(embeddings)
         coarse = folder / f"{name}-coarse.bin"
-        self._build(head.model, embeddings, COARSE, coarse, shown=None)
-        self._build(head.model, embeddings, FINE, fine, shown=coarse)
+        self._build(head, embeddings, COARSE, coarse, shown=None)
+        self._build(head, embeddings, FINE, fine, shown=coarse)
         self._state = FramesState(file=fine)
 
     def _build(
-        self, model: Any, embeddings: Any, orders: tuple[float, ...], to: Path, shown: Path | None
+        self, head: Any, embeddings: Any, orders: tuple[float, ...], to: Path, shown: Path | None
     ) -> None:
+        from omnivat.checkpoint import head_hash
         from omnivat.frames import build_frames, write_frames
 
         def report(step: Step) -> None:
             self._state = FramesState(file=shown, step=step)
 
-        frames = build_frames(model, embeddings, orders=orders, on_step=report)
+        frames = build_frames(
+            head.model,
+            embeddings,
+            orders=orders,
+            provenance={"hash": head_hash(self._head), "source": head.source},
+            on_step=report,
+        )
         write_frames(to, frames)

@@ -7,6 +7,7 @@ from functools import wraps
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 
+from app.state import ForgottenError
 from omnivat.errors import OmniVatError
 
 log = logging.getLogger(__name__)
@@ -33,7 +34,7 @@ def in_sentences(handler: Handler) -> Handler:
             return await handler(request)
         except OmniVatError as error:
             log.info("%s refused: %s", request.url.path, error)
-            return refusal(str(error))
+            return refusal(str(error), 410 if isinstance(error, ForgottenError) else 400)
         except Exception:
             log.exception("%s failed", request.url.path)
             return refusal(UNEXPECTED, 500)

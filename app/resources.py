@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from app.examples import Example, example_named, find_examples
 from app.frames_job import FramesJob
 from app.once import Once
-from app.state import Recent, Ref, content_name
+from app.state import ForgottenError, Recent, Ref, content_name
 from omnivat.errors import DataError
 from omnivat.heads import EXAMPLES, default_embeddings, default_head
 
@@ -96,7 +96,7 @@ class Resources:
             return self._encoded(example.file(modality).read_bytes(), example.name)
         kept = self._sent.get(ref.name)
         if kept is None:
-            raise DataError("The server no longer has this image; send it again.")
+            raise ForgottenError("The server no longer has this image; send it again.")
         return kept
 
     def take_image(self, content: bytes, name: str) -> "tuple[Ref, Image.Image]":
@@ -124,7 +124,9 @@ class Resources:
     def _from_set(self, row: int, modality: str) -> "np.ndarray[Any, Any]":
         embeddings = self.embeddings()
         self.head().require_embeddings(embeddings)
-        return embeddings.vis[row] if modality == "vis" else embeddings.tac[row]
+        rows = embeddings.vis if modality == "vis" else embeddings.tac
+        one: np.ndarray[Any, Any] = rows[row]
+        return one
 
     def _row(self, name: str) -> int:
         count = len(self.embeddings())

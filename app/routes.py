@@ -73,9 +73,11 @@ async def frames(resources: Resources, request: Request) -> Response:
     A header tells that finer frames are on their way.
     """
     state = resources.frames.state()
-    step = {"done": state.step.done, "total": state.step.total, "text": state.step.text} if (
-        state.step
-    ) else None
+    step = (
+        {"done": state.step.done, "total": state.step.total, "text": state.step.text}
+        if (state.step)
+        else None
+    )
     if state.problem:
         return refusal(state.problem, 404)
     if state.file is None or "progress" in request.query_params:

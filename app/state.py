@@ -13,6 +13,11 @@ from typing import Any, Generic, TypeVar
 
 from omnivat.errors import DataError
 
+
+class ForgottenError(DataError):
+    """An image was sent before, and the server no longer has it: the page sends it again."""
+
+
 KINDS = ("row", "example", "image")
 LONGEST_NAME = 200
 V = TypeVar("V")

@@ -1,0 +1,1 @@
+"""Measured speed and accuracy; each module writes what docs/ show."""

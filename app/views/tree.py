@@ -3,10 +3,10 @@
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from app.asking import embedded, refs_from, rounded
 from app.components import component
 from app.resources import Resources
 from app.state import order_from
-from app.asking import embedded, refs_from, rounded
 
 if TYPE_CHECKING:
     from torch import Tensor

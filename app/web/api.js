@@ -1,7 +1,12 @@
 /** Questions to the server. Every failure becomes a Refusal whose message is one sentence. */
 
 /** Something that a person is told; any other error is a fault of a script and stays one. */
-export class Refusal extends Error {}
+export class Refusal extends Error {
+  constructor(sentence, status = 0) {
+    super(sentence);
+    this.status = status;
+  }
+}
 
 /** Tell `say` the sentence of a refusal; let faults, and questions called off, pass. */
 export function refused(error, say) {
@@ -28,20 +33,34 @@ async function answered(request) {
   try {
     sentence = (await response.json()).error || sentence;
   } catch { /* not our server's JSON: the status has to do */ }
-  throw new Refusal(sentence);
+  throw new Refusal(sentence, response.status);
 }
 
 export const get = (path, options) => answered(fetch(address(path), options));
 
 export const json = async (path) => (await get(path)).json();
 
+const files = new Map(); // reference -> what was sent, to send it again to a restarted server
+const FORGOTTEN = 410;
+
+/** Ask; where the server has been restarted since an image was sent, send it again first. */
 export async function ask(path, question, signal) {
   const body = JSON.stringify(question);
   const headers = { "Content-Type": "application/json" };
-  return (await get(path, { method: "POST", body, headers, signal })).json();
+  const asked = async () => (await get(path, { method: "POST", body, headers, signal })).json();
+  try {
+    return await asked();
+  } catch (error) {
+    const lost = [question.vis, question.tac].filter((ref) => files.has(ref));
+    if (error.status !== FORGOTTEN || !lost.length) throw error;
+    await Promise.all(lost.map((ref) => sendImage(...files.get(ref))));
+    return asked();
+  }
 }
 
 export async function sendImage(blob, name) {
   const path = `image?name=${encodeURIComponent(name)}`;
-  return (await get(path, { method: "POST", body: blob })).json();
+  const answer = await (await get(path, { method: "POST", body: blob })).json();
+  files.set(answer.ref, [blob, name]);
+  return answer;
 }

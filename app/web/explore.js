@@ -118,7 +118,7 @@ function explore($, first, sprite) {
   function showStage() {
     showStages();
     const stage = stageNamed(state.stage);
-    $(".explain").innerHTML = `<b>${stage.name}.</b> ${stage.explain}`;
+    $(".explain").innerHTML = `<b>${stage.name}.</b> ${stage.explain}${state.stage === "frft" && projected(frames) ? " (This head first projects E to fewer numbers: hence another map than E’s, but it stands as still.)" : ""}`;
     const kinds = frames.kinds(state.stage);
     if (!kinds.includes(state.map) && kinds.length) change({ map: kinds[0] });
     $(".map-kind").innerHTML = kinds.map((k) => `<option value="${k}">${MAPS[k] ?? k}</option>`).join("");
@@ -253,6 +253,8 @@ function explore($, first, sprite) {
   showStage();
   return { replace };
 }
+
+const projected = ({ meta: { maps } }) => maps["pca/raw"]?.array !== maps["pca/frft"]?.array;
 
 function approximate(frames, frame, stop) {
   const parts = [];

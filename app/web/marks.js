@@ -1,8 +1,17 @@
 /** What is drawn above the points: axes with figures, the pair's line, neighbours, the lasso. */
 
+import { onTheme } from "./palette.js";
+
 const GRID = 90; // CSS pixels between two figures on an axis, about
 
-const ink = (canvas, name) => getComputedStyle(canvas).getPropertyValue(name).trim();
+const inks = new Map();
+onTheme(() => inks.clear());
+
+/** A variable of the style sheet, looked up once for each theme. */
+function ink(canvas, name) {
+  if (!inks.has(name)) inks.set(name, getComputedStyle(canvas).getPropertyValue(name).trim());
+  return inks.get(name);
+}
 
 function niceStep(span) {
   const power = 10 ** Math.floor(Math.log10(span));

@@ -41,10 +41,10 @@ class Lite0(nn.Module):
         self.head = Conv(state, "_conv_head", "_bn1")
 
     def forward(self, x: Tensor) -> Tensor:
-        x = relu6(self.stem(x))
+        x = relu6(self.stem(x), inplace=True)
         for block in self.blocks:
             x = block(x)
-        return relu6(self.head(x)).float().mean(dim=(2, 3))
+        return relu6(self.head(x), inplace=True).float().mean(dim=(2, 3))
 
 
 class Block(nn.Module):
@@ -58,9 +58,9 @@ class Block(nn.Module):
         self.stride = stride
 
     def forward(self, x: Tensor) -> Tensor:
-        wide = x if self.widen is None else relu6(self.widen(x))
-        out: Tensor = self.narrow(relu6(self.filter(wide)))
-        return out + x if self.stride == 1 and out.shape == x.shape else out
+        wide = x if self.widen is None else relu6(self.widen(x), inplace=True)
+        out: Tensor = self.narrow(relu6(self.filter(wide), inplace=True))
+        return out.add_(x) if self.stride == 1 and out.shape == x.shape else out
 
 
 class Conv(nn.Module):
@@ -79,14 +79,15 @@ class Conv(nn.Module):
         self.groups = weight.shape[0] if weight.shape[1] == 1 else 1
 
     def forward(self, x: Tensor) -> Tensor:
-        x = pad(x, _same_padding(x.shape[-1], self.weight.shape[-1], self.stride))
-        return conv2d(x, self.weight, self.bias, stride=self.stride, groups=self.groups)
+        before, after = _same_padding(x.shape[-1], self.weight.shape[-1], self.stride)
+        if before != after:  # else the convolution pads, which costs no copy
+            x, before = pad(x, (before, after, before, after)), 0
+        return conv2d(x, self.weight, self.bias, self.stride, before, groups=self.groups)
 
 
-def _same_padding(size: int, kernel: int, stride: int) -> tuple[int, int, int, int]:
+def _same_padding(size: int, kernel: int, stride: int) -> tuple[int, int]:
     total = max((-(-size // stride) - 1) * stride + kernel - size, 0)
-    before, after = total // 2, total - total // 2
-    return before, after, before, after
+    return total // 2, total - total // 2
 
 
 def _blocks(state: dict[str, Tensor]) -> Iterator[Block]:

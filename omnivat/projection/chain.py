@@ -17,7 +17,7 @@ def chain(
     steps: int = WARM_STEPS,
     rate: float = WARM_RATE,
 ) -> Iterator[Tensor]:
-    """Give a map (N, 2) for each (N, D) as it comes; the first starts cold, at PCA.
+    """Give a map (N, 2) for each (N, D) as it comes; the first starts cold.
 
     features   the same N rows at neighbouring orders, in order
     steps      of every map but the first: its start is nearly right, so it needs fewer

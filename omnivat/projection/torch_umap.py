@@ -4,7 +4,7 @@ What differs from umap-learn: neighbours are exact. Every edge pulls in every st
 weight, where umap-learn draws edges in proportion to it. REPELLERS rows, drawn anew in every
 step, push each row with the same mean strength. All rows move at once, so each is moved by its
 force over its degree: the places where forces vanish stay the same, and hubs do not overshoot.
-The start is PCA, or a map that is given.
+The start is spectral (`spectral.py`), or a map that is given.
 """
 
 import torch
@@ -13,13 +13,13 @@ from torch import Tensor
 from omnivat.projection import pca
 from omnivat.projection.fuzzy import Graph, fuzzy_graph
 from omnivat.projection.neighbours import nearest
+from omnivat.projection.spectral import spectral_map
 from omnivat.seeding import derive_seed
 
 A, B = 1.5769, 0.8951  # the curve 1 / (1 + A d^2B) that fits min_dist = 0.1, spread = 1
 NEGATIVES = 5  # pushes for each pull, as in umap-learn
 REPELLERS = 16
-STEPS, RATE = 200, 0.25
-START_RADIUS = 10.0
+STEPS, RATE = 200, 0.5
 PULL_LIMIT = 4.0  # umap-learn's bound on each part of one force
 
 
@@ -38,20 +38,14 @@ def project(
     neighbours  of each row, itself included as umap-learn counts; small sets use all they have
     steps       of the descent
     rate        share of its force over its degree that a row moves by in the first step; it falls
-                to 0 in a straight line. Above about 0.5 near rows swing past one another
+                to 0 in a straight line
     start       (N, 2) a map to start from, such as that of a neighbouring order
     """
     if len(points) < 4:
         return pca.project(points)
     graph = fuzzy_graph(nearest(points, min(neighbours, len(points)) - 1))
-    start = first_map(points) if start is None else start
+    start = spectral_map(graph, seed=seed) if start is None else start
     return descend(graph, start, steps=steps, rate=rate, seed=seed)
-
-
-def first_map(points: Tensor) -> Tensor:
-    """Return the PCA map, scaled to START_RADIUS: where a map without a neighbour starts."""
-    flat = pca.project(points)
-    return flat * (START_RADIUS / flat.abs().max().clamp_min(1e-30))
 
 
 def descend(graph: Graph, start: Tensor, *, steps: int, rate: float, seed: int) -> Tensor:

@@ -12,9 +12,7 @@ from app.resources import Places, Resources
 
 
 @pytest.fixture(scope="session")
-def small_places(
-    head_folder: Path, tmp_path_factory: pytest.TempPathFactory
-) -> Places:
+def small_places(head_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Places:
     """Return where a small head, its set and two example pairs lie; frames are not made yet."""
     pairs = tmp_path_factory.mktemp("pairs")
     random = np.random.default_rng(0)

@@ -24,8 +24,7 @@ def test_the_map_of_the_transform_has_the_neighbours_of_its_input_when_nothing_i
 ):
     """The head of this test projects, so the two differ; the transform itself turns nothing."""
     at = [
-        neighbours(resources, {"point": 4, "stage": "frft", "order": order})
-        for order in (0.1, 0.9)
+        neighbours(resources, {"point": 4, "stage": "frft", "order": order}) for order in (0.1, 0.9)
     ]
     assert [n["point"] for n in at[0]["neighbours"]] == [n["point"] for n in at[1]["neighbours"]]
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import torch
 
+from app.state import ForgottenError
 from app.views.pair import STOPS, answer, spectrum
 from omnivat.errors import DataError
 
@@ -79,7 +80,7 @@ def test_the_same_image_twice_is_encoded_once_and_keeps_its_name(resources, enco
 
 
 def test_a_forgotten_image_is_asked_for_again(resources):
-    with pytest.raises(DataError, match="send it again"):
+    with pytest.raises(ForgottenError, match="send it again"):
         answer(resources, {"vis": "image:00"})
 
 

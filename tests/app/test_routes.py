@@ -123,9 +123,17 @@ def test_an_error_nobody_thought_of_is_a_sentence_and_its_traceback_is_logged(
 
 
 def test_the_page_serves_its_scripts_and_nothing_else(client):
-    assert client.get("/omnivat/web/explore.js").headers["content-type"].startswith("text/javascript")
+    assert (
+        client.get("/omnivat/web/explore.js").headers["content-type"].startswith("text/javascript")
+    )
     assert client.get("/omnivat/web/page.css").status_code == 200
-    for name in ("server.py", "..%2Fserver.py", "%2e%2e/server.py", "explore.html", "%2fetc%2fpasswd"):
+    for name in (
+        "server.py",
+        "..%2Fserver.py",
+        "%2e%2e/server.py",
+        "explore.html",
+        "%2fetc%2fpasswd",
+    ):
         assert client.get(f"/omnivat/web/{name}").status_code == 404
 
 
@@ -218,3 +226,24 @@ def test_two_visitors_share_nothing_but_equal_images(client, png):
         for ref in (mine, theirs, mine)
     ]
     assert answers[0] == answers[2] != answers[1]
+
+
+def test_an_image_that_a_restarted_server_lost_is_told_apart_so_that_the_page_sends_it_again(
+    client,
+):
+    assert "send it again" in sentence(client.post("/omnivat/pair", json={"vis": "image:00"}), 410)
+
+
+def test_the_frames_that_come_with_the_project_are_of_its_head_and_its_set():
+    from omnivat.checkpoint import head_hash, load_head
+    from omnivat.data.store import load_embeddings
+    from omnivat.heads import EXAMPLES, default_embeddings, default_head
+
+    if not (EXAMPLES / "frames.bin").is_file():
+        pytest.skip("examples/frames.bin is not made yet")
+    frames, embeddings = read_frames(EXAMPLES / "frames.bin"), load_embeddings(default_embeddings())
+    assert frames.head["hash"] == head_hash(default_head())
+    assert frames.head["learned_order"] == pytest.approx(load_head(default_head()).model.order)
+    assert frames.pairs == len(embeddings)
+    assert frames.domains == embeddings.header.domains
+    assert frames.embeddings["weights_hash"] == embeddings.header.weights_hash

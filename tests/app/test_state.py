@@ -24,12 +24,16 @@ def test_junk_names_no_image(junk):
         ref_from(junk)
 
 
-@given(st.one_of(st.text(), st.integers(), st.lists(st.text()), st.dictionaries(st.text(), st.text())))
+@given(
+    st.one_of(st.text(), st.integers(), st.lists(st.text()), st.dictionaries(st.text(), st.text()))
+)
 def test_whatever_is_sent_as_a_reference_is_read_or_refused_in_a_sentence(value):
+    refused = ""
     try:
         ref_from(value)
     except DataError as error:
-        assert str(error).endswith(".")
+        refused = str(error)
+    assert refused == "" or refused.endswith(".")
 
 
 @pytest.mark.parametrize("junk", ["0.5", True, float("nan"), float("inf"), 9, [0.5]])

@@ -143,7 +143,9 @@ def test_uploading_a_pair_and_moving_p_by_keyboard_changes_the_probabilities(
         page.wait_for_function(
             f"document.querySelector('{slot} .what').textContent.includes('{seed}.png')"
         )
-    page.wait_for_function("location.search.includes('vis=image') && location.search.includes('tac=image')")
+    page.wait_for_function(
+        "location.search.includes('vis=image') && location.search.includes('tac=image')"
+    )
     page.wait_for_selector(".pair .results[aria-busy=false] .bars table")
     cells = page.locator(".pair .bars td[data-voice=both] .share")
     before = cells.all_inner_texts()
