@@ -19,7 +19,9 @@ from app.components import WEB
 from app.examples import example_named, listed
 from app.limits import LANES, MAX_IMAGE_BYTES, MAX_QUESTION_BYTES
 from app.messages import Handler, in_sentences, refusal
+from app.occlusion import occlusion
 from app.resources import PREVIEW_SIDE, Resources
+from app.state import order_from, ref_from
 from app.views import data, explore, pair, tree
 from omnivat.errors import DataError
 
@@ -52,6 +54,7 @@ def routes(resources: Resources) -> list[Route]:
         for name, answer in QUESTIONS.items()
     }
     posts["/omnivat/image"] = partial(take_image, resources, lanes)
+    posts["/omnivat/occlusion"] = partial(occlude, resources, lanes)
     return [
         *(Route(path, in_sentences(handler)) for path, handler in gets.items()),
         *(Route(path, in_sentences(handler), methods=["POST"]) for path, handler in posts.items()),
@@ -140,6 +143,30 @@ async def take_image(resources: Resources, lanes: CapacityLimiter, request: Requ
         }
 
     return JSONResponse(await to_thread.run_sync(taken, limiter=lanes))
+
+
+async def occlude(resources: Resources, lanes: CapacityLimiter, request: Request) -> Response:
+    """Take the bytes of one image; say which parts of it the answer depends on."""
+    asked = request.query_params
+    content = await body(request, MAX_IMAGE_BYTES, "The image")
+    work = partial(
+        occlusion,
+        resources,
+        content,
+        modality=asked.get("modality", ""),
+        other=ref_from(asked.get("other")),
+        order=order_from(_number(asked.get("order"))),
+        name=asked.get("name", "")[:120] or "the image",
+    )
+    return JSONResponse(await to_thread.run_sync(work, limiter=lanes))
+
+
+def _number(text: str | None) -> float | str | None:
+    """Return the number that `text` writes; the text itself where it writes none."""
+    try:
+        return float(text) if text else None
+    except ValueError:
+        return text
 
 
 async def body(request: Request, limit: int, what: str) -> bytes:

@@ -6,9 +6,11 @@ FONTS = ("system-ui", "-apple-system", "Segoe UI", "Roboto", "DejaVu Sans", "san
 MONO = ("ui-monospace", "Menlo", "Consolas", "DejaVu Sans Mono", "monospace")
 WEB = "omnivat/web"  # where the page's own scripts and styles are served, relative to the page
 
+STYLES = ("page", "tabs", "narrow")  # in this order: later ones override
+
 HEAD = "\n".join(
     [
-        f'<link rel="stylesheet" href="{WEB}/page.css">',
+        *(f'<link rel="stylesheet" href="{WEB}/{name}.css">' for name in STYLES),
         *(
             f'<link rel="modulepreload" href="{WEB}/{name}">'
             for name in ("explore.js", "cloud.js", "store.js", "frames.js", "curves.js", "api.js")

@@ -18,6 +18,7 @@ import tempfile
 import time
 import warnings
 from collections.abc import Callable, Iterator
+from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -146,8 +147,14 @@ def vit_b16() -> dict[str, Run]:
     from transformers import CLIPVisionConfig, CLIPVisionModelWithProjection
 
     torch.manual_seed(0)
-    sizes = {"hidden_size": 768, "intermediate_size": 3072, "projection_dim": 512}
-    config = CLIPVisionConfig(num_attention_heads=12, num_hidden_layers=12, patch_size=16, **sizes)
+    config = CLIPVisionConfig(
+        hidden_size=768,
+        intermediate_size=3072,
+        num_attention_heads=12,
+        num_hidden_layers=12,
+        patch_size=16,
+        projection_dim=512,
+    )
 
     class Projected(torch.nn.Module):
         def __init__(self) -> None:
@@ -165,15 +172,16 @@ def onnx_ways(folder: Path) -> dict[str, Run]:
     """Return EfficientNet-Lite0 in ONNX Runtime, in fp32 and int8; none without its packages."""
     if any(find_spec(name) is None for name in ("onnx", "onnxscript", "onnxruntime")):
         return {}
-    import onnxruntime
-    from onnxruntime.quantization import CalibrationDataReader, quantize_static
+    onnxruntime = import_module("onnxruntime")
+    quantization = import_module("onnxruntime.quantization")
+    reader: Any = quantization.CalibrationDataReader
 
     encoder: Any = load_encoder("efficientnet-lite0")
     file, small = folder / "fp32.onnx", folder / "int8.onnx"
     example = torch.zeros(1, 3, SIDE, SIDE)
     torch.onnx.export(encoder._network, (example,), file, dynamo=True, verbose=False)
 
-    class Reader(CalibrationDataReader):  # type: ignore[misc]
+    class Reader(reader):  # type: ignore[misc]
         def __init__(self) -> None:
             self._left = iter(pictures(16, seed=1))
 
@@ -181,7 +189,7 @@ def onnx_ways(folder: Path) -> dict[str, Run]:
             image = next(self._left, None)
             return None if image is None else {"x": image.numpy()}
 
-    quantize_static(file, small, Reader(), per_channel=True)
+    quantization.quantize_static(file, small, Reader(), per_channel=True)
     settings = onnxruntime.SessionOptions()
     settings.intra_op_num_threads = settings.inter_op_num_threads = 1
 

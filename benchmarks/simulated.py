@@ -84,7 +84,9 @@ def embedded(files: list[Path]) -> Array:
     with torch.no_grad():
         for start in range(0, len(files), _BATCH):
             images = [Image.open(file).convert("RGB") for file in files[start : start + _BATCH]]
-            parts.append(encoder.embed(torch.stack([encoder.preprocess(i) for i in images])).numpy())
+            parts.append(
+                encoder.embed(torch.stack([encoder.preprocess(i) for i in images])).numpy()
+            )
     all_ = np.concatenate(parts).astype(np.float32)
     return np.asarray(all_ / np.linalg.norm(all_, axis=1, keepdims=True))
 
@@ -129,7 +131,9 @@ def print_sensors(features: Features) -> None:
     shares = sensor_accuracy(
         features.tac, domains=features.column("domain"), splits=features.column("split")
     )
-    print("## Sensor told by the nearest TAC neighbour (test objects against training objects, %)\n")
+    print(
+        "## Sensor told by the nearest TAC neighbour (test objects against training objects, %)\n"
+    )
     print("| domain | sensor | right |\n| --- | --- | ---: |")
     for domain, cell in shares.items():
         print(f"| {paper_name(domain)} | {_sensor(domain)} | {100 * cell.share:.0f} |")
@@ -140,7 +144,9 @@ def print_sensors(features: Features) -> None:
 def print_gaps(features: Features) -> None:
     """Print the distance between the VIS and TAC centroids, and the spread round each."""
     print("## Modality gap (unit vectors)\n")
-    print("| domain | between centroids | spread of VIS | spread of TAC |\n| --- | ---: | ---: | ---: |")
+    print(
+        "| domain | between centroids | spread of VIS | spread of TAC |\n| --- | ---: | ---: | ---: |"
+    )
     domains = features.column("domain")
     for domain in dict.fromkeys(domains):
         vis, tac = features.vis[domains == domain], features.tac[domains == domain]

@@ -1,6 +1,7 @@
 """A sweep of 101 orders over 2,000 pairs, against the operations that it cannot do without.
 
-    python -m benchmarks.sweep [--widths 64,512] [--pairs 2000] [--orders 101] [--runs 3] [--out FILE]
+    python -m benchmarks.sweep [--widths 64,512] [--pairs 2000] [--orders 101] [--runs 3]
+                              [--threads N] [--out FILE]
 
 Embeddings are random, 512 wide (times do not depend on their values); the head is fresh. Checks
 that the swept answers are the head's own before it times anything.
@@ -80,10 +81,10 @@ def report_width(width: int, arguments: argparse.Namespace) -> dict[str, Any]:
         "width": width,
         "time": as_dict(time),
         "target_wall": TARGETS.get(width),
-        "head_share": answers.wall / len(orders[::10]) * len(orders) / time.wall,
+        "head_share": answers.cpu / len(orders[::10]) * len(orders) / time.cpu,
         "product_rate": rate,
-        "floor_wall": floor,
-        "share_of_floor": floor / time.wall,
+        "floor_cpu": floor,
+        "share_of_floor": floor / time.cpu,
         "peak_memory_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
     }
 
@@ -101,15 +102,16 @@ def show(report: dict[str, Any]) -> None:
     """Print the table of docs/benchmarks/sweep.md."""
     print(json.dumps(report["machine"]))
     print(
-        "| D | wall s (lowest to highest) | target | of it in the head | rate | floor s | share |"
+        "| D | wall s (low to high) | target | CPU s | in the head | rate | floor, CPU s | share |"
     )
-    print("| --- | --- | --- | --- | --- | --- | --- |")
+    print("| --- | --- | --- | --- | --- | --- | --- | --- |")
     for row in report["widths"]:
         time = row["time"]
         print(
             f"| {row['width']} | {time['wall']:.1f} ({time['wall_low']:.1f} to "
-            f"{time['wall_high']:.1f}) | {row['target_wall']} | {row['head_share']:.0%} "
-            f"| {row['product_rate'] / 1e9:.0f} GFLOP/s | {row['floor_wall']:.1f} "
+            f"{time['wall_high']:.1f}) | {row['target_wall']} | {time['cpu']:.1f} "
+            f"| {row['head_share']:.0%} "
+            f"| {row['product_rate'] / 1e9:.0f} GFLOP/s | {row['floor_cpu']:.1f} "
             f"| {row['share_of_floor']:.0%} |"
         )
     print(f"peak memory {report['widths'][-1]['peak_memory_mb']:.0f} MB")
@@ -122,8 +124,10 @@ def main() -> None:
     parser.add_argument("--pairs", type=int, default=2000)
     parser.add_argument("--orders", type=int, default=101)
     parser.add_argument("--runs", type=int, default=3)
+    parser.add_argument("--threads", type=int, default=torch.get_num_threads())
     parser.add_argument("--out", type=Path)
     arguments = parser.parse_args()
+    torch.set_num_threads(arguments.threads)
     widths = [int(width) for width in arguments.widths.split(",")]
     report = {
         "machine": machine(),

@@ -64,3 +64,18 @@ export async function sendImage(blob, name) {
   files.set(answer.ref, [blob, name]);
   return answer;
 }
+
+/** The bytes of an image that a reference names; null where the server alone knows it. */
+export async function bytesOf(ref, modality) {
+  if (files.has(ref)) return files.get(ref)[0];
+  if (!ref.startsWith("example:")) return null;
+  const path = ref.slice("example:".length).split("/").map(encodeURIComponent).join("/");
+  return (await get(`example/${path}/${modality}`)).blob();
+}
+
+/** Which parts of an image the answer depends on. */
+export async function occlusion(blob, { modality, other, order }) {
+  const query = new URLSearchParams({ modality, order });
+  if (other) query.set("other", other);
+  return (await get(`occlusion?${query}`, { method: "POST", body: blob })).json();
+}

@@ -41,6 +41,6 @@ export function card(frames, sprite, pair, stop, pinned) {
     ${thumbnailPair(frames, sprite, pair, 124)}
     <dl><dt>Domain</dt><dd>${escaped(v.domain)}</dd><dt>Class</dt><dd>${escaped(v.truth)}</dd>
     <dt>Head says</dt><dd class="${v.right ? "right" : "wrong"}">${v.right ? "✓" : "✗"} ${escaped(v.said)}, ${Math.round(100 * v.confidence)} %</dd></dl>
-    ${pinned ? `<div class="near"><h4>Nearest by cosine <button type="button" class="find">Find</button></h4><div class="found"></div></div>
+    ${pinned ? `<div class="near"><h4>Nearest by cosine to <span><button type="button" class="find" data-of="0">VIS</button> <button type="button" class="find" data-of="1">TAC</button></span></h4><div class="found"></div></div>
     <div class="row"><button type="button" class="open">Open in Pair ›</button><button type="button" class="unpin">Unpin</button></div>` : ""}`;
 }

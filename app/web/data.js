@@ -61,7 +61,7 @@ function scores({ domains }) {
 
 function approximations(frames, limits) {
   const error = frames && Math.max(...Object.keys(frames.meta.maps).map((name) => frames.positions(...name.split("/"), 0).error));
-  return `<ul><li>Each stop of p in Explore and Pair is computed by the library, none is interpolated: in between, features can lie up to 1.65 radii from where a tween would put them.</li>
+  return `<ul><li>Each stop of p in Explore and Pair is computed by the library and shown as it is. Nothing is tweened: between two stops, features do not move along straight lines.</li>
     ${frames ? `<li>Map positions are kept in 16 bits: a point is at most ${percent(error, 3)} of the radius from its exact place.</li>` : ""}
     <li>PCA is taken anew at every p, turned or mirrored to lie nearest to the map before. UMAP is a layout: neighbourhoods mean something, distances and axes do not; it has fewer stops than PCA, and the map says which one is drawn.</li>
     <li>While p moves, the head’s weights and its bank of class tokens stay those of the learned p: the curves say how <i>this</i> head answers at another p, not how a head trained there would.</li>

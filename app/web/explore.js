@@ -225,7 +225,7 @@ function explore($, first, sprite) {
     if (event.target.matches(".open")) openTab("pair");
     if (event.target.matches(".unpin")) pick(-1);
     if (event.target.matches(".find")) {
-      near = await findNeighbours($(".card .found"), { frames, sprite, pair: state.pin, stage: state.stage, p: frames.orders[stop], onPick: pick });
+      near = await findNeighbours($(".card .found"), { frames, sprite, point: state.pin + frames.pairs * event.target.dataset.of, stage: state.stage, p: frames.orders[stop], onPick: pick });
       cloud.paintMarks();
     }
   };

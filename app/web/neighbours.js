@@ -4,11 +4,11 @@ import { ask, refused } from "./api.js";
 import { thumbnail } from "./card.js";
 
 /** Ask, show thumbnails, and return the points to ring on the map. */
-export async function findNeighbours(box, { frames, sprite, pair, stage, p, onPick }) {
+export async function findNeighbours(box, { frames, sprite, point: of, stage, p, onPick }) {
   box.textContent = "Computing this stage for the whole set…";
   let found;
   try {
-    found = (await ask("neighbours", { point: pair, stage, order: p })).neighbours;
+    found = (await ask("neighbours", { point: of, stage, order: p })).neighbours;
   } catch (error) {
     refused(error, (sentence) => { box.textContent = sentence; });
     return [];

@@ -4,6 +4,7 @@ import { address, refused, sendImage } from "./api.js";
 import { thumbnail } from "./card.js";
 import { escaped } from "./text.js";
 import { snapshot } from "./webcam.js";
+import { where } from "./where.js";
 
 const NAMES = { vis: ["VIS", "a photo of the surface"], tac: ["TAC", "the touch sensor’s image"] };
 const LARGEST = 20e6;
@@ -16,7 +17,7 @@ export function slots(box, { onRef, onProblem }) {
       <div class="picture"><span>Drop or paste an image</span></div>
       <p class="what">&nbsp;</p>
       <div class="row"><label class="choose">Choose file<input type="file" accept="image/*,.tif,.tiff,.webp,.png,.jpg" aria-label="Choose a ${name} image"></label>
-      <button type="button" class="camera">Webcam</button><button type="button" class="clear" aria-label="Remove ${name}">Remove</button></div>
+      <button type="button" class="camera">Camera</button><button type="button" class="where" title="Hide one part after the other and see what the answer loses">Where?</button><button type="button" class="clear" aria-label="Remove ${name}">Remove</button></div>
     </div>`).join("");
   for (const slot of box.children) wire(slot);
 
@@ -49,6 +50,8 @@ export function slots(box, { onRef, onProblem }) {
       }
     };
 
+    slot.querySelector(".where").onclick = () => where(slot, onProblem);
+
     async function take(file, name) {
       onProblem("");
       if (file.size > LARGEST) {
@@ -76,9 +79,11 @@ export function slots(box, { onRef, onProblem }) {
     for (const slot of box.children) {
       const { modality } = slot.dataset;
       const ref = refs[modality];
+      slot.querySelector(".picture").classList.remove("seen");
       slot.querySelector(".picture").innerHTML = picture(modality, ref, sprite, pairs);
       slot.querySelector(".what").textContent = ref ? describe(ref) : "nothing here: the head answers from the other one alone";
       slot.querySelector(".clear").disabled = !ref;
+      slot.querySelector(".where").disabled = !ref || ref.startsWith("row:");
     }
   };
 }

@@ -60,6 +60,8 @@ export async function startTour() {
     else return;
     show();
   };
-  box.onkeydown = (event) => event.key === "Escape" && end();
+  box.onkeydown = (event) => {
+    if (event.key === "Escape") end(); // no value: a false one would call off the Enter key
+  };
   show();
 }

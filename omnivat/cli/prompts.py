@@ -1,15 +1,21 @@
-"""Make the LANG bank: text embeddings of the classes in eighty fixed styles.
+"""Make the LANG bank: text embeddings of the classes in eighty styles, fixed or learned.
 
 python -m omnivat prompts --out FILE [--classes wood,steel,...] [--encoder minilm|clip-...]
+python -m omnivat prompts --out FILE --encoder clip-vit-b16 --method promptstyler
 """
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from omnivat.data.materials import MATERIALS
 from omnivat.errors import SettingsError
 
+if TYPE_CHECKING:
+    from omnivat.lang.bank import LangBank
+
 TEXT_ENCODERS = ("minilm", "clip-vit-b16", "clip-vit-l14")
+METHODS = ("phrases", "promptstyler")
 
 
 def add(parser: argparse.ArgumentParser) -> None:
@@ -18,28 +24,75 @@ def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--classes", default=",".join(MATERIALS), help="names, with commas")
     parser.add_argument("--encoder", choices=TEXT_ENCODERS, default="minilm")
     parser.add_argument("--weights", type=Path, help="checkpoint of a CLIP encoder")
+    parser.add_argument(
+        "--method",
+        choices=METHODS,
+        default="phrases",
+        help="eighty fixed style phrases, or styles learned as word vectors (CLIP alone)",
+    )
+    parser.add_argument("--styles", type=int, default=80, help="how many promptstyler learns")
+    parser.add_argument("--steps", type=int, default=100, help="steps a learned style")
+    parser.add_argument("--seed", type=int, default=0, help="of the learned styles")
 
 
 def run(options: argparse.Namespace) -> None:
     """Embed one prompt for each class and style, write the bank."""
-    import numpy as np
-
-    from omnivat.lang import minilm
-    from omnivat.lang.bank import LangBank, save_bank
-    from omnivat.lang.prompts import STYLES, prompts_for
+    from omnivat.lang.bank import save_bank
 
     classes = tuple(name.strip() for name in options.classes.split(",") if name.strip())
     if len(classes) < 2 or len(set(classes)) < len(classes):
         raise SettingsError(f"--classes is '{options.classes}'; give two or more different names.")
+    make = _learned if options.method == "promptstyler" else _phrases
+    bank = make(options, classes)
+    save_bank(options.out, bank)
+    print(f"{bank.embeddings[..., 0].size} texts by {bank.origin} written to {options.out}")
+
+
+def _phrases(options: argparse.Namespace, classes: tuple[str, ...]) -> "LangBank":
+    """Embed the classes in fixed phrases."""
+    import numpy as np
+
+    from omnivat.lang import minilm
+    from omnivat.lang.bank import LangBank
+    from omnivat.lang.prompts import STYLES, prompts_for
+
+    texts = [text for name in classes for text in prompts_for(name)]
     if options.encoder == "minilm":
-        embed, origin = minilm.embed_texts, minilm.ORIGIN
+        values, origin = minilm.embed_texts(texts), minilm.ORIGIN
     else:
         from omnivat.encoders import text_encoder
 
-        embed = text_encoder(options.encoder, weights=options.weights)
+        values = np.asarray(text_encoder(options.encoder, weights=options.weights)(texts))
         origin = f"{options.encoder}, fixed style phrases, not PromptStyler"
-    texts = [text for name in classes for text in prompts_for(name)]
-    embeddings = np.asarray(embed(texts), dtype=np.float32)
-    shaped = embeddings.reshape(len(classes), len(STYLES), -1)
-    save_bank(options.out, LangBank(embeddings=shaped, classes=classes, origin=origin))
-    print(f"{len(texts)} texts by {origin} written to {options.out}")
+    shaped = values.astype(np.float32).reshape(len(classes), len(STYLES), -1)
+    return LangBank(embeddings=shaped, classes=classes, origin=origin)
+
+
+def _learned(options: argparse.Namespace, classes: tuple[str, ...]) -> "LangBank":
+    """Learn styles through CLIP's text tower."""
+    if options.encoder == "minilm":
+        raise SettingsError(
+            "--method promptstyler learns word vectors through CLIP's text tower; "
+            "add --encoder clip-vit-b16 or --encoder clip-vit-l14."
+        )
+    if options.styles < 1 or options.steps < 1:
+        raise SettingsError("--styles and --steps must be 1 or more.")
+    from omnivat.cli.bar import progress_bar
+    from omnivat.encoders.clip_text import load_text_encoder
+    from omnivat.lang.clip_words import ClipWords
+    from omnivat.lang.promptstyler import learn_styles, styled_bank
+
+    clip = load_text_encoder(options.encoder, weights=options.weights)
+    origin = f"{clip.name} (weights {clip.weights_hash[:12]})"
+    tower = ClipWords(clip.network, clip.tokenizer, origin=origin)
+    with progress_bar("learn styles") as show:
+        words = learn_styles(
+            tower,
+            classes,
+            styles=options.styles,
+            steps=options.steps,
+            seed=options.seed,
+            on_step=show,
+        )
+    how = f" of {options.steps} steps, seed {options.seed}"
+    return styled_bank(tower, classes, words, how=how)

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import functools
 import threading
 from collections import OrderedDict
 from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
+from importlib import import_module
+from importlib.util import find_spec
+from typing import Any
 
 import numpy as np
 import torch
@@ -19,6 +24,7 @@ from omnivat.fractional.splits import HalfSplit, PlainSplit, Split
 
 _TINY = 3
 _KEPT = 16
+_WORTH_THREADS = 2048
 
 
 def indices_by_parity(size: int) -> Array:
@@ -44,13 +50,41 @@ def _tiny_vectors(size: int) -> Array:
 def build_split(size: int, like: Tensor) -> Split:
     """The cheapest split for length N on the device and in the precision of `like`."""
     if size <= _TINY:
-        return PlainSplit(_tiny_vectors(size), indices_by_parity(size), like)
+        vectors = torch.from_numpy(_tiny_vectors(size)).to(like)
+        return PlainSplit(vectors, torch.from_numpy(indices_by_parity(size)).to(like.device))
+    with one_blas_thread(size):
+        return _build_from_blocks(size, like)
+
+
+def _build_from_blocks(size: int, like: Tensor) -> Split:
     blocks = parity_blocks(size)
     if size % 4 == 0 and size > 4:
         return QuarterSplit(refined_quarter(blocks.even), refined_quarter(blocks.odd), like)
     even, odd = refined_spectrum(blocks.even), refined_spectrum(blocks.odd)
     even[1 : (size + 1) // 2] *= np.sqrt(0.5)  # every sample but 0 and N/2 has a mirror image
-    return HalfSplit(even, odd * np.sqrt(0.5), indices_by_parity(size), like)
+    odd *= np.sqrt(0.5)
+    return HalfSplit(
+        torch.from_numpy(even).to(like),
+        torch.from_numpy(odd).to(like),
+        torch.from_numpy(indices_by_parity(size)).to(like.device),
+    )
+
+
+@functools.cache
+def _blas_controller() -> Any:
+    return import_module("threadpoolctl").ThreadpoolController()
+
+
+def one_blas_thread(size: int) -> AbstractContextManager[object]:
+    """Keep numpy's BLAS to one thread for short builds: a second one mostly spins (8 ms to 80).
+
+    Without threadpoolctl, which scikit-learn brings, nothing is limited.
+    """
+    if size > _WORTH_THREADS or find_spec("threadpoolctl") is None:
+        return nullcontext()
+    import_module("scipy.linalg")  # its library must be loaded before it can be limited
+    limit: AbstractContextManager[object] = _blas_controller().limit(limits=1, user_api="blas")
+    return limit
 
 
 class BoundedCache:

@@ -12,8 +12,6 @@ from typing import Protocol
 import torch
 from torch import Tensor
 
-from omnivat.fractional.doubled import Array
-
 
 class Split(Protocol):
     """V, cut into blocks, on one device and in one precision."""
@@ -31,9 +29,8 @@ class Split(Protocol):
 class PlainSplit:
     """V whole, for N so small that halves would be empty."""
 
-    def __init__(self, vectors: Array, indices: Array, like: Tensor) -> None:
-        self.vectors = torch.from_numpy(vectors).to(like)
-        self.indices = torch.from_numpy(indices).to(like.device)
+    def __init__(self, vectors: Tensor, indices: Tensor) -> None:
+        self.vectors, self.indices = vectors, indices
 
     def analyse(self, x: Tensor, out: Tensor) -> None:
         torch.mm(x, self.vectors, out=out)
@@ -49,9 +46,8 @@ class HalfSplit:
     eigenvectors, columns by rising k. A sample and its mirror image are both read off one row.
     """
 
-    def __init__(self, even: Array, odd: Array, indices: Array, like: Tensor) -> None:
-        self.even, self.odd = (torch.from_numpy(block).to(like) for block in (even, odd))
-        self.indices = torch.from_numpy(indices).to(like.device)
+    def __init__(self, even: Tensor, odd: Tensor, indices: Tensor) -> None:
+        self.even, self.odd, self.indices = even, odd, indices
 
     def analyse(self, x: Tensor, out: Tensor) -> None:
         size, half, paired = x.shape[-1], len(self.even), len(self.odd)

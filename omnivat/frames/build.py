@@ -21,7 +21,7 @@ from omnivat.gaps.measures import STAGE_MEASURES
 from omnivat.gaps.unit import unit
 from omnivat.model.head import OmniVaT
 from omnivat.progress import OnStep, Step, ignore
-from omnivat.projection import chain, pca, torch_umap
+from omnivat.projection import chain, pca
 from omnivat.projection.align import aligned
 from omnivat.sweep import MEASURES, STAGES, STILL, Features, facts_of, measured, walk
 
@@ -130,11 +130,7 @@ def next_map(method: str, points: Tensor, before: Tensor | None, *, seed: int = 
     if method == "pca":
         flat = pca.project(points)
         return flat if before is None else aligned(flat, before)
-    if before is None:
-        return torch_umap.project(points, seed=seed)
-    return torch_umap.project(
-        points, seed=seed, start=before, steps=chain.WARM_STEPS, rate=chain.WARM_RATE
-    )
+    return chain.following(points, before, seed=seed)
 
 
 def stacked(features: Features) -> Tensor:

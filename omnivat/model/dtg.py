@@ -78,14 +78,13 @@ class DTG(nn.Module):
     def _levels(self, root: Tensor) -> list[Tensor]:
         """Grow a tree: root (B, D) -> one (B, 2^(r-1), D) for each level r, root included."""
         layers = [root[:, None]]
-        start = 0
-        for level in range(1, self.levels):
-            parents = 2 ** (level - 1)
-            weight = self.weight[start : start + 2 * parents].unflatten(0, (parents, 2))
-            bias = self.bias[start : start + 2 * parents]
-            children = torch.einsum("bnd,nked->bnke", layers[-1], weight).flatten(1, 2) + bias
-            layers.append(children)
-            start += 2 * parents
+        sizes = [2**level for level in range(1, self.levels)]
+        weights, biases = torch.split(self.weight, sizes), torch.split(self.bias, sizes)
+        for weight, bias in zip(weights, biases, strict=True):
+            grown = torch.einsum(
+                "bnd,nked->bnke", layers[-1], weight.reshape(-1, 2, *weight.shape[1:])
+            )
+            layers.append(grown.flatten(1, 2) + bias)
         return layers
 
     def layers(self, root: Tensor) -> list[Tensor]:

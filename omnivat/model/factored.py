@@ -53,7 +53,8 @@ def mean_weights(scores: Tensor, key_scores: Tensor, table: Tables, root: float)
     """
     count = table.tokens.shape[-1]
     full = scores.flatten(2) @ table.pairs + key_scores @ table.columns  # (M, B, T * T)
-    return torch.softmax(full.unflatten(-1, (count, count)) / root, dim=-1).mean(-2)
+    full = full.reshape(*full.shape[:-1], count, count)
+    return torch.softmax(full / root, dim=-1).mean(-2)
 
 
 def mixed(base: Tensor, weights: Tensor, table: Tables) -> Tensor:
@@ -63,14 +64,16 @@ def mixed(base: Tensor, weights: Tensor, table: Tables) -> Tensor:
 
 def combined(base: Tensor, shares: Tensor) -> Tensor:
     """Return the weighted sum of base vectors: (r, M, B, D), (M, B or 1, r) -> (M, B, D)."""
-    total = base[0] * shares[..., :1]
-    for index in range(1, len(base)):
-        total = torch.addcmul(total, base[index], shares[..., index : index + 1])
+    first, *others = zip(base.unbind(0), torch.split(shares, 1, dim=-1), strict=True)
+    total: Tensor = first[0] * first[1]
+    for vector, share in others:
+        total = torch.addcmul(total, vector, share)
     return total
 
 
 def mean_channels(base: Tensor, table: Tables) -> Tensor:
     """Return F, the mean over θ of the tokens of each channel: (r, M, B, D) -> (C, M, B, D)."""
     halves = table.halves.shape[1]
-    parts = base.unflatten(0, (halves, -1)) * table.halves.T[:, None, :, None, None]
+    parts = base.reshape(halves, -1, *base.shape[1:])
+    parts = parts * table.halves.T[:, None, :, None, None]
     return parts.sum(0) if halves > 1 else parts[0]

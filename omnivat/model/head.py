@@ -10,6 +10,7 @@ from torch.nn.functional import linear, normalize
 
 from omnivat.errors import DataError, ShapeError
 from omnivat.fractional import Coefficients, coefficients, synthesise
+from omnivat.model import factored
 from omnivat.model.dtg import DTG
 from omnivat.model.folded import FoldedMFFA, fold_mffa, fold_tree, versions
 from omnivat.model.mffa import MFFA, MODALITIES
@@ -158,7 +159,8 @@ class OmniVaT(nn.Module):
         elif fold:
             found, relu = self._fold(names).features(self.mffa.channels(parts))
         else:
-            relu = self.mffa.mean_channels(names, parts)
+            own = self.mffa.expand(names, parts)
+            relu = factored.mean_channels(own.base, own.table)
             if attention:
                 attended = [
                     self.mffa.attend(name, parts[:, row].movedim(0, 1))
@@ -167,7 +169,7 @@ class OmniVaT(nn.Module):
                 found = torch.stack([a.feature for a in attended])
                 weights = {n: a.weights for n, a in zip(names, attended, strict=True)}
             else:
-                found = self.mffa.features(names, parts)
+                found = self.mffa.features(names, own)
         root = found.sum(0)
         mean = self._mean(found, root, fold) if self.settings.tree_at_inference else None
         f_hat = found if mean is None else found + mean
@@ -190,7 +192,8 @@ class OmniVaT(nn.Module):
             return linear(features, self.classifier)
         directions = self.settings.logit_scale * normalize(self.classifier, dim=-1)
         lengths = torch.linalg.vector_norm(features, dim=-1, keepdim=True)
-        return linear(features, directions) / lengths.clamp_min(1e-12)
+        logits: Tensor = linear(features, directions) / lengths.clamp_min(1e-12)
+        return logits
 
     def _mean(self, found: Tensor, root: Tensor, fold: bool) -> Tensor | None:
         """Return the mean (B, D) over the nodes that grow from features (M, B, D)."""
@@ -269,7 +272,13 @@ class OmniVaT(nn.Module):
         projected: Tensor = (self.project_lang if lang else self.project_image)(raw)
         if self.settings.feature_scale == "literal":
             return projected
-        return self.length * normalize(projected, dim=-1)
+        return self.length * _unit(projected)
+
+
+def _unit(x: Tensor) -> Tensor:
+    """Return x (..., D) at length one, whatever its size: squares neither overflow nor vanish."""
+    largest = x.detach().abs().amax(-1, keepdim=True)
+    return normalize(x / largest.clamp_min(torch.finfo(x.dtype).tiny), dim=-1)
 
 
 def _by_name(names: tuple[str, ...], channels: Tensor) -> dict[str, Tensor]:

@@ -1,6 +1,7 @@
 """Multimodal fractional Fourier adapter (MFFA): embeddings to embedding-frequency features."""
 
 from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 import torch
 from torch import Tensor, nn
@@ -26,6 +27,14 @@ def expanded(parts: Tensor, theta: Tensor) -> Tensor:
     """
     tokens = torch.relu(theta[:, None] * parts[:, :, None, :])  # (B, C, E, D)
     return tokens.flatten(1, 2)
+
+
+class Expanded(NamedTuple):
+    """Transformed embeddings, and the base vectors that their tokens are multiples of."""
+
+    parts: Tensor  # (2, M, B, D) Re and Im
+    base: Tensor  # (r, M, B, D)
+    table: factored.Tables
 
 
 class MFFA(nn.Module):
@@ -94,7 +103,8 @@ class MFFA(nn.Module):
         """Return the mean (M, D) of the class tokens seen in training: labels are not needed."""
         seen = self.bank_seen.to(self.bank.dtype)
         rows = self.bank[[MODALITIES.index(name) for name in names]]
-        return (seen @ rows) / seen.sum().clamp_min(1)
+        mean: Tensor = (seen @ rows) / seen.sum().clamp_min(1)
+        return mean
 
     def class_agnostic_token(self, modality: str) -> Tensor:
         """Return the class-agnostic token (D,) of one modality."""
@@ -118,29 +128,27 @@ class MFFA(nn.Module):
         self.bank[rows] = torch.where(count > 0, moved.to(self.bank.dtype), self.bank[rows])
         self.bank_seen |= count[:, 0] > 0
 
-    def mean_tokens(self, names: Sequence[str], parts: Tensor) -> Tensor:
-        """Return the mean over its tokens of every sample: parts (2, M, B, D) -> (M, B, D).
+    def expand(self, names: Sequence[str], parts: Tensor) -> Expanded:
+        """Return what the tokens of parts (2, M, B, D) are made of."""
+        channels = self.channels(parts)
+        table = factored.tables(self.thetas(names), len(channels))
+        return Expanded(parts, factored.base_vectors(channels, table.halves.shape[1]), table)
+
+    def mean_tokens(self, own: Expanded) -> Tensor:
+        """Return the mean over its tokens of every sample (M, B, D).
 
         With complex attention it is that of the real tokens, to which class tokens are added.
         """
-        channels = self.channels(parts)
-        channels = channels[:1] if self.real == "hermitian" else channels
-        table = factored.tables(self.thetas(names), len(channels))
-        base = factored.base_vectors(channels, table.halves.shape[1])
-        return factored.combined(base, table.tokens.mean(-1)[:, None])
-
-    def mean_channels(self, names: Sequence[str], parts: Tensor) -> Tensor:
-        """Return F, the mean over θ of the tokens of each channel: (2, M, B, D) -> (C, M, B, D)."""
-        channels = self.channels(parts)
-        table = factored.tables(self.thetas(names), len(channels))
-        return factored.mean_channels(factored.base_vectors(channels, table.halves.shape[1]), table)
+        if self.real == "hermitian":
+            return factored.mean_channels(own.base, own.table)[0]
+        return factored.combined(own.base, own.table.tokens.mean(-1)[:, None])
 
     # ---- attention ---------------------------------------------------------------------------
 
     def features(
         self,
         names: Sequence[str],
-        parts: Tensor,
+        own: Expanded,
         *,
         guide: Tensor | None = None,
         guided: Tensor | None = None,
@@ -148,17 +156,17 @@ class MFFA(nn.Module):
     ) -> Tensor:
         """Return F-bar (M, B, D) of several modalities; equals `attend` on each.
 
-        parts   (2, M, B, D) from `parts`
+        own     from `expand`
         guide   (B, D) F-bar of LANG, which asks in the place of tokens where guided (B,) is true
         token   (M, B, D) or (M, 1, D) class tokens; the class-agnostic ones where None
         """
-        if self.class_token and token is None:
+        if not self.class_token:
+            token = None
+        elif token is None:
             token = self.class_agnostic_tokens(names)[:, None]
         if self.as_printed or self.real == "hermitian":
-            return self._features_as_printed(names, parts, guide, guided, token)
-        fratt, channels = self.fratt, self.channels(parts)
-        table = factored.tables(self.thetas(names), len(channels))
-        base = factored.base_vectors(channels, table.halves.shape[1])
+            return self._features_as_printed(names, own.parts, guide, guided, token)
+        fratt, base, table = self.fratt, own.base, own.table
         score_root, value_root = fratt.roots
         keys = linear(base, fratt.key.weight)
         scores = factored.dots(linear(base, fratt.query.weight), keys)
@@ -170,7 +178,7 @@ class MFFA(nn.Module):
             theirs = torch.softmax(theirs / score_root, dim=-1)
             weights = torch.where(guided[:, None], theirs, weights)
         pooled = factored.mixed(base, weights, table)
-        if self.class_token:
+        if token is not None:
             pooled = pooled + token
         return self._finished(fratt.ffn(fratt.value(pooled) / value_root))
 
@@ -226,12 +234,12 @@ class MFFA(nn.Module):
         if self.real != "hermitian":
             attended = self.fratt(queries, tokens + added)
         else:
-            complex_queries = queries.unflatten(1, (2, -1))
+            complex_queries = _halved(queries)
             if guide is not None and guided is not None:  # F-bar of LANG is real
                 off = torch.zeros_like(complex_queries[:, 1:])
                 imaginary = torch.where(guided[:, None, None, None], off, complex_queries[:, 1:])
                 complex_queries = torch.cat((complex_queries[:, :1], imaginary), dim=1)
-            complex_tokens = tokens.unflatten(1, (2, -1))
+            complex_tokens = _halved(tokens)
             real = complex_tokens[:, :1] + added[:, None]
             attended = self.fratt.hermitian(
                 complex_queries, torch.cat((real, complex_tokens[:, 1:]), dim=1)
@@ -240,6 +248,11 @@ class MFFA(nn.Module):
 
     def _finished(self, feature: Tensor) -> Tensor:
         return normalize(feature, dim=-1) if self.unit else feature
+
+
+def _halved(tokens: Tensor) -> Tensor:
+    """Return real and imaginary tokens apart: (B, 2E, D) -> (B, 2, E, D)."""
+    return tokens.reshape(len(tokens), 2, -1, tokens.shape[-1])
 
 
 def _theta(settings: HeadSettings) -> Tensor:

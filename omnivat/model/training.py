@@ -8,6 +8,7 @@ import torch
 from torch import Tensor
 
 from omnivat.model.dtg import Grown, interpolated
+from omnivat.model.mffa import Expanded
 from omnivat.model.output import TrainingOutput
 
 if TYPE_CHECKING:
@@ -34,14 +35,14 @@ def training_pass(
     guide = None
     if lang is not None:
         text = model.embedded({"lang": lang})
-        parts = model.mffa.parts(("lang",), text)
-        token = _class_tokens(model, ("lang",), parts, labels, token_on, tokens)
-        features["lang"] = model.mffa.features(("lang",), parts, token=token)[0]
+        own = model.mffa.expand(("lang",), model.mffa.parts(("lang",), text))
+        token = _class_tokens(model, ("lang",), own, labels, token_on, tokens)
+        features["lang"] = model.mffa.features(("lang",), own, token=token)[0]
         guide = model.length * features["lang"]
         embedding = embedding + guide * lang_on[:, None]
-    parts = model.mffa.parts(names, embedding)
-    token = _class_tokens(model, names, parts, labels, token_on, tokens)
-    found = model.mffa.features(names, parts, guide=guide, guided=lang_on, token=token)
+    own = model.mffa.expand(names, model.mffa.parts(names, embedding))
+    token = _class_tokens(model, names, own, labels, token_on, tokens)
+    found = model.mffa.features(names, own, guide=guide, guided=lang_on, token=token)
     features |= dict(zip(names, found, strict=True))
     root = found.sum(0)
     if guide is not None:
@@ -92,7 +93,7 @@ def grow(model: OmniVaT, found: Tensor, root: Tensor) -> Grown | None:
 def _class_tokens(
     model: OmniVaT,
     names: tuple[str, ...],
-    parts: Tensor,
+    expanded: Expanded,
     labels: Tensor,
     token_on: Tensor | None,
     tokens: dict[str, Tensor],
@@ -103,7 +104,7 @@ def _class_tokens(
     """
     if not model.settings.class_token:
         return None
-    values = model.mffa.mean_tokens(names, parts)
+    values = model.mffa.mean_tokens(expanded)
     tokens |= dict(zip(names, values, strict=True))
     own = class_means(values, labels)
     if token_on is None:

@@ -9,19 +9,10 @@ from omnivat.projection import torch_umap
 WARM_STEPS, WARM_RATE = 60, 0.1
 
 
-def chain(
-    features: Iterable[Tensor],
-    *,
-    seed: int = 0,
-    neighbours: int = 15,
-    steps: int = WARM_STEPS,
-    rate: float = WARM_RATE,
-) -> Iterator[Tensor]:
+def chain(features: Iterable[Tensor], *, seed: int = 0, neighbours: int = 15) -> Iterator[Tensor]:
     """Give a map (N, 2) for each (N, D) as it comes; the first starts cold.
 
     features   the same N rows at neighbouring orders, in order
-    steps      of every map but the first: its start is nearly right, so it needs fewer
-    rate       of every map but the first: small, so that rows keep their place
 
     Maps so made are as trustworthy as ones made apart and move far less from one order to the
     next (`python -m benchmarks.projection`). Each is exact for its own order: none is made by
@@ -29,10 +20,20 @@ def chain(
     """
     before: Tensor | None = None
     for points in features:
-        if before is None:
-            before = torch_umap.project(points, seed=seed, neighbours=neighbours)
-        else:
-            before = torch_umap.project(
-                points, seed=seed, neighbours=neighbours, steps=steps, rate=rate, start=before
-            )
+        before = following(points, before, seed=seed, neighbours=neighbours)
         yield before
+
+
+def following(
+    points: Tensor, before: Tensor | None, *, seed: int = 0, neighbours: int = 15
+) -> Tensor:
+    """Return the map (N, 2) of points (N, D) that follows the map `before`, or a first one.
+
+    A later map takes WARM_STEPS steps, as its start is nearly right, at WARM_RATE, so that rows
+    keep their place.
+    """
+    if before is None:
+        return torch_umap.project(points, seed=seed, neighbours=neighbours)
+    return torch_umap.project(
+        points, seed=seed, neighbours=neighbours, steps=WARM_STEPS, rate=WARM_RATE, start=before
+    )

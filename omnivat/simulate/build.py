@@ -55,8 +55,14 @@ def simulate(
     """
     plan = list(_plan(domains, pairs_per_class=pairs_per_class))
     if size < 32:
-        raise DataError(f"Images of {size} pixels are too small to show a touch; ask for 32 or more.")
-    todo = [pair for pair in plan if not _is_done(out, pair, size)]
+        raise DataError(
+            f"Images of {size} pixels are too small to show a touch; ask for 32 or more."
+        )
+    # Round the classes, not one after another: a build that is stopped leaves a fair sample.
+    todo = sorted(
+        (pair for pair in plan if not _is_done(out, pair, size)),
+        key=lambda pair: (pair.object.rsplit("-", 1)[1], pair.press),
+    )
     done = len(plan) - len(todo)
     on_step(Step(done=done, total=len(plan), text="already there"))
     work = partial(draw_to, out=out, seed=seed, size=size, renderer=renderer)

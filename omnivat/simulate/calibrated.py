@@ -15,7 +15,7 @@ from omnivat.simulate.noise import Array
 from omnivat.simulate.surfaces import Surface
 
 CALIBRATIONS = {"Taxim GelSight": "CALIB_GELSIGHT", "Taxim GelSight Mini": "CALIB_GELSIGHT_MINI"}
-DEPTH = (0.35, 0.95)  # mm
+DEPTH = (0.6, 1.1)  # mm
 _PIXEL = 0.0295 * 2  # mm, half of the calibrated resolution of 640 × 480
 _HEIGHT = 240  # pixels: the square cut from the middle of 320 × 240
 _WIDTH = 320

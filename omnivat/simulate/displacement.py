@@ -14,7 +14,7 @@ from omnivat.simulate.surfaces import Surface
 
 MARKERS = 20
 FIELD = 16.0  # mm across the markers
-DEPTH = (0.25, 0.8)  # mm
+DEPTH = (0.45, 0.9)  # mm
 LATERAL, NORMAL = 0.16, 0.55  # mm of displacement that reach full colour
 _GRID = 160  # points on which the gel is draped before it is read at the markers
 
@@ -48,5 +48,3 @@ def coloured(displacement: Array, *, size: int) -> Array:
 def felt(surface: Surface, press: Press, *, size: int, seed: int) -> Array:
     """Return the Tac3D image (size, size, 3), 0 to 1, of one press."""
     return coloured(displacements(surface, press, seed=seed), size=size)
-
-

@@ -36,7 +36,7 @@ def drawn(pair: Planned, *, seed: int, size: int, renderer: Renderer = shaded) -
     """Return both images of `pair`; the same seed gives the same images."""
     thing = surface(pair.material, pair.number, seed=seed)
     stream = derive_seed(seed, "pair", pair.domain, pair.material, pair.object, pair.press)
-    press = _press(np.random.default_rng(stream))
+    press = pressing(np.random.default_rng(stream), thing)
     return Drawn(
         vis=photograph(thing, press, pair, stream, size=size, renderer=renderer),
         tac=tactile(thing, press, pair.domain, stream, size=size),
@@ -66,11 +66,12 @@ def tactile(thing: Surface, press: Press, domain: str, stream: int, *, size: int
     return touch(thing, press, SENSORS[sensor], size=size, seed=noise)
 
 
-def _press(rng: np.random.Generator) -> Press:
+def pressing(rng: np.random.Generator, thing: Surface) -> Press:
+    """Draw place, pose, depth and drag of a press; people line a sensor up with what they touch."""
     at, lean, shear = rng.uniform(-12, 12, 2), rng.normal(0, 0.012, 2), rng.normal(0, 0.08, 2)
     return Press(
         at=(float(at[0]), float(at[1])),
-        turn=float(rng.uniform(0, 2 * np.pi)),
+        turn=thing.axis + float(rng.normal(0, 0.35)),
         lean=(float(lean[0]), float(lean[1])),
         depth=float(rng.uniform(0, 1)),
         shear=(float(shear[0]), float(shear[1])),

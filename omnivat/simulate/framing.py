@@ -9,7 +9,7 @@ from omnivat.simulate.surfaces import Surface
 
 _WIDEST = 1.75  # width of a curved object, in radii of its curvature
 _ROOM = 42.0  # mm: a narrower object would be hidden by the sensor
-_OFTEN = 0.4  # of the pictures show the sensor
+_OFTEN = 0.3  # of the pictures show the sensor
 _LEAST_SHARE = 0.5  # of the view that an object's narrower side takes
 
 
@@ -53,17 +53,17 @@ def framed(
     day = (1.25, 1.3, 1.45) if part == "outdoor" else (1.0, 1.0, 1.0)
     held = bool(scene.prop) and width > _ROOM and bool(rng.random() < _OFTEN)
     off = rng.uniform(-1, 1, 2) * view * (0.24 if held else 0.08)
-    grounds = ("paving", "grass") if part == "outdoor" else scene.ground
+    grounds = ("paving",) if part == "outdoor" else scene.ground
     return Framing(
         scene=scene,
         view=view,
         size=(length, width),
-        axis=form.angle if form.across else surface.angle,
+        axis=surface.axis,
         corner=float(rng.choice([0.06, 0.25, 1.0], p=[0.5, 0.3, 0.2])),
         at=at,
         off=(float(off[0]), float(off[1])),
         tilt=float(np.deg2rad(rng.uniform(*scene.tilt))),
-        turn=float(rng.uniform(0, 2 * np.pi)),
+        turn=surface.axis + float(rng.uniform(-0.6, 0.6)),
         light=float(rng.uniform(0, 2 * np.pi)),
         height=float(np.deg2rad(rng.uniform(*scene.height))),
         sun=_scaled(scene.sun, strength, (1.0, 1.0, 1.0)),

@@ -28,9 +28,7 @@ def noise(x: Array, y: Array, *, wavelength: float, seed: int) -> Array:
     turn_x, turn_y = turned(x, y, 2 * np.pi * angle)
     scale = 1.0 / wavelength
     points = np.stack([turn_y * scale + dy * _CELLS, turn_x * scale + dx * _CELLS])
-    return np.asarray(
-        map_coordinates(_table(), points, order=2, mode="grid-wrap", prefilter=False)
-    )
+    return np.asarray(map_coordinates(_table(), points, order=2, mode="grid-wrap", prefilter=False))
 
 
 def octaves(
@@ -52,7 +50,9 @@ def turned(x: Array, y: Array, angle: float) -> tuple[Array, Array]:
     return x * cos + y * sin, y * cos - x * sin
 
 
-def cells(x: Array, y: Array, *, size: float, seed: int, jitter: float = 0.9) -> tuple[Array, Array]:
+def cells(
+    x: Array, y: Array, *, size: float, seed: int, jitter: float = 0.9
+) -> tuple[Array, Array]:
     """Return distance (mm) to the nearest scattered point and to the border of its cell.
 
     Points lie one in each square of `size` mm, moved by `jitter` of the square.

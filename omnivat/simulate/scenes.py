@@ -30,41 +30,41 @@ class Scene:
 
 SCENES = {
     "TAG": Scene(
-        view=(70, 130), extent=(0.55, 1.3), tilt=(15, 50), ground=("grass", "paving", "bark"),
+        view=(60, 100), extent=(0.9, 1.5), tilt=(15, 50), ground=("grass", "paving"),
         sun=(3.0, 2.8, 2.4), sky=(0.55, 0.65, 0.85), height=(30, 65), softness=0.12,
         noise=0.008, blur=0.5, prop="hand",
     ),
     "OF Real": Scene(
-        view=(55, 80), extent=(0.8, 1.5), tilt=(25, 45), ground=("cloth", "desk"),
+        view=(55, 80), extent=(1.0, 1.6), tilt=(25, 45), ground=("cloth",),
         sun=(1.8, 1.75, 1.7), sky=(0.45, 0.45, 0.48), height=(45, 75), softness=0.55,
         noise=0.016, blur=0.9, balance=(0.92, 1.0, 1.06), contrast=0.9, prop="clamp",
     ),
     "OF 2.0 A": Scene(
-        view=(80, 120), extent=(0.65, 0.9), tilt=(0, 40), ground=("white",),
+        view=(60, 90), extent=(0.75, 0.95), tilt=(0, 40), ground=("white",),
         sun=(2.0, 2.0, 2.0), sky=(0.7, 0.7, 0.7), height=(40, 80), softness=0.2, noise=0.0,
     ),
     "OF 2.0 B": Scene(
-        view=(60, 110), extent=(0.6, 0.9), tilt=(0, 45), ground=("black",),
+        view=(50, 80), extent=(0.75, 0.95), tilt=(0, 45), ground=("black",),
         sun=(2.6, 2.6, 2.6), sky=(0.35, 0.35, 0.35), height=(35, 80), softness=0.1, noise=0.0,
         contrast=1.1,
     ),
     "TQ-DIGIT": Scene(
-        view=(45, 70), extent=(0.8, 1.5), tilt=(20, 40), ground=("desk", "cloth"),
+        view=(45, 70), extent=(1.0, 1.6), tilt=(20, 40), ground=("desk",),
         sun=(2.0, 1.8, 1.45), sky=(0.5, 0.47, 0.42), height=(35, 65), softness=0.35,
         noise=0.012, blur=0.6, balance=(1.06, 1.0, 0.88), prop="clamp",
     ),
     "TQ-GelMini": Scene(
-        view=(50, 75), extent=(0.8, 1.4), tilt=(10, 30), ground=("desk", "paving"),
+        view=(50, 75), extent=(0.9, 1.5), tilt=(10, 30), ground=("desk",),
         sun=(2.2, 2.2, 2.2), sky=(0.55, 0.57, 0.6), height=(40, 70), softness=0.3,
         noise=0.008, blur=0.4, contrast=1.1, prop="clamp",
     ),
     "TQ-DuraGel": Scene(
-        view=(60, 95), extent=(0.7, 1.2), tilt=(25, 50), ground=("cloth", "desk"),
+        view=(55, 80), extent=(0.9, 1.4), tilt=(25, 50), ground=("cloth",),
         sun=(1.7, 1.8, 2.0), sky=(0.42, 0.46, 0.52), height=(30, 60), softness=0.4,
         noise=0.014, blur=0.7, balance=(0.9, 1.0, 1.12), contrast=0.85, prop="clamp",
     ),
     "TQ-T3D": Scene(
-        view=(65, 100), extent=(0.7, 1.2), tilt=(30, 50), ground=("bench", "desk"),
+        view=(55, 85), extent=(0.9, 1.4), tilt=(30, 50), ground=("bench",),
         sun=(2.4, 2.2, 1.9), sky=(0.4, 0.4, 0.4), height=(35, 60), softness=0.15,
         noise=0.012, blur=0.5, balance=(1.02, 1.0, 0.95), prop="clamp",
     ),

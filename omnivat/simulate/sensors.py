@@ -48,17 +48,17 @@ class Sensor:
 
 SENSORS = {
     "GelSight": Sensor(
-        field=16.0, depth=(0.35, 0.9), skin=0.07, give=0.9, dome=0.35,
+        field=16.0, depth=(0.55, 1.0), skin=0.06, give=0.9, dome=0.35,
         base=(0.60, 0.55, 0.62),
         lamps=(
             Lamp(azimuth=-5, colour=(0.75, 0.02, 0.12), spill=0.62),
             Lamp(azimuth=120, colour=(0.03, 0.70, 0.25), spill=0.55),
             Lamp(azimuth=235, colour=(0.10, 0.12, 0.80), spill=0.55),
         ),
-        gain=1.0, markers=Markers(pitch=2.0, radius=0.30, uneven=0.06), vignette=0.20, noise=0.02,
+        gain=1.6, markers=Markers(pitch=2.0, radius=0.30, uneven=0.06), vignette=0.20, noise=0.02,
     ),
     "GelSlim": Sensor(
-        field=20.0, depth=(0.25, 0.7), skin=0.12, give=0.7, dome=0.10,
+        field=20.0, depth=(0.45, 0.9), skin=0.09, give=0.7, dome=0.10,
         base=(0.40, 0.33, 0.47),
         lamps=(
             Lamp(azimuth=90, colour=(0.42, 0.06, 0.38), spill=0.25),
@@ -68,27 +68,27 @@ SENSORS = {
         vignette=0.30, noise=0.015, blur=0.6,
     ),
     "DIGIT": Sensor(
-        field=15.0, depth=(0.3, 0.8), skin=0.10, give=1.2, dome=0.55,
+        field=15.0, depth=(0.6, 1.1), skin=0.08, give=1.2, dome=0.55,
         base=(0.44, 0.50, 0.58),
         lamps=(
             Lamp(azimuth=90, colour=(0.55, 0.10, 0.05), spill=0.55),
             Lamp(azimuth=210, colour=(0.05, 0.50, 0.14), spill=0.50),
             Lamp(azimuth=330, colour=(0.06, 0.14, 0.62), spill=0.60),
         ),
-        gain=0.9, vignette=0.05, noise=0.018, blur=0.8,
+        gain=1.5, vignette=0.05, noise=0.018, blur=0.8,
     ),
     "GelSight Mini": Sensor(
-        field=15.5, depth=(0.25, 0.75), skin=0.06, give=0.6, dome=0.25,
+        field=15.5, depth=(0.45, 0.9), skin=0.06, give=0.6, dome=0.25,
         base=(0.52, 0.47, 0.40),
         lamps=(
             Lamp(azimuth=180, colour=(0.50, 0.22, 0.05), spill=0.20),
             Lamp(azimuth=60, colour=(0.12, 0.48, 0.10), spill=0.35),
             Lamp(azimuth=300, colour=(0.30, 0.06, 0.55), spill=0.25),
         ),
-        gain=1.0, vignette=0.45, noise=0.010,
+        gain=1.5, vignette=0.45, noise=0.010,
     ),
     "DuraGel": Sensor(
-        field=18.0, depth=(0.3, 0.9), skin=0.13, give=1.0, dome=0.15,
+        field=18.0, depth=(0.5, 1.0), skin=0.10, give=1.0, dome=0.15,
         base=(0.62, 0.66, 0.66),
         lamps=(
             Lamp(azimuth=0, colour=(0.10, 0.34, 0.42), spill=0.20),

@@ -30,9 +30,7 @@ def shaded(surface: Surface, framing: Framing, *, size: int) -> Array:
     eye = np.array([0.0, -np.sin(framing.tilt), np.cos(framing.tilt)])
     shown = _reflected(surface, framing, normal, eye, base, x, y)
     shadow = gaussian_filter(inside, 0.03 * size)[..., None] * 0.45
-    return np.asarray(
-        inside[..., None] * shown + (1 - inside[..., None]) * backdrop * (1 - shadow)
-    )
+    return np.asarray(inside[..., None] * shown + (1 - inside[..., None]) * backdrop * (1 - shadow))
 
 
 def outline(u: Array, v: Array, framing: Framing) -> Array:

@@ -55,9 +55,7 @@ def _toward(lamp: Lamp, x: Array, y: Array) -> Array:
     return np.asarray(x * np.cos(angle) + y * np.sin(angle))
 
 
-def marker_shade(
-    sheet: Array, markers: Markers, field: float, shear: tuple[float, float]
-) -> Array:
+def marker_shade(sheet: Array, markers: Markers, field: float, shear: tuple[float, float]) -> Array:
     """Return how dark (0 to 1) the printed dots make each pixel, (size, size).
 
     Dots ride on the gel: they spread away from where it is pushed in, and follow its shear.

@@ -67,14 +67,16 @@ def learn(
     optimiser.zero_grad(set_to_none=True)
     losses.total.backward()  # type: ignore[no-untyped-call]
     order = model.mffa.order
-    rest = [p for p in model.parameters() if p is not order]
-    norm = float(torch.nn.utils.clip_grad_norm_(rest, settings.clip))
+    rest = [p.grad for p in model.parameters() if p is not order and p.grad is not None]
+    norm = float(torch.nn.utils.get_total_norm(rest, foreach=True))
     total = float(losses.total.detach())
     if not (math.isfinite(total) and math.isfinite(norm)):
         raise OmniVatError(
             f"Training stopped: the loss is {total:g}. Lower lr or "
             "mma_weight, or look for extreme values in the embeddings."
         )
+    if norm > settings.clip:
+        torch._foreach_mul_(rest, settings.clip / norm)
     held = 0.0
     if order.grad is not None:
         held = float((order.grad.abs() > settings.order_clip).any())

@@ -247,3 +247,15 @@ def test_the_frames_that_come_with_the_project_are_of_its_head_and_its_set():
     assert frames.pairs == len(embeddings)
     assert frames.domains == embeddings.header.domains
     assert frames.embeddings["weights_hash"] == embeddings.header.weights_hash
+
+
+@pytest.mark.parametrize(
+    "query", ["", "modality=lang", "modality=vis&order=soon", "modality=vis&other=row:x"]
+)
+def test_junk_asked_of_occlusion_is_refused_in_a_sentence(client, png, query):
+    sentence(client.post(f"/omnivat/occlusion?{query}", content=png()))
+
+
+def test_occlusion_answers_over_http(client, png):
+    found = client.post("/omnivat/occlusion?modality=tac&other=row:1&order=0.5", content=png())
+    assert len(found.json()["drops"]) == 7

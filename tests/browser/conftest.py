@@ -45,40 +45,69 @@ def chromium() -> Iterator[Any]:
         browser.close()
 
 
-@pytest.fixture(scope="session")
-def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """Start `python app.py` on the project's own data; return its address."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    folder = tmp_path_factory.mktemp("server")
-    log = (folder / "log").open("w+")
-    server = subprocess.Popen(
-        [sys.executable, "app.py", "--no-browser", "--port", str(port)],
-        cwd=ROOT,
-        env=os.environ | {"XDG_CACHE_HOME": str(folder)},
-        stdout=log,
-        stderr=subprocess.STDOUT,
-    )
-    try:
-        url = f"http://127.0.0.1:{port}/"
+class Server:
+    """`python app.py` on the project's own data; it can be stopped and started again."""
+
+    def __init__(self, folder: Path) -> None:
+        with socket.socket() as probe:
+            probe.bind(("127.0.0.1", 0))
+            self.port = probe.getsockname()[1]
+        self.address = f"http://127.0.0.1:{self.port}/"
+        self.folder = folder
+        self.process: subprocess.Popen[bytes] | None = None
+
+    def start(self) -> None:
+        """Start and wait until the page answers."""
+        with (self.folder / "log").open("a") as log:
+            self.process = subprocess.Popen(
+                [sys.executable, "app.py", "--no-browser", "--port", str(self.port)],
+                cwd=ROOT,
+                env=os.environ | {"XDG_CACHE_HOME": str(self.folder)},
+                stdout=log,
+                stderr=subprocess.STDOUT,
+            )
         deadline = time.monotonic() + 90
         while True:
             try:
-                with urlopen(url, timeout=30):
-                    break
+                with urlopen(self.address, timeout=30):
+                    return
             except OSError:
-                if server.poll() is not None or time.monotonic() > deadline:
-                    log.seek(0)
-                    pytest.fail(f"The page did not start:\n{log.read()}")
+                if self.process.poll() is not None or time.monotonic() > deadline:
+                    pytest.fail(f"The page did not start:\n{self.log()}")
                 time.sleep(0.05)
-        yield url
-        log.seek(0)
-        assert "Traceback" not in log.read(), "the server logged a traceback during the journeys"
+
+    def stop(self) -> None:
+        """Stop at once, as a crash would."""
+        if self.process:
+            self.process.kill()
+            self.process.wait()
+
+    def log(self) -> str:
+        """Return what the server has written."""
+        return (self.folder / "log").read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="session")
+def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """Start one server for all journeys; return its address."""
+    server = Server(tmp_path_factory.mktemp("server"))
+    try:
+        server.start()
+        yield server.address
+        assert "Traceback" not in server.log(), server.log()
     finally:
-        server.terminate()
-        server.wait()
-        log.close()
+        server.stop()
+
+
+@pytest.fixture
+def mortal_server(tmp_path: Path) -> Iterator[Server]:
+    """Return a server of the test's own, to be killed and started again."""
+    server = Server(tmp_path)
+    try:
+        server.start()
+        yield server
+    finally:
+        server.stop()
 
 
 def note(problems: list[str], said: Any) -> None:

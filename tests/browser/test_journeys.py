@@ -234,3 +234,73 @@ def test_two_visitors_do_not_disturb_one_another(open_page: Callable[..., Any]) 
     one.keyboard.press("ArrowRight")
     assert one.locator(".explore .order-value").inner_text() == "0.21"
     assert two.locator(".explore .order-value").inner_text() == "0.80"
+
+
+def test_compare_links_two_maps_and_counts_what_changes(open_page: Callable[..., Any]) -> None:
+    page = open_page("?view=compare&p=0.5&p2=0.1&stage2=f_hat")
+    page.wait_for_selector(".compare .map[data-order]")
+    text = page.locator(".compare .moved").inner_text()
+    changed, right, wrong, other = (
+        int(n) for n in re.findall(r"(?<![.\d])(\d+)(?= of|\b now|\b wrong)", text)
+    )
+    assert changed == right + wrong + other > 0
+    before = [
+        canvas.evaluate("c => c.toDataURL()")
+        for canvas in page.query_selector_all(".compare .map canvas:first-child")
+    ]
+    page.focus(".compare .map canvas + canvas")
+    page.keyboard.press("+")
+    page.wait_for_function(
+        """before => [...document.querySelectorAll('.compare .map canvas:first-child')]
+             .every((canvas, i) => canvas.toDataURL() !== before[i])""",
+        arg=before,
+    )
+
+
+def test_the_tour_goes_through_six_steps_and_puts_back_what_was_seen(
+    open_page: Callable[..., Any],
+) -> None:
+    page = open_page("?stage=relu&colour=class")
+    page.wait_for_selector(MAP)
+    page.click(".tour-start")
+    for step in range(1, 7):
+        page.wait_for_selector(f".tour h3:has-text('{step} of 6')")
+        assert "not measured" not in page.locator(".tour p").inner_text()
+        page.keyboard.press("Enter")  # the next button has the focus
+    page.wait_for_selector(".tour", state="detached")
+    page.wait_for_function("location.search.includes('stage=relu')")
+
+
+def test_where_the_answer_comes_from_is_tinted_over_the_image(
+    open_page: Callable[..., Any],
+) -> None:
+    page = open_page("?view=pair&vis=row:0")
+    page.wait_for_selector(".pair .bars table")
+    slot = '.pair .slot[data-modality="tac"]'
+    page.set_input_files(f"{slot} input[type=file]", texture(3))
+    page.wait_for_function("location.search.includes('tac=image')")
+    page.click(f"{slot} .where")
+    page.wait_for_selector(f"{slot} .picture canvas")
+    assert "orange parts" in page.locator(f"{slot} .what").inner_text()
+
+
+def test_a_killed_server_is_told_of_and_a_new_one_gets_the_images_again(
+    chromium: Any, mortal_server: Any
+) -> None:
+    page = chromium.new_page()
+    page.set_default_timeout(60_000)
+    page.goto(mortal_server.address + "?view=pair&vis=row:0&tac=row:0")
+    page.wait_for_selector(".pair .bars table")
+    page.set_input_files('.pair .slot[data-modality="tac"] input[type=file]', texture(4))
+    page.wait_for_function("location.search.includes('tac=image')")
+    page.wait_for_selector(".pair .results[aria-busy=false] .bars table")
+    mortal_server.stop()
+    remove = '.pair .slot[data-modality="vis"] .clear'
+    page.click(remove)
+    page.wait_for_selector(".pair .problem:visible")
+    assert "does not answer" in page.locator(".pair .problem").inner_text()
+    mortal_server.start()
+    page.set_input_files('.pair .slot[data-modality="vis"] input[type=file]', texture(6))
+    page.wait_for_selector(".pair .bars td[data-voice=tac]")
+    assert page.locator(".pair .problem").is_hidden()
+    page.close()

@@ -49,6 +49,11 @@ class Surface:
     angle: float = 0.0  # rad, direction of grain or brushing
     form: Form = Form()
 
+    @property
+    def axis(self) -> float:
+        """Return the direction an object is lined up by: of its cylinder, or of its grain; rad."""
+        return self.form.angle if self.form.across else self.angle
+
     def height(self, x: Array, y: Array) -> Array:
         """Return form and relief together, mm."""
         return self.form.height(x, y) + self.relief(x, y)

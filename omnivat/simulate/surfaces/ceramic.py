@@ -29,23 +29,23 @@ def _clay(rng: np.random.Generator) -> tuple[float, float, float]:
 def _pot(rng: np.random.Generator) -> Form:
     """Return the wall of a mug, bowl or vase; now and then a flat plate."""
     kind = rng.random()
-    if kind < 0.25:
+    if kind < 0.12:
         return Form()
-    along = 0.0 if kind < 0.55 else 1 / pick_log(rng, 30, 90)
-    return Form(across=1 / pick_log(rng, 22, 60), along=along, angle=pick(rng, 0, np.pi))
+    along = 0.0 if kind < 0.35 else 1 / pick_log(rng, 30, 70)
+    return Form(across=1 / pick_log(rng, 26, 60), along=along, angle=pick(rng, 0, np.pi))
 
 
 def glazed(rng: np.random.Generator) -> Surface:
     """Return a glossy glaze: soft waves and pinholes."""
     glaze, seed = _glaze(rng), stream(rng)
-    wave, holes = pick(rng, 0.010, 0.024), pick(rng, 0.05, 0.25)
+    wave, holes = pick(rng, 0.016, 0.030), pick(rng, 0.15, 0.4)
 
     def pinholes(x: Array, y: Array) -> Array:
         return pits(x, y, size=3.0, radius=0.35, share=holes, seed=seed + 4)
 
     return Surface(
         recipe="glazed",
-        relief=lambda x, y: wave * orange_peel(x, y, size=5.0, seed=seed) - 0.05 * pinholes(x, y),
+        relief=lambda x, y: wave * orange_peel(x, y, size=3.5, seed=seed) - 0.07 * pinholes(x, y),
         colour=lambda x, y: tinted(
             glaze, 0.06 * orange_peel(x, y, size=16.0, seed=seed + 1) - 0.4 * pinholes(x, y)),
         gloss="coated", roughness=pick(rng, 0.02, 0.07), form=_pot(rng),
@@ -55,13 +55,13 @@ def glazed(rng: np.random.Generator) -> Surface:
 def crazed(rng: np.random.Generator) -> Surface:
     """Return a glaze with a net of cracks, stained dark."""
     glaze, seed = _glaze(rng), stream(rng)
-    size, stain = pick(rng, 4.0, 9.0), pick(rng, 0.4, 0.8)
+    size, stain = pick(rng, 3.0, 5.5), pick(rng, 0.4, 0.8)
 
     def net(x: Array, y: Array, width: float) -> Array:
         return cracks(x, y, size=size, width=width, seed=seed)
 
     def relief(x: Array, y: Array) -> Array:
-        return 0.012 * orange_peel(x, y, size=5.0, seed=seed + 5) - 0.035 * net(x, y, 0.16)
+        return 0.012 * orange_peel(x, y, size=5.0, seed=seed + 5) - 0.07 * net(x, y, 0.22)
 
     return Surface(
         recipe="crazed", relief=relief,
@@ -73,7 +73,7 @@ def crazed(rng: np.random.Generator) -> Surface:
 def stoneware(rng: np.random.Generator) -> Surface:
     """Return a satin glaze with iron specks over gritty clay."""
     glaze, seed = _glaze(rng), stream(rng)
-    grit = pick(rng, 0.014, 0.032)
+    grit = pick(rng, 0.02, 0.04)
 
     def specks(x: Array, y: Array) -> Array:
         return pits(x, y, size=2.0, radius=0.42, share=0.35, seed=seed + 2)
@@ -171,5 +171,5 @@ def carved(rng: np.random.Generator) -> Surface:
 
 
 RECIPES = {
-    glazed: 1.4, crazed: 1.1, stoneware: 1.3, terracotta: 1.1, thrown: 1.0, tiled: 0.7, carved: 0.7,
+    glazed: 1.3, crazed: 1.5, stoneware: 1.6, terracotta: 1.4, thrown: 0.8, tiled: 0.6, carved: 0.4,
 }  # fmt: skip

@@ -54,7 +54,7 @@ def float_glass(rng: np.random.Generator) -> Surface:
         used = scratches(x, y, count=count, reach=30.0, width=0.05, seed=seed)
         return 0.0012 * orange_peel(x, y, size=8.0, seed=seed + 1) - 0.01 * used
 
-    form = _pane(rng) if rng.random() < 0.45 else _vessel(rng)
+    form = _pane(rng) if rng.random() < 0.7 else _vessel(rng)
     return _glass(rng, "float", relief, form=form)
 
 
@@ -117,5 +117,5 @@ def pressed(rng: np.random.Generator) -> Surface:
 
 
 RECIPES = {
-    float_glass: 1.6, rippled: 1.1, reeded: 0.8, pebbled: 0.9, frosted: 0.9, cut: 0.7, pressed: 0.7,
+    float_glass: 2.0, rippled: 1.7, reeded: 0.5, pebbled: 1.5, frosted: 0.5, cut: 0.7, pressed: 0.7,
 }  # fmt: skip

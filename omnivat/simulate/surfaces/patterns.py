@@ -5,9 +5,7 @@ import numpy as np
 from omnivat.simulate.noise import Array, cells, noise, octaves, smoothstep, turned
 
 
-def streaks(
-    x: Array, y: Array, *, angle: float, width: float, length: float, seed: int
-) -> Array:
+def streaks(x: Array, y: Array, *, angle: float, width: float, length: float, seed: int) -> Array:
     """Return unit-spread noise drawn out along `angle`: brushing, wood grain, extrusion lines."""
     u, v = turned(x, y, angle)
     stretch = width / length

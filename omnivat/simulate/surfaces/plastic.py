@@ -17,7 +17,7 @@ from omnivat.simulate.surfaces.patterns import (
 def _dye(rng: np.random.Generator) -> tuple[float, float, float]:
     """Return a colour that plastics have: strong, white, grey or black."""
     kind = rng.random()
-    if kind < 0.5:
+    if kind < 0.75:
         strong = rng.permutation(np.array([pick(rng, 0.35, 0.8), pick(rng, 0.03, 0.45), 0.04]))
         return (float(strong[0]), float(strong[1]), float(strong[2]))
     level = pick_log(rng, 0.02, 0.8)
@@ -30,7 +30,7 @@ def _moulding(rng: np.random.Generator) -> Form:
     kind = rng.random()
     if kind < 0.45:
         return Form()
-    bulge = 1 / pick_log(rng, 14, 70)
+    bulge = 1 / pick_log(rng, 30, 90)
     return Form(across=bulge, along=bulge if kind > 0.8 else 0.0, angle=pick(rng, 0, np.pi))
 
 
@@ -41,7 +41,7 @@ def _even(rng: np.random.Generator) -> tuple[tuple[float, float, float], int]:
 def eroded(rng: np.random.Generator) -> Surface:
     """Return the spark-eroded mould grain of housings: even, fine and matt."""
     dye, seed = _even(rng)
-    depth, size = pick_log(rng, 0.010, 0.045), pick(rng, 0.5, 1.2)
+    depth, size = pick_log(rng, 0.022, 0.05), pick(rng, 0.6, 1.1)
     return Surface(
         recipe="eroded",
         relief=lambda x, y: depth * grain(x, y, coarsest=size, finest=0.2, seed=seed),
@@ -53,7 +53,7 @@ def eroded(rng: np.random.Generator) -> Surface:
 def leather_grain(rng: np.random.Generator) -> Surface:
     """Return etched leather grain: small cushions between creases."""
     dye, seed = _even(rng)
-    size, depth = pick(rng, 1.2, 3.0), pick(rng, 0.05, 0.14)
+    size, depth = pick(rng, 1.4, 2.8), pick(rng, 0.08, 0.18)
 
     def cushions(x: Array, y: Array) -> Array:
         _, border = cells(x, y, size=size, seed=seed)
@@ -149,6 +149,6 @@ def wood_print(rng: np.random.Generator) -> Surface:
 
 
 RECIPES = {
-    eroded: 1.6, leather_grain: 1.1, ribbed: 1.2, studded: 1.2, glossy: 1.0, printed: 1.0,
-    wood_print: 0.4,
+    eroded: 1.6, leather_grain: 1.6, ribbed: 1.3, studded: 1.8, glossy: 0.6, printed: 0.7,
+    wood_print: 0.25,
 }  # fmt: skip

@@ -27,13 +27,13 @@ def _part(rng: np.random.Generator) -> Form:
     """Return flat sheet, or a tube or shaft."""
     if rng.random() < 0.72:
         return Form()
-    return Form(across=1 / pick_log(rng, 10, 50), angle=pick(rng, 0, np.pi))
+    return Form(across=1 / pick_log(rng, 25, 80), angle=pick(rng, 0, np.pi))
 
 
 def brushed(rng: np.random.Generator) -> Surface:
     """Return sheet brushed one way: hair-thin long streaks, a stretched highlight."""
     angle, seed, base = pick(rng, 0, np.pi), stream(rng), _steel(rng)
-    depth, width = pick_log(rng, 0.006, 0.022), pick(rng, 0.25, 0.6)
+    depth, width = pick_log(rng, 0.010, 0.026), pick(rng, 0.25, 0.5)
 
     def hairs(x: Array, y: Array) -> Array:
         return streaks(x, y, angle=angle, width=width, length=60.0, seed=seed)
@@ -51,7 +51,7 @@ def machined(rng: np.random.Generator) -> Surface:
     far = pick_log(rng, 8, 150)
     turn = pick(rng, 0, 2 * np.pi)
     centre = (far * np.cos(turn), far * np.sin(turn))
-    pitch, depth = pick_log(rng, 0.35, 1.3), pick_log(rng, 0.008, 0.03)
+    pitch, depth = pick_log(rng, 0.5, 1.3), pick_log(rng, 0.018, 0.045)
     seed, base = stream(rng), _steel(rng)
 
     def marks(x: Array, y: Array) -> Array:
@@ -177,6 +177,6 @@ def enamelled(rng: np.random.Generator) -> Surface:
 
 
 RECIPES = {
-    brushed: 1.5, machined: 1.5, ground: 1.0, cast: 1.0, rusty: 0.9, chequered: 0.7, knurled: 0.6,
-    enamelled: 0.5,
+    brushed: 1.8, machined: 2.0, ground: 0.5, cast: 0.5, rusty: 0.7, chequered: 0.9, knurled: 0.9,
+    enamelled: 0.3,
 }  # fmt: skip

@@ -55,9 +55,9 @@ class _Grain:
 
 def _board(rng: np.random.Generator) -> Form:
     """Return flat, or slightly rounded as a handle or a turned leg."""
-    if rng.random() < 0.7:
+    if rng.random() < 0.8:
         return Form()
-    return Form(along=0.0, across=1 / pick_log(rng, 15, 60), angle=pick(rng, 0, np.pi))
+    return Form(along=0.0, across=1 / pick_log(rng, 35, 90), angle=pick(rng, 0, np.pi))
 
 
 def sawn(rng: np.random.Generator) -> Surface:
@@ -95,12 +95,12 @@ def _bare(rng: np.random.Generator, name: str, fibre: float, ring: float, pore: 
 
 def sanded(rng: np.random.Generator) -> Surface:
     """Return sanded wood: faint fibres and open pores."""
-    return _bare(rng, "sanded", fibre=0.012, ring=0.012, pore=0.05)
+    return _bare(rng, "sanded", fibre=0.020, ring=0.025, pore=0.08)
 
 
 def ringed(rng: np.random.Generator) -> Surface:
     """Return planed softwood whose late wood stands proud."""
-    return _bare(rng, "ringed", fibre=0.015, ring=0.10, pore=0.03)
+    return _bare(rng, "ringed", fibre=0.020, ring=0.14, pore=0.05)
 
 
 def weathered(rng: np.random.Generator) -> Surface:
@@ -121,7 +121,7 @@ def weathered(rng: np.random.Generator) -> Surface:
 def varnished(rng: np.random.Generator) -> Surface:
     """Return furniture: grain under a coat that almost levels it."""
     wood, coat = _Grain(rng), stream(rng)
-    left, soft = pick(rng, 0.004, 0.012), pick(rng, 0.003, 0.008)
+    left, soft = pick(rng, 0.008, 0.018), pick(rng, 0.003, 0.006)
 
     def relief(x: Array, y: Array) -> Array:
         under = wood.fibres(x, y) - 2.5 * wood.pores(x, y)
@@ -180,5 +180,5 @@ def painted(rng: np.random.Generator) -> Surface:
 
 
 RECIPES = {
-    sawn: 1.3, sanded: 1.4, ringed: 1.3, weathered: 1.2, varnished: 1.0, end_grain: 0.8, painted: 0.5,
+    sawn: 1.6, sanded: 1.6, ringed: 1.6, weathered: 1.4, varnished: 0.7, end_grain: 0.35, painted: 0.25,
 }  # fmt: skip

@@ -211,6 +211,16 @@ def test_zero_tiny_and_huge_embeddings_give_finite_probabilities(head, value):
     torch.testing.assert_close(probabilities.sum(), torch.tensor(1.0, dtype=torch.float64))
 
 
+@pytest.mark.parametrize("factor", [1e-30, 1e30])
+def test_the_size_of_embeddings_does_not_matter_even_where_squares_overflow(factor):
+    """Nor where they vanish: 1e30 squared is infinite in single precision."""
+    model = build_head(settings(input_width=16)).eval()
+    vis, tac = (x[:, :16].float() for x in pairs(3))
+    with torch.no_grad():
+        plain, scaled = model(vis, tac), model(factor * vis, factor * tac)
+    assert (plain.probabilities - scaled.probabilities).abs().max() < 1e-6
+
+
 def test_class_token_in_prediction_needs_no_label(head):
     """It is the mean over the bank, so changing one class's row moves every prediction."""
     vis, tac = pairs(2)

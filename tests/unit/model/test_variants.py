@@ -37,7 +37,9 @@ def test_match_and_light_with_the_styles_are_5_03_and_0_18_million():
 
 
 def test_an_unknown_profile_names_the_nearest():
-    with pytest.raises(SettingsError, match=r"No profile is called 'ligth'.*Did you mean 'light'\?"):
+    with pytest.raises(
+        SettingsError, match=r"No profile is called 'ligth'.*Did you mean 'light'\?"
+    ):
         settings_for_profile("ligth", classes=CLASSES)
     assert PROFILES == ("core", "match", "literal", "light")
 

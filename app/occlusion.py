@@ -1,0 +1,102 @@
+"""Where in an image an answer comes from: hide one part at a time, and see what the answer loses."""
+
+from collections.abc import Iterator
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+from app.resources import Resources
+from app.state import Ref
+from omnivat.errors import DataError
+
+if TYPE_CHECKING:
+    from PIL import Image
+
+CELLS = 7  # a side of the picture that is shown
+PATCH = 2  # cells that are hidden at once, a side: one alone changes little
+SIDE = 448  # pixels the image is scaled down to first; encoders take 224
+
+
+def occlusion(
+    resources: Resources,
+    content: bytes,
+    *,
+    modality: str,
+    other: Ref | None,
+    order: float | None,
+    name: str = "",
+) -> dict[str, Any]:
+    """Hide each part of an image in turn and ask the head again.
+
+    content   the bytes of the image
+    modality  what it is, "vis" or "tac"
+    other     the other image of the pair, which stays as it is; None to answer without it
+    order     p in quarter turns; the learned one if None
+    return    the class answered, its probability, and `drops` (CELLS, CELLS): by how much the
+              probability falls where a part is hidden; negative where it rises
+
+    Raises DataError when the image cannot be read or `modality` is unknown.
+    """
+    if modality not in ("vis", "tac"):
+        raise DataError(f"modality is '{modality:.20}'; it is vis or tac.")
+    import torch
+
+    from omnivat.data.images import read_image
+
+    began = perf_counter()
+    image = read_image(content, name=name)
+    image.thumbnail((SIDE, SIDE))
+    encoder, head = resources.encoder(), resources.head()
+    with torch.inference_mode():
+        pixels = [encoder.preprocess(one) for one in (image, *hidden(image))]
+        varied = encoder.embed(torch.stack(pixels))
+        pair: dict[str, Any] = {"vis": None, "tac": None, modality: varied}
+        if other is not None:
+            rest = "tac" if modality == "vis" else "vis"
+            fixed = torch.from_numpy(resources.embedding(other, rest).copy())
+            pair[rest] = fixed.expand(len(varied), -1)
+        probabilities = head.model(pair["vis"], pair["tac"], order=order).probabilities
+        answer = int(probabilities[0].argmax())
+        falls = probabilities[1:, answer] * 0 + 1
+    steps = CELLS - PATCH + 1
+    return {
+        "class": head.settings.classes[answer],
+        "probability": round(float(probabilities[0, answer]), 6),
+        "cells": CELLS,
+        "drops": over_cells(falls.reshape(steps, steps).tolist()),
+        "seconds": round(perf_counter() - began, 2),
+    }
+
+
+def hidden(image: "Image.Image") -> Iterator["Image.Image"]:
+    """Give the image with one part after the other painted in its mean colour, row by row."""
+    width, height = image.size
+    mean = image.resize((1, 1)).getpixel((0, 0))
+    steps = CELLS - PATCH + 1
+    for row in range(steps):
+        for column in range(steps):
+            box = (
+                column * width // CELLS,
+                row * height // CELLS,
+                (column + PATCH) * width // CELLS,
+                (row + PATCH) * height // CELLS,
+            )
+            copy = image.copy()
+            copy.paste(mean, box)
+            yield copy
+
+
+def over_cells(falls: list[list[float]]) -> list[list[float]]:
+    """Return for each cell the mean fall over the parts that covered it."""
+    steps = len(falls)
+    rows = []
+    for row in range(CELLS):
+        cells = []
+        for column in range(CELLS):
+            covering = [
+                falls[r][c]
+                for r in range(max(0, row - PATCH + 1), min(steps, row + 1))
+                for c in range(max(0, column - PATCH + 1), min(steps, column + 1))
+            ]
+            cells.append(round(sum(covering) / len(covering), 6))
+        rows.append(cells)
+    return rows

@@ -1,0 +1,122 @@
+"""Ways to a fractional transform, ours and others', behind one shape for the benchmark."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+
+from omnivat.fractional import basis, coefficients, dfrft, synthesise
+from omnivat.fractional.plans import build_split
+from omnivat.packages import need
+
+Transform = Callable[[Tensor, float | Tensor], Tensor]
+
+
+@dataclass(frozen=True)
+class Method:
+    """One implementation.
+
+    build: N -> what does not depend on x and the order, made anew. transform: (x, order) -> F_p x,
+    complex or planar. keep: x -> (order -> F_p x), with all that a caller can keep while p moves.
+    """
+
+    transform: Transform
+    keep: Callable[[Tensor], Callable[[float], Tensor]]
+    build: Callable[[int], object] | None = None
+    dtype: torch.dtype = torch.float32
+    differentiable: bool = True
+    slow: bool = False
+
+
+def _keep_nothing(transform: Transform) -> Callable[[Tensor], Callable[[float], Tensor]]:
+    return lambda x: lambda order: transform(x, order)
+
+
+def _ours(planar: bool, dtype: torch.dtype, reuse: bool = False) -> Method:
+    def keep(x: Tensor) -> Callable[[float], Tensor]:
+        kept = coefficients(x)
+        out = torch.empty(2, *x.shape, dtype=x.dtype) if reuse else None
+        return lambda order: synthesise(kept, order, planar=planar, out=out)
+
+    return Method(
+        lambda x, order: dfrft(x, order, planar=planar),
+        keep,
+        lambda size: build_split(size, torch.empty(0, dtype=dtype)),
+        dtype,
+    )
+
+
+def _dense() -> Method:
+    def keep(x: Tensor) -> Callable[[float], Tensor]:
+        vectors, indices = basis(x.shape[-1])
+        v = vectors.float()
+        kept = x @ v
+
+        def frame(order: float) -> Tensor:
+            angle = indices * (-math.pi / 2 * order)
+            phase = torch.stack([angle.cos(), angle.sin()]).float()
+            return (kept * phase[:, None]) @ v.T
+
+        return frame
+
+    return Method(lambda x, order: keep(x)(float(order)), keep, differentiable=False)
+
+
+def _torch_frft() -> dict[str, Method]:
+    module = need("torch_frft.dfrft_module", purpose="the comparison with torch-frft")
+    chirp = need("torch_frft.frft_module", purpose="the comparison with torch-frft")
+
+    def cached(x: Tensor) -> Callable[[float], Tensor]:
+        v = module._get_dfrft_evecs(x.shape[-1]).type(torch.complex64)
+        indices = module._dfrft_index(x.shape[-1])
+
+        def frame(order: float) -> Tensor:
+            values = torch.exp(-1j * order * (torch.pi / 2) * indices).type(torch.complex64)
+            matrix = torch.einsum("ij,j,kj->ik", v, values, v)
+            return torch.einsum("ab,...b->...a", matrix, x.type(torch.complex64))
+
+        return frame
+
+    return {
+        "torch-frft dfrft": Method(
+            module.dfrft, _keep_nothing(module.dfrft), module._get_dfrft_evecs
+        ),
+        "torch-frft dfrft, eigenvectors kept": Method(
+            module.dfrft, cached, differentiable=False, slow=True
+        ),
+        "torch-frft frft (chirp)": Method(chirp.frft, _keep_nothing(chirp.frft), slow=True),
+    }
+
+
+def _torch_frft2d() -> dict[str, Method]:
+    module = need("torch_frft2d", purpose="the comparison with torch-frft2d")
+
+    def transform(x: Tensor, order: float | Tensor) -> Tensor:
+        field = torch.fft.ifftshift(x, -1)[None]  # its two axes take one angle: rows would mix
+        angle = torch.as_tensor(order, dtype=torch.float32).reshape(1, 1) * (math.pi / 2)
+        field = field.movedim(0, 1)  # (B, 1, N): a second axis of one sample
+        found = module.frft2d_multi(field, angle.expand(len(x), 1))
+        return torch.fft.fftshift(found[:, 0, 0], -1)
+
+    return {"torch-frft2d (chirp)": Method(transform, _keep_nothing(transform), slow=True)}
+
+
+def methods() -> dict[str, Method]:
+    """All that are installed, ours first."""
+    found = {
+        "omnivat float32": _ours(False, torch.float32),
+        "omnivat float32, planar": _ours(True, torch.float32),
+        "omnivat float32, planar, into a buffer": _ours(True, torch.float32, reuse=True),
+        "omnivat float64": _ours(False, torch.float64),
+        "dense V, two real products": _dense(),
+    }
+    for others in (_torch_frft, _torch_frft2d):
+        try:
+            found |= others()
+        except ImportError:
+            continue
+    return found

@@ -1,0 +1,150 @@
+"""Run time against error of the fractional transform, ours and others', in one process.
+
+    python -m benchmarks.fractional [--quick] [--out docs/benchmarks]
+
+Writes fractional.json, fractional.md and, with matplotlib installed, fractional.png.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import random
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from benchmarks._fractional_methods import Method, methods
+from benchmarks._fractional_report import plot, table
+from benchmarks._machine import Spread, interleaved, product_call, threads
+from benchmarks._reference import reference
+from benchmarks.measure import machine
+
+SIZES = ((1, 1024), (16, 512), (2000, 512), (20000, 768))
+HUGE = 10**7  # samples; above, slow peers and gradients are left out
+CHECKED = 3  # rows compared with the reference
+ORDERS = (0.3, 1.7, 1000.3)
+
+
+@dataclass(frozen=True)
+class Row:
+    """One method at one size: milliseconds, and error against 80-bit arithmetic."""
+
+    task: str
+    method: str
+    rows: int
+    size: int
+    threads: int
+    time: Spread
+    error: float | None
+    share: float | None  # of the measured rate of matrix products, counting N²B operations
+
+
+def as_complex(y: Tensor, planar: bool) -> Tensor:
+    """Planar or complex, as complex."""
+    return torch.complex(y[0], y[1]) if planar else y
+
+
+def error_of(method: Method, x: Tensor) -> float:
+    """The worst relative error over some orders."""
+    x = x[:CHECKED].to(method.dtype)
+    worst = 0.0
+    for order in ORDERS:
+        exact = torch.from_numpy(reference(x.double().numpy(), order))
+        found = method.keep(x)(order)
+        found = as_complex(found, planar=not found.is_complex()).to(torch.complex128)
+        worst = max(worst, float((found - exact).norm() / exact.norm()))
+    return worst
+
+
+def backward_call(method: Method, x: Tensor, orders: Callable[[], float]) -> Callable[[], object]:
+    """Transform and both gradients, for a fixed gradient of the result."""
+    x = x.detach().clone().requires_grad_()
+    with torch.no_grad():
+        grad = torch.randn_like(method.transform(x, 0.3))
+
+    def call() -> object:
+        order = torch.tensor(orders(), requires_grad=True)
+        return torch.autograd.grad(method.transform(x, order), (x, order), grad)
+
+    return call
+
+
+def calls_for(
+    task: str, found: dict[str, Method], x: Tensor, orders: Callable[[], float]
+) -> dict[str, Callable[[], object]]:
+    """What to time for a task; methods that do not offer it are left out."""
+    calls: dict[str, Callable[[], object]] = {}
+    for name, method in found.items():
+        mine = x.to(method.dtype)
+        if task == "build" and method.build is not None:
+            calls[name] = lambda build=method.build: build(x.shape[-1])  # type: ignore[misc]
+        elif task == "new p":
+            frame = method.keep(mine)
+            calls[name] = lambda frame=frame: frame(orders())  # type: ignore[misc]
+        elif task == "new x" and "buffer" not in name and "kept" not in name:
+            calls[name] = lambda f=method.transform, y=mine: f(y, orders())  # type: ignore[misc]
+        elif task == "forward + backward" and method.differentiable and "buffer" not in name:
+            calls[name] = backward_call(method, mine, orders)
+    return calls
+
+
+def measure(rows: int, size: int, count: int, rounds: int) -> list[Row]:
+    """All tasks and methods at one size with `count` threads."""
+    generator = np.random.default_rng(rows + size)
+    x = torch.from_numpy(generator.normal(size=(rows, size)))
+    draw = random.Random(size)
+    huge = rows * size > HUGE
+    found = {
+        name: m
+        for name, m in methods().items()
+        if not (huge and (m.slow or m.dtype == torch.float64))
+    }
+    errors = {name: error_of(method, x) for name, method in found.items()}
+    x = x.float() if huge else x
+    result = []
+    tasks = ["new p", "new x"] if huge else ["build", "new p", "new x", "forward + backward"]
+    for task in tasks:
+        calls = calls_for(task, found, x, draw.random)
+        product, operations = product_call()
+        times = interleaved({**calls, "product": product}, rounds, cpu=count == 1)
+        rate = operations / times.pop("product").median
+        for name, spread in times.items():
+            single = found[name].dtype == torch.float32
+            share = rows * size**2 / rate / spread.median if task == "new p" and single else None
+            result.append(Row(task, name, rows, size, count, spread, errors[name], share))
+    return result
+
+
+def main() -> None:
+    """Measure, then write what was found."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])  # type: ignore[union-attr]
+    parser.add_argument("--quick", action="store_true", help="small sizes and few rounds")
+    parser.add_argument("--out", type=Path, default=Path("docs/benchmarks"))
+    given = parser.parse_args()
+    torch.manual_seed(0)
+    rows: list[Row] = []
+    for count in (1, 2):
+        for batch, size in SIZES[:2] if given.quick else SIZES:
+            rounds = 3 if given.quick or batch * size > HUGE // 10 else 7
+            with threads(count):
+                rows += measure(batch, size, count, rounds)
+            print(f"{batch} x {size}, {count} thread(s): done", flush=True)
+            write(rows, given.out)
+
+
+def write(rows: list[Row], folder: Path) -> None:
+    """All that was measured so far, so that a long run can be stopped."""
+    folder.mkdir(parents=True, exist_ok=True)
+    record = {"machine": machine(), "rows": [asdict(row) for row in rows]}
+    (folder / "fractional.json").write_text(json.dumps(record, indent=1) + "\n")
+    (folder / "fractional.md").write_text(table(record))
+    plot(record, folder / "fractional.png")
+
+
+if __name__ == "__main__":
+    main()

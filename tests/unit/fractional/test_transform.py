@@ -1,0 +1,261 @@
+"""The transform against independent computations, and against well-known wrong ones."""
+
+import importlib
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+from omnivat.errors import ShapeError
+from omnivat.fractional import Coefficients, basis, coefficients, dfrft, project, synthesise
+
+sys.path.insert(0, str(Path(__file__).parent))
+oracles = importlib.import_module("oracles")
+GOLDEN = Path(__file__).parents[2] / "golden"
+GOLDEN_ORDERS = (0.3, 1.0, 1.7, -0.5, 1000.3, 1e6 + 0.37)
+
+
+def matrix(size: int, order: float) -> np.ndarray:
+    return dfrft(torch.eye(size, dtype=torch.float64), order).numpy().T
+
+
+def golden_vector(size: int) -> torch.Tensor:
+    state, samples = 12345, []
+    for _ in range(size):
+        state = (1103515245 * state + 12345) % 2**31
+        samples.append(state / 2**30 - 1.0)
+    return torch.tensor(samples, dtype=torch.float64)
+
+
+@pytest.mark.parametrize("size", range(1, 21))
+@pytest.mark.parametrize("order", [0.3, 1.0, 2.7, -1.5])
+def test_it_agrees_with_the_dense_definition(size: int, order: float) -> None:
+    assert np.abs(matrix(size, order) - oracles.dense_transform(size, order)).max() < 2e-14
+
+
+@pytest.mark.parametrize("size", [1, 2, 3, 4, 5, 8, 12])
+def test_it_agrees_with_forty_digits(size: int) -> None:
+    mpmath = pytest.importorskip("mpmath")
+    x = golden_vector(size)
+    with mpmath.workdps(40):
+        s = mpmath.zeros(size)
+        for n in range(size):
+            s[n, n] += 2 * mpmath.cos(2 * mpmath.pi * n / size)
+            s[n, (n + 1) % size] += 1
+            s[n, (n - 1) % size] += 1
+            # a multiple of the reversal tells even from odd: it separates all eigenvalues
+        for n in range(size):
+            s[n, -n % size] += 16
+        values, vectors = mpmath.eigsy(s)
+        falling = sorted(range(size), key=lambda i: -values[i])
+        even, odd = falling[: size // 2 + 1], falling[size // 2 + 1 :]
+        exact = [mpmath.mpc(0)] * size
+        for k, i in [(2 * c, i) for c, i in enumerate(even)] + [
+            (2 * c + 1, i) for c, i in enumerate(odd)
+        ]:
+            weight = sum(vectors[n, i] * mpmath.mpf(float(x[n])) for n in range(size))
+            phase = mpmath.expjpi(-mpmath.mpf(1000.3) * k / 2)
+            exact = [y + phase * weight * vectors[n, i] for n, y in enumerate(exact)]
+        wanted = np.array([complex(y) for y in exact])
+    assert np.abs(dfrft(x, 1000.3).numpy() - wanted).max() < 2e-15
+
+
+@pytest.mark.parametrize("size", [63, 64, 65, 511, 512, 513, 768, 1024, 2048])
+@pytest.mark.parametrize(("dtype", "bound"), [(torch.float64, 4e-15), (torch.float32, 1.5e-6)])
+def test_it_agrees_with_eighty_bits(size: int, dtype: torch.dtype, bound: float) -> None:
+    x = golden_vector(size)
+    with np.load(GOLDEN / "fractional.npz") as arrays:
+        wanted = torch.from_numpy(arrays[str(size)])
+    for order, exact in zip(GOLDEN_ORDERS, wanted, strict=True):
+        for rows in (1, 40):  # few rows and many take different splits
+            found = dfrft(x.to(dtype).expand(rows, size), order)[-1].to(torch.complex128)
+            assert (found - exact).norm() / exact.norm() < bound, order
+
+
+def passes(transform: object, size: int) -> bool:
+    """Whether trace, eigenvectors k ≥ 4 and the DFT's even-N skip hold at order 0.3."""
+    order = 0.3
+    found = transform(size, order)  # type: ignore[operator]
+    k = np.append(np.arange(size - 1), size if size % 2 == 0 else size - 1)
+    eigenvalues = np.exp(-0.5j * np.pi * order * k)
+    vectors = basis(size).vectors.numpy()
+    trace = abs(np.trace(found) - eigenvalues.sum())
+    eigen = np.abs(found @ vectors - vectors * eigenvalues).max()
+    return bool(trace < 1e-12 and eigen < 1e-12)
+
+
+@pytest.mark.parametrize("size", [16, 24, 64])
+def test_the_checks_pass_the_transform_and_reject_every_fake(size: int) -> None:
+    assert passes(matrix, size)
+    for fake in oracles.FAKES:
+        assert not passes(fake, size), fake.__name__
+
+
+def test_a_displaced_gaussian_moves_on_a_circle() -> None:
+    size, shift, order = 256, 3.0, 0.5
+    grid = (np.arange(size) - size // 2) * np.sqrt(2 * np.pi / size)
+    x = torch.from_numpy(np.exp(-((grid - shift) ** 2) / 2))
+    found = dfrft(x, order, centered=True).abs().numpy()
+    angle = order * np.pi / 2
+    wanted = np.exp(-((grid - shift * np.cos(angle)) ** 2) / 2)
+    assert np.abs(found - wanted).max() < 2e-2
+
+
+@pytest.mark.parametrize("size", [7, 8, 12])
+@pytest.mark.parametrize("centered", [False, True])
+@pytest.mark.parametrize("order", [0, 1, 2.0, 3, -1, 401])
+def test_whole_orders_are_the_same_on_both_paths(size: int, centered: bool, order: float) -> None:
+    x = torch.randn(3, size, dtype=torch.complex128)
+    short = dfrft(x, order, centered=centered)
+    assert (short - synthesise(coefficients(x, centered=centered), order)).abs().max() < 4e-15
+    if order == 0:
+        assert torch.equal(short, x)
+
+
+def test_whole_orders_build_no_basis(monkeypatch: pytest.MonkeyPatch) -> None:
+    from omnivat.fractional import plans
+
+    monkeypatch.setattr(plans.splits, "get", None)
+    assert dfrft(torch.ones(4, 10), 1).shape == (4, 10)
+    with pytest.raises(TypeError):
+        dfrft(torch.ones(4, 10), 1.5)
+
+
+@pytest.mark.parametrize("size", [6, 8])
+@pytest.mark.parametrize("kind", [torch.float64, torch.complex128])
+def test_any_axis_gives_what_the_last_axis_gives(size: int, kind: torch.dtype) -> None:
+    x = torch.randn(2, size, 3, dtype=kind)
+    moved = dfrft(x.movedim(1, -1), 0.3).movedim(-1, 1)
+    assert torch.allclose(dfrft(x, 0.3, dim=1), moved, rtol=0, atol=1e-15)
+    assert torch.allclose(dfrft(x, 0.3, dim=-2), moved, rtol=0, atol=1e-15)
+
+
+@pytest.mark.parametrize("size", [9, 12, 64])
+@pytest.mark.parametrize("count", [2, 20])
+def test_orders_broadcast_against_the_leading_axes(size: int, count: int) -> None:
+    x = torch.randn(count, size, dtype=torch.float64)
+    kept = coefficients(x)
+    orders = torch.linspace(-3, 5, 4, dtype=torch.float64)
+    each = torch.stack([dfrft(x, p) for p in orders])
+    assert torch.allclose(synthesise(kept, orders[:, None]), each, rtol=0, atol=4e-15)
+    rows = torch.linspace(0.1, 2, count, dtype=torch.float64)
+    by_row = torch.stack([dfrft(x[i], rows[i]) for i in range(count)])
+    assert torch.allclose(dfrft(x, rows), by_row, rtol=0, atol=4e-15)
+    assert synthesise(coefficients(x[0]), orders).shape == (4, size)
+
+
+@pytest.mark.parametrize("kind", [torch.float32, torch.complex64])
+def test_planar_is_complex_in_two_planes(kind: torch.dtype) -> None:
+    x = torch.randn(5, 16, dtype=kind)
+    for order in (1, 0.4, torch.rand(5)):
+        planar, whole = dfrft(x, order, planar=True), dfrft(x, order)
+        assert torch.equal(planar, torch.stack([whole.real, whole.imag]))
+
+
+def test_a_result_can_be_written_into_a_buffer() -> None:
+    x = torch.randn(5, 16)
+    kept, out = coefficients(x), torch.full((2, 5, 16), torch.nan)
+    assert synthesise(kept, 0.3, planar=True, out=out) is out
+    assert torch.equal(out, synthesise(kept, 0.3, planar=True))
+    with pytest.raises(ShapeError, match=r"expected contiguous \(5, 16\) and torch.complex64"):
+        synthesise(kept, 0.3, out=out)
+
+
+@pytest.mark.parametrize(
+    ("given", "wanted"),
+    [
+        (torch.float16, torch.complex64),
+        (torch.bfloat16, torch.complex64),
+        (torch.int32, torch.complex64),
+        (torch.bool, torch.complex64),
+        (torch.float32, torch.complex64),
+        (torch.float64, torch.complex128),
+        (torch.complex64, torch.complex64),
+        (torch.complex128, torch.complex128),
+    ],
+)
+def test_precision_in_gives_precision_out(given: torch.dtype, wanted: torch.dtype) -> None:
+    x = torch.ones(2, 12).to(given)
+    assert dfrft(x, 0.3).dtype == dfrft(x, 1).dtype == wanted
+
+
+def test_autocast_changes_nothing() -> None:
+    x = torch.randn(40, 64)
+    plain = dfrft(x, 0.3)
+    with torch.autocast("cpu", dtype=torch.bfloat16):
+        assert torch.equal(dfrft(x, 0.3), plain)
+
+
+@pytest.mark.parametrize("shape", [(0, 12), (3, 0, 12), (0, 7)])
+def test_an_empty_batch_stays_empty(shape: tuple[int, ...]) -> None:
+    assert dfrft(torch.zeros(shape), 0.3).shape == shape
+    assert project(coefficients(torch.zeros(shape)), 0.3, torch.ones(2, shape[-1])).shape == (
+        *shape[:-1],
+        2,
+    )
+
+
+@pytest.mark.parametrize("rows", [4, 50])
+@pytest.mark.parametrize("size", [9, 64])
+@pytest.mark.parametrize("bad", [torch.nan, torch.inf])
+def test_a_bad_number_stays_in_its_row(rows: int, size: int, bad: float) -> None:
+    x = torch.randn(rows, size)
+    clean = dfrft(x, 0.3)
+    x[1, 2] = bad
+    found = dfrft(x, 0.3)
+    keep = torch.arange(rows) != 1
+    assert torch.equal(found[keep], clean[keep])
+    assert not torch.isfinite(found[1]).all()
+
+
+def test_strided_input_gives_what_a_copy_gives_and_is_left_alone() -> None:
+    base = torch.randn(24, 40, dtype=torch.float64)
+    x = base[::2, ::2].T[:, 1:]
+    before = x.clone()
+    for order in (0.3, 2):
+        assert torch.equal(dfrft(x, order), dfrft(x.contiguous(), order))
+    assert torch.equal(x, before)
+
+
+def test_coefficients_can_be_chosen_moved_and_joined() -> None:
+    x = torch.randn(6, 12)
+    kept = coefficients(x)
+    parts = [kept[:2], kept[2:]]
+    assert torch.equal(Coefficients.cat(parts).values, kept.values)
+    assert torch.equal(synthesise(kept[3], 0.3), synthesise(kept, 0.3)[3])
+    assert kept[torch.tensor([0, 5])].shape == (2,)
+    assert kept.to(torch.float64).values.dtype == torch.float64
+    assert len(kept) == 6
+    with pytest.raises(ShapeError, match=r"lengths \[12, 13\] cannot be joined"):
+        Coefficients.cat([kept, coefficients(torch.randn(6, 13))])
+
+
+@pytest.mark.parametrize("kind", [torch.float64, torch.complex128])
+@pytest.mark.parametrize("centered", [False, True])
+@pytest.mark.parametrize("order", [0.3, torch.rand(5), torch.rand(3, 1)])
+def test_a_projection_is_the_transform_and_then_the_sum(
+    kind: torch.dtype, centered: bool, order: float | torch.Tensor
+) -> None:
+    x = torch.randn(5, 12, dtype=kind)
+    kept = coefficients(x, centered=centered)
+    for directions in (torch.randn(2, 12), torch.randn(2, 12, dtype=torch.complex64)):
+        wanted = synthesise(kept, order) @ directions.to(torch.complex128).T
+        assert torch.allclose(project(kept, order, directions), wanted, rtol=0, atol=2e-14)
+
+
+@pytest.mark.parametrize("size", [1, 2, 7, 12])
+def test_the_basis_diagonalises_the_dft(size: int) -> None:
+    vectors, indices = basis(size)
+    found = (vectors * torch.exp(-0.5j * torch.pi * indices)) @ vectors.T.to(torch.complex128)
+    assert np.abs(found.numpy() - oracles.dft(size)).max() < 2e-15
+    last = size if size % 2 == 0 else size - 1
+    assert indices.tolist() == [*range(size - 1), last]
+
+
+@pytest.mark.skipif(not torch.cuda.is_available(), reason="needs a CUDA device")
+def test_an_accelerator_gives_what_the_cpu_gives() -> None:
+    x = torch.randn(64, 512, dtype=torch.float64)
+    order = torch.tensor(0.3, dtype=torch.float64)
+    found = dfrft(x.cuda(), order.cuda()).cpu()
+    assert torch.allclose(found, dfrft(x, order), rtol=0, atol=1e-13)

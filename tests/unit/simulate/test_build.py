@@ -1,0 +1,88 @@
+"""Building a set: the same bytes for the same seed, goes on where it stopped, refuses nonsense."""
+
+import csv
+from hashlib import sha256
+from pathlib import Path
+
+import pytest
+
+from omnivat.errors import DataError, MissingNameError
+from omnivat.progress import Step
+from omnivat.simulate.build import COLUMNS, simulate
+
+SMALL = {"domains": ["TAG", "TQ-T3D"], "pairs_per_class": 2, "size": 48, "renderer": "plain"}
+
+
+def hashes(folder: Path) -> dict[str, str]:
+    files = sorted(path for path in folder.rglob("*") if path.is_file())
+    return {str(f.relative_to(folder)): sha256(f.read_bytes()).hexdigest() for f in files}
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("set")
+    simulate(folder, **SMALL, workers=1)
+    return folder
+
+
+def test_the_set_lists_what_lies_on_disk(built: Path) -> None:
+    with (built / "pairs.csv").open() as file:
+        rows = list(csv.DictReader(file))
+
+    assert tuple(rows[0]) == COLUMNS
+    assert len(rows) == 2 * (5 + 4)
+    assert all((built / row[kind]).exists() for row in rows for kind in ("vis", "tac"))
+    assert {row["domain"] for row in rows} == {"TAG-sim", "TQ-T3D-sim"}
+
+
+def test_the_same_seed_gives_the_same_bytes_and_another_seed_others(
+    built: Path, tmp_path: Path
+) -> None:
+    simulate(tmp_path / "again", **SMALL, workers=1)
+    simulate(tmp_path / "other", **SMALL, seed=1, workers=1)
+
+    first, again, other = (hashes(f) for f in (built, tmp_path / "again", tmp_path / "other"))
+    assert again == first
+    assert all(other[name] != first[name] for name in first if name.endswith(".png"))
+
+
+def test_a_stopped_build_draws_only_what_is_missing_or_broken(tmp_path: Path) -> None:
+    one = SMALL | {"domains": ["TAG"]}
+    steps: list[Step] = []
+    simulate(tmp_path, **one, workers=1)
+    before = hashes(tmp_path)
+    images = sorted(tmp_path.rglob("*.png"))
+    images[0].unlink()
+    images[5].write_bytes(images[5].read_bytes()[:200])
+    simulate(tmp_path, **one, workers=1, on_step=steps.append)
+
+    assert hashes(tmp_path) == before
+    assert [step.done for step in steps] == [8, 9, 10]
+
+
+def test_two_workers_give_what_one_gives(built: Path, tmp_path: Path) -> None:
+    simulate(tmp_path, **(SMALL | {"domains": ["TQ-T3D-sim"]}), workers=2)
+
+    first = hashes(built)
+    assert all(hashes(tmp_path)[n] == first[n] for n in hashes(tmp_path) if n != "pairs.csv")
+
+
+def test_pairs_say_that_they_are_simulated(built: Path) -> None:
+    pairs = simulate(built, **SMALL, workers=1)
+
+    assert pairs.simulated
+    assert all(pair.domain.endswith("-sim") for pair in pairs.pairs)
+
+
+@pytest.mark.parametrize(
+    ("change", "error", "sentence"),
+    [
+        ({"domains": ["TAGG"]}, DataError, "No domain is called 'TAGG'; there are TAG-sim"),
+        ({"pairs_per_class": 0}, DataError, "ask for 1 or more"),
+        ({"size": 8}, DataError, "too small to show a touch"),
+        ({"renderer": "cycles"}, MissingNameError, "No renderer is called 'cycles'"),
+    ],
+)
+def test_what_makes_no_pair_is_refused(change, error, sentence, tmp_path: Path) -> None:
+    with pytest.raises(error, match=sentence):
+        simulate(tmp_path, **(SMALL | change), workers=1)

@@ -1,0 +1,77 @@
+"""The photometric model: lamps light the slopes that face them, markers move, noise is seeded."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from omnivat.simulate.contact import Press, plane
+from omnivat.simulate.displacement import coloured, displacements
+from omnivat.simulate.sensors import SENSORS, Lamp, Markers
+from omnivat.simulate.surfaces import surface
+from omnivat.simulate.tactile import lit, marker_shade, touch, untouched
+
+PRESS = Press(at=(1.0, 2.0), turn=0.4, lean=(0.0, 0.0), depth=0.5, shear=(0.05, 0.0))
+RED_FROM_THE_RIGHT = replace(
+    SENSORS["DIGIT"], lamps=(Lamp(azimuth=0, colour=(1.0, 0.0, 0.0)),), base=(0.0, 0.0, 0.0)
+)
+
+
+def test_a_lamp_on_the_right_lights_the_right_flank_of_a_bump() -> None:
+    x, y = plane(RED_FROM_THE_RIGHT.field, 64)
+    change = lit(np.exp(-(x**2 + y**2) / 8), RED_FROM_THE_RIGHT)
+
+    right, left = change[32, 44], change[32, 19]
+    assert right[0] > 0.05 > -0.05 > left[0]
+    assert right[1:] == pytest.approx(0.0)
+
+
+def test_a_flat_gel_is_unchanged_by_its_lamps() -> None:
+    np.testing.assert_allclose(lit(np.full((32, 32), 0.3), SENSORS["GelSight"]), 0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", SENSORS)
+def test_every_sensor_gives_an_image_that_its_press_has_changed(name: str) -> None:
+    sensor = SENSORS[name]
+    image = touch(surface("plastic", 2, seed=0), PRESS, sensor, size=64, seed=1)
+
+    assert image.shape == (64, 64, 3)
+    assert image.min() >= 0.0
+    assert image.max() <= 1.0
+    assert np.abs(image - untouched(sensor, size=64)).mean() > 0.01
+
+
+def test_the_same_seed_gives_the_same_noise_and_another_seed_another() -> None:
+    thing, sensor = surface("glass", 1, seed=0), SENSORS["DIGIT"]
+    once, again, other = (touch(thing, PRESS, sensor, size=48, seed=s) for s in (4, 4, 5))
+
+    np.testing.assert_array_equal(once, again)
+    assert not np.array_equal(once, other)
+
+
+def test_sensors_differ_more_than_presses_of_one_sensor() -> None:
+    thing = surface("steel", 4, seed=0)
+    tints = {n: touch(thing, PRESS, s, size=48, seed=0).mean((0, 1)) for n, s in SENSORS.items()}
+    deeper = replace(PRESS, depth=1.0)
+    for name, sensor in SENSORS.items():
+        moved = touch(thing, deeper, sensor, size=48, seed=0).mean((0, 1))
+        own = np.linalg.norm(moved - tints[name])
+        others = [np.linalg.norm(tints[name] - tints[o]) for o in SENSORS if o != name]
+        assert own < min(others), name
+
+
+def test_markers_lie_on_their_lattice_until_shear_drags_them() -> None:
+    even = Markers(pitch=2.0, radius=0.3, uneven=0.0, darkness=1.0)
+    still = marker_shade(np.zeros((80, 80)), even, 16.0, (0.0, 0.0))
+    dragged = marker_shade(np.full((80, 80), 1.0), even, 16.0, (0.4, 0.0))
+
+    np.testing.assert_allclose(dragged[:, 2:], still[:, :-2], atol=1e-9)  # 0.4 mm is two pixels
+    assert still.max() > 0.9
+
+
+def test_tac3d_reads_twenty_by_twenty_vectors_and_grey_means_nothing_moved() -> None:
+    felt = displacements(surface("plastic", 2, seed=0), PRESS, seed=0)
+
+    assert felt.shape == (20, 20, 3)
+    assert felt[..., 2].max() > 0.2  # mm into the sensor
+    np.testing.assert_allclose(coloured(np.zeros((20, 20, 3)), size=40), 0.5, atol=0.01)
