@@ -56,7 +56,7 @@ def occlusion(
             pair[rest] = fixed.expand(len(varied), -1)
         probabilities = head.model(pair["vis"], pair["tac"], order=order).probabilities
         answer = int(probabilities[0].argmax())
-        falls = probabilities[1:, answer] * 0 + 1
+        falls = probabilities[0, answer] - probabilities[1:, answer]
     steps = CELLS - PATCH + 1
     return {
         "class": head.settings.classes[answer],
@@ -70,7 +70,7 @@ def occlusion(
 def hidden(image: "Image.Image") -> Iterator["Image.Image"]:
     """Give the image with one part after the other painted in its mean colour, row by row."""
     width, height = image.size
-    mean = image.resize((1, 1)).getpixel((0, 0))
+    mean: Any = image.resize((1, 1)).getpixel((0, 0))
     steps = CELLS - PATCH + 1
     for row in range(steps):
         for column in range(steps):

@@ -37,7 +37,7 @@ class Places:
     head: Path
     embeddings: Path
     frames: Path | None
-    sprite: Path | None  # thumbnails.webp, with thumbnails.json beside it
+    sprite: Path | None  # NAME.thumbnails.webp beside the embeddings, and its .json
     pairs: Path
 
 
@@ -45,12 +45,12 @@ def places(head: Path | None = None, embeddings: Path | None = None) -> Places:
     """Return where things lie, for the project's own data or for a person's."""
     own = head is None and embeddings is None
     frames = EXAMPLES / "frames.bin"
-    sprite = EXAMPLES / "thumbnails.webp"
+    sheet = (embeddings or default_embeddings()).with_suffix(".thumbnails.webp")
     return Places(
         head=head or default_head(),
         embeddings=embeddings or default_embeddings(),
         frames=frames if own and frames.is_file() else None,
-        sprite=sprite if embeddings is None and sprite.is_file() else None,
+        sprite=sheet if sheet.is_file() else None,
         pairs=EXAMPLES / "pairs",
     )
 

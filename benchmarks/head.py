@@ -15,7 +15,7 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import torch
@@ -37,6 +37,13 @@ TARGETS = {  # seconds
     ("epoch", 512): 12.0,
     ("epoch", 64): 2.0,
 }
+
+
+class Seconds(NamedTuple):
+    """What repeated calls took."""
+
+    wall: list[float]
+    cpu: list[float]
 
 
 def prediction_operations(model: OmniVaT) -> int:
@@ -67,28 +74,29 @@ def training_operations(model: OmniVaT) -> int:
     return 3 * learned + 2 * 3 * 2 * square
 
 
-def measured(call: Callable[[], Any], runs: int) -> list[float]:
-    """Return the wall seconds of `runs` calls, after two that do not count."""
-    seconds = []
-    for index in range(runs + 2):
-        before = time.perf_counter()
+def measured(call: Callable[[], Any], runs: int, scale: float = 1.0) -> Seconds:
+    """Return the wall and CPU seconds of `runs` calls, times `scale`, after two uncounted ones."""
+    wall, cpu = [], []
+    for _ in range(runs + 2):
+        before, cpu_before = time.perf_counter(), time.process_time()
         call()
-        if index > 1:
-            seconds.append(time.perf_counter() - before)
-    return seconds
+        wall.append(scale * (time.perf_counter() - before))
+        cpu.append(scale * (time.process_time() - cpu_before))
+    return Seconds(wall[2:], cpu[2:])
 
 
-def row(
-    what: str, width: int, seconds: list[float], operations: int, rate: float
-) -> dict[str, Any]:
+def row(what: str, width: int, seconds: Seconds, operations: int, rate: float) -> dict[str, Any]:
     """Return one line of the report."""
     return {
         "what": what,
         "width": width,
-        "runs": len(seconds),
-        "median": statistics.median(seconds),
-        "low": min(seconds),
-        "high": max(seconds),
+        "runs": len(seconds.wall),
+        "wall": statistics.median(seconds.wall),
+        "wall_low": min(seconds.wall),
+        "wall_high": max(seconds.wall),
+        "cpu": statistics.median(seconds.cpu),
+        "cpu_low": min(seconds.cpu),
+        "cpu_high": max(seconds.cpu),
         "target": TARGETS.get((what, width)),
         "floor": operations / rate,
         "rate": rate,
@@ -129,11 +137,9 @@ def epoch(width: int, steps: int) -> dict[str, Any]:
     everything = np.arange(len(source))
     stream = iter(batches(source, source.label, everything, bank, chosen, 0))
     rate = product_rate(512)
-    seconds = measured(lambda: learn(model, optimiser, next(stream), chosen), steps)
     scale = EPOCH / chosen.batch
-    return row(
-        "epoch", width, [s * scale for s in seconds], EPOCH * training_operations(model), rate
-    )
+    seconds = measured(lambda: learn(model, optimiser, next(stream), chosen), steps, scale)
+    return row("epoch", width, seconds, EPOCH * training_operations(model), rate)
 
 
 def show(report: dict[str, Any]) -> str:
@@ -145,18 +151,20 @@ def show(report: dict[str, Any]) -> str:
         "`python -m benchmarks.head`",
         "",
         f"{facts['machine']}, shared, load {facts['load']}, {facts['threads']} thread(s), torch "
-        f"{facts['torch']}, float32. Wall time: median (lowest to highest). Floor: the operations "
+        f"{facts['torch']}, float32. Median (lowest to highest) of wall and of CPU time: where "
+        "the load is above the number of cores, wall time says more about the neighbours. Floor: the operations "
         "that folding leaves over, at the rate of a 4096×512×512 product measured beside.",
         "",
-        "| what | D | runs | time | target | product rate | floor | floor / lowest |",
-        "| --- | --- | --- | --- | --- | --- | --- | --- |",
+        "| what | D | runs | wall | CPU | target, wall, 2 cores | product rate | floor "
+        "| floor / lowest wall |",
+        "| --- | --- | --- | --- | --- | --- | --- | --- | --- |",
     ]
     for r in report["rows"]:
         target = "" if r["target"] is None else _time(r["target"])
         lines.append(
-            f"| {r['what']} | {r['width']} | {r['runs']} | {_time(r['median'])} "
-            f"({_time(r['low'])} to {_time(r['high'])}) | {target} | {r['rate'] / 1e9:.0f} GFLOP/s "
-            f"| {_time(r['floor'])} | {r['floor'] / r['low']:.0%} |"
+            f"| {r['what']} | {r['width']} | {r['runs']} | {_spread(r, 'wall')} "
+            f"| {_spread(r, 'cpu')} | {target} | {r['rate'] / 1e9:.0f} GFLOP/s "
+            f"| {_time(r['floor'])} | {r['floor'] / r['wall_low']:.0%} |"
         )
     lines += [
         "",
@@ -169,6 +177,11 @@ def show(report: dict[str, Any]) -> str:
         "and SGD. Light training: the number of calls, some hundreds a step, not their work.",
     ]
     return "\n".join(lines) + "\n"
+
+
+def _spread(line: dict[str, Any], kind: str) -> str:
+    low, high = _time(line[f"{kind}_low"]), _time(line[f"{kind}_high"])
+    return f"{_time(line[kind])} ({low} to {high})"
 
 
 def _time(seconds: float) -> str:

@@ -131,11 +131,27 @@ def measure(browser: Any, arguments: list[str], moves: int) -> dict[str, Any]:
         process.wait()
 
 
+def picture(browser: Any, arguments: list[str], to: Path) -> None:
+    """Save the first page as a picture: the map, the curves and one pinned pair."""
+    process, address, _ = started(arguments)
+    try:
+        page = browser.new_page(viewport={"width": 1440, "height": 900})
+        page.goto(address + "?pin=67")
+        page.wait_for_selector(".explore .map[data-order]", timeout=120_000)
+        page.wait_for_load_state("networkidle")
+        page.screenshot(path=to)
+        page.close()
+    finally:
+        process.terminate()
+        process.wait()
+
+
 def main() -> None:
     """Measure some visits and print medians with their spread as JSON."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--repeat", type=int, default=3, help="visits")
     parser.add_argument("--moves", type=int, default=400, help="mouse moves of a drag")
+    parser.add_argument("--picture", type=Path, help="only save a picture of the first page there")
     parser.add_argument("rest", nargs="*", help="arguments for app.py, after --")
     chosen = parser.parse_args()
     from playwright.sync_api import sync_playwright
@@ -145,6 +161,10 @@ def main() -> None:
         raise SystemExit("Chromium is needed; install it with `apt-get install chromium`.")
     with sync_playwright() as player:
         browser = player.chromium.launch(executable_path=binary, args=FLAGS)
+        if chosen.picture:
+            picture(browser, chosen.rest, chosen.picture)
+            browser.close()
+            return
         visits = [measure(browser, chosen.rest, chosen.moves) for _ in range(chosen.repeat)]
         version = browser.version
         browser.close()

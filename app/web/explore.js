@@ -201,10 +201,7 @@ function explore($, first, sprite) {
     if (kind === "csv") download(`${name}.csv`, csv(frames, selected.size ? [...selected] : all, cloud.frame, stop, about()));
     if (kind === "png") download(`${name}.png`, await png(cloud, caption(), legend()));
     if (kind === "svg") download(`${name}.svg`, svg(cloud, caption(), legend()));
-    if (kind === "link") await navigator.clipboard.writeText(location.href).then(
-      () => { $(".sr").textContent = "Link copied."; },
-      () => { $(".sr").textContent = "Copy the address from the address bar."; },
-    );
+    if (kind === "link") $(".sr").textContent = await copied(location.href);
     $(".save").open = false;
   }
 
@@ -252,6 +249,16 @@ function explore($, first, sprite) {
   showColours();
   showStage();
   return { replace };
+}
+
+/** Copy a text; say what to do where the browser does not let a page copy. */
+async function copied(text) {
+  try {
+    await navigator.clipboard.writeText(text);
+    return "Link copied.";
+  } catch {
+    return "Copy the address from the address bar.";
+  }
 }
 
 const projected = ({ meta: { maps } }) => maps["pca/raw"]?.array !== maps["pca/frft"]?.array;

@@ -33,7 +33,8 @@ function pair($, examples, set) {
   let answer = null;
   let voice = "both";
   let asking = null;
-  let bar = orderBar($(".order-bar"), scale(null));
+  let announcing = 0;
+  const bar = orderBar($(".order-bar"), scale(null));
   const lines = new Lines($(".lines"), (p) => change({ p }));
   const spectra = new Spectra($(".pictures"));
   const problem = (sentence) => {
@@ -111,6 +112,14 @@ function pair($, examples, set) {
     $(".verdict").innerHTML = verdict(at);
     lines.mark(stop, answer.orders);
     spectra.mark(stop);
+    clearTimeout(announcing);
+    announcing = setTimeout(() => { $(".sr").textContent = spoken(at); }, 400);
+  }
+
+  /** What a screen reader says once p has settled. */
+  function spoken(at) {
+    const best = at.both.indexOf(Math.max(...at.both));
+    return `p ${state.p.toFixed(2)}: ${answer.classes[best]}, ${percent(at.both[best], 1)}`;
   }
 
   function verdict(at) {

@@ -74,6 +74,6 @@ def combined(base: Tensor, shares: Tensor) -> Tensor:
 def mean_channels(base: Tensor, table: Tables) -> Tensor:
     """Return F, the mean over θ of the tokens of each channel: (r, M, B, D) -> (C, M, B, D)."""
     halves = table.halves.shape[1]
-    parts = base.reshape(halves, -1, *base.shape[1:])
+    parts = base.reshape(halves, len(base) // halves, *base.shape[1:])
     parts = parts * table.halves.T[:, None, :, None, None]
     return parts.sum(0) if halves > 1 else parts[0]

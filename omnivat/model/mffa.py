@@ -89,7 +89,8 @@ class MFFA(nn.Module):
     def channels(self, parts: Tensor) -> Tensor:
         """Return what becomes tokens: Re and Im, their modulus, or Re. (2, ...) -> (C, ...)."""
         if self.real == "magnitude":
-            return torch.linalg.vector_norm(parts, dim=0, keepdim=True)
+            modulus: Tensor = torch.linalg.vector_norm(parts, dim=0, keepdim=True)
+            return modulus
         return parts[:1] if self.real == "real" else parts
 
     def thetas(self, names: Sequence[str]) -> Tensor:

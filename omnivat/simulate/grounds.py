@@ -1,5 +1,7 @@
 """What lies behind an object in a photograph: colours of a plane, (..., 3) linear."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from omnivat.simulate.noise import Array, smoothstep
@@ -50,7 +52,7 @@ def _bench(x: Array, y: Array, seed: int) -> Array:
     return tinted((0.10, 0.10, 0.11), -0.85 * holes + 0.04 * orange_peel(x, y, size=9.0, seed=seed))
 
 
-_GROUNDS = {
+_GROUNDS: dict[str, Callable[[Array, Array, int], Array]] = {
     "grass": _grass,
     "paving": _paving,
     "bark": _bark,

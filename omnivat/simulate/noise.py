@@ -41,7 +41,7 @@ def octaves(
         total += weight * noise(x, y, wavelength=wavelength, seed=seed + step)
         power += weight**2
         wavelength, weight, step = wavelength / 2, weight * roughness, step + 1
-    return total / np.sqrt(power)
+    return np.asarray(total / np.sqrt(power))
 
 
 def turned(x: Array, y: Array, angle: float) -> tuple[Array, Array]:

@@ -13,6 +13,7 @@ from omnivat.errors import DataError
 
 def test_every_stop_is_what_the_library_answers_there(resources):
     got = answer(resources, {"vis": "row:3", "tac": "row:3"})
+    assert got["orders"] == pytest.approx([stop / 100 for stop in range(101)])
     model, embeddings = resources.head().model, resources.embeddings()
     vis, tac = (torch.from_numpy(a[3:4].copy()) for a in (embeddings.vis, embeddings.tac))
     for stop in (0, 37, 100):

@@ -33,7 +33,7 @@ def _arc(u: Array, curvature: float) -> Array:
         return np.zeros_like(u)
     reach = np.clip(np.abs(u * curvature), 0.0, 0.92)
     steep = np.abs(u * curvature) - reach
-    return -((1.0 - np.sqrt(1.0 - reach**2)) + 2.3 * steep) / curvature
+    return np.asarray(-((1.0 - np.sqrt(1.0 - reach**2)) + 2.3 * steep) / curvature)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

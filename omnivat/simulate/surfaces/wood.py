@@ -110,7 +110,8 @@ def weathered(rng: np.random.Generator) -> Surface:
 
     def colour(x: Array, y: Array) -> Array:
         brown = bare.colour(x, y)
-        return 0.45 * brown + 0.55 * grey * (0.4 + 1.6 * brown.mean(-1, keepdims=True))
+        faded = grey * (0.4 + 1.6 * brown.mean(-1, keepdims=True))
+        return np.asarray(0.45 * brown + 0.55 * faded)
 
     return Surface(
         recipe="weathered", relief=bare.relief, colour=colour, gloss="matte",

@@ -52,9 +52,9 @@ def test_features_agree_with_the_package_that_publishes_the_network(
 def test_an_embedding_is_the_same_alone_and_in_any_batch(
     encoder: Encoder, images: torch.Tensor
 ) -> None:
-    together = encoder.embed(images)
-    backwards = encoder.embed(images.flip(0)).flip(0)
     alone = torch.cat([encoder.embed(image[None]) for image in images])
+    together = encoder.embed(images.repeat(3, 1, 1, 1))[6:12]
+    backwards = encoder.embed(images.flip(0)).flip(0)
     assert torch.equal(together, alone)
     assert torch.equal(together, backwards)
 

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
+
 from omnivat.errors import ShapeError
 from omnivat.fractional import Coefficients, basis, coefficients, dfrft, project, synthesise
 

@@ -91,18 +91,20 @@ def test_the_camera_opens_up_for_dark_scenes_but_not_all_the_way() -> None:
     assert 0.25 < dark < bright < 0.95
 
 
-@pytest.mark.parametrize(("module", "package"), [(vision, "mitsuba"), (calibrated, "taxim")])
-def test_a_missing_renderer_says_what_it_is_for(module, package, monkeypatch) -> None:
-    def gone(name, **said):
-        raise MissingPackageError(f"{name} is needed for {said['purpose']}.")
+def gone(name: str, **said: str) -> None:
+    raise MissingPackageError(f"{name} is needed for {said['purpose']}.")
 
-    thing = flat()
+
+def test_without_mitsuba_a_render_says_what_is_missing(monkeypatch) -> None:
+    vision._mitsuba.cache_clear()
+    monkeypatch.setattr(vision, "need", gone)
+    with pytest.raises(MissingPackageError, match="mitsuba is needed for rendering VIS"):
+        vision.rendered(flat(), framing_of("TAG", flat()), size=32)
+
+
+def test_without_taxim_a_calibrated_touch_says_what_is_missing(monkeypatch) -> None:
     press = Press(at=(0.0, 0.0), turn=0.0, lean=(0.0, 0.0), depth=0.5, shear=(0.0, 0.0))
-    monkeypatch.setattr(module, "need", gone)
-    with pytest.raises(MissingPackageError, match=f"{package} is needed for"):
-        if module is vision:
-            vision._mitsuba.cache_clear()
-            vision.rendered(thing, framing_of("TAG", thing), size=32)
-        else:
-            calibrated._simulator.cache_clear()
-            calibrated.calibrated(thing, press, "Taxim GelSight", size=32)
+    calibrated._simulator.cache_clear()
+    monkeypatch.setattr(calibrated, "need", gone)
+    with pytest.raises(MissingPackageError, match="taxim is needed for tactile images"):
+        calibrated.calibrated(flat(), press, "Taxim GelSight", size=32)

@@ -1,0 +1,81 @@
+"""`omnivat train`: what it leaves on disk, and how a stopped one goes on."""
+
+import json
+
+import pytest
+import torch
+
+from omnivat.checkpoint import load_head
+from omnivat.cli import main
+from omnivat.data.store import save_embeddings
+from omnivat.lang.bank import load_bank
+
+
+@pytest.fixture(scope="module")
+def file(make_embeddings, tmp_path_factory):
+    path = tmp_path_factory.mktemp("set") / "set.safetensors"
+    save_embeddings(path, make_embeddings())
+    return path
+
+
+def command(file, out, *more):
+    fixed = ["train", "--embeddings", str(file), "--source", "TAG-sim", "--out", str(out)]
+    return [*fixed, "--set", "width=16", "--set", "epochs=3", *more]
+
+
+def stopped_in_the_second_epoch(monkeypatch):
+    """Let the next training end as if its process had been interrupted."""
+    from omnivat.train import loop
+
+    learn, calls = loop.learn, []
+
+    def learn_until_stopped(*arguments):
+        calls.append(1)
+        if len(calls) > 4:  # three batches an epoch
+            raise KeyboardInterrupt
+        return learn(*arguments)
+
+    monkeypatch.setattr(loop, "learn", learn_until_stopped)
+
+
+def test_a_stopped_training_resumes_to_the_weights_it_would_have_given(file, tmp_path, monkeypatch):
+    assert main(command(file, tmp_path / "whole")) == 0
+    with monkeypatch.context() as patch:
+        stopped_in_the_second_epoch(patch)
+        assert main(command(file, tmp_path / "head")) == 130
+    assert [path.name for path in (tmp_path / "head").iterdir()] == ["training.safetensors"]
+    assert main(command(file, tmp_path / "head", "--resume")) == 0
+    whole, resumed = (load_head(tmp_path / name).model.state_dict() for name in ("whole", "head"))
+    assert all(torch.equal(whole[name], resumed[name]) for name in whole)
+    assert not (tmp_path / "head" / "training.safetensors").exists()
+
+
+def test_without_resume_a_stopped_training_starts_again(file, tmp_path, monkeypatch):
+    with monkeypatch.context() as patch:
+        stopped_in_the_second_epoch(patch)
+        assert main(command(file, tmp_path / "head", "--seed", "5")) == 130
+    assert main(command(file, tmp_path / "head")) == 0
+
+
+def test_resuming_with_other_settings_is_refused_with_a_sentence(
+    file, tmp_path, monkeypatch, capsys
+):
+    with monkeypatch.context() as patch:
+        stopped_in_the_second_epoch(patch)
+        assert main(command(file, tmp_path / "head")) == 130
+    assert main(command(file, tmp_path / "head", "--resume", "--set", "lr=0.01")) == 1
+    assert "state of another training" in capsys.readouterr().err
+
+
+def test_the_checkpoint_says_where_its_lang_came_from(file, tmp_path):
+    assert main(command(file, tmp_path / "head")) == 0
+    record = json.loads((tmp_path / "head" / "settings.json").read_text(encoding="utf-8"))
+    bank = load_bank().for_classes(load_head(tmp_path / "head").settings.classes)
+    assert record["provenance"]["lang"] == {"origin": bank.origin, "hash": bank.hash}
+
+
+def test_a_head_of_vis_alone_is_evaluated_with_vis_alone(file, tmp_path):
+    assert main(command(file, tmp_path / "head", "--set", "modalities=vis")) == 0
+    domains = load_head(tmp_path / "head").metrics["domains"]
+    assert all(set(record["scores"]) == {"fused", "vis"} for record in domains)
+    assert load_head(tmp_path / "head").provenance["train"]["modalities"] == "vis"

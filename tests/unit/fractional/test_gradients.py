@@ -1,0 +1,95 @@
+"""Gradients in x and in the order, once and twice, against finite differences and closed forms."""
+
+import pytest
+import torch
+from torch.autograd import gradcheck, gradgradcheck
+
+from omnivat.fractional import FractionalTransform, basis, coefficients, dfrft, project
+
+ORDERS = {
+    "between": torch.tensor(0.37, dtype=torch.float64),
+    "whole": torch.tensor(1.0, dtype=torch.float64),
+    "zero": torch.tensor(0.0, dtype=torch.float64),
+    "a row": torch.tensor([0.5, 2.0], dtype=torch.float64),
+    "many": torch.tensor([[0.1], [3.0], [-7.2]], dtype=torch.float64),
+}
+
+
+@pytest.mark.parametrize("size", [1, 2, 3, 5, 8, 12])
+@pytest.mark.parametrize("kind", [torch.float64, torch.complex128])
+@pytest.mark.parametrize("order", ORDERS)
+def test_gradients_pass_finite_differences_twice(size: int, kind: torch.dtype, order: str) -> None:
+    x = torch.randn(2, size, dtype=kind, requires_grad=True)
+    p = ORDERS[order].clone().requires_grad_()
+    planar = size % 2 == 0
+    assert gradcheck(lambda x, p: dfrft(x, p, planar=planar), (x, p))
+    assert gradgradcheck(lambda x, p: dfrft(x, p, planar=planar), (x, p))
+
+
+@pytest.mark.parametrize("order", ["between", "whole", "many"])
+def test_a_projection_has_gradients_in_all_three(order: str) -> None:
+    x = torch.randn(2, 8, dtype=torch.float64, requires_grad=True)
+    directions = torch.randn(3, 8, dtype=torch.float64, requires_grad=True)
+    p = ORDERS[order].clone().requires_grad_()
+    assert gradcheck(lambda x, p, d: project(coefficients(x), p, d), (x, p, directions))
+
+
+@pytest.mark.parametrize("size", [64, 511, 512])
+@pytest.mark.parametrize("order", [0.3, 1.0, 1e6 + 0.37])
+def test_both_gradients_are_exact_to_fifteen_digits(size: int, order: float) -> None:
+    vectors, k = basis(size)
+    x = torch.randn(40, size, dtype=torch.float64, requires_grad=True)
+    p = torch.tensor(order, dtype=torch.float64, requires_grad=True)
+    grad = torch.randn(40, size, dtype=torch.complex128)
+    to_x, to_p = torch.autograd.grad(dfrft(x, p), (x, p), grad)
+    with torch.no_grad():
+        exact_x = dfrft(grad, -order).real
+        step = dfrft(x, order) @ vectors.to(torch.complex128) * (-0.5j * torch.pi * k)
+        exact_p = (grad.conj() * (step @ vectors.T.to(torch.complex128))).real.sum()
+        scale = step.norm() * grad.norm()
+    assert (to_x - exact_x).norm() / grad.norm() < 4e-15
+    assert (to_p - exact_p).abs() / scale < 4e-15
+
+
+def test_real_input_gives_a_modulus_no_slope_at_zero_but_a_shift_gives_one() -> None:
+    x = torch.randn(3, 16, dtype=torch.float64)
+    for order, flat in ((0.0, True), (0.5, False)):
+        p = torch.tensor(order, dtype=torch.float64, requires_grad=True)
+        (slope,) = torch.autograd.grad((dfrft(x, p).abs() ** 4).sum(), p)
+        assert (abs(float(slope)) < 1e-9) == flat
+
+
+def test_a_layer_keeps_its_order_in_float64_and_learns() -> None:
+    layer = FractionalTransform(0.3)
+    assert layer.half().order.dtype == torch.float64
+    assert float(layer.order.detach()) == 0.3
+    x = torch.randn(8, 32, dtype=torch.float64)
+    wanted = dfrft(x, 0.4)
+    optimizer = torch.optim.Adam(layer.parameters(), lr=0.01)
+    for _ in range(120):
+        optimizer.zero_grad()
+        (layer(x) - wanted).abs().pow(2).sum().backward()
+        optimizer.step()
+    assert abs(float(layer.order.detach()) - 0.4) < 1e-3
+    assert "order=0.4" in repr(layer)
+
+
+def test_a_fixed_layer_has_no_parameters_and_keeps_its_order_in_its_state() -> None:
+    layer = FractionalTransform(1.25, learnable=False, planar=True)
+    assert list(layer.parameters()) == []
+    other = FractionalTransform(0.0, learnable=False, planar=True)
+    other.load_state_dict(layer.state_dict())
+    x = torch.randn(2, 8)
+    assert torch.equal(other(x), dfrft(x, 1.25, planar=True))
+
+
+def test_functional_gradients_work() -> None:
+    x = torch.randn(4, 12, dtype=torch.float64)
+    p = torch.tensor(0.3, dtype=torch.float64)
+
+    def loss(p: torch.Tensor) -> torch.Tensor:
+        return dfrft(x, p).real.pow(2).sum()
+
+    by_hand = p.clone().requires_grad_()
+    loss(by_hand).backward()
+    assert torch.allclose(torch.func.grad(loss)(p), by_hand.grad, rtol=1e-12)
