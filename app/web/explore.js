@@ -200,7 +200,7 @@ function explore($, first, sprite) {
     const all = Array.from({ length: 2 * frames.pairs }, (_, i) => i).filter((i) => shown(i));
     if (kind === "csv") download(`${name}.csv`, csv(frames, selected.size ? [...selected] : all, cloud.frame, stop, about()));
     if (kind === "png") download(`${name}.png`, await png(cloud, caption(), legend()));
-    if (kind === "svg") download(`${name}.svg`, svg(cloud, caption(), legend()));
+    if (kind === "svg") download(`${name}.svg`, svg(cloud, caption(), legend(), axisNames(state.map)));
     if (kind === "link") $(".sr").textContent = await copied(location.href);
     $(".save").open = false;
   }

@@ -30,37 +30,56 @@ export function csv(frames, points, frame, stop, about) {
   return new Blob([[head, ...lines].join("\n") + "\n"], { type: "text/csv" });
 }
 
+const LINE = 17; // CSS pixels between the lines under an exported map
+const rule = new OffscreenCanvas(1, 1).getContext("2d");
+
+/** Where each key of the legend stands, in as many lines as the width asks for. */
+function keys(legend, width) {
+  rule.font = "12px sans-serif";
+  let left = 8;
+  let row = 0;
+  const placed = legend.map(([name, colour]) => {
+    const wide = 30 + rule.measureText(name).width;
+    if (left + wide > width && left > 8) {
+      left = 8;
+      row += 1;
+    }
+    const key = { name, colour, x: left, y: (row + 1) * LINE + 8 };
+    left += wide;
+    return key;
+  });
+  return { placed, height: (row + 2) * LINE + 8 };
+}
+
 /** The map with a caption, as it is on the screen. */
 export function png(cloud, caption, legend) {
-  const band = Math.round(46 * cloud.ratio);
+  const { placed, height } = keys(legend, cloud.width / cloud.ratio);
   const canvas = document.createElement("canvas");
   canvas.width = cloud.width;
-  canvas.height = cloud.height + band;
+  canvas.height = cloud.height + Math.round(height * cloud.ratio);
   const x = canvas.getContext("2d");
   const style = getComputedStyle(cloud.box);
-  x.fillStyle = style.getPropertyValue("--ov-card").trim() || "#fff";
+  const text = style.getPropertyValue("--ov-ink").trim();
+  x.fillStyle = style.getPropertyValue("--ov-card").trim();
   x.fillRect(0, 0, canvas.width, canvas.height);
   x.drawImage(cloud.ground, 0, 0);
   x.drawImage(cloud.marks, 0, 0);
   x.scale(cloud.ratio, cloud.ratio);
+  x.translate(0, cloud.height / cloud.ratio);
   x.font = `12px ${style.getPropertyValue("--ov-font")}`;
-  const top = cloud.height / cloud.ratio;
-  const text = style.getPropertyValue("--ov-ink").trim();
   x.fillStyle = text;
-  x.fillText(caption, 8, top + 17);
-  let left = 8;
-  for (const [name, colour] of legend) {
-    x.fillStyle = colour;
-    x.fillRect(left, top + 26, 10, 10);
+  x.fillText(caption, 8, LINE);
+  for (const key of placed) {
+    x.fillStyle = key.colour;
+    x.fillRect(key.x, key.y, 10, 10);
     x.fillStyle = text;
-    x.fillText(name, left + 14, top + 35);
-    left += 26 + x.measureText(name).width;
+    x.fillText(key.name, key.x + 14, key.y + 10);
   }
   return new Promise((resolve) => canvas.toBlob(resolve, "image/png"));
 }
 
 /** The map as shapes that a drawing program can open. */
-export function svg(cloud, caption, legend) {
+export function svg(cloud, caption, legend, names) {
   const width = Math.round(cloud.width / cloud.ratio);
   const height = Math.round(cloud.height / cloud.ratio);
   const shapes = cloud.layers.map(({ style, at, count }) => {
@@ -73,14 +92,12 @@ export function svg(cloud, caption, legend) {
     });
     return `<path fill="${style.colour}" fill-opacity="${style.alpha}" d="${drawn.join("")}"/>`;
   });
-  let left = 8;
-  const keys = legend.map(([name, colour]) => {
-    const key = `<rect x="${left}" y="${height + 26}" width="10" height="10" fill="${colour}"/><text x="${left + 14}" y="${height + 35}">${escaped(name)}</text>`;
-    left += 26 + 7 * name.length;
-    return key;
-  });
-  const text = `<svg xmlns="http://www.w3.org/2000/svg" width="${width}" height="${height + 46}" font-family="sans-serif" font-size="12">
+  const { placed, height: band } = keys(legend, width);
+  const legends = placed.map(({ name, colour, x, y }) =>
+    `<rect x="${x}" y="${height + y}" width="10" height="10" fill="${colour}"/><text x="${x + 14}" y="${height + y + 10}">${escaped(name)}</text>`);
+  const text = `<svg xmlns="http://www.w3.org/2000/svg" width="${width}" height="${height + band}" font-family="sans-serif" font-size="12">
 <rect width="100%" height="100%" fill="#fff"/><svg width="${width}" height="${height}">${shapes.join("\n")}</svg>
-<text x="8" y="${height + 17}">${escaped(caption)}</text>${keys.join("")}</svg>`;
+<text x="6" y="15" font-weight="600">↑ ${escaped(names.y)}</text><text x="${width - 8}" y="${height - 6}" font-weight="600" text-anchor="end">${escaped(names.x)} →</text>
+<text x="8" y="${height + LINE}">${escaped(caption)}</text>${legends.join("")}</svg>`;
   return new Blob([text], { type: "image/svg+xml" });
 }

@@ -9,6 +9,7 @@ export const ABOUT = (simulated) => `<ul>
 
 export const OWN = `<p>A folder of pairs is <code>&lt;root&gt;/&lt;domain&gt;/&lt;class&gt;/&lt;name&gt;_vis.png</code> and <code>…_tac.png</code>.</p>
 <pre tabindex="0">python -m omnivat embed PAIRS --encoder efficientnet-lite0 --out mine.safetensors
+python -m omnivat thumbnails PAIRS --embeddings mine.safetensors
 python -m omnivat train --embeddings mine.safetensors --source DOMAIN --out my-head
 python app.py --head my-head --embeddings mine.safetensors</pre>
 <p>The map’s frames are then computed in the background, eleven stops first, and kept for the next start. Head and embeddings have to come from the same encoder; the page says so where they do not.</p>`;

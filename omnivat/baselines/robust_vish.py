@@ -24,7 +24,11 @@ class Convolutions(nn.Sequential):
         inputs = (1, *WIDTH[:-1])
         layers: list[nn.Module] = []
         for into, out, kernel in zip(inputs, WIDTH, KERNELS, strict=True):
-            layers += [nn.Conv1d(into, out, kernel, padding=kernel // 2), nn.BatchNorm1d(out), nn.ReLU()]
+            layers += [
+                nn.Conv1d(into, out, kernel, padding=kernel // 2),
+                nn.BatchNorm1d(out),
+                nn.ReLU(),
+            ]
         super().__init__(*layers)
 
     def forward(self, rows: Tensor) -> Tensor:

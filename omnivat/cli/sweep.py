@@ -1,6 +1,6 @@
 """Compute every frame of the page, and the gaps, for a head over all orders p.
 
-    python -m omnivat sweep --head DIR --embeddings FILE --out FRAMES [--json CURVES]
+python -m omnivat sweep --head DIR --embeddings FILE --out FRAMES [--json CURVES]
 """
 
 import argparse

@@ -1,6 +1,6 @@
 """Make the sheet of thumbnails that the page shows for a set of embeddings.
 
-    python -m omnivat thumbnails PAIRS --embeddings FILE
+python -m omnivat thumbnails PAIRS --embeddings FILE
 """
 
 import argparse
