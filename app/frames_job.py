@@ -15,6 +15,7 @@ from omnivat.progress import Step
 log = logging.getLogger(__name__)
 COARSE = tuple(k / 10 for k in range(11))
 FINE = tuple(k / 100 for k in range(101))
+ONE_AT_A_TIME = Lock()  # maps of several heads or sets would only slow one another down
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,8 +51,11 @@ def cache_name(head: Path, embeddings: Path) -> str:
 class FramesJob:
     """Gives the frames, computing them in one background thread where no file holds them."""
 
-    def __init__(self, head: Path, embeddings: Path, ready: Path | None) -> None:
+    def __init__(
+        self, head: Path, embeddings: Path, ready: Path | None, folder: Path | None = None
+    ) -> None:
         self._head, self._embeddings = head, embeddings
+        self._folder = folder or cache_folder()
         self._state = FramesState(file=ready)
         self._lock = Lock()
         self._thread: Thread | None = None
@@ -83,7 +87,7 @@ class FramesJob:
             self._state = FramesState(problem=UNEXPECTED)
 
     def _compute(self) -> None:
-        folder = cache_folder()
+        folder = self._folder
         name = cache_name(self._head, self._embeddings)
         fine = folder / f"{name}.bin"
         if fine.is_file():
@@ -95,8 +99,10 @@ class FramesJob:
         head, embeddings = load_head(self._head), load_embeddings(self._embeddings)
         head.require_embeddings(embeddings)
         coarse = folder / f"{name}-coarse.bin"
-        self._build(head, embeddings, COARSE, coarse, shown=None)
-        self._build(head, embeddings, FINE, fine, shown=coarse)
+        self._state = FramesState(step=Step(done=0, total=0, text="waiting for another map"))
+        with ONE_AT_A_TIME:
+            self._build(head, embeddings, COARSE, coarse, shown=None)
+            self._build(head, embeddings, FINE, fine, shown=coarse)
         self._state = FramesState(file=fine)
 
     def _build(

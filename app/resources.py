@@ -4,6 +4,7 @@ The first page needs none of it: the browser fetches frames and thumbnails as fi
 """
 
 import logging
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -27,7 +28,6 @@ if TYPE_CHECKING:
 log = logging.getLogger(__name__)
 KEPT_IMAGES = 512  # embeddings of sent images; about 5 kB each
 KEPT_FEATURES = 4  # the whole set at one stage and order; some MB each
-PREVIEW_SIDE = 320  # pixels of the picture that shows what the model sees
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,9 +39,15 @@ class Places:
     frames: Path | None
     sprite: Path | None  # NAME.thumbnails.webp beside the embeddings, and its .json
     pairs: Path
+    compare: tuple[Path, ...] = ()  # folders of heads to show beside the first
+    computed: Path | None = None  # where computed frames go; the cache where None
 
 
-def places(head: Path | None = None, embeddings: Path | None = None) -> Places:
+def places(
+    head: Path | None = None,
+    embeddings: Path | None = None,
+    compare: Sequence[Path] = (),
+) -> Places:
     """Return where things lie, for the project's own data or for a person's."""
     own = head is None and embeddings is None
     frames = EXAMPLES / "frames.bin"
@@ -52,7 +58,19 @@ def places(head: Path | None = None, embeddings: Path | None = None) -> Places:
         frames=frames if own and frames.is_file() else None,
         sprite=sheet if sheet.is_file() else None,
         pairs=EXAMPLES / "pairs",
+        compare=tuple(compare),
     )
+
+
+def head_names(where: Places) -> dict[str, Path]:
+    """Return the folder of each head by the name that requests use: "" is the first one."""
+    names = {"": where.head}
+    for folder in where.compare:
+        name = folder.name or "head"
+        while name in names:
+            name += "'"
+        names[name] = folder
+    return names
 
 
 class Resources:
@@ -60,11 +78,21 @@ class Resources:
 
     def __init__(self, where: Places) -> None:
         self.where = where
-        self.head: Once[Head] = Once(partial(_load_head, where.head))
+        self.folders = head_names(where)
+        self.heads = {
+            name: Once[Head](partial(_load_head, folder)) for name, folder in self.folders.items()
+        }
+        self.head = self.heads[""]
         self.embeddings: Once[Embeddings] = Once(partial(_load_embeddings, where.embeddings))
         self.encoder: Once[Encoder] = Once(self._load_encoder)
         self.examples: Once[dict[str, Example]] = Once(partial(find_examples, where.pairs))
-        self.frames = FramesJob(where.head, where.embeddings, where.frames)
+        self.frame_jobs = {
+            name: FramesJob(
+                folder, where.embeddings, None if name else where.frames, where.computed
+            )
+            for name, folder in self.folders.items()
+        }
+        self.frames = self.frame_jobs[""]
         self.features: Recent[np.ndarray[Any, Any]] = Recent(KEPT_FEATURES)  # by stage and order
         self._row_of: Once[dict[str, int]] = Once(self._rows_by_file)
         self._sent: Recent[np.ndarray[Any, Any]] = Recent(KEPT_IMAGES)
@@ -76,6 +104,20 @@ class Resources:
                 part()
             except DataError as error:  # the page says so where it is needed
                 log.warning("%s", error)
+
+    def head_named(self, name: Any) -> "Head":
+        """Return the head that a request names; the first one where it names none.
+
+        Raises DataError for a name that is not loaded, or a head that wants another encoder.
+        """
+        require_name(name, self.heads)
+        head = self.heads[name or ""]()
+        if name and self.head().encoder != head.encoder:
+            raise DataError(
+                f"The head '{name}' was trained with another encoder than the first one; "
+                "compare heads of one encoder."
+            )
+        return head
 
     # ---- embeddings of one image -------------------------------------------------------------
 
@@ -160,6 +202,13 @@ class Resources:
             what="Images encoded here",
         )
         return encoder
+
+
+def require_name(name: Any, known: Mapping[str, Any]) -> None:
+    """Refuse a name of a head that is not loaded; None and "" name the first one."""
+    if name is not None and (not isinstance(name, str) or name not in known):
+        others = ", ".join(f"'{other}'" for other in known if other) or "none beside the first"
+        raise DataError(f"No head is called {name!r:.40}; there are {others}.")
 
 
 def _load_head(folder: Path) -> "Head":

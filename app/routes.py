@@ -1,14 +1,12 @@
 """The page's own routes: its scripts, its data files, and the questions it asks.
 
-Only what is listed here is served. Questions are JSON; every refusal is one sentence.
+Only what is listed here is served. Questions are JSON; every refusal is one sentence. `?set=NAME`
+asks of a head or set that was loaded through the page.
 """
 
-import base64
-import json
 from collections.abc import Callable, Mapping
 from functools import partial
-from io import BytesIO
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from anyio import CapacityLimiter, to_thread
 from starlette.requests import Request
@@ -16,49 +14,67 @@ from starlette.responses import FileResponse, JSONResponse, Response
 from starlette.routing import Route
 
 from app.components import WEB
+from app.desks import Desks
 from app.examples import example_named, listed
 from app.limits import LANES, MAX_IMAGE_BYTES, MAX_QUESTION_BYTES
+from app.live import live
+from app.measuring import measured
 from app.messages import Handler, in_sentences, refusal
 from app.occlusion import occlusion
-from app.resources import PREVIEW_SIDE, Resources
+from app.requests import body, file_name, number_from, preview, question_from
+from app.resources import Resources, require_name
 from app.state import order_from, ref_from
-from app.views import data, explore, pair, tree
-from omnivat.errors import DataError
-
-if TYPE_CHECKING:
-    from PIL import Image
+from app.views import compare, data, explore, pair, tree
 
 Answer = Callable[[Resources, Mapping[str, Any]], dict[str, Any]]
 QUESTIONS: dict[str, Answer] = {
     "pair": pair.answer,
+    "attention": pair.attention,
     "tree": tree.answer,
     "neighbours": explore.neighbours,
+    "place": explore.place,
+    "measure": measured,
+}
+FACTS: dict[str, Callable[[Resources], Any]] = {
+    "about": data.about,
+    "heads": compare.heads,
+    "matrix": compare.matrix,
+    "retrained": explore.retrained,
+    "examples": lambda resources: listed(resources.examples()),
 }
 TYPES = {".js": "text/javascript", ".css": "text/css"}
 FRESH = {"Cache-Control": "no-cache"}  # ask each time, take nothing where it is unchanged
 
 
-def routes(resources: Resources) -> list[Route]:
+def routes(first: Resources) -> list[Route]:
     """Return all routes, each answering errors with a sentence."""
-    lanes = CapacityLimiter(LANES)
+    desks, lanes = Desks(first), CapacityLimiter(LANES)
     gets: dict[str, Handler] = {
         "/omnivat/web/{name}": web_file,
-        "/omnivat/frames": partial(frames, resources),
-        "/omnivat/thumbnails.{kind}": partial(thumbnails, resources),
-        "/omnivat/examples": partial(example_list, resources),
-        "/omnivat/example/{name:path}": partial(example_image, resources),
-        "/omnivat/about": partial(about, resources, lanes),
+        "/omnivat/frames": partial(frames, desks),
+        "/omnivat/thumbnails.{kind}": partial(thumbnails, desks),
+        "/omnivat/example/{name:path}": partial(example_image, desks),
+        **{
+            f"/omnivat/{name}": partial(facts, desks, lanes, found) for name, found in FACTS.items()
+        },
     }
     posts: dict[str, Handler] = {
-        f"/omnivat/{name}": partial(ask, resources, lanes, answer)
-        for name, answer in QUESTIONS.items()
+        f"/omnivat/{name}": partial(ask, desks, lanes, answer) for name, answer in QUESTIONS.items()
     }
-    posts["/omnivat/image"] = partial(take_image, resources, lanes)
-    posts["/omnivat/occlusion"] = partial(occlude, resources, lanes)
+    posts["/omnivat/image"] = partial(take_image, desks, lanes)
+    posts["/omnivat/occlusion"] = partial(occlude, desks, lanes)
+    posts["/omnivat/live"] = partial(live_picture, desks, lanes)
+    posts["/omnivat/part"] = partial(take_part, desks)
+    posts["/omnivat/load"] = partial(load, desks, lanes)
     return [
         *(Route(path, in_sentences(handler)) for path, handler in gets.items()),
         *(Route(path, in_sentences(handler), methods=["POST"]) for path, handler in posts.items()),
     ]
+
+
+def desk_of(desks: Desks, request: Request) -> Resources:
+    """Return what the request asks of: the head and set that the server started with, or others."""
+    return desks.named(request.query_params.get("set", "")[:64])
 
 
 async def web_file(request: Request) -> Response:
@@ -70,12 +86,15 @@ async def web_file(request: Request) -> Response:
     return FileResponse(path, media_type=TYPES[path.suffix], headers=FRESH)
 
 
-async def frames(resources: Resources, request: Request) -> Response:
-    """Serve the frames, or say how far they are (202), or why there are none (404).
+async def frames(desks: Desks, request: Request) -> Response:
+    """Serve the frames of a head, or say how far they are (202), or why there are none (404).
 
     A header tells that finer frames are on their way.
     """
-    state = resources.frames.state()
+    resources = desk_of(desks, request)
+    name = request.query_params.get("head", "")
+    require_name(name, resources.frame_jobs)
+    state = resources.frame_jobs[name].state()
     step = (
         {"done": state.step.done, "total": state.step.total, "text": state.step.text}
         if (state.step)
@@ -89,9 +108,9 @@ async def frames(resources: Resources, request: Request) -> Response:
     return FileResponse(state.file, media_type="application/octet-stream", headers=headers)
 
 
-async def thumbnails(resources: Resources, request: Request) -> Response:
+async def thumbnails(desks: Desks, request: Request) -> Response:
     """Serve the sprite of thumbnails or its description; sets without one show names only."""
-    sprite = resources.where.sprite
+    sprite = desk_of(desks, request).where.sprite
     file = {
         "webp": sprite,
         "json": sprite.with_suffix(".json") if sprite else None,
@@ -101,40 +120,37 @@ async def thumbnails(resources: Resources, request: Request) -> Response:
     return FileResponse(file, headers=FRESH)
 
 
-async def example_list(resources: Resources, _: Request) -> Response:
-    """List the pairs of the gallery."""
-    return JSONResponse(listed(resources.examples()))
-
-
-async def example_image(resources: Resources, request: Request) -> Response:
+async def example_image(desks: Desks, request: Request) -> Response:
     """Serve one image of an example: `<name>/vis` or `<name>/tac`."""
     name, _, modality = request.path_params["name"].rpartition("/")
     if modality not in ("vis", "tac"):
         return refusal("An example's image is its name and then /vis or /tac.", 404)
-    file = example_named(resources.examples(), name).file(modality)
+    file = example_named(desk_of(desks, request).examples(), name).file(modality)
     return FileResponse(file, headers=FRESH)
 
 
-async def about(resources: Resources, lanes: CapacityLimiter, _: Request) -> Response:
-    """Say what is loaded."""
-    return JSONResponse(await to_thread.run_sync(data.about, resources, limiter=lanes))
-
-
-async def ask(
-    resources: Resources, lanes: CapacityLimiter, answer: Answer, request: Request
+async def facts(
+    desks: Desks, lanes: CapacityLimiter, found: Callable[[Resources], Any], request: Request
 ) -> Response:
+    """Say what is known of what is loaded."""
+    resources = desk_of(desks, request)
+    return JSONResponse(await to_thread.run_sync(found, resources, limiter=lanes))
+
+
+async def ask(desks: Desks, lanes: CapacityLimiter, answer: Answer, request: Request) -> Response:
     """Answer one JSON question in a thread of its own."""
+    resources = desk_of(desks, request)
     question = question_from(await body(request, MAX_QUESTION_BYTES, "The question"))
     return JSONResponse(await to_thread.run_sync(answer, resources, question, limiter=lanes))
 
 
-async def take_image(resources: Resources, lanes: CapacityLimiter, request: Request) -> Response:
+async def take_image(desks: Desks, lanes: CapacityLimiter, request: Request) -> Response:
     """Take the bytes of one image, embed it, and return its name and a small preview."""
+    resources = desk_of(desks, request)
     content = await body(request, MAX_IMAGE_BYTES, "The image")
-    name = request.query_params.get("name", "")[:120] or "the image"
 
     def taken() -> dict[str, Any]:
-        ref, image = resources.take_image(content, name)
+        ref, image = resources.take_image(content, file_name(request))
         return {
             "ref": str(ref),
             "width": image.width,
@@ -145,63 +161,51 @@ async def take_image(resources: Resources, lanes: CapacityLimiter, request: Requ
     return JSONResponse(await to_thread.run_sync(taken, limiter=lanes))
 
 
-async def occlude(resources: Resources, lanes: CapacityLimiter, request: Request) -> Response:
+async def occlude(desks: Desks, lanes: CapacityLimiter, request: Request) -> Response:
     """Take the bytes of one image; say which parts of it the answer depends on."""
+    return await of_image(occlusion, desks, lanes, request)
+
+
+async def live_picture(desks: Desks, lanes: CapacityLimiter, request: Request) -> Response:
+    """Take one picture of a camera; answer it and forget it."""
+    return await of_image(live, desks, lanes, request)
+
+
+async def of_image(
+    work: Callable[..., dict[str, Any]], desks: Desks, lanes: CapacityLimiter, request: Request
+) -> Response:
+    """Do `work` on an image that is sent, with what the address says of it."""
     asked = request.query_params
+    resources = desk_of(desks, request)
     content = await body(request, MAX_IMAGE_BYTES, "The image")
-    work = partial(
-        occlusion,
+    todo = partial(
+        work,
         resources,
         content,
         modality=asked.get("modality", ""),
         other=ref_from(asked.get("other")),
-        order=order_from(_number(asked.get("order"))),
-        name=asked.get("name", "")[:120] or "the image",
+        order=order_from(number_from(asked.get("order"))),
+        name=file_name(request),
     )
-    return JSONResponse(await to_thread.run_sync(work, limiter=lanes))
+    return JSONResponse(await to_thread.run_sync(todo, limiter=lanes))
 
 
-def _number(text: str | None) -> float | str | None:
-    """Return the number that `text` writes; the text itself where it writes none."""
-    try:
-        return float(text) if text else None
-    except ValueError:
-        return text
+async def take_part(desks: Desks, request: Request) -> Response:
+    """Take one file of a head or set, as it comes."""
+    name = request.query_params.get("name", "")
+    return JSONResponse({"part": await desks.keep_part(name, request.stream())})
 
 
-async def body(request: Request, limit: int, what: str) -> bytes:
-    """Return the request's bytes, reading no more than `limit` of them.
-
-    Raises DataError when there are more.
-    """
-    content = bytearray()
-    async for part in request.stream():
-        content += part
-        if len(content) > limit:
-            raise DataError(
-                f"{what} is larger than {limit / 1e6:.3g} MB; scale it down and try again."
-            )
-    return bytes(content)
-
-
-def question_from(content: bytes) -> Mapping[str, Any]:
-    """Return the JSON object in `content`.
-
-    Raises DataError when it is anything else.
-    """
-    try:
-        question = json.loads(content)
-    except (ValueError, RecursionError) as error:
-        raise DataError("The question is not JSON; send an object such as {} instead.") from error
-    if not isinstance(question, dict):
-        raise DataError("The question is not a JSON object; send one such as {} instead.")
-    return question
-
-
-def preview(image: "Image.Image") -> str:
-    """Return a small JPEG of the image, upright, as a data URL."""
-    small = image.copy()
-    small.thumbnail((PREVIEW_SIDE, PREVIEW_SIDE))
-    with BytesIO() as handle:
-        small.save(handle, "JPEG", quality=85)
-        return "data:image/jpeg;base64," + base64.b64encode(handle.getvalue()).decode()
+async def load(desks: Desks, lanes: CapacityLimiter, request: Request) -> Response:
+    """Make a desk of the files that were sent: `{"parts": {file: part}, "compare": false}`."""
+    question = question_from(await body(request, MAX_QUESTION_BYTES, "The question"))
+    parts = question.get("parts")
+    if not isinstance(parts, dict) or not all(isinstance(part, str) for part in parts.values()):
+        return refusal("parts has to name the files that were sent; choose them again.")
+    work = partial(
+        desks.load,
+        parts,
+        beside=request.query_params.get("set", "")[:64],
+        compare=question.get("compare") is True,
+    )
+    return JSONResponse({"set": await to_thread.run_sync(work, limiter=lanes)})

@@ -1,9 +1,16 @@
-"""Embed 10,000 generated JPEGs: memory held, killed half-way, resumed. `python -m benchmarks.embed_scale`
+"""Embed 10,000 generated JPEGs: memory held, killed half-way, resumed to the same bytes.
 
-The parent writes the images (640 x 480, all different), starts the embedding in a process of its
-own, kills it without warning when half of the part files are there, starts it again, and watches
-the memory of both. It fails when the peak passes 2 GB or a pair is missing. Linux only: it reads
-the peak from /proc.
+    python -m benchmarks.embed_scale [--images 10000] [--out docs/benchmarks]
+
+Writes the images (640 x 480, all different, and one that cannot be read), then runs
+`python -m omnivat embed` on them as a person would, in processes of their own:
+
+1. without a break;
+2. again to another file, killed without warning (SIGKILL) when half of the part files are there;
+3. the same command once more, which goes on from the parts.
+
+Fails when a process held more than 2 GB, when a pair is missing or embedded anew, or when the two
+files differ in one byte. Linux only: memory is read from /proc.
 """
 
 import argparse
@@ -13,6 +20,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from hashlib import blake2b
 from pathlib import Path
 from typing import Any
 
@@ -20,100 +28,163 @@ import numpy as np
 from PIL import Image
 
 from benchmarks.measure import machine
+from omnivat.data.store import load_embeddings
+from omnivat.embed.job import CHUNK
 
 LIMIT_MB = 2000
-ENCODER = "efficientnet-lite0"
+MATERIALS = ("wood", "steel", "plastic", "ceramic", "glass")
 
 
 def main() -> None:
-    """Run the measurement and print it as JSON."""
+    """Run the measurement, print it as JSON, and write the page of figures where asked."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--images", type=int, default=10_000)
-    parser.add_argument("--child", nargs=2, metavar=("FOLDER", "OUT"), help=argparse.SUPPRESS)
+    parser.add_argument("--out", type=Path, help="folder for embed_scale.md")
     options = parser.parse_args()
-    if options.child:
-        embed(*map(Path, options.child))
-        return
+    if options.images < 8 * CHUNK:
+        parser.error(f"--images must be {8 * CHUNK} or more, or there is no half-way")
     with tempfile.TemporaryDirectory() as folder:
-        print(json.dumps(measured(Path(folder), options.images), indent=2))
+        found = measured(Path(folder), options.images)
+    print(json.dumps(found, indent=2))
+    if options.out:
+        (options.out / "embed_scale.md").write_text(page(found), encoding="utf-8")
 
 
-def measured(folder: Path, images: int) -> dict[str, Any]:
-    """Embed, kill, resume; return memory, time and counts."""
-    images_folder, out = folder / "images", folder / "set.safetensors"
-    write_images(images_folder, images)
-    first = watched(images_folder, out, kill_at=images // 2 // 128 // 2)
-    second = watched(images_folder, out, kill_at=None)
-    report = json.loads(second.pop("said"))
-    first.pop("said")
-    peak = max(first["peak_mb"], second["peak_mb"])
-    if peak > LIMIT_MB or report["embedded"] != images // 2 or report["resumed"] == 0:
-        raise SystemExit(f"Not as promised: peak {peak} MB, {report}.")
+def measured(folder: Path, count: int) -> dict[str, Any]:
+    """Embed whole; embed, kill and resume; compare. Return memory, time and counts."""
+    images, whole, broken = folder / "images", folder / "whole", folder / "resumed"
+    write_images(images, count)
+    runs = {"whole": watched(images, whole / "set.safetensors", stop_at=None)}
+    out, pairs = broken / "set.safetensors", count // 2
+    runs["killed"] = watched(images, out, stop_at=pairs // CHUNK // 2)
+    kept = len(parts_of(out))
+    if out.exists() or not kept:
+        raise SystemExit("The kill came too late or too early to prove anything.")
+    runs["resumed"] = watched(images, out, stop_at=None)
+    require(
+        runs["resumed"]["said"],
+        f"{pairs - 1} pairs embedded, {kept * CHUNK} of them by an earlier run",
+    )
+    embedded = len(load_embeddings(out))
+    same = [digest(file) == digest(broken / file.name) for file in sorted(whole.iterdir())]
+    peak = max(run["peak_mb"] for run in runs.values())
+    if peak > LIMIT_MB or embedded != pairs - 1 or len(same) != 2 or not all(same):
+        raise SystemExit(f"Not as promised: peak {peak} MB, {embedded} of {pairs}, same {same}.")
     return {
-        "images": images,
-        "pairs": images // 2,
-        "killed": first,
-        "resumed": second | report,
+        "images": count,
+        "pairs": pairs,
+        "embedded": embedded,
+        "kept_by_the_killed_run": kept * CHUNK,
+        "images_per_s": round(count / runs["whole"]["wall_s"], 1),
+        "cpu_ms_an_image": round(1e3 * runs["whole"]["cpu_s"] / count, 1),
+        "file_mb": round(out.stat().st_size / 1e6, 1),
+        "digest": digest(whole / "set.safetensors"),
+        "runs": runs,
         "machine": machine(),
     }
 
 
+def require(said: str, sentence: str) -> None:
+    """Refuse a run that did not say what was to be seen."""
+    if sentence not in said:
+        raise SystemExit(f"The command said '{said}', not '{sentence}'.")
+
+
+def digest(file: Path) -> str:
+    """Return what tells two files apart."""
+    return blake2b(file.read_bytes(), digest_size=16).hexdigest()
+
+
+def parts_of(out: Path) -> list[Path]:
+    """Return the finished part files of a run."""
+    return list(out.with_name(out.name + ".parts").glob("part-*.safetensors"))
+
+
 def write_images(folder: Path, count: int) -> None:
-    """Write `count` different JPEGs in pairs: enlarged noise, 640 x 480."""
-    folder.mkdir()
+    """Write `count` different JPEGs in pairs, `generated/<class>/<number>_{vis,tac}.jpg`."""
     random = np.random.default_rng(0)
     for number in range(count):
         small = Image.fromarray(random.integers(0, 256, (30, 40, 3), dtype=np.uint8))
-        name = f"{number // 2:06}_{('vis', 'tac')[number % 2]}.jpg"
-        small.resize((640, 480), Image.Resampling.BILINEAR).save(folder / name, quality=85)
+        pair = number // 2
+        place = folder / "generated" / MATERIALS[pair % len(MATERIALS)]
+        place.mkdir(parents=True, exist_ok=True)
+        file = place / f"{pair:06}_{('vis', 'tac')[number % 2]}.jpg"
+        small.resize((640, 480), Image.Resampling.BILINEAR).save(file, quality=85)
+    file.write_bytes(file.read_bytes()[:500])  # the last tactile image, cut short
 
 
-def watched(images: Path, out: Path, kill_at: int | None) -> dict[str, Any]:
-    """Run the embedding in another process; kill it when that many part files are there."""
-    command = [sys.executable, "-m", "benchmarks.embed_scale", "--child", str(images), str(out)]
-    began, peak = time.perf_counter(), 0.0
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
-    parts = out.with_name(out.name + ".parts")
+def watched(images: Path, out: Path, stop_at: int | None) -> dict[str, Any]:
+    """Run the command; kill it when that many part files are there. Return what it took."""
+    command = [sys.executable, "-m", "omnivat", "embed", str(images), "--out", str(out)]
+    began, memory, clock = time.perf_counter(), 0.0, 0.0
+    process = subprocess.Popen([*command, "--no-flips"], stdout=subprocess.PIPE, text=True)
     while process.poll() is None:
-        peak = max(peak, peak_mb(process.pid))
-        if kill_at is not None and len(list(parts.glob("part-*.safetensors"))) >= kill_at:
+        memory, clock = map(max, (memory, clock), used(process.pid))
+        if stop_at is not None and len(parts_of(out)) >= stop_at:
             process.send_signal(signal.SIGKILL)
             break
         time.sleep(0.2)
-    said = process.communicate()[0]
-    seconds = round(time.perf_counter() - began, 1)
-    return {"peak_mb": round(peak), "wall_s": seconds, "exit": process.returncode, "said": said}
+    said = process.communicate()[0].splitlines()
+    return {
+        "peak_mb": round(memory),
+        "cpu_s": round(clock, 1),
+        "wall_s": round(time.perf_counter() - began, 1),
+        "exit": process.returncode,
+        "said": said[-1] if said and stop_at is None else "",
+    }
 
 
-def peak_mb(pid: int) -> float:
-    """Return the most memory the process has held so far, in MB; 0 when it has ended."""
+def used(pid: int) -> tuple[float, float]:
+    """Return the most memory (MB) and the processor time (s) of a process so far; 0 when ended."""
     try:
-        text = Path(f"/proc/{pid}/status").read_text()
+        status = Path(f"/proc/{pid}/status").read_text(encoding="utf-8")
+        clocks = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
     except OSError:
-        return 0.0
-    found = [line for line in text.splitlines() if line.startswith("VmHWM")]
-    return int(found[0].split()[1]) / 1000 if found else 0.0
+        return 0.0, 0.0
+    peak = [int(line.split()[1]) for line in status.splitlines() if line.startswith("VmHWM")]
+    return (peak[0] / 1000 if peak else 0.0), (int(clocks[11]) + int(clocks[12])) / 100
 
 
-def embed(images: Path, out: Path) -> None:
-    """Embed the pairs in `images`, without mirrored copies, and print the counts."""
-    from omnivat.data.pairs import Pair, PairSet
-    from omnivat.embed import embed_pairs
-
-    pairs = [
-        Pair(
-            vis=file,
-            tac=file.with_name(file.name.replace("_vis", "_tac")),
-            domain="generated",
-            material="none",
-        )
-        for file in sorted(images.glob("*_vis.jpg"))
+def page(found: dict[str, Any]) -> str:
+    """Return the figures as Markdown."""
+    place = found["machine"]
+    lines = [
+        "# Embedding 10,000 images" if found["images"] == 10_000 else "# Embedding many images",
+        "",
+        "Written by `python -m benchmarks.embed_scale --out docs/benchmarks`: "
+        f"{found['images']:,} generated JPEGs of 640 × 480, one of them cut short, through "
+        "`python -m omnivat embed --no-flips` with EfficientNet-Lite0 in fp32. "
+        f"{place['machine']}, shared; load {place['load']}; torch {place['torch']}; one run each.",
+        "",
+        "| run | peak memory, MB | wall s | processor s | what it said |",
+        "| --- | --- | --- | --- | --- |",
     ]
-    report = embed_pairs(PairSet(pairs=tuple(pairs)), ENCODER, out, flips=False)
-    fresh = len(pairs) - report.resumed
-    rate = round(2 * fresh / report.seconds, 1)
-    counts = {"embedded": report.embedded, "resumed": report.resumed, "images_per_s": rate}
-    print(json.dumps(counts))
+    names = {
+        "whole": "without a break",
+        "killed": f"killed with {found['kept_by_the_killed_run']} pairs done",
+        "resumed": "the same command again",
+    }
+    lines += [
+        f"| {names[name]} | {run['peak_mb']} | {run['wall_s']:.0f} | {run['cpu_s']:.0f} "
+        f"| {run['said'].partition('; written to')[0] or '(killed)'} |"
+        for name, run in found["runs"].items()
+    ]
+    return "\n".join(
+        [
+            *lines,
+            "",
+            f"- **Rate**: {found['images_per_s']} images a second without a break, "
+            f"{found['cpu_ms_an_image']} ms of one core an image: reading, decoding, resizing and "
+            "encoding.",
+            f"- **Memory**: the limit is {LIMIT_MB} MB, and the benchmark fails above it. The file "
+            f"written has {found['file_mb']} MB; vectors go through memory one part at a time.",
+            f"- **Resumed**: both `.safetensors` files have the digest `{found['digest'][:16]}`, and "
+            f"both tables agree to the byte. The second start embedded only the "
+            f"{found['pairs'] - found['kept_by_the_killed_run']} pairs that were left.",
+            "- **Unreadable**: the pair with the image that was cut short was skipped and named.",
+            "",
+        ]
+    )
 
 
 if __name__ == "__main__":

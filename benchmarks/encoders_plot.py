@@ -1,92 +1,91 @@
-"""The figures of `benchmarks.encoders` as a table and as a plot of time against error."""
+"""The figures of `benchmarks.encoders` as a page and as a plot of time against error."""
 
+import logging
 from collections.abc import Sequence
-from html import escape
-from math import log10
+from pathlib import Path
 from typing import Any
 
-FLOOR = 1e-9  # an error below this is drawn on the line "exact"
-WIDTH, HEIGHT, LEFT, TOP, RIGHT, BOTTOM = 760, 420, 90, 30, 20, 60
-COLOURS = ("#1b6ca8", "#b5542b", "#4a7c3a")
+from omnivat.errors import MissingPackageError
+from omnivat.packages import need
+
+FLOOR = 1e-13  # an error below this is drawn here; rounding of the cosine itself is near it
+ALLOWED = 1e-3  # 1 - cosine that a precision may cost and still be offered
 
 
-def table(found: dict[str, Any]) -> str:
-    """Return the rows as Markdown, with what they were measured on."""
+def page(found: dict[str, Any]) -> str:
+    """Return the rows as Markdown, with what they were measured on and what they say."""
     place = found["machine"]
     lines = [
         "# Time and error of the encoders",
         "",
         "Written by `python -m benchmarks.encoders --out docs/benchmarks`.",
-        f"{place['machine']}, shared; load {place['load']}; one thread; torch {place['torch']}; "
-        f"medians of {found['rounds']} interleaved rounds (lowest to highest).",
-        "Error is 1 - cosine to fp32 over generated pictures. CLIP's towers have random weights of "
-        "the published sizes, so their errors are only a hint.",
+        f"{place['machine']} ({place['cpu']}; instructions for bf16: "
+        f"{'yes' if place['bf16'] else 'no'}), shared; load {place['load']}; one thread; "
+        f"torch {place['torch']}; {found['pictures']} pictures, medians of {found['rounds']} "
+        "interleaved rounds (lowest to highest).",
+        "Error is 1 - cosine to fp32 image by image, over generated pictures. CLIP's towers have "
+        "random weights of the published sizes, so their errors are only a hint.",
         "",
-        "| network | way | processor ms an image | wall ms an image | error, median | error, worst |",
-        "| --- | --- | --- | --- | --- | --- |",
+        "| network | way | processor ms an image | wall ms | speed | error, median | error, worst "
+        "| same bits |",
+        "| --- | --- | --- | --- | --- | --- | --- | --- |",
     ]
     lines += [
         f"| {row['network']} | {row['way']} "
         f"| {row['cpu_ms']:.1f} ({row['cpu_low']:.1f} to {row['cpu_high']:.1f}) "
         f"| {row['wall_ms']:.1f} ({row['wall_low']:.1f} to {row['wall_high']:.1f}) "
-        f"| {row['error']:.1e} | {row['error_worst']:.1e} |"
+        f"| {row['speed']:.2f} | {row['error']:.1e} | {row['error_worst']:.1e} "
+        f"| {'yes' if row['same_bits'] else 'no'} |"
         for row in found["rows"]
     ]
-    return "\n".join([*lines, "", "![time against error](encoders.svg)", ""])
+    networks = dict.fromkeys(row["network"] for row in found["rows"])
+    verdicts = [verdict([r for r in found["rows"] if r["network"] == n]) for n in networks]
+    return "\n".join([*lines, "", *verdicts, "", "![time against error](encoders.png)", ""])
 
 
-def plot(rows: Sequence[dict[str, Any]]) -> str:
-    """Return an SVG: processor time an image to the right, worst error up, both logarithmic."""
-    times = [row["cpu_ms"] for row in rows]
-    errors = [max(row["error_worst"], FLOOR) for row in rows]
-    across = _scale(min(times) / 1.5, max(times) * 3, LEFT, WIDTH - RIGHT)
-    up = _scale(FLOOR / 2, max(*errors, 1e-3) * 3, HEIGHT - BOTTOM, TOP)
-    names = list(dict.fromkeys(row["network"] for row in rows))
-    body = [*_axes(across, up, times, errors)]
-    for row, error in zip(rows, errors, strict=True):
-        colour = COLOURS[names.index(row["network"]) % len(COLOURS)]
-        x, y = across(row["cpu_ms"]), up(error)
-        text = escape(f"{row['network']}: {row['way']}")
-        body.append(f'<circle cx="{x:.0f}" cy="{y:.0f}" r="5" fill="{colour}"/>')
-        # Points on one spot are told apart by writing their names at different heights.
-        rise = 14 * (rows.index(row) % 3 - 1) if error == FLOOR else 0
-        body.append(f'<text x="{x + 9:.0f}" y="{y + 4 + rise:.0f}" fill="{colour}">{text}</text>')
+def verdict(rows: Sequence[dict[str, Any]]) -> str:
+    """Say of one network which way is fastest with the same bits, and within the allowed error."""
+    exact = max((r for r in rows if r["same_bits"]), key=lambda r: r["speed"])
+    near = max((r for r in rows if r["error_worst"] <= ALLOWED), key=lambda r: r["speed"])
     return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" '
-        'font-family="sans-serif" font-size="12">\n'
-        f'<rect width="{WIDTH}" height="{HEIGHT}" fill="white"/>\n' + "\n".join(body) + "\n</svg>\n"
+        f"- **{rows[0]['network']}**: fastest with the same bits: {exact['way']} "
+        f"({exact['speed']:.2f} times fp32); fastest with a worst error up to {ALLOWED:g}: "
+        f"{near['way']} ({near['speed']:.2f} times, {near['error_worst']:.0e})."
     )
 
 
-def _scale(low: float, high: float, start: float, end: float) -> Any:
-    def place(value: float) -> float:
-        return start + (end - start) * (log10(value) - log10(low)) / (log10(high) - log10(low))
-
-    return place
-
-
-def _axes(across: Any, up: Any, times: list[float], errors: list[float]) -> list[str]:
-    parts = []
-    for value in (5, 10, 20, 50, 100, 200, 500, 1000):
-        if min(times) / 1.5 <= value <= max(times) * 3:
-            x = across(value)
-            parts.append(
-                f'<line x1="{x:.0f}" y1="{TOP}" x2="{x:.0f}" y2="{HEIGHT - BOTTOM}" stroke="#ddd"/>'
-                f'<text x="{x:.0f}" y="{HEIGHT - BOTTOM + 18}" text-anchor="middle">{value}</text>'
-            )
-    for power in range(round(log10(FLOOR)), 0):
-        if 10**power <= max(*errors, 1e-3) * 3:
-            y = up(10**power)
-            label = "exact" if 10**power <= FLOOR else f"1e{power}"
-            parts.append(
-                f'<line x1="{LEFT}" y1="{y:.0f}" x2="{WIDTH - RIGHT}" y2="{y:.0f}" stroke="#ddd"/>'
-                f'<text x="{LEFT - 8}" y="{y + 4:.0f}" text-anchor="end">{label}</text>'
-            )
-    middle = (LEFT + WIDTH - RIGHT) / 2
-    parts.append(
-        f'<text x="{middle:.0f}" y="{HEIGHT - 15}" text-anchor="middle">'
-        "processor time an image, ms (one thread)</text>"
-        f'<text x="20" y="{HEIGHT / 2:.0f}" text-anchor="middle" '
-        f'transform="rotate(-90 20 {HEIGHT / 2:.0f})">worst error, 1 - cosine to fp32</text>'
+def plot(rows: Sequence[dict[str, Any]], path: Path) -> None:
+    """Draw worst error over processor time an image, a panel for each network."""
+    try:
+        matplotlib = need("matplotlib", purpose="the plot of the benchmark")
+        pyplot = need("matplotlib.pyplot", purpose="the plot of the benchmark")
+    except MissingPackageError as error:
+        logging.getLogger(__name__).warning("%s", error)
+        return
+    matplotlib.use("Agg")
+    networks = list(dict.fromkeys(row["network"] for row in rows))
+    ways = list(dict.fromkeys(row["way"] for row in rows))
+    colours = {way: pyplot.get_cmap("tab10")(i % 10) for i, way in enumerate(ways)}
+    figure, axes = pyplot.subplots(
+        1, len(networks), figsize=(3.7 * len(networks), 4.6), sharey=True, squeeze=False
     )
-    return parts
+    seen: dict[str, Any] = {}
+    for axis, network in zip(axes[0], networks, strict=True):
+        for row in (r for r in rows if r["network"] == network):
+            time, marker = row["cpu_ms"], "o" if row["same_bits"] else "s"
+            seen[row["way"]] = axis.errorbar(
+                time,
+                max(row["error_worst"], FLOOR),
+                xerr=[[time - row["cpu_low"]], [row["cpu_high"] - time]],
+                fmt=marker,
+                color=colours[row["way"]],
+            )
+        axis.axhline(ALLOWED, color="grey", linewidth=1, linestyle="--")
+        axis.set(yscale="log", title=network, xlabel="processor ms an image, 1 thread")
+        axis.set_xlim(left=0)
+        axis.grid(alpha=0.3)
+    axes[0][0].set_ylabel("worst error, 1 - cosine to fp32")
+    figure.legend(seen.values(), seen, loc="lower center", ncol=3, fontsize=8, frameon=False)
+    figure.tight_layout(rect=(0, 0.2, 1, 1))
+    figure.savefig(path, dpi=130)
+    pyplot.close(figure)

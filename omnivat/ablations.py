@@ -8,10 +8,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from omnivat.data.domains import DOMAINS
 from omnivat.errors import MissingNameError
 from omnivat.tables import suggestion
 
 TWO_SOURCES = ("TAG", "OF 2.0 A")  # where the paper prints ablations
+ALL_SOURCES = tuple(DOMAINS)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -118,6 +120,20 @@ ABLATIONS = {
             "p per modality": Row(
                 label="p = 0.5, one for each modality", head={"order_per_modality": True}
             ),
+        },
+    ),
+    "fixed_order": Ablation(
+        title="Fractional order p: a head trained anew at each fixed value",
+        sources=ALL_SOURCES,
+        axis="p, fixed",
+        rows={
+            **{
+                f"p {p:g} fixed": Row(
+                    label=f"p = {p:g} (fixed)", head={"order": p, "learn_order": False}, value=p
+                )
+                for p in (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
+            },
+            "full": Row(label="OmniVaT, p learned from 0.5"),
         },
     ),
     "levels": Ablation(

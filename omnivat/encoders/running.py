@@ -45,17 +45,27 @@ def state_hash(state: Mapping[str, torch.Tensor]) -> str:
 def precision_type(precision: str, device: torch.device) -> torch.dtype:
     """Return the number type to compute in.
 
-    Raises SettingsError for an unknown name, and for "bf16" on a CPU without such arithmetic.
+    Raises SettingsError for an unknown name, and for "bf16" on a CPU that would only imitate it.
     """
     if precision not in PRECISIONS:
         raise SettingsError(f"precision is '{precision}'; choose {' or '.join(PRECISIONS)}.")
-    if precision == "bf16" and device.type == "cpu" and not _cpu_has_bf16():
+    if precision == "bf16" and device.type == "cpu" and not cpu_has_bf16():
         raise SettingsError("precision is 'bf16' and this CPU cannot compute in it; use fp32.")
     return PRECISIONS[precision]
 
 
-def _cpu_has_bf16() -> bool:
-    return bool(torch.ops.mkldnn._is_mkldnn_bf16_supported())
+def cpu_has_bf16() -> bool:
+    """Tell whether this CPU has instructions that multiply bf16.
+
+    oneDNN says yes to every processor with AVX-512; where the instructions lack it imitates them,
+    slower than fp32. So an x86 CPU is asked itself.
+    """
+    usable = torch.backends.mkldnn.is_available()
+    if not usable or not torch.ops.mkldnn._is_mkldnn_bf16_supported():
+        return False
+    found = torch.cpu.get_capabilities()
+    native = found.get("avx512_bf16") or found.get("amx_bf16")
+    return bool(native) or not str(found.get("architecture")).startswith("x86")
 
 
 def placed(network: M, device: torch.device, dtype: torch.dtype) -> M:

@@ -20,26 +20,35 @@ _WORTH_A_LOOP = 16  # rows; below that, phases row by row cost less than a piece
 class Piece:
     """Some rows of coefficients.
 
-    rows: where they lie in the broadcast batch; values (b, N); phases (2, 1 or b, N), the real and
-    the imaginary part of exp(-iπpk/2).
+    rows: where they lie in the broadcast batch; values (b, N); orders (1 or b,); shared: the phases
+    if other pieces have the same, else they are left to whoever works on the piece.
     """
 
     rows: slice
     values: Tensor
-    phases: Tensor
+    orders: Tensor
+    indices: Tensor
+    shared: Tensor | None = None
+
+    def phases(self) -> Tensor:
+        """Real and imaginary part of exp(-iπpk/2), (2, 1 or b, N)."""
+        if self.shared is not None:
+            return self.shared
+        return _planar_phases(self.orders, self.indices, self.values)
 
 
 def slices(rows: Tensor) -> Iterator[slice]:
     """Cut rows (R, N) for the cache; an accelerator takes all at once."""
     count, size = rows.shape
-    at_once = max(16, _ELEMENTS * torch.get_num_threads() // size)
-    step = at_once if rows.device.type == "cpu" else max(count, 1)
+    step = max(16, _ELEMENTS // size) if rows.device.type == "cpu" else max(count, 1)
     for start in range(0, count, step):
         yield slice(start, min(start + step, count))
 
 
 def leading_shape(values: Tensor, order: Tensor) -> torch.Size:
     """The batch of the result: the leading axes of the values and the order's, broadcast."""
+    if not order.dim():  # broadcast_shapes is written in Python and slow
+        return values.shape[:-1]
     shape: torch.Size = torch.broadcast_shapes(values.shape[:-1], order.shape)  # type: ignore[no-untyped-call]
     return shape
 
@@ -73,9 +82,10 @@ def pieces(values: Tensor, order: Tensor, indices: Tensor) -> Iterator[Piece]:
         turned = _planar_phases(orders[number], indices, values)
         group, start = rows[place].reshape(-1, size), number * sharing
         for some in slices(group):
-            yield Piece(slice(start + some.start, start + some.stop), group[some], turned)
+            place_of_some = slice(start + some.start, start + some.stop)
+            yield Piece(place_of_some, group[some], orders[number], indices, turned)
 
 
 def _row_by_row(rows: Tensor, orders: Tensor, indices: Tensor) -> Iterator[Piece]:
     for some in slices(rows):
-        yield Piece(some, rows[some], _planar_phases(orders[some], indices, rows))
+        yield Piece(some, rows[some], orders[some], indices)

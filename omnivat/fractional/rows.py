@@ -8,6 +8,9 @@ from torch import Tensor
 from omnivat.fractional.memory import empty
 from omnivat.fractional.pieces import Piece, leading_shape, pieces, slices
 from omnivat.fractional.splits import Split
+from omnivat.fractional.workers import for_each
+
+_WORTH_WORKERS = 2**18  # numbers in the result; below, handing over costs more than it saves
 
 
 def planes(x: Tensor) -> Tensor:
@@ -15,11 +18,17 @@ def planes(x: Tensor) -> Tensor:
     return torch.stack([x.real, x.imag]) if x.is_complex() else x[None]
 
 
+def _spread(rows: Tensor) -> bool:
+    """Whether rows (R, N) are worth a second thread of ours."""
+    return rows.device.type == "cpu" and rows.numel() >= _WORTH_WORKERS
+
+
 def analyse_rows(split: Split, x: Tensor) -> Tensor:
     """x V for x (..., N), real or complex."""
     rows = x.reshape(-1, x.shape[-1])
     out = empty(rows.shape, rows.dtype, rows.device)
-    for some in slices(rows):
+
+    def work(some: slice) -> None:
         if x.is_complex():
             part = planes(rows[some]).flatten(0, 1)
             found = torch.empty_like(part)
@@ -27,6 +36,8 @@ def analyse_rows(split: Split, x: Tensor) -> Tensor:
             torch.complex(*found.chunk(2), out=out[some])
         else:
             split.analyse(rows[some], out[some])
+
+    for_each(work, slices(rows), spread=_spread(out))
     return out.view(x.shape)
 
 
@@ -34,22 +45,24 @@ def restore_rows(split: Split, z: Tensor) -> Tensor:
     """z Vᵀ for z (..., N), real or complex."""
     rows = z.reshape(-1, z.shape[-1])
     out = empty(rows.shape, rows.dtype, rows.device)
-    for some in slices(rows):
+
+    def work(some: slice) -> None:
         if z.is_complex():
             part = planes(rows[some])
-            found = torch.empty_like(part)
-            split.restore(part, found)
-            torch.complex(*found, out=out[some])
+            split.restore(part, part)
+            torch.complex(*part, out=out[some])
         else:
             split.restore(rows[some].clone(), out[some])
+
+    for_each(work, slices(rows), spread=_spread(out))
     return out.view(z.shape)
 
 
 def turn(piece: Piece) -> Tensor:
     """Coefficients times phases as planes (2, b, N)."""
     if piece.values.is_complex():
-        return planes(piece.values * torch.complex(*piece.phases))
-    return piece.values * piece.phases
+        return planes(piece.values * torch.complex(*piece.phases()))
+    return piece.values * piece.phases()
 
 
 def synthesise_rows(
@@ -64,14 +77,16 @@ def synthesise_rows(
     else:
         result = empty(shape, kind.to_complex(), values.device) if out is None else out
         flat = result.view(-1, size)
-    for piece in pieces(values, order, split.indices):
+
+    def work(piece: Piece) -> None:
         z = turn(piece)
         if planar:
             split.restore(z, flat[:, piece.rows])
         else:
-            found = torch.empty_like(z)
-            split.restore(z, found)
-            torch.complex(*found, out=flat[piece.rows])
+            split.restore(z, z)
+            torch.complex(*z, out=flat[piece.rows])
+
+    for_each(work, pieces(values, order, split.indices), spread=_spread(result))
     return result
 
 
@@ -88,11 +103,12 @@ def turned_back(
     to_order = order.new_empty(len(to_values))
     grad = grad.reshape(2, -1, size) if planar else grad.reshape(-1, size)
     slope = (split.indices * (torch.pi / 2)).to(values.dtype.to_real())
-    for piece in pieces(values, order, split.indices):
+
+    def work(piece: Piece) -> None:
         part = grad[:, piece.rows] if planar else planes(grad[piece.rows])
         g = torch.empty_like(part, memory_format=torch.contiguous_format)
         split.analyse(part.reshape(-1, size), g.view(-1, size))
-        cosine, sine = piece.phases  # U = (cosine - i sine)(G0 + i G1)
+        cosine, sine = piece.phases()  # U = (cosine - i sine)(G0 + i G1)
         real = (g[0] * cosine).addcmul_(g[1], sine)
         minus = (g[0] * sine).addcmul_(g[1], cosine, value=-1)  # -Im U
         c = piece.values
@@ -103,6 +119,8 @@ def turned_back(
             to_values[piece.rows] = real
             density = minus * c
         to_order[piece.rows] = density @ slope
+
+    for_each(work, pieces(values, order, split.indices), spread=_spread(to_values))
     lead = shape[:-1]
     return (
         to_values.view(shape).sum_to_size(values.shape),

@@ -23,7 +23,7 @@ class Split(Protocol):
         """out (R, N) = x (R, N) V."""
 
     def restore(self, z: Tensor, out: Tensor) -> None:
-        """out (..., N) = z (..., N) Vᵀ; z is contiguous and overwritten."""
+        """out (..., N) = z (..., N) Vᵀ; z is contiguous and overwritten, out may be z itself."""
 
 
 class PlainSplit:
@@ -36,7 +36,7 @@ class PlainSplit:
         torch.mm(x, self.vectors, out=out)
 
     def restore(self, z: Tensor, out: Tensor) -> None:
-        torch.matmul(z, self.vectors.T, out=out)
+        out.copy_(z @ self.vectors.T)
 
 
 class HalfSplit:

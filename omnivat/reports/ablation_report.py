@@ -9,7 +9,7 @@ from omnivat.files import write_text
 from omnivat.reports.intervals import Spread, spread
 from omnivat.reports.paper import MARK, ablation_cell, not_comparable
 from omnivat.reports.plot import line_plot
-from omnivat.reports.reading import METRICS, Record, answered, by_run, latest
+from omnivat.reports.reading import METRICS, Record, answered, by_run, by_seed, latest
 from omnivat.reports.text_table import markdown, spread_text
 
 REPORT = "ablations.md"
@@ -56,9 +56,9 @@ def _in_data(records: Sequence[Record], source: str) -> str:
     return next((r["source"] for r in records if paper_name(r["source"]) == wanted), source)
 
 
-def _spread(records: Sequence[Record], method: str, source: str, metric: str) -> Spread:
-    values = by_run(records, method, metric)
-    return spread([value for (s, _), value in values.items() if s == source])
+def _spread(records: Sequence[Record], method: str, sources: Sequence[str], metric: str) -> Spread:
+    """Return the spread over seeds of the mean over sources."""
+    return spread(by_seed(by_run(records, method, metric), sources))
 
 
 def ablation_table(
@@ -71,26 +71,39 @@ def ablation_table(
     for row, (method, label, _) in table["rows"].items():
         cells = []
         for source in sources:
-            ours = [spread_text(_spread(records, method, source, metric)) for metric in SCORES]
-            cells += [" / ".join(ours), ablation_cell(name, row, source)]
+            cells += [_scores(records, method, [source]), ablation_cell(name, row, source)]
+        if len(sources) > 1:
+            cells.append(_scores(records, method, sources))
         parameters = spread([r["parameters"] for r in answered(records, method)]).mean
         rows.append([label, *cells, "" if parameters != parameters else f"{parameters:,.0f}"])
     header = [text for source in sources for text in (f"{source} → X", printed)]
-    return markdown(["variant", *header, "parameters"], rows)
+    header += ["average"] * (len(sources) > 1)
+    return _without_empty_columns(["variant", *header, "parameters"], rows)
+
+
+def _scores(records: Sequence[Record], method: str, sources: Sequence[str]) -> str:
+    return " / ".join(spread_text(_spread(records, method, sources, metric)) for metric in SCORES)
+
+
+def _without_empty_columns(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Return a table without columns that say nothing: sources whose figures are not printed."""
+    full = [i for i in range(len(header)) if any(row[i] for row in rows)]
+    return markdown([header[i] for i in full], [[row[i] for i in full] for row in rows])
 
 
 def ablation_plot(
     records: Sequence[Record], table: Mapping[str, Any], sources: Sequence[str]
 ) -> str:
-    """Return the figure of one ablation, ACC and Macro-F1 of its first source."""
+    """Return the figure of one ablation: ACC and Macro-F1, mean over its sources."""
     placed = [(method, value) for method, _, value in table["rows"].values() if value is not None]
     series = {
         METRICS[metric]: [
-            _percent(_spread(records, method, sources[0], metric)) for method, _ in placed
+            _percent(_spread(records, method, sources, metric)) for method, _ in placed
         ]
         for metric in SCORES
     }
-    title = f"{table['title'].split(':')[0]}, {sources[0]} → X"
+    where = sources[0] if len(sources) == 1 else f"mean of {len(sources)} sources"
+    title = f"{table['title'].split(':')[0]}, {where} → X"
     return line_plot(title, table["axis"], [f"{value:g}" for _, value in placed], series)
 
 

@@ -32,6 +32,7 @@ def test_the_tables_and_figures_of_the_paper_are_all_there():
         "class_token",
         "modalities",
         "order",
+        "fixed_order",
         "levels",
         "expansion",
         "balance",

@@ -9,6 +9,7 @@ import torch
 from PIL import Image
 
 from omnivat.encoders import ENCODERS, Encoder, load_encoder
+from omnivat.encoders.running import cpu_has_bf16
 from omnivat.errors import DataError, MissingNameError, SettingsError
 from omnivat.tables import load
 
@@ -123,14 +124,32 @@ def test_weights_of_another_kind_are_refused(tmp_path: Path) -> None:
 def test_bf16_stays_near_fp32_or_is_refused_where_the_cpu_lacks_it(
     encoder: Encoder, images: torch.Tensor, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    if torch.ops.mkldnn._is_mkldnn_bf16_supported():
+    if cpu_has_bf16():
         half = load_encoder("efficientnet-lite0", precision="bf16")
         cosine = torch.cosine_similarity(half.embed(images), encoder.embed(images))
         assert cosine.min() > 0.99
         assert half.embed(images).dtype == torch.float32
-    monkeypatch.setattr("omnivat.encoders.running._cpu_has_bf16", lambda: False)
+    monkeypatch.setattr("omnivat.encoders.running.cpu_has_bf16", lambda: False)
     with pytest.raises(SettingsError, match="use fp32"):
         load_encoder("efficientnet-lite0", precision="bf16")
+
+
+@pytest.mark.parametrize(
+    ("found", "native"),
+    [
+        ({"architecture": "x86_64", "avx512_bw": True}, False),  # oneDNN would imitate it, slowly
+        ({"architecture": "x86_64", "avx512_bf16": True}, True),
+        ({"architecture": "x86_64", "avx512_bf16": False, "amx_bf16": True}, True),
+        ({"architecture": "aarch64"}, True),  # where oneDNN says yes it has looked for them
+    ],
+)
+def test_bf16_counts_as_there_only_where_the_processor_has_instructions_for_it(
+    found: dict[str, object], native: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(torch.backends.mkldnn, "is_available", lambda: True)
+    monkeypatch.setattr(torch.ops.mkldnn, "_is_mkldnn_bf16_supported", lambda: True)
+    monkeypatch.setattr(torch.cpu, "get_capabilities", lambda: found)
+    assert cpu_has_bf16() is native
 
 
 def test_unknown_names_are_refused_with_those_there_are() -> None:

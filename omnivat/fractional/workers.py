@@ -1,0 +1,82 @@
+"""Work on many pieces side by side: one thread of ours for each core, one of torch's in each.
+
+torch splits every operation over its threads and waits for all of them at its end, about forty
+times a piece. Whole pieces side by side wait once, and each core keeps its piece in its own cache.
+"""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor, wait
+from typing import TypeVar
+
+import torch
+
+T = TypeVar("T")
+
+_MOST = 8  # more would mostly wait for Python's lock: then torch has several threads in each
+
+_pools: dict[int, ThreadPoolExecutor] = {}
+_lock = threading.Lock()
+
+
+def _forget() -> None:
+    """After a fork the child has the pools but not their threads, perhaps with the lock held."""
+    global _lock
+    _lock = threading.Lock()
+    _pools.clear()
+
+
+if hasattr(os, "register_at_fork"):  # not on Windows
+    os.register_at_fork(after_in_child=_forget)
+
+
+def _pool(count: int) -> ThreadPoolExecutor:
+    """Workers for `count` threads of torch, all started."""
+    with _lock:
+        if count not in _pools:
+            workers = min(count, _MOST)
+            started = threading.Barrier(workers + 1)
+
+            def start() -> None:
+                # for this thread only, and for threads that start later: hence the reset below
+                torch.set_num_threads(count // workers)
+                started.wait()
+
+            _pools[count] = ThreadPoolExecutor(workers, "fractional", initializer=start)
+            for _ in range(workers):
+                _pools[count].submit(int)
+            started.wait()
+            torch.set_num_threads(count)
+        return _pools[count]
+
+
+def for_each(work: Callable[[T], object], parts: Iterable[T], *, spread: bool) -> None:
+    """Call `work` for every part, without a graph; no two parts may write to the same place.
+
+    spread: whether the work is long enough, and on the processor, to be shared between threads.
+    What a part computes does not depend on the number of threads, to the last bit.
+    """
+    count = torch.get_num_threads()
+    if not spread or count == 1:
+        for part in parts:
+            work(part)
+        return
+    source, one_at_a_time, inference = iter(parts), threading.Lock(), torch.is_inference_mode_enabled()
+
+    def drain() -> None:
+        with torch.inference_mode(inference), torch.no_grad():
+            while True:
+                with one_at_a_time:
+                    part = next(source, None)
+                if part is None:
+                    return
+                work(part)
+
+    pool = _pool(count)
+    running = [pool.submit(drain) for _ in range(min(count, _MOST))]
+    wait(running)
+    for done in running:
+        done.result()
