@@ -138,7 +138,9 @@ class Desks:
         if any(name in parts for name in HEAD):
             missing = [name for name in NEEDED_HEAD if name not in parts]
             if missing:
-                raise DataError(f"A head also has {' and '.join(missing)}; choose its whole folder.")
+                raise DataError(
+                    f"A head also has {' and '.join(missing)}; choose its whole folder."
+                )
             head = folder / "head"
             where = (
                 replace(where, compare=(*base.compare, _renamed(head, len(base.compare))))

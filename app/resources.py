@@ -79,8 +79,8 @@ class Resources:
     def __init__(self, where: Places) -> None:
         self.where = where
         self.folders = head_names(where)
-        self.heads = {
-            name: Once[Head](partial(_load_head, folder)) for name, folder in self.folders.items()
+        self.heads: dict[str, Once[Head]] = {
+            name: Once(partial(_load_head, folder)) for name, folder in self.folders.items()
         }
         self.head = self.heads[""]
         self.embeddings: Once[Embeddings] = Once(partial(_load_embeddings, where.embeddings))
@@ -94,6 +94,7 @@ class Resources:
         }
         self.frames = self.frame_jobs[""]
         self.features: Recent[np.ndarray[Any, Any]] = Recent(KEPT_FEATURES)  # by stage and order
+        self.answers: Recent[dict[str, Any]] = Recent(KEPT_FEATURES)  # of comparison methods
         self._row_of: Once[dict[str, int]] = Once(self._rows_by_file)
         self._sent: Recent[np.ndarray[Any, Any]] = Recent(KEPT_IMAGES)
 

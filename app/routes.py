@@ -33,6 +33,7 @@ QUESTIONS: dict[str, Answer] = {
     "tree": tree.answer,
     "neighbours": explore.neighbours,
     "place": explore.place,
+    "answers": compare.answers,
     "measure": measured,
 }
 FACTS: dict[str, Callable[[Resources], Any]] = {

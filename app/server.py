@@ -3,11 +3,15 @@
 import argparse
 import logging
 import os
+import sys
 from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
 from threading import Thread
 from typing import Any
+
+from omnivat.errors import MissingPackageError
+from omnivat.packages import need
 
 VIEWS = (
     "app.views.explore",
@@ -24,9 +28,20 @@ def parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="app.py", description="Open the OmniVaT page.")
     parser.add_argument("--head", type=Path, help="folder of a trained head")
     parser.add_argument("--embeddings", type=Path, help="embeddings file to show")
+    parser.add_argument(
+        "--compare",
+        type=Path,
+        action="append",
+        default=[],
+        metavar="DIR",
+        help="a head to show beside the first; can be given several times",
+    )
     parser.add_argument("--host", default="127.0.0.1", help="address to listen on")
     parser.add_argument("--port", type=int, help="port (the first free one from 7860)")
     parser.add_argument("--no-browser", action="store_true", help="do not open a browser")
+    parser.add_argument(
+        "--desktop", action="store_true", help="open a window of its own (needs pywebview)"
+    )
     return parser
 
 
@@ -83,6 +98,24 @@ def main(arguments: Sequence[str] | None = None) -> int:
     logging.getLogger("httpx").setLevel(logging.WARNING)
     from app.resources import Resources, places
 
-    resources = Resources(places(chosen.head, chosen.embeddings))
+    resources = Resources(places(chosen.head, chosen.embeddings, chosen.compare))
+    if chosen.desktop:
+        return in_window(resources, chosen)
     launch(build(resources), resources, chosen)
+    return 0
+
+
+def in_window(resources: Any, chosen: argparse.Namespace) -> int:
+    """Show the page in a window of its own until it is closed; say what is missing for it."""
+    try:
+        webview = need("webview", purpose="--desktop", install="pywebview")
+    except MissingPackageError as error:
+        print(f"app.py: {error}", file=sys.stderr)
+        return 1
+    chosen.no_browser = True
+    page = build(resources)
+    _, address, _ = launch(page, resources, chosen, prevent_thread_lock=True, quiet=True)
+    webview.create_window("OmniVaT", address, width=1440, height=940)
+    webview.start()
+    page.close()
     return 0

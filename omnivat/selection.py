@@ -1,9 +1,13 @@
 """Source-side evidence for choosing settings: held-out objects of the source, plain and shifted.
 
 A target is never looked at. Held-out objects alone say how well a method fits its source; a new
-sensor also moves every embedding of a modality at once. That is imitated: one random offset, and
-one random stretch of each axis, drawn at the scale of the source's own spread, for all held-out
-pairs of a modality. Several draws stand for several unknown sensors.
+sensor also moves every embedding of a modality at once. That is imitated: one random offset and
+one random stretch, drawn at the scale of the source's own spread, for all held-out pairs of a
+modality. Several draws stand for several unknown sensors, of two kinds:
+
+axes    every axis moves on its own: directions that hardly tell pictures apart move too
+spread  the offset is drawn like a pair of the source, along the directions in which pictures
+        differ: as long as the other and far harder, since classes lie along them
 """
 
 from dataclasses import dataclass, replace
@@ -18,7 +22,8 @@ from omnivat.errors import DataError
 from omnivat.seeding import derive_seed
 
 FRACTION = 0.25
-SHIFTS, STRENGTH = 6, 1.0
+SHIFTS, STRENGTH = 6, 1.0  # of each kind
+KINDS = ("axes", "spread")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -26,7 +31,7 @@ class Evidence:
     """One fold: pairs to fit, and held-out pairs as they are and under imitated sensors."""
 
     fit: Embeddings
-    held: dict[str, Embeddings]  # "held out", "shift 0", "shift 1", ...
+    held: dict[str, Embeddings]  # "held out", "axes 0", "axes 1", ..., "spread 0", ...
 
 
 def evidence(
@@ -35,8 +40,8 @@ def evidence(
     """Split a source's training pairs by object and shift the held-out ones.
 
     fold      number of the fold; the same for every method
-    shifts    imitated sensors
-    strength  their size in standard deviations of the source's axes
+    shifts    imitated sensors of each kind
+    strength  their size in standard deviations of the source
 
     Raises DataError when no object can be held out.
     """
@@ -46,33 +51,50 @@ def evidence(
         raise DataError("No object of the source can be held out: every class has one object only.")
     fit, rest = source.select(~held), source.select(held)
     shifted = {
-        f"shift {number}": shift(rest, fit, strength, derive_seed(seed, "shift", number))
+        f"{kind} {number}": shift(rest, fit, strength, derive_seed(seed, kind, number), kind=kind)
+        for kind in KINDS
         for number in range(shifts)
     }
     return Evidence(fit=fit, held={"held out": rest, **shifted})
 
 
-def shift(pairs: Embeddings, reference: Embeddings, strength: float, seed: int) -> Embeddings:
+def shift(
+    pairs: Embeddings, reference: Embeddings, strength: float, seed: int, *, kind: str = "axes"
+) -> Embeddings:
     """Return the pairs as another pair of sensors might give them.
 
-    Each axis of a modality is stretched around the reference's mean and moved, the same for all
-    pairs: x -> mean + (x - mean) (1 + s a) + s std b, with a in [-0.5, 0.5] and b ~ N(0, 1).
+    "axes"    x -> mean + (x - mean) (1 + s a) + s std b, a in [-0.5, 0.5] and b ~ N(0, 1) by axis
+    "spread"  x -> mean + (x - mean) (1 + s a) + s z, one a, and z ~ N(0, covariance of reference)
+
+    The draw is the same for all pairs of a modality.
     """
     random = np.random.default_rng(seed)
+    move = _along_axes if kind == "axes" else _along_spread
     return replace(
         pairs,
-        vis=_moved(pairs.vis, reference.vis, strength, random),
-        tac=_moved(pairs.tac, reference.tac, strength, random),
+        vis=move(pairs.vis, reference.vis, strength, random),
+        tac=move(pairs.tac, reference.tac, strength, random),
         vis_flip=None,
         tac_flip=None,
     )
 
 
-def _moved(
+def _along_axes(
     rows: NDArray[Any], reference: NDArray[Any], strength: float, random: np.random.Generator
 ) -> NDArray[np.float32]:
     mean, std = reference.mean(0), reference.std(0)
     stretch = 1 + strength * random.uniform(-0.5, 0.5, len(mean))
     offset = strength * std * random.normal(size=len(mean))
+    moved: NDArray[np.float32] = (mean + (rows - mean) * stretch + offset).astype(np.float32)
+    return moved
+
+
+def _along_spread(
+    rows: NDArray[Any], reference: NDArray[Any], strength: float, random: np.random.Generator
+) -> NDArray[np.float32]:
+    mean = reference.mean(0)
+    stretch = 1 + strength * random.uniform(-0.5, 0.5)
+    mix = random.normal(size=len(reference)) / len(reference) ** 0.5
+    offset = strength * (mix @ (reference - mean))  # covariance: that of the reference
     moved: NDArray[np.float32] = (mean + (rows - mean) * stretch + offset).astype(np.float32)
     return moved

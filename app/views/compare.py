@@ -1,10 +1,187 @@
-"""Compare: two orders or two stages side by side, linked: hover, lasso and zoom act on both."""
+"""Compare: two views side by side, linked; and every score from source to target."""
+
+import json
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 from app.components import component
+from app.resources import Resources
+from omnivat.data.domains import paper_name
+from omnivat.errors import DataError
+from omnivat.heads import EXAMPLES
 
 TITLE = "Compare"
+METHODS = {"nearest_mean": "nearest class mean"}  # quick to fit; slower ones are in the matrix
+RECORDS = EXAMPLES.parent / "docs" / "benchmarks" / "protocol.json"
+
+
+def heads(resources: Resources) -> list[dict[str, Any]]:
+    """Return what can stand side by side: name, what it is made of, source, learned order.
+
+    Read from settings.json alone: nothing heavy is loaded for the list.
+    """
+    found = []
+    for name, folder in resources.folders.items():
+        try:
+            record = json.loads((folder / "settings.json").read_text(encoding="utf-8"))
+            settings, provenance = record["head"], record["provenance"]
+            found.append(
+                {
+                    "name": name,
+                    "folder": folder.name,
+                    "generation": settings["generation"],
+                    "mffa": settings["mffa"],
+                    "levels": settings["levels"],
+                    "width": settings["width"],
+                    "start": settings["order"],
+                    "source": str(provenance.get("source", "")),
+                    "seed": provenance.get("seed"),
+                }
+            )
+        except (OSError, ValueError, KeyError, TypeError):
+            problem = f"'{folder.name}' is not a head; see Data & about."
+            found.append({"name": name, "folder": folder.name, "problem": problem})
+    return found
+
+
+def answers(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what a comparison method, fitted on the head's source domain, says of every pair.
+
+    question  {"method": a name of METHODS}
+    return    label, prediction (N,) as indices into the set's classes, confidence (N,) 0 to 255
+
+    Raises DataError for another method, or a set without the head's source domain.
+    """
+    method = question.get("method")
+    if method not in METHODS:
+        raise DataError(f"No method is called {method!r:.40}; there are {', '.join(METHODS)}.")
+    kept = resources.answers.get(method)
+    return resources.answers.keep(method, kept or _answered(resources, method))
+
+
+def _answered(resources: Resources, method: str) -> dict[str, Any]:
+    import torch
+
+    from omnivat.protocol.methods import methods_named
+    from omnivat.protocol.run import Run, asked, source_arrays
+    from omnivat.tables import load
+
+    embeddings, source = resources.embeddings(), resources.head().source
+    from omnivat.baselines import BASELINES
+
+    run = Run(method=methods_named([method], {}, {})[0], source=source, seed=0)
+    task = asked(run, embeddings)
+    fitted = load(BASELINES, method, kind="baseline")(source_arrays(task, None, 0))
+    vis, tac = (torch.from_numpy(a.copy()) for a in (embeddings.vis, embeddings.tac))
+    with torch.inference_mode():
+        confidence, said = fitted.predict(vis, tac)["fused"].max(1)
+    classes = list(embeddings.header.classes)
+    return {
+        "label": METHODS[method],
+        "classes": list(task.classes),
+        "set_classes": classes,
+        "prediction": said.tolist(),
+        "confidence": (255 * confidence).round().int().tolist(),
+        "pairs": len(task.train),
+        "source": source,
+    }
+
+
+# ---- source x target ---------------------------------------------------------------------------
+
+
+def matrix(resources: Resources) -> dict[str, Any]:
+    """Return scores by source and target, and the figures that the paper prints.
+
+    return  `rows`: method, label, source, seeds, cells {target: [accuracy, macro-F1]} as shares;
+            `origin`: "protocol" or "heads"; `paper`: method -> source -> [ACC, F1] in percent;
+            `why`: why the paper's are not comparable, "" where they are
+    """
+    from omnivat.reports.paper import BACKBONE, not_comparable, paper
+
+    header = resources.embeddings().header
+    rows, origin = protocol_rows(header.weights_hash), "protocol"
+    own = [row for one in resources.heads if (row := head_row(resources, one))]
+    if not rows:
+        origin = "heads"
+    sources = list(dict.fromkeys(row["source"] for row in (*rows, *own)))
+    return {
+        "rows": rows + own,
+        "origin": origin,
+        "targets": list(header.domains),
+        "backbone": BACKBONE,
+        "paper": {
+            method: {
+                source: printed[paper_name(source)]
+                for source in sources
+                if paper_name(source) in printed
+            }
+            for method, printed in paper()["main"][BACKBONE].items()
+        },
+        "why": not_comparable({"simulated": header.simulated, "encoder": header.encoder}),
+    }
+
+
+def head_row(resources: Resources, name: str) -> dict[str, Any] | None:
+    """Return the row that a head's own metrics.json gives, None where it has no scores."""
+    try:
+        head = resources.head_named(name)
+    except DataError:
+        return None
+    cells = {
+        str(record["domain"]): [
+            record["scores"]["fused"]["accuracy"],
+            record["scores"]["fused"]["macro_f1"],
+        ]
+        for record in head.metrics.get("domains", [])
+        if "fused" in record.get("scores", {})
+    }
+    if not cells:
+        return None
+    label = f"head '{resources.folders[name].name}'"
+    return {"method": name, "label": label, "source": head.source, "seeds": 1, "cells": cells}
+
+
+def protocol_rows(weights_hash: str) -> list[dict[str, Any]]:
+    """Return a row for each method and source of the protocol's records, mean over seeds.
+
+    Records of other embeddings are left out. No file, no rows.
+    """
+    if not RECORDS.is_file():
+        return []
+    found = json.loads(RECORDS.read_text(encoding="utf-8"))
+    records = found.get("records", []) if isinstance(found, dict) else found
+    grouped: dict[tuple[str, str], list[Mapping[str, Any]]] = {}
+    for record in records:
+        same = record.get("data", {}).get("weights_hash", weights_hash) == weights_hash
+        if same and record.get("fold") is None and "targets" in record:
+            grouped.setdefault((record["method"], record["source"]), []).append(record)
+    return [
+        {
+            "method": method,
+            "label": runs[0].get("label") or method,
+            "source": source,
+            "seeds": len(runs),
+            "cells": mean_cells(runs),
+        }
+        for (method, source), runs in grouped.items()
+    ]
+
+
+def mean_cells(runs: Sequence[Mapping[str, Any]]) -> dict[str, list[float]]:
+    """Return target -> [accuracy, macro-F1], each the mean over runs that have the target."""
+    cells: dict[str, list[float]] = {}
+    for target in dict.fromkeys(name for run in runs for name in run["targets"]):
+        scores = [
+            run["targets"][target]["scores"]["fused"] for run in runs if target in run["targets"]
+        ]
+        cells[target] = [
+            sum(score[metric] for score in scores) / len(scores)
+            for metric in ("accuracy", "macro_f1")
+        ]
+    return cells
 
 
 def build() -> None:
-    """Lay the tab out. All it shows is in the frames; the browser draws them."""
+    """Lay the tab out. Its maps are in the frames; the browser draws them."""
     component("compare")

@@ -1,12 +1,16 @@
 """Explore: the whole set on a map that answers while p moves."""
 
+import json
 from collections.abc import Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from app import placing
 from app.components import component
 from app.resources import Resources
 from app.state import order_from
 from omnivat.errors import DataError
+from omnivat.heads import EXAMPLES
 
 if TYPE_CHECKING:
     import numpy as np
@@ -18,6 +22,7 @@ if TYPE_CHECKING:
 
 TITLE = "Explore"
 NEIGHBOURS = 6
+RETRAINED = EXAMPLES / "retrained.json"
 
 
 def neighbours(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
@@ -28,7 +33,7 @@ def neighbours(resources: Resources, question: Mapping[str, Any]) -> dict[str, A
 
     Raises DataError for a point or stage that is not there.
     """
-    from omnivat.sweep import STAGES, STILL
+    from omnivat.sweep import STAGES
 
     embeddings, head = resources.embeddings(), resources.head()
     stage, point = str(question.get("stage")), question.get("point")
@@ -38,13 +43,21 @@ def neighbours(resources: Resources, question: Mapping[str, Any]) -> dict[str, A
         raise DataError(f"No point has the number {point!r:.20}; choose one on the map.")
     order = order_from(question.get("order"))
     order = head.model.order if order is None else order
+    return {"neighbours": nearest(kept_features(resources, stage, order), point, NEIGHBOURS)}
+
+
+def kept_features(resources: Resources, stage: str, order: float) -> "Array":
+    """Return the features of the first head at a stage, computed once while they are in use."""
+    from omnivat.sweep import STILL
+
     # still stages are unitary: their cosines know no order
     key = stage if stage in STILL else f"{stage} {order:.6f}"
     features = resources.features.get(key)
     if features is None:
+        embeddings, head = resources.embeddings(), resources.head()
         head.require_embeddings(embeddings)
         features = resources.features.keep(key, staged(head.model, embeddings, stage, order))
-    return {"neighbours": nearest(features, point, NEIGHBOURS)}
+    return features
 
 
 def nearest(features: "Array", point: int, count: int) -> list[dict[str, Any]]:
@@ -73,6 +86,34 @@ def staged(model: "OmniVaT", embeddings: "Embeddings", stage: str, order: float)
         rows = found.features[stage]
         features: Array = torch.cat([unit(rows["vis"]), unit(rows["tac"])]).numpy()
     return features
+
+
+def place(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
+    """Return where a pair, and its tree's nodes, lie on a map; see `app.placing`."""
+    return placing.place(resources, question, kept_features)
+
+
+def retrained(_: Resources) -> dict[str, Any]:
+    """Return accuracies of heads trained anew at fixed orders; nothing where none were measured.
+
+    return  {"points": [{"order", "mean", "std"}, …]} in the order of p. docs/page.md has the format
+    """
+    return {"points": retrained_points(RETRAINED)}
+
+
+def retrained_points(file: Path) -> list[dict[str, float]]:
+    """Read {"0.5": [mean, std], …}, shares of pairs right; anything else in the file is left out."""
+    if not file.is_file():
+        return []
+    found = json.loads(file.read_text(encoding="utf-8"))
+    points = []
+    for order, pair in found.items() if isinstance(found, dict) else ():
+        try:
+            mean, std = map(float, pair)
+            points.append({"order": float(order), "mean": mean, "std": std})
+        except (TypeError, ValueError):
+            continue
+    return sorted(points, key=lambda point: point["order"])
 
 
 def build() -> None:

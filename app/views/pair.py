@@ -8,6 +8,7 @@ from app.asking import embedded, refs_from, rounded
 from app.components import component
 from app.resources import Resources
 from app.state import order_from
+from omnivat.errors import DataError
 
 if TYPE_CHECKING:
     import numpy as np
@@ -23,13 +24,14 @@ COLUMNS = 256  # of the spectrum's picture; each shows the largest of the entrie
 def answer(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     """Predict one pair at every stop and at one exact order.
 
-    question  {"vis": reference or None, "tac": reference or None, "order": p or None}
+    question  {"vis": reference or None, "tac": reference or None, "order": p or None,
+              "head": name of a comparison head, the first one if left out}
     return    classes, orders, the learned order, `stops` and `exact` probabilities, spectra
     """
     refs = refs_from(question)
     order = order_from(question.get("order"))
     pair = embedded(resources, refs)
-    head = resources.head()
+    head = resources.head_named(question.get("head"))
     exact = head.model.order if order is None else order
     swept = sweep(head.model, pair["vis"], pair["tac"], (*STOPS, exact))
     probabilities = swept["probabilities"]
@@ -68,6 +70,43 @@ def sweep(
             "probabilities": {name: p.numpy() for name, p in probabilities.items()},
             "magnitudes": {name: f.norm(dim=1).numpy() for name, f in out.frft.items()},
         }
+
+
+def attention(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
+    """Return where FrATT looks at every stop: how much each token's query gives to each token.
+
+    question  as for `answer`
+    return    `tokens`: a name for each of the T tokens, with its θ; `weights`: modality ->
+              bytes (P, T, T) in base64, 255 is all of a query's attention
+    """
+    import numpy as np
+    import torch
+
+    pair = embedded(resources, refs_from(question))
+    head = resources.head_named(question.get("head"))
+    if not head.settings.mffa:
+        raise DataError("This head has no MFFA, so there is no attention to show.")
+    with torch.inference_mode():
+        one = head.model.coefficients(pair["vis"], pair["tac"])
+        many = one[torch.zeros(len(STOPS), dtype=torch.long)]
+        found = head.model.from_coefficients(many, torch.tensor(STOPS), attention=True).attention
+    coded = {
+        name: base64.b64encode(np.rint(w.numpy() * 255).astype(np.uint8).tobytes()).decode()
+        for name, w in found.items()
+    }
+    return {
+        "tokens": {name: token_names(head.model, name, w.shape[-1]) for name, w in found.items()},
+        "count": {name: w.shape[-1] for name, w in found.items()},
+        "weights": coded,
+        "learned": head.model.order,
+    }
+
+
+def token_names(model: "OmniVaT", modality: str, count: int) -> list[str]:
+    """Return "Re × 1.04" and the like for each token of a modality: its part and its θ."""
+    theta = model.mffa.theta[modality].tolist()
+    parts = ["Re", "Im"] if count == 2 * len(theta) else ["|F|" if count == len(theta) else "F"]
+    return [f"{part} × {value:.2f}" for part in parts for value in theta][:count]
 
 
 def spectrum(magnitudes: "np.ndarray[Any, Any]") -> dict[str, Any]:

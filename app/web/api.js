@@ -15,10 +15,20 @@ export function refused(error, say) {
   say(error.message);
 }
 
+const ALONE = "This page is a file of its own: there is no server behind it to ask.";
 const LOST = "The server does not answer. Is it still running? The page goes on when it is back.";
 const base = new URL("omnivat/", document.baseURI);
 
-export const address = (path) => new URL(path, base).href;
+const desk = new URLSearchParams(location.search).get("set"); // a head or set loaded by this visitor
+const held = globalThis.omnivatHeld; // what a page saved as one file carries with it
+
+/** Where a path of the server is; a saved page has some of them inside. */
+export function address(path) {
+  if (held?.[path]) return held[path];
+  const url = new URL(path, base);
+  if (desk) url.searchParams.set("set", desk);
+  return url.href;
+}
 
 async function answered(request) {
   let response;
@@ -36,7 +46,10 @@ async function answered(request) {
   throw new Refusal(sentence, response.status);
 }
 
-export const get = (path, options) => answered(fetch(address(path), options));
+export async function get(path, options) {
+  if (held && !held[path]) throw new Refusal(ALONE, 404);
+  return answered(fetch(address(path), options));
+}
 
 export const json = async (path) => (await get(path)).json();
 
@@ -73,9 +86,15 @@ export async function bytesOf(ref, modality) {
   return (await get(`example/${path}/${modality}`)).blob();
 }
 
-/** Which parts of an image the answer depends on. */
-export async function occlusion(blob, { modality, other, order }) {
-  const query = new URLSearchParams({ modality, order });
+/** Send an image with a question about it: "occlusion" or "live". */
+export async function askOfImage(what, blob, { modality, other, order }) {
+  const query = new URLSearchParams({ modality });
+  if (Number.isFinite(order)) query.set("order", order);
   if (other) query.set("other", other);
-  return (await get(`occlusion?${query}`, { method: "POST", body: blob })).json();
+  return (await get(`${what}?${query}`, { method: "POST", body: blob })).json();
+}
+
+/** Send one file of a head or set; returns what to call it in `loadParts`. */
+export async function sendPart(name, file) {
+  return (await (await get(`part?name=${encodeURIComponent(name)}`, { method: "POST", body: file })).json()).part;
 }

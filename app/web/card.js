@@ -30,11 +30,14 @@ export function verdict(frames, pair, stop) {
   };
 }
 
-export function card(frames, sprite, pair, stop, pinned) {
+/** `sample` stands in until a visitor points at a pair; -1 for none. */
+export function card(frames, sprite, pair, stop, pinned, sample = -1) {
   if (pair < 0) {
-    return `<h3>No pair chosen</h3><p class="hint">Point at the map to see a pair’s photo and touch image.
-      Click one to pin it: it becomes the current pair of the other tabs.
-      <kbd>N</kbd> and <kbd>B</kbd> step through pairs, <kbd>Enter</kbd> pins.</p>`;
+    const example = sample < 0 ? "" : thumbnailPair(frames, sprite, sample, 124);
+    const names = sample < 0 ? "" : `: ${escaped(frames.classes[frames.label[sample]])}`;
+    return `<h3>A photo and a touch${names}</h3>${example}<p class="hint"><b>Point</b> at the map: each pair is two points,
+      ● the photo (VIS) and ▲ the touch (TAC). <b>Click</b> to pin a pair for the other tabs.
+      <kbd>N</kbd> <kbd>B</kbd> step, <kbd>Enter</kbd> pins.</p>`;
   }
   const v = verdict(frames, pair, stop);
   return `<h3>Pair ${pair}${pinned ? ' <span class="tag">pinned</span>' : ""}</h3>

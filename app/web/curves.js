@@ -37,13 +37,15 @@ const path = (frames, own, ys) => own.map((v, i) => (Number.isFinite(v)
 const span = (frames) => [frames.orders[0], frames.orders.at(-1)];
 
 /** What guessing gets. */
+const CLOSE = 0.03; // farther from the learned p than this, curves are a what-if
+
 const chance = (frames) => frames.orders.map(() => 1 / frames.classes.length);
 
 export class Curves {
   constructor(box, frames, onOrder) {
     this.frames = frames;
     this.box = box;
-    box.innerHTML = CURVES.map((c) => this.chart(c)).join("");
+    box.innerHTML = CURVES.map((c) => this.chart(c)).join("") + this.note();
     this.charts = [...box.querySelectorAll("figure")];
     for (const chart of this.charts) this.listen(chart.querySelector("svg"), onOrder);
   }
@@ -58,7 +60,38 @@ export class Curves {
       `<text x="${X(p, [a, b])}" y="${H - 6}" text-anchor="${["start", "middle", "end"][i]}">${i === 1 ? "p" : +p.toFixed(2)}</text>`);
     return `<figure data-name="${name}"><figcaption title="${help}"><span>${title} <small class="of"></small></span><output></output></figcaption>
       <svg viewBox="0 0 ${W} ${H}" role="img" aria-label="${title} against p: ${help}">${ticks.join("")}${stops.join("")}
-      <path class="ghost"/><path class="own"/><line class="now" y1="${PAD.top}" y2="${H - PAD.bottom}"/><circle class="now" r="4"/></svg></figure>`;
+      ${this.band([a, b])}<path class="ghost"/><g class="retrained"></g><path class="own"/><line class="now" y1="${PAD.top}" y2="${H - PAD.bottom}"/><circle class="now" r="4"/></svg></figure>`;
+  }
+
+  /** Where the head's weights are at home. */
+  band([a, b]) {
+    const learned = this.frames.meta.head?.learned_order;
+    if (!(learned >= a && learned <= b)) return "";
+    const [left, right] = [Math.max(a, learned - CLOSE), Math.min(b, learned + CLOSE)].map((p) => X(p, [a, b]));
+    return `<rect class="band" x="${left}" width="${right - left}" y="${PAD.top}" height="${H - PAD.top - PAD.bottom}"/>`;
+  }
+
+  /** Why curves are rough away from the learned p. */
+  note() {
+    const learned = this.frames.meta.head?.learned_order;
+    if (!Number.isFinite(learned)) return "";
+    return `<details class="what-if"><summary><b aria-hidden="true">?</b> Outside the pale band: a what-if</summary>
+      <p>The head’s weights were learned at p = ${learned.toFixed(3)}. The band is p ± ${CLOSE}; outside it, the curves say how <i>these</i> weights do at a p they were not made for: hence the ups and downs. What heads reach that are trained anew at each p is another question: <code>omnivat ablate --only order</code> answers it<span class="dots"></span>.</p></details>`;
+  }
+
+  /** Accuracies of heads trained anew at some p, as dots with error bars: [{order, mean, std}]. */
+  retrained(points) {
+    const chart = this.charts.find((one) => one.dataset.name === "accuracy");
+    const [a, b] = span(this.frames);
+    const ys = axis(this.frames, "accuracy");
+    const clip = (v) => Y(Math.max(ys[0], Math.min(ys[1], v)), ys).toFixed(1);
+    const seen = points.filter(({ order }) => order >= a && order <= b);
+    chart.querySelector(".retrained").innerHTML = seen.map(({ order, mean, std }) => {
+      const x = X(order, [a, b]).toFixed(1);
+      return `<path d="M${x} ${clip(mean - std)}V${clip(mean + std)}"/><circle cx="${x}" cy="${clip(mean)}" r="3"><title>trained at p = ${order}: ${(100 * mean).toFixed(1)} ± ${(100 * std).toFixed(1)} %</title></circle>`;
+    }).join("");
+    const dots = this.box.querySelector(".dots");
+    if (dots) dots.textContent = seen.length ? "; its answers are the dots in the accuracy chart (mean over unseen domains and seeds, ± standard deviation)" : "";
   }
 
   /** Drag on a chart to move p. */

@@ -1,14 +1,17 @@
 /** Explore: the slider, the curves and the map, answered in the browser stop by stop. */
 
-import { refused } from "./api.js";
+import { json, refused } from "./api.js";
+import { beforeMap, title } from "./before.js";
 import { card } from "./card.js";
 import { Cloud } from "./cloud.js";
+import { coach } from "./coach.js";
 import { Curves, values } from "./curves.js";
 import { csv, download, png, svg } from "./exports.js";
 import { whenFine } from "./frames.js";
 import { showFilters, shownBy } from "./filters.js";
 import { layersOf } from "./layers.js";
 import { axes, axisNames, lassoLine, neighbourRings, pairLine } from "./marks.js";
+import { means } from "./means.js";
 import { findNeighbours } from "./neighbours.js";
 import { orderBar } from "./order.js";
 import { COLOURINGS, isDark, onTheme } from "./palette.js";
@@ -59,26 +62,30 @@ function explore($, first, sprite) {
   let lassoMode = false;
   let shown = shownBy(frames);
   let announcing = 0;
+  let retrained = [];
+  const sample = frames.label.findIndex((label, pair) => label === frames.prediction[frames.stop(frames.meta.head?.learned_order ?? 0.5) * frames.pairs + pair]);
 
   const cloud = new Cloud($(".map"), 2 * frames.pairs);
   let curves = new Curves($(".curves"), frames, (p) => change({ p: +p.toFixed(2) }));
   const showStages = stageButtons($(".stages"), () => state.stage, (stage) => change({ stage }));
   const bar = orderBar($(".order-bar"), frames);
-  const drawing = listen(cloud, {
+  const listening = {
     wanted: (point) => shown(point),
     hover, pick, lasso: select, next,
     lassoMode: () => lassoMode,
     current: () => hovered,
-  });
-
-  cloud.painters = [
-    axes(() => axisNames(state.map)),
+  };
+  const drawing = listen(cloud, listening);
+  const painters = [
+    means(() => frames, (point) => shown(point)),
     (x, c) => neighbourRings(x, c, near),
     (x, c) => state.pin !== null && pairLine(x, c, state.pin, "#dc2626"),
     (x, c) => hovered >= 0 && hovered % frames.pairs !== state.pin
       && pairLine(x, c, hovered % frames.pairs, isDark() ? "#38bdf8" : "#1e293b"),
-    (x) => lassoLine(x, drawing.polygon),
   ];
+  const before = beforeMap($(".still"), frames, { ...listening, lassoMode: () => false }, painters);
+  cloud.painters = [axes(() => axisNames(state.map)), ...painters, (x) => lassoLine(x, drawing.polygon)];
+  const paintMarks = () => [cloud, before].forEach((one) => one.paintMarks());
 
   // ---- what is shown ----------------------------------------------------------------------
 
@@ -100,8 +107,9 @@ function explore($, first, sprite) {
   }
 
   function showLayers() {
-    cloud.layers = layersOf(frames, stop, shown, lit);
+    cloud.layers = before.layers = layersOf(frames, stop, shown, lit);
     cloud.redraw();
+    before.redraw();
   }
 
   function showOrder() {
@@ -111,6 +119,7 @@ function explore($, first, sprite) {
     if (["correctness", "confidence"].includes(state.colour)) showLayers();
     showMap();
     showCard();
+    $(".now .map-title").innerHTML = title(frames, state.stage, stop, `${stageNamed(state.stage).name}, p = ${frames.orders[stop].toFixed(2)}`);
     clearTimeout(announcing);
     announcing = setTimeout(announce, 400);
   }
@@ -124,6 +133,9 @@ function explore($, first, sprite) {
     $(".map-kind").innerHTML = kinds.map((k) => `<option value="${k}">${MAPS[k] ?? k}</option>`).join("");
     $(".map-kind").value = state.map;
     near = [];
+    $(".maps").classList.toggle("alone", ["raw", "frft"].includes(state.stage) || !frames.kinds("raw").includes("pca"));
+    $(".before .map-title").innerHTML = title(frames, "raw", 0, "Before: raw embedding");
+    if (frames.kinds("raw").includes("pca")) before.show(frames.positions("pca", "raw", 0));
     showCurves();
     showOrder();
   }
@@ -148,7 +160,7 @@ function explore($, first, sprite) {
 
   function showCard() {
     const pair = hovered >= 0 ? hovered % frames.pairs : state.pin ?? -1;
-    $(".card").innerHTML = card(frames, sprite, pair, stop, pair >= 0 && pair === state.pin);
+    $(".card").innerHTML = card(frames, sprite, pair, stop, pair >= 0 && pair === state.pin, sample);
   }
 
   function announce() {
@@ -166,7 +178,7 @@ function explore($, first, sprite) {
     if (point === hovered) return;
     hovered = point;
     cloud.marks.style.cursor = point >= 0 ? "pointer" : lassoMode ? "crosshair" : "grab";
-    cloud.paintMarks();
+    paintMarks();
     showCard();
   }
 
@@ -223,21 +235,30 @@ function explore($, first, sprite) {
     if (event.target.matches(".unpin")) pick(-1);
     if (event.target.matches(".find")) {
       near = await findNeighbours($(".card .found"), { frames, sprite, point: state.pin + frames.pairs * event.target.dataset.of, stage: state.stage, p: frames.orders[stop], onPick: pick });
-      cloud.paintMarks();
+      paintMarks();
     }
   };
   watch(["p"], showOrder);
   watch(["stage"], showStage);
   watch(["map"], () => { $(".map-kind").value = state.map; showMap(); });
   watch(["colour", "domain", "class", "modality"], showColours);
-  watch(["pin"], () => { showCard(); cloud.paintMarks(); });
-  onTheme(() => cloud.redraw());
+  watch(["pin"], () => { showCard(); paintMarks(); });
+  watch(["means"], showMeans);
+  $(".tool.means").onclick = () => change({ means: state.means === "1" ? "0" : "1" });
+  onTheme(() => [cloud, before].forEach((one) => one.redraw()));
+  json("retrained").then(({ points }) => { curves.retrained(points); retrained = points; }).catch(() => {});
+
+  function showMeans() {
+    $(".tool.means").setAttribute("aria-pressed", state.means === "1");
+    paintMarks();
+  }
 
   function replace(finer) {
     frames = finer;
     shown = shownBy(frames);
     bar.replace(frames);
     curves = new Curves($(".curves"), frames, (p) => change({ p: +p.toFixed(2) }));
+    curves.retrained(retrained);
     showColours();
     showStage();
   }
@@ -248,6 +269,8 @@ function explore($, first, sprite) {
   stop = frames.stop(state.p);
   showColours();
   showStage();
+  showMeans();
+  coach($(".order-bar"));
   return { replace };
 }
 

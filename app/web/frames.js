@@ -64,9 +64,10 @@ export class Frames {
 }
 
 /** Fetch the frames, telling `onWait` how far the server is while it still computes them. */
-export async function fetchFrames(onWait) {
+export async function fetchFrames(onWait, head = "") {
+  const path = head ? `frames?head=${encodeURIComponent(head)}` : "frames";
   for (;;) {
-    const response = await get("frames");
+    const response = await get(path);
     if (response.status === 200) {
       const coarse = response.headers.get("X-Frames") === "coarse";
       return { frames: new Frames(await response.arrayBuffer()), coarse };
@@ -88,7 +89,7 @@ export async function whenFine(onWait) {
 
 /** The sprite of thumbnails, or null where the set has none. */
 export async function fetchThumbnails() {
-  const response = await fetch(address("thumbnails.json"));
-  if (!response.ok) return null;
+  const response = await get("thumbnails.json").catch(() => null);
+  if (!response) return null;
   return { ...(await response.json()), url: address("thumbnails.webp") };
 }

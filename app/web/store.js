@@ -3,7 +3,8 @@
 const DEFAULTS = {
   view: "explore", p: null, stage: "f_hat", map: "pca", colour: "domain",
   domain: "", class: "", modality: "", pin: null, vis: null, tac: null,
-  p2: null, stage2: "raw",
+  p2: null, stage2: "raw", head: "", head2: "", only: "", only2: "",
+  means: "1", tree: "",
 };
 const NUMBERS = new Set(["p", "p2", "pin"]);
 const listeners = new Set();

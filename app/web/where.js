@@ -1,6 +1,6 @@
 /** Where in an image the answer comes from: parts that it needs are tinted over the picture. */
 
-import { bytesOf, occlusion, refused, Refusal } from "./api.js";
+import { askOfImage, bytesOf, refused, Refusal } from "./api.js";
 import { state } from "./store.js";
 import { escaped, percent } from "./text.js";
 
@@ -17,7 +17,7 @@ export async function where(slot, onProblem) {
     const blob = await bytesOf(state[modality], modality);
     if (!blob) throw new Refusal("The server keeps no images, only what the encoder made of them; choose this file again.");
     const other = modality === "vis" ? state.tac : state.vis;
-    const found = await occlusion(blob, { modality, other, order: state.p });
+    const found = await askOfImage("occlusion", blob, { modality, other, order: state.p });
     const most = Math.max(...found.drops.flat());
     slot.querySelector(".picture").append(tint(found));
     slot.querySelector(".picture").classList.add("seen");

@@ -17,7 +17,10 @@ from omnivat.baselines.evidence import best
 from omnivat.seeding import derive_seed
 
 CANDIDATES = {
-    f"lr {lr:g}, text {share:g}": (lr, share) for lr in (0.02, 0.1) for share in (0.1, 1.0)
+    f"lr {lr:g}, text {share:g}, epochs {epochs}": (lr, share, epochs)
+    for lr in (0.02, 0.1)
+    for share in (0.1, 1.0)
+    for epochs in (20, 60)
 }
 TEXTS = 16  # style texts a step
 
@@ -46,7 +49,7 @@ class Baseline(nn.Module):
 
 
 def fit(source: Source) -> Fitted:
-    """Train with SGD as the paper does; learning rate and the text's weight by held-out objects."""
+    """Train with SGD as the paper does; rate, text's weight and epochs by held-out objects."""
     chosen = best(
         source,
         CANDIDATES,
@@ -74,7 +77,7 @@ def _fused(model: Baseline) -> Callable[[Tensor, Tensor], Tensor]:
     return predict
 
 
-def _train(source: Source, lr: float, text_weight: float) -> Baseline:
+def _train(source: Source, lr: float, text_weight: float, epochs: int) -> Baseline:
     lang, classes = source.lang, len(source.classes)
     mapped = lang is not None and not source.lang_of_images
     with seeded(derive_seed(source.seed, "baseline")):
@@ -91,5 +94,5 @@ def _train(source: Source, lr: float, text_weight: float) -> Baseline:
                 total = total + text_weight * cross_entropy(model(model.text(texts)), truth)
             return total
 
-        descend(model, len(source), Descent(lr=lr), loss)
+        descend(model, len(source), Descent(lr=lr, epochs=epochs), loss)
     return model

@@ -10,7 +10,7 @@ from torch.nn.functional import cross_entropy, linear, normalize
 from omnivat.baselines.contract import Source
 from omnivat.baselines.evidence import Score, folds
 
-STRENGTHS = tuple(10.0**power for power in range(-3, 5))  # C: the inverse of the penalty
+STRENGTHS = tuple(10.0**power for power in range(-5, 5))  # C: the inverse of the penalty
 # Z-scores of every axis are not offered: on small sources held-out objects like them, and axes that
 # hardly move in the source blow up on another sensor (docs/log.md).
 SCALINGS = ("unit",)

@@ -1,56 +1,176 @@
-"""Compute every frame of the page, and the gaps, for a head over all orders p.
+"""Compute gaps, scores and maps of a head as functions of the order p.
 
-python -m omnivat sweep --head DIR --embeddings FILE --out FRAMES [--json CURVES]
+    python -m omnivat sweep --head DIR --embeddings FILE --out FRAMES
+    python -m omnivat sweep --csv CURVES --stages raw,f_hat --measures mmd_rbf,ece --orders 0,0.5,1
+
+--out writes the frames file for the page; without it nothing is mapped, only measured.
 """
 
 import argparse
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from omnivat.cli.bar import progress_bar
 from omnivat.errors import SettingsError
 from omnivat.heads import default_embeddings, default_head
+
+if TYPE_CHECKING:
+    from omnivat.checkpoint import Head
+    from omnivat.data.store import Embeddings
+
+ALL = "all"
+MOST_STOPS = 1001
 
 
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("--head", type=Path, default=default_head())
     parser.add_argument("--embeddings", type=Path, default=default_embeddings())
-    parser.add_argument("--out", type=Path, required=True, help="the frames file for the page")
-    parser.add_argument("--json", type=Path, help="also write the curves over p as JSON")
-    parser.add_argument("--stops", type=int, default=101, help="orders from 0 to 1")
+    parser.add_argument("--out", type=Path, help="the frames file for the page, maps and all")
+    parser.add_argument("--json", type=Path, help="the curves over p as JSON")
+    parser.add_argument("--csv", type=Path, help="the curves over p as a table, a column each")
+    parser.add_argument("--stops", type=int, help="that many orders from 0 to 1; 101 if left out")
+    parser.add_argument("--orders", help="these orders instead, such as 0,0.25,1.5")
+    parser.add_argument(
+        "--stages",
+        default=ALL,
+        help="of raw, frft, relu, f_bar, f_hat, with commas between; all if left out, as the page wants",
+    )
+    parser.add_argument(
+        "--measures",
+        help="of docs/gaps.md, with commas between, or 'all'; the quick ones if left out",
+    )
 
 
 def run(options: argparse.Namespace) -> None:
-    """Build the frames, write them, print the curves' ends."""
-    if not 2 <= options.stops <= 1001:
-        raise SettingsError(f"--stops is {options.stops}; choose 2 to 1001.")
+    """Measure, write what was asked for, print the ends of the curves."""
+    if not (options.out or options.json or options.csv):
+        raise SettingsError("Nothing is to be written; give --out, --json or --csv.")
+    orders = orders_of(options.orders, options.stops)
     from omnivat.checkpoint import head_hash, load_head
     from omnivat.data.store import load_embeddings
-    from omnivat.files import write_json
-    from omnivat.frames import build_frames, write_frames
+    from omnivat.frames import write_frames
+    from omnivat.gaps.measures import ANSWER_MEASURES, STAGE_MEASURES
+    from omnivat.sweep import MEASURES, STAGES
+    from omnivat.sweep.export import write_curves_csv, write_curves_json
 
+    stages = names_of(options.stages, STAGES, "stage")
+    known = (*STAGE_MEASURES, *ANSWER_MEASURES)
+    measures = names_of(options.measures, known, "measure") if options.measures else MEASURES
     head, embeddings = load_head(options.head), load_embeddings(options.embeddings)
     head.require_embeddings(embeddings)
-    orders = [step / (options.stops - 1) for step in range(options.stops)]
     provenance = {
         "hash": head_hash(options.head),
         "source": head.source,
         "order": head.model.order,
         "simulated": head.provenance.get("simulated", False),
     }
-    with progress_bar("sweep") as show:
-        frames = build_frames(
-            head.model, embeddings, orders=orders, provenance=provenance, on_step=show
-        )
-    write_frames(options.out, frames)
+    if options.out:
+        frames = _frames(head, embeddings, orders, stages, measures, provenance)
+        write_frames(options.out, frames)
+        curves: Mapping[str, Sequence[float | None]] = frames.curves
+    else:
+        curves = _curves(head, embeddings, orders, stages, measures)
     if options.json:
-        write_json(options.json, {"orders": orders, "head": provenance, "curves": frames.curves})
-    print(f"{'curve':<28} {'p = 0':>9} {'p = 0.5':>9} {'p = 1':>9}")
-    for name, values in frames.curves.items():
-        picked = (values[0], values[len(values) // 2], values[-1])
-        print(f"{name:<28} " + " ".join(_number(value) for value in picked))
-    print(f"{options.stops} stops of {len(embeddings)} pairs written to {options.out}")
+        write_curves_json(options.json, orders, curves, provenance)
+    if options.csv:
+        write_curves_csv(options.csv, orders, curves)
+    print(table(orders, curves))
+    written = ", ".join(str(path) for path in (options.out, options.json, options.csv) if path)
+    print(f"{len(orders)} stops of {len(embeddings)} pairs written to {written}")
+
+
+def _frames(
+    head: "Head",
+    embeddings: "Embeddings",
+    orders: Sequence[float],
+    stages: Sequence[str],
+    measures: Sequence[str],
+    provenance: Mapping[str, Any],
+) -> Any:
+    from omnivat.frames import build_frames
+    from omnivat.frames.build import DEFAULT_MAPS
+
+    maps = {name: stops for name, stops in DEFAULT_MAPS.items() if name.split("/")[1] in stages}
+    with progress_bar("sweep") as show:
+        return build_frames(
+            head.model,
+            embeddings,
+            orders=orders,
+            maps=maps,
+            measures=measures,
+            provenance=provenance,
+            on_step=show,
+        )
+
+
+def _curves(
+    head: "Head",
+    embeddings: "Embeddings",
+    orders: Sequence[float],
+    stages: Sequence[str],
+    measures: Sequence[str],
+) -> dict[str, list[float | None]]:
+    from omnivat.sweep import sweep
+
+    with progress_bar("sweep") as show:
+        found = sweep(
+            head.model, embeddings, orders, stages=stages, measures=measures, on_step=show
+        )
+    return {name: values.tolist() for name, values in found.curves.items()}
+
+
+def orders_of(text: str | None, stops: int | None) -> list[float]:
+    """Return the orders that `--orders` lists, or `--stops` of them from 0 to 1.
+
+    Raises SettingsError for both at once, for what is not a finite number, and for a list that does
+    not ascend.
+    """
+    if text is None:
+        count = 101 if stops is None else stops
+        if not 2 <= count <= MOST_STOPS:
+            raise SettingsError(f"--stops is {count}; choose 2 to {MOST_STOPS}.")
+        return [step / (count - 1) for step in range(count)]
+    if stops is not None:
+        raise SettingsError("Give --orders or --stops, not both.")
+    try:
+        orders = [float(part) for part in text.split(",")]
+    except ValueError:
+        raise SettingsError(f"--orders is '{text}'; write numbers such as 0,0.25,1.5.") from None
+    rising = all(before < after for before, after in pairwise(orders))
+    if not rising or not all(abs(order) <= 1e6 for order in orders) or len(orders) > MOST_STOPS:
+        raise SettingsError(
+            f"--orders is '{text}'; write 1 to {MOST_STOPS} finite numbers, each above the last."
+        )
+    return orders
+
+
+def names_of(text: str, known: Sequence[str], kind: str) -> tuple[str, ...]:
+    """Return the names in `text`, once each and in the order of `known`; `all` stands for all.
+
+    Raises SettingsError for a name that is not known.
+    """
+    if text == ALL:
+        return tuple(known)
+    from omnivat.sweep.walk import require_known
+
+    names = [name.strip() for name in text.split(",")]
+    require_known(names, known, kind)
+    return tuple(name for name in known if name in names)
+
+
+def table(orders: Sequence[float], curves: Mapping[str, Sequence[float | None]]) -> str:
+    """Return each curve's first, middle and last value as aligned text."""
+    places = (0, len(orders) // 2, len(orders) - 1)
+    width = max((len(name) for name in curves), default=5)
+    heads = " ".join(f"{f'p = {orders[place]:g}':>10}" for place in places)
+    lines = [f"{'curve':<{width}} {heads}"]
+    for name, values in curves.items():
+        lines.append(f"{name:<{width}} " + " ".join(_number(values[place]) for place in places))
+    return "\n".join(lines)
 
 
 def _number(value: float | None) -> str:
-    return f"{'-':>9}" if value is None else f"{value:>9.4f}"
+    return f"{'-':>10}" if value is None or value != value else f"{value:>10.4f}"

@@ -1,7 +1,8 @@
 """Draw a Tac3D displacement field as an RGB image. How the paper does it is not known: this is ours.
 
 The sensor follows 20 x 20 markers in its skin. Displacements along x, y and z become red, green
-and blue; no displacement is mid-grey; one scale serves a whole data set.
+and blue; no displacement is mid-grey. One scale within the skin and one into it serve a whole data
+set: markers are pushed in several times as far as they are dragged.
 """
 
 from collections.abc import Iterable, Sequence
@@ -44,24 +45,30 @@ def load_field(file: Path) -> Field:
     return field.astype(np.float64).reshape(wanted)
 
 
-def robust_scale(fields: Iterable[Field]) -> float:
-    """Return the size that 99 % of all displacements stay below, in their own unit; 1 for none."""
-    sizes = [np.abs(field).ravel() for field in fields]
-    scale = float(np.percentile(np.concatenate(sizes), ROBUST)) if sizes else 0.0
-    return scale or 1.0
+def robust_scale(fields: Iterable[Field]) -> Field:
+    """Return the sizes (3,) along x, y, z that 99 % of the displacements stay below; 1 for none.
+
+    x and y share theirs, so that the hue of a drag says its direction.
+    """
+    seen = list(fields)
+    if not seen:
+        return np.ones(3)
+    sizes = np.abs(np.stack(seen))
+    skin, normal = (float(np.percentile(part, ROBUST)) for part in (sizes[..., :2], sizes[..., 2]))
+    return np.array([skin or 1.0, skin or 1.0, normal or 1.0])
 
 
-def field_to_rgb(field: Field, scale: float) -> NDArray[np.uint8]:
-    """Return an image (224, 224, 3) of a displacement field.
+def field_to_rgb(field: Field, scale: Field, *, side: int = SIDE) -> NDArray[np.uint8]:
+    """Return an image (side, side, 3) of a displacement field.
 
     field  (20, 20, 3) displacements along x, y, z
-    scale  > 0, the displacement drawn as full colour; larger ones are cut
+    scale  (3,) > 0, the displacements drawn as full colour; larger ones are cut
     """
     colours = np.clip(field / scale, -1, 1) * 127.5 + 127.5
     channels = [
         np.asarray(
             Image.fromarray(colours[..., axis].astype(np.float32)).resize(
-                (SIDE, SIDE), Image.Resampling.BICUBIC
+                (side, side), Image.Resampling.BICUBIC
             )
         )
         for axis in range(3)
@@ -94,8 +101,8 @@ def draw_all(files: Sequence[Path], folder: Path) -> tuple[dict[Path, Path], dic
     return drawn, refused
 
 
-def _draw(field: Field, scale: float, folder: Path) -> Path:
-    content = blake2b(field.tobytes() + np.float64(scale).tobytes(), digest_size=12).hexdigest()
+def _draw(field: Field, scale: Field, folder: Path) -> Path:
+    content = blake2b(field.tobytes() + scale.tobytes(), digest_size=12).hexdigest()
     image = folder / f"tac3d-{content}.png"
     if not image.is_file():
         with replacing(image) as temporary:

@@ -6,8 +6,6 @@ beside its place and moved there, so two processes cannot spoil each other's ent
 damaged fails its checksum and is computed again.
 """
 
-import os
-import sys
 import threading
 from collections import OrderedDict
 from collections.abc import Callable, Sequence
@@ -22,7 +20,7 @@ from PIL import Image
 
 from omnivat.data.images import central_square, read_bytes, read_image
 from omnivat.encoders.base import Encoder
-from omnivat.files import replacing
+from omnivat.files import cache_folder, replacing
 
 if TYPE_CHECKING:
     import torch
@@ -93,17 +91,6 @@ class EmbeddingCache:
 def default_cache() -> EmbeddingCache:
     """Return the cache in $OMNIVAT_CACHE, or where this platform keeps a user's caches."""
     return EmbeddingCache(cache_folder() / "embeddings")
-
-
-def cache_folder() -> Path:
-    """Return the folder for what can be fetched or computed again."""
-    if named := os.environ.get("OMNIVAT_CACHE"):
-        return Path(named)
-    if sys.platform == "darwin":
-        return Path.home() / "Library" / "Caches" / "omnivat"
-    if sys.platform == "win32":
-        return Path(os.environ.get("LOCALAPPDATA", Path.home() / "AppData" / "Local")) / "omnivat"
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "omnivat"
 
 
 def embed_image(

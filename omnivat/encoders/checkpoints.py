@@ -11,8 +11,8 @@ import torch
 from safetensors.torch import load_file
 from torch import Tensor
 
-from omnivat.encoders.cache import cache_folder
 from omnivat.errors import DataError
+from omnivat.files import cache_folder
 
 ON_HUB = ("model.safetensors", "pytorch_model.bin")
 WEIGHTS = (*ON_HUB, "open_clip_model.safetensors", "RN50.pt")

@@ -6,8 +6,11 @@ theory squares that error away, provided that its residual is known beyond float
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import ctypes
+import functools
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from importlib import import_module
 
 import numpy as np
 
@@ -31,19 +34,39 @@ def blocks_of_columns(count: int) -> Iterator[slice]:
         yield slice(start, min(start + _COLUMNS, count))
 
 
+@functools.cache
+def _dstevd() -> Callable[..., None]:
+    """LAPACK's `dstevd` at its address: scipy's wrapper keeps Python's lock, a ctypes call frees it.
+
+    Source: scipy.linalg.cython_lapack, which offers its routines in this way.
+    """
+    capsule = import_module("scipy.linalg.cython_lapack").__pyx_capi__["dstevd"]
+    python = ctypes.pythonapi
+    python.PyCapsule_GetName.restype = ctypes.c_char_p
+    python.PyCapsule_GetName.argtypes = [ctypes.py_object]
+    python.PyCapsule_GetPointer.restype = ctypes.c_void_p
+    python.PyCapsule_GetPointer.argtypes = [ctypes.py_object, ctypes.c_char_p]
+    address = python.PyCapsule_GetPointer(capsule, python.PyCapsule_GetName(capsule))
+    return ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 11)(address)
+
+
 def lapack_spectrum(block: Tridiagonal) -> Spectrum:
     """Both to float64 accuracy by divide and conquer (`dstevd`).
 
     The faster `dstemr` loses orthogonality at N = 4096, or fails when asked for half a spectrum.
     """
-    from scipy.linalg import lapack
-
-    if len(block) < 2:
-        return Spectrum(block.diagonal.high.copy(), np.ones((len(block), len(block))))
-    values, vectors, info = lapack.dstevd(block.diagonal.high, block.beside)
-    if info:
-        raise ArithmeticError(f"LAPACK dstevd failed with info = {info} at size {len(block)}.")
-    return Spectrum(values[::-1], vectors[:, ::-1])
+    n = len(block)
+    if n < 2:
+        return Spectrum(block.diagonal.high.copy(), np.ones((n, n)))
+    values, beside, vectors = block.diagonal.high.copy(), block.beside, np.empty((n, n))
+    work, whole = np.empty(1 + 4 * n + n * n), np.empty(3 + 5 * n, np.int32)
+    sizes = np.array([n, n, len(work), len(whole), 0], np.int32)  # n, ldz, lwork, liwork, info
+    size, stride, length, count, info = (sizes[i : i + 1].ctypes.data for i in range(5))
+    arrays = (a.ctypes.data for a in (values, beside, vectors))
+    _dstevd()(b"V", size, *arrays, stride, work.ctypes.data, length, whole.ctypes.data, count, info)
+    if sizes[4]:
+        raise ArithmeticError(f"LAPACK dstevd failed with info = {sizes[4]} at size {n}.")
+    return Spectrum(values[::-1], vectors.T[:, ::-1])  # LAPACK writes columns
 
 
 def residual(product: Pair, values: Array, vectors: Array) -> Array:

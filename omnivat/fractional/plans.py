@@ -5,26 +5,30 @@ from __future__ import annotations
 import functools
 import threading
 from collections import OrderedDict
-from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from importlib import import_module
 from importlib.util import find_spec
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import torch
 from torch import Tensor
 
-from omnivat.fractional.commuting import parity_blocks
+from omnivat.fractional.commuting import ParityBlocks, Tridiagonal, parity_blocks
 from omnivat.fractional.doubled import Array
 from omnivat.fractional.eigenvectors import refined_spectrum
 from omnivat.fractional.quartering import QuarterSplit
 from omnivat.fractional.quarters import refined_quarter
 from omnivat.fractional.splits import HalfSplit, PlainSplit, Split
+from omnivat.fractional.workers import side_by_side
 
 _TINY = 3
 _KEPT = 16
-_WORTH_THREADS = 2048
+_WORTH_THREADS = 128  # size of a parity block; below, handing over costs more than it saves
+
+_limiting = threading.RLock()
+T = TypeVar("T")
 
 
 def indices_by_parity(size: int) -> Array:
@@ -52,15 +56,21 @@ def build_split(size: int, like: Tensor) -> Split:
     if size <= _TINY:
         vectors = torch.from_numpy(_tiny_vectors(size)).to(like)
         return PlainSplit(vectors, torch.from_numpy(indices_by_parity(size)).to(like.device))
-    with one_blas_thread(size):
+    with one_blas_thread():
         return _build_from_blocks(size, like)
+
+
+def _both(refine: Callable[[Tridiagonal], T], blocks: ParityBlocks) -> list[T]:
+    """Even and odd eigenvectors side by side: neither needs the other."""
+    calls = [functools.partial(refine, block) for block in (blocks.even, blocks.odd)]
+    return side_by_side(calls, spread=len(blocks.even) > _WORTH_THREADS)
 
 
 def _build_from_blocks(size: int, like: Tensor) -> Split:
     blocks = parity_blocks(size)
     if size % 4 == 0 and size > 4:
-        return QuarterSplit(refined_quarter(blocks.even), refined_quarter(blocks.odd), like)
-    even, odd = refined_spectrum(blocks.even), refined_spectrum(blocks.odd)
+        return QuarterSplit(*_both(refined_quarter, blocks), like)
+    even, odd = _both(refined_spectrum, blocks)
     even[1 : (size + 1) // 2] *= np.sqrt(0.5)  # every sample but 0 and N/2 has a mirror image
     odd *= np.sqrt(0.5)
     return HalfSplit(
@@ -72,19 +82,23 @@ def _build_from_blocks(size: int, like: Tensor) -> Split:
 
 @functools.cache
 def _blas_controller() -> Any:
+    import_module("scipy.linalg")  # its library must be loaded before it can be limited
     return import_module("threadpoolctl").ThreadpoolController()
 
 
-def one_blas_thread(size: int) -> AbstractContextManager[object]:
-    """Keep numpy's BLAS to one thread for short builds: a second one mostly spins (8 ms to 80).
+@contextmanager
+def one_blas_thread() -> Iterator[None]:
+    """Keep numpy's BLAS to one thread: a second one mostly spins (8 ms to 80 in short builds).
 
+    The parities take a core each instead, and the result is the same to the last bit for any number
+    of threads. One build at a time, as the limit is the process's and is put back at the end.
     Without threadpoolctl, which scikit-learn brings, nothing is limited.
     """
-    if size > _WORTH_THREADS or find_spec("threadpoolctl") is None:
-        return nullcontext()
-    import_module("scipy.linalg")  # its library must be loaded before it can be limited
-    limit: AbstractContextManager[object] = _blas_controller().limit(limits=1, user_api="blas")
-    return limit
+    if find_spec("threadpoolctl") is None:
+        yield
+        return
+    with _limiting, _blas_controller().limit(limits=1, user_api="blas"):
+        yield
 
 
 class BoundedCache:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
 from typing import TypeVar
 
@@ -53,6 +53,17 @@ def _pool(count: int) -> ThreadPoolExecutor:
         return _pools[count]
 
 
+def side_by_side(calls: Sequence[Callable[[], T]], *, spread: bool = True) -> list[T]:
+    """What the calls return, made at once where torch may use several threads."""
+    count = torch.get_num_threads()
+    if not spread or count == 1:
+        return [call() for call in calls]
+    pool = _pool(count)
+    running = [pool.submit(call) for call in calls]
+    wait(running)  # also when one fails: the others still write to what the caller holds
+    return [done.result() for done in running]
+
+
 def for_each(work: Callable[[T], object], parts: Iterable[T], *, spread: bool) -> None:
     """Call `work` for every part, without a graph; no two parts may write to the same place.
 
@@ -75,8 +86,4 @@ def for_each(work: Callable[[T], object], parts: Iterable[T], *, spread: bool) -
                     return
                 work(part)
 
-    pool = _pool(count)
-    running = [pool.submit(drain) for _ in range(min(count, _MOST))]
-    wait(running)
-    for done in running:
-        done.result()
+    side_by_side([drain] * min(count, _MOST))

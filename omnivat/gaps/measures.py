@@ -11,10 +11,11 @@ from functools import partial
 import torch
 from torch import Tensor
 
+from omnivat.errors import ShapeError
 from omnivat.gaps import GAPS
 from omnivat.gaps.calibration import ece
 from omnivat.gaps.centroid import modality_gap
-from omnivat.gaps.confusion import accuracy, macro_f1
+from omnivat.gaps.confusion import accuracy, confusion, macro_f1
 from omnivat.gaps.cosine_margin import cosine_margin, cross_domain_margin, cross_modal_margin
 from omnivat.gaps.domain import domain_gap, pairwise_gaps
 from omnivat.gaps.unit import unit
@@ -27,11 +28,12 @@ Values = Iterator[tuple[str, Tensor]]
 class Facts:
     """What is true of N pairs whatever the order.
 
-    labels, domains  (N,) indices; domain_names names the latter
+    labels, domains  (N,) indices; class_names and domain_names name them
     scored           (N,) bool: pairs whose class the head knows, so that an answer can be right
     """
 
     labels: Tensor
+    class_names: tuple[str, ...]
     domains: Tensor
     domain_names: tuple[str, ...]
     scored: Tensor
@@ -75,9 +77,14 @@ def mean_pairwise(features: Mapping[str, Tensor], facts: Facts, *, gap: str) -> 
     """Give the mean over every two domains, and both modalities, of a gap of `GAPS`."""
     measure = load(GAPS, gap, kind="gap")
     each: list[Tensor] = []
+    sizes = {name: int(members.sum()) for name, members in facts.parts() if name != "all"}
     for rows in features.values():
         sets = {name: rows[members] for name, members in facts.parts() if name != "all"}
-        each += pairwise_gaps(sets, measure).values()
+        try:
+            each += pairwise_gaps(sets, measure).values()
+        except ShapeError as error:  # it speaks of rows a and b; a person knows domains
+            few = ", ".join(f"{name} {size}" for name, size in sizes.items())
+            raise ShapeError(f"{gap}: {error} Pairs of each domain: {few}.") from error
     yield "", torch.stack(each).mean() if each else torch.tensor(float("nan"))
 
 
@@ -98,6 +105,17 @@ def macro_f1s(
 def calibrations(probabilities: Mapping[str, Tensor], facts: Facts) -> Values:
     """Give the expected calibration error of the fused answer and of each modality."""
     yield from _scores(probabilities, facts, ece)
+
+
+def confusions(probabilities: Mapping[str, Tensor], facts: Facts) -> Values:
+    """Give the share of each class's pairs that the fused answer calls each class."""
+    known = probabilities["fused"].shape[1]
+    answers = probabilities["fused"][facts.scored].argmax(1)
+    counts = confusion(facts.labels[facts.scored], answers, known)
+    shares = counts / counts.sum(1, keepdim=True)  # NaN for a class without pairs
+    for truth, row in zip(facts.class_names, shares, strict=False):
+        for answer, share in zip(facts.class_names, row, strict=False):
+            yield f"/{truth}>{answer}", share
 
 
 def _scores(
@@ -125,10 +143,11 @@ STAGE_MEASURES: dict[str, Measure] = {
     "proxy_a": partial(mean_pairwise, gap="proxy_a"),
 }
 
-# of the answers: curve names are measure[:modality]/all or measure/domain
+# of the answers: curve names are measure[:modality]/all or measure/domain; confusion/truth>answer
 ANSWER_MEASURES: dict[str, Measure] = {
     "accuracy": accuracies,
     "macro_f1": macro_f1s,
     "macro_f1_union": partial(macro_f1s, average="union"),
     "ece": calibrations,
+    "confusion": confusions,
 }

@@ -1,9 +1,11 @@
 """Node diversity (NOD) loss: nodes of one tree level should point different ways."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import torch
 from torch import Tensor
+from torch.autograd.function import once_differentiable
 from torch.nn.functional import normalize
 
 EPS = 1e-12  # below this length a node has no direction
@@ -27,7 +29,28 @@ def nod_loss(layers: Sequence[Tensor]) -> Tensor:
     """
     total = layers[0].new_zeros(())
     for nodes in layers[1:]:
-        cosines = node_cosines(nodes)
-        off_diagonal = cosines - torch.diag_embed(cosines.diagonal(dim1=-2, dim2=-1))
-        total = total + torch.linalg.norm(off_diagonal.flatten(1), dim=-1).mean()
+        total = total + _Diversity.apply(nodes)  # type: ignore[no-untyped-call]
     return total
+
+
+class _Diversity(torch.autograd.Function):
+    """The term of one level, its gradient in closed form."""
+
+    @staticmethod
+    def forward(ctx: Any, nodes: Tensor) -> Tensor:
+        lengths = torch.linalg.vector_norm(nodes, dim=-1, keepdim=True).clamp_min_(EPS)
+        directions = nodes / lengths
+        cosines = directions @ directions.mT
+        cosines.diagonal(dim1=-2, dim2=-1).zero_()
+        norms = torch.linalg.vector_norm(cosines, dim=(-2, -1))
+        ctx.save_for_backward(lengths, directions, cosines, norms)
+        return norms.mean()
+
+    @staticmethod
+    @once_differentiable
+    def backward(ctx: Any, grad: Tensor) -> Tensor:
+        lengths, directions, cosines, norms = ctx.saved_tensors
+        scale = torch.where(norms > 0, 2 * grad / (len(norms) * norms), 0)[:, None, None]
+        to_directions = scale * (cosines @ directions)
+        along = (to_directions * directions).sum(-1, keepdim=True) * (lengths > EPS)
+        return torch.addcmul(to_directions, directions, along, value=-1).div_(lengths)

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import torch
 from torch import Tensor, nn
 
+from omnivat.model.closed.growing import grown_nodes
 from omnivat.model.settings import HeadSettings
 
 
@@ -63,29 +64,16 @@ class DTG(nn.Module):
 
     def grow(self, root: Tensor) -> Grown:
         """Grow all nodes from root (B, D)."""
-        if self.arrangement == "tree" or not len(self.weight):
-            layers = self._levels(root)
-            return Grown(torch.cat(layers, dim=1), layers)
+        if not len(self.weight):
+            return Grown(root[:, None], [root[:, None]])
+        parents = [self.parent(node) for node in range(1, len(self.weight) + 1)]
+        nodes = grown_nodes(root, self.weight, self.bias, parents)
+        if self.arrangement == "series":
+            return Grown(nodes, [nodes[:, :1], nodes])
+        sizes = [2**level for level in range(self.levels)]
         if self.arrangement == "parallel":
-            children = torch.einsum("bd,ned->bne", root, self.weight) + self.bias
-            return Grown(torch.cat((root[:, None], children), dim=1), [root[:, None], children])
-        chain = [root]
-        for weight, bias in zip(self.weight, self.bias, strict=True):
-            chain.append(torch.addmm(bias, chain[-1], weight.T))
-        nodes = torch.stack(chain, dim=1)
-        return Grown(nodes, [root[:, None], nodes])
-
-    def _levels(self, root: Tensor) -> list[Tensor]:
-        """Grow a tree: root (B, D) -> one (B, 2^(r-1), D) for each level r, root included."""
-        layers = [root[:, None]]
-        sizes = [2**level for level in range(1, self.levels)]
-        weights, biases = torch.split(self.weight, sizes), torch.split(self.bias, sizes)
-        for weight, bias in zip(weights, biases, strict=True):
-            grown = torch.einsum(
-                "bnd,nked->bnke", layers[-1], weight.reshape(-1, 2, *weight.shape[1:])
-            )
-            layers.append(grown.flatten(1, 2) + bias)
-        return layers
+            sizes = [1, len(parents)]
+        return Grown(nodes, list(torch.split(nodes, sizes, dim=1)))
 
     def layers(self, root: Tensor) -> list[Tensor]:
         """Return the groups that NOD looks at, the root (B, 1, D) first; in a tree, its levels."""

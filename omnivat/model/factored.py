@@ -28,12 +28,26 @@ def base_vectors(channels: Tensor, halves: int) -> Tensor:
     return positive if halves == 1 else torch.cat((positive, torch.relu(-channels)))
 
 
+def _halves(theta: Tensor) -> Tensor:
+    """Return ReLU(θ), and ReLU(-θ) where any θ is negative: (M, E) -> (M, h, E)."""
+    signs = (theta, -theta) if bool((theta < 0).any()) else (theta,)
+    return torch.relu(torch.stack(signs, dim=1))
+
+
+def _token_table(weights: Tensor, channels: int) -> Tensor:
+    eye = torch.eye(channels, dtype=weights.dtype, device=weights.device)
+    return torch.einsum("mhe,cd->mhcde", weights, eye).flatten(3).flatten(1, 2)
+
+
+def token_table(theta: Tensor, channels: int) -> Tensor:
+    """Return how tokens are made of base vectors (M, r, T), for θ (M, E); see `Tables`."""
+    return _token_table(_halves(theta), channels)
+
+
 def tables(theta: Tensor, channels: int) -> Tables:
     """Return the tables for θ (M, E). Looks at the signs of θ: half the work without a negative."""
-    signs = (theta, -theta) if bool((theta < 0).any()) else (theta,)
-    weights = torch.relu(torch.stack(signs, dim=1))  # (M, h, E)
-    eye = torch.eye(channels, dtype=theta.dtype, device=theta.device)
-    tokens = torch.einsum("mhe,cd->mhcde", weights, eye).flatten(3).flatten(1, 2)  # (M, r, T)
+    weights = _halves(theta)
+    tokens = _token_table(weights, channels)
     pairs = torch.einsum("mri,msj->mrsij", tokens, tokens)
     columns = tokens[:, :, None].expand(-1, -1, tokens.shape[-1], -1)
     return Tables(tokens, pairs.flatten(3).flatten(1, 2), columns.flatten(2), weights.mean(-1))

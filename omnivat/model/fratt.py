@@ -39,6 +39,22 @@ class FrATT(nn.Module):
         root = float(self.query.in_features**0.5)
         return (root, 1.0) if self.scale == "inside" else (1.0, root)
 
+    @property
+    def closed_weights(self) -> tuple[Tensor, ...]:
+        """The weights in the order of `closed.attention.Weights`."""
+        first, second = self.ffn[0], self.ffn[2]
+        return (
+            self.query.weight,
+            self.query.bias,
+            self.key.weight,
+            self.value.weight,
+            self.value.bias,
+            first.weight,
+            first.bias,
+            second.weight,
+            second.bias,
+        )
+
     def forward(self, queries: Tensor, tokens: Tensor) -> Attended:
         """Attend from `queries` to `tokens`, average over the queries, feed forward.
 

@@ -278,7 +278,7 @@ class OmniVaT(nn.Module):
 def _unit(x: Tensor) -> Tensor:
     """Return x (..., D) at length one, whatever its size: squares neither overflow nor vanish."""
     largest = x.detach().abs().amax(-1, keepdim=True)
-    return normalize(x / largest.clamp_min(torch.finfo(x.dtype).tiny), dim=-1)
+    return normalize(x / largest.clamp_min_(torch.finfo(x.dtype).tiny), dim=-1)
 
 
 def _by_name(names: tuple[str, ...], channels: Tensor) -> dict[str, Tensor]:

@@ -74,6 +74,11 @@ class MFFA(nn.Module):
         self.register_buffer("bank", torch.zeros(len(MODALITIES), classes, settings.width))
         self.register_buffer("bank_seen", torch.zeros(classes, dtype=torch.bool))
 
+    @property
+    def has_closed_form(self) -> bool:
+        """Whether `closed` knows the gradients of what becomes of complex numbers."""
+        return self.real in ("tokens", "real")
+
     def orders(self, names: Sequence[str]) -> Tensor:
         """Return the learned order: () for all, or (M, 1), one for each of the modalities."""
         if self.order.ndim == 0:

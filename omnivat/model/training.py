@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import torch
 from torch import Tensor
 
+from omnivat.model.closed import Pass, closed_features
 from omnivat.model.dtg import Grown, interpolated
 from omnivat.model.mffa import Expanded
 from omnivat.model.output import TrainingOutput
@@ -29,6 +30,8 @@ def training_pass(
     lang_on = torch.ones_like(labels, dtype=torch.bool) if lang_on is None else lang_on
     if not model.settings.mffa:
         return _without_mffa(model, given, lang, lang_on)
+    if model.mffa.has_closed_form and not model.mffa.as_printed:
+        return _closed(model, given, lang, labels, lang_on, token_on)
     features: dict[str, Tensor] = {}
     tokens: dict[str, Tensor] = {}
     embedding = model.embedded(given)
@@ -48,6 +51,48 @@ def training_pass(
     if guide is not None:
         root = root + features["lang"] * lang_on[:, None]
     return _output(model, features, found, root, tokens)
+
+
+def _closed(
+    model: OmniVaT,
+    given: dict[str, Tensor],
+    lang: Tensor | None,
+    labels: Tensor,
+    lang_on: Tensor,
+    token_on: Tensor | None,
+) -> TrainingOutput:
+    """The same with gradients in closed form: half the time of a step of the light head."""
+    mffa, names = model.mffa, tuple(given) if lang is None else ("lang", *given)
+    text = None if lang is None else model.embedded({"lang": lang})
+    mix, agnostic = None, None
+    if model.settings.class_token:
+        own = torch.ones_like(lang_on) if token_on is None else token_on
+        mix = class_mix(labels, model.dtype) * own[:, None]
+        agnostic = mffa.class_agnostic_tokens(names)[:, None] * ~own[:, None]
+    found, tokens = closed_features(
+        model.embedded(given),
+        text,
+        mffa.orders(names),
+        mffa.thetas(names),
+        mffa.fratt.closed_weights,
+        Pass(
+            length=model.length,
+            unit=mffa.unit,
+            roots=mffa.fratt.roots,
+            channels=1 if mffa.real == "real" else 2,
+            lang_on=lang_on,
+            class_mix=mix,
+            agnostic=agnostic,
+        ),
+    )
+    features = dict(zip(names, found, strict=True))
+    if lang is None:
+        images, root = found, found.sum(0)
+    else:
+        images = found[1:]
+        root = images.sum(0) + found[0] * lang_on[:, None]
+    means = dict(zip(names, tokens, strict=True)) if model.settings.class_token else {}
+    return _output(model, features, images, root, means)
 
 
 def _without_mffa(
@@ -114,5 +159,10 @@ def _class_tokens(
 
 def class_means(values: Tensor, labels: Tensor) -> Tensor:
     """Return for each sample the mean over its class in the batch: (..., B, D), (B,) -> same."""
-    same = (labels[:, None] == labels[None]).to(values.dtype)
-    return same @ values / same.sum(1, keepdim=True)
+    return class_mix(labels, values.dtype) @ values
+
+
+def class_mix(labels: Tensor, dtype: torch.dtype) -> Tensor:
+    """Return (B, B): in row i, one part of n for each of the n samples of i's class."""
+    same = (labels[:, None] == labels[None]).to(dtype)
+    return same / same.sum(1, keepdim=True)

@@ -32,7 +32,7 @@ def panorama(framing: Framing, *, least_softness: float = 0.0) -> Array:
     weight = np.sin(polar)
     lamp = lamp / (lamp * weight).sum() * _ROWS * _COLUMNS / np.pi**2
     sky = np.asarray(framing.sky) * _surroundings(way, polar, framing.seed)[..., None]
-    return sky + 1.3 * np.asarray(framing.sun) * lamp[..., None]
+    return np.asarray(sky + 1.3 * np.asarray(framing.sun) * lamp[..., None])
 
 
 def _surroundings(way: Array, polar: Array, seed: int) -> Array:

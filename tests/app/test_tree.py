@@ -41,5 +41,5 @@ def test_every_node_of_every_arrangement_stands_somewhere(arrangement):
 
 def test_nodes_at_right_angles_have_no_nod_loss_and_equal_ones_have():
     apart, alike = torch.eye(2), torch.ones(2, 2)
-    assert layer_records(apart, [range(2)])[0]["nod"] == 0
-    assert layer_records(alike, [range(2)])[0]["nod"] == pytest.approx(2**0.5, abs=1e-4)
+    assert layer_records(apart[None], [range(2)])[0]["nod"] == 0
+    assert layer_records(alike[None], [range(2)])[0]["nod"] == pytest.approx(2**0.5, abs=1e-4)

@@ -6,7 +6,7 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 from urllib.request import urlopen
@@ -22,7 +22,10 @@ FLAGS = [
     "--disable-component-update",
     "--disable-sync",
     "--no-first-run",
+    "--use-fake-device-for-media-stream",
+    "--use-fake-ui-for-media-stream",
 ]
+DESK = {"viewport": {"width": 1440, "height": 900}}
 
 
 def missing(what: str) -> None:
@@ -43,6 +46,14 @@ def chromium() -> Iterator[Any]:
         browser = player.chromium.launch(executable_path=binary, args=FLAGS)
         yield browser
         browser.close()
+
+
+@pytest.fixture(scope="session")
+def desktop(chromium: Any) -> Iterator[Any]:
+    """Return the browser profile that most journeys share, so that scripts are fetched once."""
+    context = chromium.new_context(**DESK)
+    yield context
+    context.close()
 
 
 class Server:
@@ -88,26 +99,21 @@ class Server:
 
 
 @pytest.fixture(scope="session")
-def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """Start one server for all journeys; return its address."""
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
+    """Start one server for all journeys; whatever they do, it may log no traceback."""
     server = Server(tmp_path_factory.mktemp("server"))
     try:
         server.start()
-        yield server.address
+        yield server
         assert "Traceback" not in server.log(), server.log()
     finally:
         server.stop()
 
 
-@pytest.fixture
-def mortal_server(tmp_path: Path) -> Iterator[Server]:
-    """Return a server of the test's own, to be killed and started again."""
-    server = Server(tmp_path)
-    try:
-        server.start()
-        yield server
-    finally:
-        server.stop()
+@pytest.fixture(scope="session")
+def address(server: Server) -> str:
+    """Return the page's address."""
+    return server.address
 
 
 def note(problems: list[str], said: Any) -> None:
@@ -116,32 +122,49 @@ def note(problems: list[str], said: Any) -> None:
         problems.append(f"console: {said.text}")
 
 
+def watched(page: Any, address: str, problems: list[str]) -> Any:
+    """Return the page; `problems` then gets failed scripts and requests that leave the machine."""
+    page.on("pageerror", lambda error: problems.append(f"script failed: {error}"))
+    page.on("console", lambda said: note(problems, said))
+    page.on(
+        "request",
+        lambda request: (
+            None
+            if request.url.startswith((address, "data:", "blob:"))
+            else problems.append(f"outside request: {request.url}")
+        ),
+    )
+    page.set_default_timeout(60_000)
+    return page
+
+
 @pytest.fixture
-def open_page(chromium: Any, address: str) -> Iterator[Any]:
-    """Return a function that opens the page; afterwards checks that nothing went wrong unseen.
+def new_page(chromium: Any, desktop: Any, address: str) -> Iterator[Callable[..., Any]]:
+    """Return a maker of empty pages; afterwards checks that nothing went wrong unseen.
 
-    Scripts must not fail, and no request may leave this machine.
+    Options such as a viewport give the page a profile of its own.
     """
-    pages, problems = [], []
+    pages: list[Any] = []
+    problems: list[str] = []
 
-    def opened(query: str = "", **options: Any) -> Any:
-        page = chromium.new_page(**{"viewport": {"width": 1440, "height": 900}, **options})
-        page.on("pageerror", lambda error: problems.append(f"script failed: {error}"))
-        page.on("console", lambda said: note(problems, said))
-        page.on(
-            "request",
-            lambda request: (
-                None
-                if request.url.startswith((address, "data:", "blob:"))
-                else problems.append(f"outside request: {request.url}")
-            ),
-        )
-        page.set_default_timeout(60_000)
-        page.goto(address + query)
-        pages.append(page)
+    def made(**options: Any) -> Any:
+        page = chromium.new_page(**{**DESK, **options}) if options else desktop.new_page()
+        pages.append(watched(page, address, problems))
         return page
 
-    yield opened
+    yield made
     for page in pages:
         page.close()
     assert problems == []
+
+
+@pytest.fixture
+def open_page(new_page: Callable[..., Any], address: str) -> Callable[..., Any]:
+    """Return a function that opens the page in a tab of its own."""
+
+    def opened(query: str = "", **options: Any) -> Any:
+        page = new_page(**options)
+        page.goto(address + query, wait_until="commit")
+        return page
+
+    return opened

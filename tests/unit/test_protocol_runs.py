@@ -101,7 +101,7 @@ def test_a_method_that_cannot_run_leaves_its_reason(file, tmp_path):
 def test_source_side_evidence_answers_held_out_objects_and_no_target(file):
     run = Run(method=Method(name="nearest_mean", base="nearest_mean"), source="TAG", seed=0, fold=1)
     record = execute(run, load_embeddings(file), None)
-    assert list(record["targets"])[:2] == ["held out", "shift 0"]
+    assert list(record["targets"])[:2] == ["held out", "axes 0"]
     assert not any("sim" in name for name in record["targets"])
     assert "source_test" not in record
 

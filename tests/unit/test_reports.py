@@ -144,7 +144,7 @@ def test_what_did_not_run_is_told_with_its_reason(records):
 def test_evidence_and_targets_never_mix(records):
     folds = [
         record("omnivat", "TAG-sim", 0, [], fold=0)
-        | {"targets": {"held out": target(0.9), "shift 0": target(0.5), "shift 1": target(0.7)}}
+        | {"targets": {"held out": target(0.9), "axes 0": target(0.5), "spread 0": target(0.7)}}
     ]
     assert "90.0" not in protocol_report([*records, *folds])
     text = evidence_report([*records, *folds])
@@ -194,6 +194,38 @@ def test_a_plot_without_values_is_still_a_picture():
     assert ElementTree.fromstring(line_plot("t", "p", ["0"], {"ACC": [nothing]})) is not None
 
 
+def _layout(*names):
+    """Return ablations as the command hands them to the report."""
+    return {
+        name: {
+            "title": ABLATIONS[name].title,
+            "axis": ABLATIONS[name].axis,
+            "sources": ABLATIONS[name].sources,
+            "rows": {
+                row: (method_name(row), one.label, one.value)
+                for row, one in ABLATIONS[name].rows.items()
+            },
+        }
+        for name in names
+    }
+
+
+def test_an_ablation_over_several_sources_has_their_average_and_no_empty_columns(tmp_path):
+    """Spread over seeds of the mean over sources: 50 and 60 at seed 0, 2 more at seed 1."""
+    table = ABLATIONS["fixed_order"]
+    found = [
+        record(method_name(row), f"{source}-sim", seed, [0.5 + 0.1 * (index % 2) + 0.02 * seed])
+        for row in table.rows
+        for index, source in enumerate(table.sources)
+        for seed in (0, 1)
+    ]
+    text = write_ablations(found, _layout("fixed_order"), tmp_path)
+    line = next(x for x in text.splitlines() if x.startswith("| p = 0.3 (fixed)"))
+    assert line.endswith("| 56.0 ± 1.4 / 46.0 ± 1.4 | 10 |")
+    assert "printed" not in text
+    assert "mean of 8 sources" in (tmp_path / "fixed_order.svg").read_text()
+
+
 def test_ablation_tables_stand_beside_the_printed_figures(tmp_path):
     table = ABLATIONS["class_token"]
     found = [
@@ -204,15 +236,7 @@ def test_ablation_tables_stand_beside_the_printed_figures(tmp_path):
     ]
     order = ABLATIONS["order"]
     found += [record(method_name(row), "TAG-sim", 0, [0.5]) for row in order.rows]
-    layout = {
-        name: {
-            "title": one.title,
-            "axis": one.axis,
-            "sources": one.sources,
-            "rows": {r: (method_name(r), row.label, row.value) for r, row in one.rows.items()},
-        }
-        for name, one in (("class_token", table), ("order", order))
-    }
+    layout = _layout("class_token", "order")
     text = write_ablations(found, layout, tmp_path)
     line = next(x for x in text.splitlines() if x.startswith("| OmniVaT (without class token)"))
     assert "50.5 ± 0.7 / 40.5 ± 0.7 | 55.8 / 53.5" in line

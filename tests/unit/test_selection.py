@@ -41,6 +41,22 @@ def test_modalities_are_moved_apart_and_strength_zero_moves_nothing(source):
     assert abs(np.corrcoef(*offset)[0, 1]) < 0.8
 
 
+def test_a_move_along_the_spread_stays_where_the_source_has_any(source):
+    """Its offset lies in the span of the source's own differences, and is as long as one."""
+    moved = shift(source, source, 1.0, seed=3, kind="spread")
+    centred = source.tac - source.tac.mean(0)
+    offset = moved.tac.mean(0) - source.tac.mean(0)
+    _, values, basis = np.linalg.svd(centred, full_matrices=False)
+    inside = basis[values > 1e-3 * values[0]] @ offset
+    np.testing.assert_allclose(np.linalg.norm(inside), np.linalg.norm(offset), rtol=1e-3)
+    assert 0.2 < np.linalg.norm(offset) / np.sqrt((centred**2).sum(1).mean()) < 5
+
+
+def test_evidence_has_both_kinds_of_imitated_sensor(source):
+    names = list(evidence(source, 0, shifts=2).held)
+    assert names == ["held out", "axes 0", "axes 1", "spread 0", "spread 1"]
+
+
 def test_a_source_of_single_objects_gives_no_evidence(source):
     one_each = source.select(np.array([0, 12, 24]))
     with pytest.raises(DataError, match="one object only"):

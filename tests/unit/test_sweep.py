@@ -5,7 +5,7 @@ import pytest
 import torch
 
 from omnivat.data.store import Embeddings, Header
-from omnivat.errors import SettingsError
+from omnivat.errors import SettingsError, ShapeError
 from omnivat.gaps.centroid import modality_gap
 from omnivat.gaps.confusion import accuracy, macro_f1
 from omnivat.gaps.cosine_margin import cosine_margin
@@ -177,6 +177,24 @@ def test_a_class_that_the_head_does_not_know_counts_in_gaps_and_not_in_scores():
     known = np.isin(found.label, [0, 1, 2])
     right = found.probabilities[0].argmax(1)[known] == found.label[known]
     assert found.curves["accuracy/all"][0] == pytest.approx(right.mean())
+
+
+def test_the_confusion_at_an_order_is_each_class_s_shares_of_the_answers():
+    data = pairs(count=40, classes=("steel", "felt", "wood"))
+    found = sweep(head(), data, (0.1, 0.6), measures=("confusion",))
+    answers = found.probabilities.argmax(2)
+    for truth in ("wood", "steel"):
+        own = found.label == CLASSES.index(truth)
+        for answer in CLASSES:
+            wanted = (answers[:, own] == CLASSES.index(answer)).mean(1)
+            np.testing.assert_allclose(found.curves[f"confusion/{truth}>{answer}"], wanted)
+    assert np.isnan(found.curves["confusion/glass>wood"]).all()  # no pairs of glass
+    assert len(found.curves) == 9
+
+
+def test_a_domain_too_small_for_a_measure_is_named():
+    with pytest.raises(ShapeError, match="proxy_a: .* needs 5 or more.* D0 3, D1 3, D2 2"):
+        sweep(head(), pairs(count=8), (0.5,), measures=("proxy_a",))
 
 
 def test_a_projecting_head_measures_its_own_transform():

@@ -8,6 +8,7 @@ from omnivat.data.tac3d import draw_all, field_to_rgb, load_field, robust_scale
 from omnivat.errors import DataError
 
 RANDOM = np.random.default_rng(0)
+ONE = np.ones(3)
 
 
 def save(path, array):
@@ -16,7 +17,7 @@ def save(path, array):
 
 
 def test_no_displacement_is_mid_grey():
-    image = field_to_rgb(np.zeros((20, 20, 3)), 1.0)
+    image = field_to_rgb(np.zeros((20, 20, 3)), ONE)
     assert image.shape == (224, 224, 3)
     assert image.dtype == np.uint8
     assert set(np.unique(image)) == {128}
@@ -25,20 +26,20 @@ def test_no_displacement_is_mid_grey():
 def test_axes_are_colours_and_signs_are_bright_and_dark():
     field = np.zeros((20, 20, 3))
     field[..., 0], field[..., 2] = 1.0, -1.0
-    assert (field_to_rgb(field, 1.0)[112, 112] == (255, 128, 0)).all()
-    assert (field_to_rgb(field, 2.0)[112, 112] == (191, 128, 64)).all()
+    assert (field_to_rgb(field, ONE)[112, 112] == (255, 128, 0)).all()
+    assert (field_to_rgb(field, 2 * ONE)[112, 112] == (191, 128, 64)).all()
 
 
 def test_a_wild_marker_is_drawn_as_full_colour_and_no_further():
     field = np.zeros((20, 20, 3))
     field[10, 10] = 1.0
-    np.testing.assert_array_equal(field_to_rgb(field * 1000, 1.0), field_to_rgb(field, 1.0))
+    np.testing.assert_array_equal(field_to_rgb(field * 1000, ONE), field_to_rgb(field, ONE))
 
 
 def test_rows_stay_rows():
     field = np.zeros((20, 20, 3))
     field[:10, :, 1] = 1.0
-    image = field_to_rgb(field, 1.0)
+    image = field_to_rgb(field, ONE)
     assert image[40, 100, 1] == 255
     assert image[180, 100, 1] == 128
 
@@ -46,11 +47,18 @@ def test_rows_stay_rows():
 def test_the_scale_covers_99_percent_and_ignores_a_wild_value():
     field = np.ones((20, 20, 3))
     field[0, 0, 0] = 1000.0
-    assert robust_scale([field]) == 1.0
+    np.testing.assert_array_equal(robust_scale([field]), ONE)
 
 
 def test_the_scale_of_nothing_is_one():
-    assert robust_scale([]) == robust_scale([np.zeros((20, 20, 3))]) == 1.0
+    np.testing.assert_array_equal(robust_scale([]), ONE)
+    np.testing.assert_array_equal(robust_scale([np.zeros((20, 20, 3))]), ONE)
+
+
+def test_drag_and_depth_have_scales_of_their_own():
+    field = np.zeros((20, 20, 3))
+    field[..., 0], field[..., 1], field[..., 2] = 0.1, -0.1, 0.8
+    np.testing.assert_allclose(robust_scale([field]), [0.1, 0.1, 0.8])
 
 
 def test_a_list_of_400_markers_is_the_same_field(tmp_path):

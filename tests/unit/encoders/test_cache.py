@@ -13,7 +13,6 @@ from PIL import Image
 
 from omnivat.encoders.cache import (
     EmbeddingCache,
-    cache_folder,
     embed_image,
     embed_pair,
     embed_views,

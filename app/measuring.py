@@ -1,0 +1,116 @@
+"""How fast and how exact the page's answers are on this machine: measured when asked for."""
+
+import os
+from collections.abc import Callable, Mapping
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+from app.resources import Resources
+
+if TYPE_CHECKING:
+    from torch import Tensor
+
+PAIRS = 1000  # of the set, at most
+REPEATS = 7  # the median and both ends are told
+ORDER = 0.37  # no special case of the transform
+
+
+def measured(resources: Resources, _: Mapping[str, Any]) -> dict[str, Any]:
+    """Time the transform and the head on some of the set, and compare with double precision.
+
+    return  `rows`: what, milliseconds (median, least, most), error and what the error is of;
+            how many pairs, how wide, how many threads and processors
+    """
+    import copy
+
+    import torch
+
+    embeddings, head = resources.embeddings(), resources.head()
+    head.require_embeddings(embeddings)
+    vis, tac = (torch.from_numpy(a[:PAIRS].copy()) for a in (embeddings.vis, embeddings.tac))
+    with torch.inference_mode():
+        exact = copy.deepcopy(head.model).double()
+        rows = [
+            *transform_rows(head.model.embedded({"vis": vis})[0]),
+            head_row(head.model, exact, vis, tac),
+            stops_row(head.model, vis[:1], tac[:1]),
+        ]
+    return {
+        "rows": rows,
+        "pairs": len(vis),
+        "width": head.settings.width,
+        "repeats": REPEATS,
+        "threads": torch.get_num_threads(),
+        "processors": os.cpu_count(),
+    }
+
+
+def transform_rows(x: "Tensor") -> list[dict[str, Any]]:
+    """Return the rows of the transform of x (B, D): anew, from kept coefficients, and against FFT."""
+    import torch
+
+    from omnivat.fractional import coefficients, dfrft, synthesise
+
+    wide = x.double()
+    exact = dfrft(wide, ORDER)
+    kept = coefficients(x)
+    fourier = torch.fft.fft(wide, norm="ortho")
+    near = dfrft(wide, 1 - 1e-9)  # order 1 itself is computed by the FFT
+    return [
+        row("DFrFT of each VIS embedding, anew", lambda: dfrft(x, ORDER))
+        | error(dfrft(x, ORDER), exact, "relative, of single against double precision"),
+        row("DFrFT from kept coefficients, as p moves", lambda: synthesise(kept, ORDER))
+        | error(synthesise(kept, ORDER), exact, "relative, of single against double precision"),
+        row("DFrFT in double precision", lambda: dfrft(wide, ORDER))
+        | error(near, fourier, "relative, just below p = 1, against the fast Fourier transform"),
+    ]
+
+
+def head_row(model: Any, exact: Any, vis: "Tensor", tac: "Tensor") -> dict[str, Any]:
+    """Return the row of the whole head, at another p with embeddings kept."""
+    kept = model.coefficients(vis, tac)
+    wanted = exact(vis.double(), tac.double(), order=ORDER).probabilities
+    found = model.from_coefficients(kept, ORDER).probabilities
+    return row(
+        "whole head on all pairs, as p moves", lambda: model.from_coefficients(kept, ORDER)
+    ) | {
+        "error": float((found - wanted).abs().max()),
+        "of": "largest difference of a probability from double precision",
+    }
+
+
+def stops_row(model: Any, vis: "Tensor", tac: "Tensor") -> dict[str, Any]:
+    """Return the row of one pair at 101 stops in one batch, as the Pair tab asks."""
+    import torch
+
+    stops = torch.arange(101) / 100
+
+    def at_once() -> "Tensor":
+        kept = model.coefficients(vis, tac)[torch.zeros(101, dtype=torch.long)]
+        answer: Tensor = model.from_coefficients(kept, stops).probabilities
+        return answer
+
+    single = torch.cat([model(vis, tac, order=float(p)).probabilities for p in stops[::10]])
+    return row("one pair at 101 stops of p, in one batch", at_once) | {
+        "error": float((at_once()[::10] - single).abs().max()),
+        "of": "largest difference of a probability from stops asked one by one",
+    }
+
+
+def row(what: str, work: Callable[[], Any]) -> dict[str, Any]:
+    """Return `what` and the milliseconds of `work`: median, least and most."""
+    work()  # the first call may build a basis
+    times = []
+    for _ in range(REPEATS):
+        began = perf_counter()
+        work()
+        times.append(1000 * (perf_counter() - began))
+    times.sort()
+    ms = {"median": times[len(times) // 2], "least": times[0], "most": times[-1]}
+    return {"what": what, "ms": {name: float(f"{value:.3g}") for name, value in ms.items()}}
+
+
+def error(found: "Tensor", exact: "Tensor", of: str) -> dict[str, Any]:
+    """Return the relative error of a tensor against an exact one."""
+    difference = (found.to(exact.dtype) - exact).norm() / exact.norm()
+    return {"error": float(difference), "of": of}

@@ -1,0 +1,210 @@
+"""FrATT over base vectors, forward and back in closed form; `MFFA.attend` is the printed form.
+
+A query is a token, so a sum of base vectors and the bias, or F-bar of LANG. All that can ask stands
+in one list of A vectors, r base vectors, the bias and the guide; a table says who is asking.
+
+Axes here: M modalities, B pairs, r base vectors, T tokens, A askers, Q queries, D width.
+"""
+
+from typing import NamedTuple
+
+import torch
+from torch import Tensor
+from torch.nn.functional import gelu, linear
+
+
+class Weights(NamedTuple):
+    """FrATT's weights without the bias of the keys, which a softmax ignores."""
+
+    query: Tensor
+    query_bias: Tensor
+    key: Tensor
+    value: Tensor
+    value_bias: Tensor
+    first: Tensor
+    first_bias: Tensor
+    second: Tensor
+    second_bias: Tensor
+
+
+class Attention(NamedTuple):
+    """What attention gives, and what its way back needs."""
+
+    feature: Tensor  # (M, B, D) F-bar
+    raw: Tensor  # (M B, D) before its length was taken
+    base: Tensor  # (M, B, r, D)
+    tokens: Tensor  # (M, r, T) table of tokens
+    askers: Tensor  # (M, A, Q) table of queries
+    guide: Tensor | None  # (B, D)
+    asked: Tensor  # (M B, A, D)
+    keys: Tensor  # (M B, r, D)
+    scores: Tensor  # (M, B r, A)
+    mixed: Tensor  # (M, B Q, r)
+    attended: Tensor  # (M, B, Q, T)
+    heard: Tensor  # (B or 1, Q, 1) how much each query counts
+    shares: Tensor  # (M, B, r) of base vectors
+    pooled: Tensor  # (M B, D)
+    values: Tensor  # (M B, D)
+    hidden: Tensor  # (M B, F)
+    active: Tensor  # (M B, F)
+
+
+class Rows(NamedTuple):
+    """A weight's gradient as a product still to take: outputs' gradients and inputs, row by row."""
+
+    grads: Tensor
+    inputs: Tensor
+
+
+class AttentionBack(NamedTuple):
+    """Gradients of attention; those of weights as rows, for one product over all modalities."""
+
+    base: Tensor  # (M, B, r, D)
+    pooled: Tensor  # (M, B, D), also that of the class tokens
+    tokens: Tensor  # (M, r, T)
+    guide: Tensor | None  # (B, D)
+    query_bias: Tensor
+    query: list[Rows]
+    key: Rows
+    value: Rows
+    first: Rows
+    second: Rows
+
+
+def asker_table(tokens: Tensor, guided: bool) -> Tensor:
+    """Return (M, A, Q): every token asks, with the bias; then the guide, which has the bias in it."""
+    count, rank, queries = tokens.shape
+    table = tokens.new_zeros(count, rank + 1 + guided, queries + guided)
+    table[:, :rank, :queries] = tokens
+    table[:, rank, :queries] = 1.0
+    if guided:
+        table[:, rank + 1, queries] = 1.0
+    return table
+
+
+def query_shares(tokens: Tensor, guided: Tensor | None) -> Tensor:
+    """Return (B or 1, Q): tokens count alike, or the guide alone where guided (B,)."""
+    queries = tokens.shape[-1]
+    if guided is None:
+        return tokens.new_full((1, queries), 1 / queries)
+    guide = guided.to(tokens.dtype)[:, None]
+    return torch.cat(((1 - guide).expand(-1, queries) / queries, guide), dim=1)
+
+
+def attend(
+    base: Tensor,
+    tokens: Tensor,
+    weights: Weights,
+    roots: tuple[float, float],
+    *,
+    token: Tensor | None,
+    guide: Tensor | None = None,
+    guided: Tensor | None = None,
+    unit: bool = True,
+) -> Attention:
+    """Return F-bar (M, B, D) of base vectors (M, B, r, D); arguments as in `MFFA.features`."""
+    count, batch, rank, width = base.shape
+    rows, vectors = base.reshape(-1, width), base.reshape(-1, rank, width)
+    score_root, value_root = roots
+    keys = linear(rows, weights.key).view(-1, rank, width)
+    asking = [
+        linear(rows, weights.query).view(-1, rank, width),
+        weights.query_bias.expand(count * batch, 1, width),
+    ]
+    if guide is not None:
+        asks = linear(guide, weights.query, weights.query_bias)
+        asking.append(asks.expand(count, batch, width).reshape(-1, 1, width))
+    asked = torch.cat(asking, dim=1)
+    askers = asker_table(tokens, guide is not None)
+    scores = torch.bmm(keys, asked.mT).view(count, batch * rank, -1)
+    mixed = torch.bmm(scores, askers).view(count, batch, rank, -1)
+    mixed = mixed.mT.reshape(count, -1, rank)
+    full = torch.bmm(mixed, tokens) / score_root
+    attended = torch.softmax(full, dim=-1).view(count, batch, -1, tokens.shape[-1])
+    heard = query_shares(tokens, guided if guide is not None else None)[..., None]
+    shares = torch.bmm((attended * heard).sum(2), tokens.mT)
+    pooled = torch.bmm(shares.view(-1, 1, rank), vectors).view(-1, width)
+    if token is not None:
+        pooled = pooled + token.reshape(-1, width)
+    values = linear(pooled, weights.value, weights.value_bias)
+    values = values if value_root == 1 else values / value_root
+    hidden = linear(values, weights.first, weights.first_bias)
+    active = gelu(hidden)
+    raw = linear(active, weights.second, weights.second_bias)
+    feature = unit_rows(raw) if unit else raw
+    return Attention(
+        feature.view(count, batch, width), raw, base, tokens, askers, guide, asked, keys, scores,
+        mixed, attended, heard, shares, pooled, values, hidden, active,
+    )  # fmt: skip
+
+
+def attend_back(
+    grad: Tensor, saved: Attention, weights: Weights, roots: tuple[float, float], *, unit: bool
+) -> AttentionBack:
+    """Return all gradients for the gradient (M, B, D) of F-bar."""
+    count, batch, rank, width = saved.base.shape
+    vectors = saved.base.reshape(-1, rank, width)
+    score_root, value_root = roots
+    to_raw = grad.reshape(-1, width)
+    if unit:
+        to_raw = unit_rows_back(to_raw, saved.raw)
+    to_hidden = torch.ops.aten.gelu_backward(to_raw @ weights.second, saved.hidden)
+    to_values = to_hidden @ weights.first
+    to_values = to_values if value_root == 1 else to_values / value_root
+    to_pooled = to_values @ weights.value
+    # the weighted sum of base vectors
+    per_row = to_pooled[:, None]
+    to_shares = torch.bmm(vectors, per_row.mT).view(count, batch, rank)
+    to_base = torch.bmm(saved.shares.view(-1, rank, 1), per_row)
+    to_mean = torch.bmm(to_shares, saved.tokens)[:, :, None]  # (M, B, 1, T)
+    to_tokens = torch.bmm(to_shares.mT, (saved.attended * saved.heard).sum(2))
+    # the softmax
+    held = saved.attended * to_mean
+    to_full = torch.sub(held, saved.attended * held.sum(-1, keepdim=True))
+    to_full = to_full.mul_(saved.heard / score_root).view(count, -1, to_tokens.shape[-1])
+    # scores between tokens, then between base vectors and askers
+    to_tokens.baddbmm_(saved.mixed.mT, to_full)
+    to_mixed = torch.bmm(to_full, saved.tokens.mT).view(count, batch, -1, rank)
+    to_mixed = to_mixed.mT.reshape(count, batch * rank, -1)
+    to_askers = torch.bmm(saved.scores.mT, to_mixed)
+    to_tokens += to_askers[:, :rank, : to_tokens.shape[-1]]
+    to_scores = torch.bmm(to_mixed, saved.askers.mT).view(count * batch, rank, -1)
+    to_keys = torch.bmm(to_scores, saved.asked).view(-1, width)
+    to_asked = torch.bmm(to_scores.mT, saved.keys)
+    to_query = to_asked[:, :rank].reshape(-1, width)
+    rows = saved.base.reshape(-1, width)
+    to_base = to_base.view(-1, width)
+    to_base.addmm_(to_query, weights.query).addmm_(to_keys, weights.key)
+    query_bias, query, to_guide = to_asked[:, rank].sum(0), [Rows(to_query, rows)], None
+    if saved.guide is not None:
+        asks = to_asked[:, rank + 1].view(count, batch, width).sum(0)
+        query_bias, to_guide = query_bias + asks.sum(0), asks @ weights.query
+        query.append(Rows(asks, saved.guide))
+    return AttentionBack(
+        to_base.view_as(saved.base),
+        to_pooled.view(count, batch, width),
+        to_tokens,
+        to_guide,
+        query_bias,
+        query,
+        Rows(to_keys, rows),
+        Rows(to_values, saved.pooled),
+        Rows(to_hidden, saved.values),
+        Rows(to_raw, saved.active),
+    )
+
+
+EPS = 1e-12  # the least length that is divided by, as in torch.nn.functional.normalize
+
+
+def unit_rows(raw: Tensor) -> Tensor:
+    """Return rows (N, D) at length one."""
+    return raw / torch.linalg.vector_norm(raw, dim=-1, keepdim=True).clamp_min_(EPS)
+
+
+def unit_rows_back(grad: Tensor, raw: Tensor) -> Tensor:
+    """Return the gradient of raw rows (N, D) for that of `unit_rows`."""
+    length = torch.linalg.vector_norm(raw, dim=-1, keepdim=True)
+    feature = raw / length.clamp_min(EPS)
+    along = (grad * feature).sum(-1, keepdim=True) * (length > EPS)
+    return torch.addcmul(grad, feature, along, value=-1).div_(length.clamp_min_(EPS))

@@ -1,0 +1,72 @@
+"""The transform of the few rows of a training batch, by the whole eigenbasis, and its way back.
+
+A batch holds so few rows that calls cost more than products: V whole beats V in blocks.
+"""
+
+from functools import lru_cache
+from typing import NamedTuple
+
+import torch
+from torch import Tensor
+
+from omnivat.fractional import Basis, basis
+from omnivat.fractional.phases import phases
+
+
+class Turn(NamedTuple):
+    """A transform of order p as training uses it."""
+
+    vectors: Tensor  # V (D, D)
+    slope: Tensor  # π k / 2 of every column (D,), float64
+    planes: Tensor  # (O, 1, 2, D) Re and Im of exp(-iπpk/2); O = 1, or one order a modality
+
+
+class Turned(NamedTuple):
+    """Channels, and what their way back needs."""
+
+    channels: Tensor  # (M, B, C, D): Re and Im, or Re alone
+    inner: Tensor  # (M, B, 1, D) in the eigenbasis
+
+
+class TurnedBack(NamedTuple):
+    """Gradients of a transform."""
+
+    embedding: Tensor  # (M, B, D)
+    order: Tensor  # (O,) float64
+
+
+@lru_cache(maxsize=8)
+def _eigenbasis(width: int, dtype: torch.dtype, device: torch.device) -> Basis:
+    with torch.inference_mode(False):
+        return basis(width, dtype=dtype, device=device)
+
+
+def turn_of(order: Tensor, like: Tensor) -> Turn:
+    """Return the transform of order () or (M, 1) for embeddings like (..., D)."""
+    vectors, indices = _eigenbasis(like.shape[-1], like.dtype, like.device)
+    planes = torch.view_as_real(phases(order.detach().reshape(-1), indices))  # (O, D, 2)
+    planes = planes.movedim(-1, 1)[:, None].to(like.dtype, memory_format=torch.contiguous_format)
+    return Turn(vectors, indices * (torch.pi / 2), planes)
+
+
+def turned(embedding: Tensor, turn: Turn, channels: int) -> Turned:
+    """Transform embeddings (M, B, D) into their first one or two channels."""
+    inner = (embedding @ turn.vectors)[:, :, None]
+    return Turned((inner * turn.planes[:, :, :channels]) @ turn.vectors.T, inner)
+
+
+def turned_back(grad: Tensor, inner: Tensor, turn: Turn) -> TurnedBack:
+    """Return the gradients for the gradient (M, B, C, D) of the channels.
+
+    With θ = πpk/2 the planes are cos θ and -sin θ; each one's slope is the other's value.
+    """
+    count = grad.shape[2]
+    within = grad @ turn.vectors
+    to_planes = (within * inner).sum(1)  # (M, C, D)
+    to_planes = to_planes.sum_to_size(len(turn.planes), count, to_planes.shape[-1])
+    real, imaginary = turn.planes[:, 0].unbind(1)
+    by_order = to_planes[:, 0] * imaginary
+    if count == 2:
+        by_order = by_order - to_planes[:, 1] * real
+    embedding = (within * turn.planes[:, :, :count]).sum(2) @ turn.vectors.T
+    return TurnedBack(embedding, by_order.double() @ turn.slope)

@@ -1,0 +1,18 @@
+"""Walk a set of embeddings through many orders: features, answers and gaps as functions of p."""
+
+from omnivat.sweep.curves import MEASURES, Sweep, facts_of, measured, sweep
+from omnivat.sweep.walk import STAGES, STILL, AtOrder, Features, coarse_first, walk
+
+__all__ = [
+    "MEASURES",
+    "STAGES",
+    "STILL",
+    "AtOrder",
+    "Features",
+    "Sweep",
+    "coarse_first",
+    "facts_of",
+    "measured",
+    "sweep",
+    "walk",
+]

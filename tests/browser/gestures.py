@@ -1,0 +1,66 @@
+"""What journeys share: gestures, pictures to send, and what the map shows now."""
+
+from io import BytesIO
+from typing import Any
+
+import numpy as np
+from PIL import Image
+
+VIEWS = ("explore", "pair", "tree", "compare", "data")
+MAP = ".explore .map[data-order]"
+ANSWERED = ".pair .results[aria-busy=false] .bars table"
+
+
+def texture(seed: int) -> dict[str, Any]:
+    """Return a picture as a file to upload."""
+    random = np.random.default_rng(seed)
+    with BytesIO() as handle:
+        Image.fromarray(random.integers(0, 255, (96, 96, 3), dtype=np.uint8)).save(handle, "PNG")
+        return {"name": f"{seed}.png", "mimeType": "image/png", "buffer": handle.getvalue()}
+
+
+def pixels(page: Any, of: str = ".explore .map") -> str:
+    """Return the map's points as they are drawn now, once drawing has settled."""
+    return page.evaluate(
+        """of => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() =>
+             done(document.querySelector(of + ' canvas').toDataURL()))))""",
+        of,
+    )
+
+
+def place_of_a_point(page: Any) -> tuple[float, float]:
+    """Return where on the page some point is drawn: hover until the card shows a pair."""
+    box = page.locator(".explore .map").bounding_box()
+    for share in np.linspace(0.3, 0.7, 9):
+        for height in np.linspace(0.3, 0.7, 9):
+            at = box["x"] + share * box["width"], box["y"] + height * box["height"]
+            page.mouse.move(*at)
+            if "Pair" in page.locator(".explore .card h3").inner_text():
+                return at
+    raise AssertionError("no point was found on the map")
+
+
+def grab(page: Any, share: float = 0.5, of: str = ".explore .order") -> dict[str, float]:
+    """Press the mouse on the slider at a share of its length; return its box."""
+    box = page.locator(of).bounding_box()
+    page.mouse.move(box["x"] + share * box["width"], box["y"] + box["height"] / 2)
+    page.mouse.down()
+    return box
+
+
+def pull(page: Any, box: dict[str, float], share: float, steps: int = 8) -> None:
+    """Move the pressed mouse along the slider to a share of its length."""
+    page.mouse.move(
+        box["x"] + share * box["width"], box["y"] + box["height"] / 2, steps=steps
+    )
+
+
+def open_tab(page: Any, view: str) -> None:
+    """Open a tab of the page, wherever its button stands at this width."""
+    page.evaluate("id => document.getElementById(id).click()", f"view-{view}-button")
+    page.wait_for_selector(f".ov.{view}:visible")
+
+
+def p_shown(page: Any) -> str:
+    """Return the p that Explore shows, in figures."""
+    return page.locator(".explore .order-value").inner_text()

@@ -1,0 +1,223 @@
+"""Dragging p: answered in the browser, exact at every stop, whatever else happens meanwhile."""
+
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from omnivat.frames import FrameSet, read_frames, write_frames
+from omnivat.heads import EXAMPLES, default_embeddings, default_head
+
+from .gestures import MAP, grab, open_tab, p_shown, pixels, pull
+
+pytestmark = pytest.mark.browser
+
+STOPS = (0, 37, 51, 100)
+STAGES = ("relu", "f_hat")
+READ = """async ({ stops, stages }) => {
+  const { fetchFrames } = await import(new URL('omnivat/web/frames.js', document.baseURI));
+  const { frames } = await fetchFrames(() => {});
+  const place = (map, point) => {
+    const [[x0, y0], [x1, y1]] = map.bounds;
+    return [x0 + map.points[2 * point] / 65535 * (x1 - x0), y0 + map.points[2 * point + 1] / 65535 * (y1 - y0)];
+  };
+  return stops.map((stop) => ({
+    order: frames.orders[stop],
+    prediction: [...frames.prediction.subarray(stop * frames.pairs, (stop + 1) * frames.pairs)],
+    confidence: [...frames.confidence.subarray(stop * frames.pairs, (stop + 1) * frames.pairs)],
+    gap: frames.meta.curves['modality_gap/f_hat'][stop],
+    maps: Object.fromEntries(stages.map((stage) => {
+      const map = frames.positions('pca', stage, stop);
+      return [stage, { drawn: map.drawn, places: Array.from({ length: 2 * frames.pairs }, (_, i) => place(map, i)) }];
+    })),
+  }));
+}"""
+
+
+def test_a_drag_asks_nothing_of_the_server(open_page: Callable[..., Any]) -> None:
+    page = open_page("?vis=row:0&tac=row:0")
+    page.wait_for_selector(MAP)
+    for view, shown in (("pair", ".bars table"), ("tree", ".tree-view"), ("explore", ".map")):
+        open_tab(page, view)
+        page.wait_for_selector(f".{view} {shown}")
+    page.wait_for_load_state("networkidle")
+    asked: list[str] = []
+    page.on("request", lambda request: asked.append(request.url))
+    before = pixels(page)
+    box = grab(page)
+    for share in (0.9, 0.1, 0.6):
+        pull(page, box, share, steps=15)
+    assert pixels(page) != before
+    page.mouse.up()
+    page.wait_for_function("location.search.includes('p=0.')")
+    assert asked == []
+
+
+def test_every_stop_is_what_the_library_computes_now(open_page: Callable[..., Any]) -> None:
+    """The browser's own decoding against the head run again, not against the file."""
+    import torch
+
+    from omnivat.checkpoint import load_head
+    from omnivat.data.store import load_embeddings
+    from omnivat.frames.build import stacked
+    from omnivat.projection import pca
+    from omnivat.projection.align import aligned
+    from omnivat.sweep import walk
+
+    page = open_page()
+    page.wait_for_selector(MAP)
+    decoded = page.evaluate(READ, {"stops": STOPS, "stages": STAGES})
+    frames = read_frames(EXAMPLES / "frames.bin")
+    head, embeddings = load_head(default_head()), load_embeddings(default_embeddings())
+    orders = [frames.orders[stop] for stop in STOPS]
+    with torch.inference_mode():
+        for found in walk(head.model, embeddings, orders, stages=STAGES, answers=True):
+            seen = decoded[found.index]
+            assert seen["order"] == found.order
+            sure, answer = found.probabilities["fused"].max(1)
+            close = torch.tensor(seen["confidence"]) / 255 - sure
+            assert close.abs().max() <= 0.5 / 255 + 1e-4
+            ties = sure < 0.5 + 1e-3  # only there may rounding change which class is first
+            assert ((torch.tensor(seen["prediction"]) == answer) | ties).all()
+            for stage in STAGES:
+                map_ = seen["maps"][stage]
+                assert map_["drawn"] == STOPS[found.index]
+                exact = pca.project(stacked(found.features[stage])).double()
+                drawn = torch.tensor(map_["places"], dtype=torch.float64)
+                off = (aligned(exact, drawn) - drawn).norm(dim=1).max()
+                assert off <= 2 * frames.maps[f"pca/{stage}"].max_error
+
+
+def test_the_figures_beside_the_map_are_those_of_the_stop(open_page: Callable[..., Any]) -> None:
+    frames = read_frames(EXAMPLES / "frames.bin")
+    page = open_page("?p=0.2")
+    page.wait_for_selector(MAP)
+    box = grab(page, 0.2)
+    pull(page, box, 0.73, steps=20)
+    page.mouse.up()
+    stop = round(100 * float(p_shown(page)))
+    assert stop != 20
+    shown = page.locator(".explore .curves figure[data-name=modality_gap] output").inner_text()
+    assert shown == f"{frames.curves['modality_gap/f_hat'][stop]:.3f}"
+
+
+def thinned(frames: FrameSet, every: int) -> FrameSet:
+    """Return the same set at fewer stops, as the first, coarse frames are."""
+    kept = list(range(0, len(frames.orders), every))
+    maps = {}
+    for name, one in frames.maps.items():
+        at = [i for i, stop in enumerate(one.orders) if stop in kept]
+        orders = tuple(kept.index(one.orders[i]) for i in at)
+        maps[name] = replace(one, points=one.points[at], orders=orders)
+    return replace(
+        frames,
+        orders=tuple(frames.orders[i] for i in kept),
+        prediction=frames.prediction[kept],
+        confidence=frames.confidence[kept],
+        maps=maps,
+        curves={
+            name: [values[i] for i in kept] if len(values) == len(frames.orders) else values
+            for name, values in frames.curves.items()
+        },
+    )
+
+
+def test_finer_frames_take_the_place_of_coarse_ones_in_the_middle_of_a_drag(
+    new_page: Callable[..., Any], address: str, tmp_path: Path
+) -> None:
+    write_frames(tmp_path / "coarse.bin", thinned(read_frames(EXAMPLES / "frames.bin"), 10))
+    page = new_page()
+    ready: list[bool] = []
+
+    def answer(route: Any) -> None:
+        if "progress" in route.request.url:
+            step = None if ready else {"done": 40, "total": 101, "text": "map at order 0.40"}
+            route.fulfill(status=202, json={"step": step, "ready": True})
+        elif ready:
+            route.fallback()
+        else:
+            route.fulfill(path=tmp_path / "coarse.bin", headers={"X-Frames": "coarse"})
+
+    page.route("**/omnivat/frames*", answer)
+    page.goto(address + "?p=0.2", wait_until="commit")
+    page.wait_for_selector(MAP)
+    box = grab(page, 0.2)
+    pull(page, box, 0.43)
+    assert p_shown(page) == "0.40"  # coarse stops only
+    page.wait_for_selector(".explore .wait:visible")
+    assert "40 of 101" in page.locator(".explore .wait").inner_text()
+    ready.append(True)
+    page.wait_for_selector(".explore .wait", state="hidden")
+    pull(page, box, 0.66, steps=20)
+    page.mouse.up()
+    assert re.fullmatch(r"0\.\d[1-9]", p_shown(page))
+    assert page.locator(MAP).get_attribute("data-order") == str(float(p_shown(page)))
+
+
+def test_a_browser_without_webgl_shows_and_moves_the_map(
+    new_page: Callable[..., Any], address: str
+) -> None:
+    page = new_page()
+    page.add_init_script(
+        """window.refused = 0;
+        for (const kind of [HTMLCanvasElement, OffscreenCanvas]) {
+          const real = kind.prototype.getContext;
+          kind.prototype.getContext = function (name, ...rest) {
+            if (!/webgl|webgpu/.test(name)) return real.call(this, name, ...rest);
+            window.refused += 1;
+            return null;
+          };
+        }"""
+    )
+    page.goto(address, wait_until="commit")
+    page.wait_for_selector(MAP)
+    assert page.evaluate("document.createElement('canvas').getContext('webgl2')") is None
+    before = pixels(page)
+    page.focus(".explore .order")
+    page.keyboard.press("ArrowRight")
+    assert pixels(page) != before
+    assert page.evaluate("window.refused") == 1  # the page itself never asked
+
+
+def touches(session: Any, kind: str, *at: tuple[float, float]) -> None:
+    """Send one touch event with a finger at each place."""
+    fingers = [{"x": x, "y": y, "id": i} for i, (x, y) in enumerate(at)]
+    session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": fingers})
+
+
+def test_fingers_pan_pinch_and_pin_on_the_map_and_drag_p(open_page: Callable[..., Any]) -> None:
+    page = open_page(viewport={"width": 400, "height": 800}, has_touch=True, is_mobile=True)
+    page.wait_for_selector(MAP)
+    finger = page.context.new_cdp_session(page)
+
+    def swipe(*ways: tuple[tuple[float, float], tuple[float, float]]) -> None:
+        touches(finger, "touchStart", *(start for start, _ in ways))
+        for part in np.linspace(0.2, 1, 5):
+            places = [
+                (a[0] + part * (b[0] - a[0]), a[1] + part * (b[1] - a[1])) for a, b in ways
+            ]
+            touches(finger, "touchMove", *places)
+        touches(finger, "touchEnd")
+
+    page.locator(".explore .map").scroll_into_view_if_needed()
+    box = page.locator(".explore .map").bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    still = pixels(page)
+    swipe(((x, y), (x + 60, y + 20)))
+    panned = pixels(page)
+    assert panned != still
+    scrolled = page.evaluate("scrollY")
+    swipe(((x - 30, y), (x - 90, y)), ((x + 30, y), (x + 90, y)))
+    assert pixels(page) != panned
+    assert page.evaluate("scrollY") == scrolled  # the map took the gesture, not the page
+    page.locator(".explore .order").scroll_into_view_if_needed()
+    slider = page.locator(".explore .order").bounding_box()
+    middle = slider["y"] + slider["height"] / 2
+    before = p_shown(page)
+    start = slider["x"] + slider["width"] * float(before)
+    swipe(((start, middle), (slider["x"] + slider["width"] * 0.9, middle)))
+    assert float(p_shown(page)) > 0.8

@@ -1,0 +1,125 @@
+"""`omnivat sweep`: every measure as a function of p, in files with named columns."""
+
+import csv
+import json
+
+import pytest
+
+from omnivat.checkpoint import load_head
+from omnivat.cli import main
+from omnivat.cli.sweep import names_of, orders_of
+from omnivat.data.store import load_embeddings
+from omnivat.errors import SettingsError
+from omnivat.frames import read_frames
+from omnivat.gaps.measures import ANSWER_MEASURES, STAGE_MEASURES
+from omnivat.sweep import MEASURES, STAGES, sweep
+
+
+def command(head_folder, *more):
+    embeddings = str(head_folder.parent / "set.safetensors")
+    return ["sweep", "--head", str(head_folder), "--embeddings", embeddings, *map(str, more)]
+
+
+def columns(path):
+    with path.open(newline="", encoding="utf-8") as handle:
+        rows = list(csv.reader(handle))
+    return {name: values for name, *values in zip(*rows, strict=True)}
+
+
+def test_every_measure_at_every_stage_is_a_named_column_of_the_table(head_folder, tmp_path):
+    out = tmp_path / "curves.csv"
+    every = ("--stages", "all", "--measures", "all", "--orders", "0,0.3,1")
+    assert main(command(head_folder, "--csv", out, *every)) == 0
+    found = columns(out)
+    assert [float(order) for order in found.pop("order")] == [0, 0.3, 1]
+    for measure in STAGE_MEASURES:
+        assert {f"{measure}/{stage}" for stage in STAGES} <= set(found)
+    for measure in set(ANSWER_MEASURES) - {"confusion"}:
+        assert {f"{measure}/all", f"{measure}/TAG-sim", f"{measure}/OF Real-sim"} <= set(found)
+    assert {"margin:cross_domain/f_hat", "margin:cross_modal/f_bar"} <= set(found)
+    assert "confusion/wood>steel" in found
+    assert all(all(float(value) == float(value) for value in values) for values in found.values())
+
+
+def test_the_files_hold_what_the_library_answers(head_folder, tmp_path):
+    asked = ("--stages", "f_hat", "--measures", "mmd_rbf,ece", "--orders", "0,0.5")
+    files = ("--json", tmp_path / "c.json", "--csv", tmp_path / "c.csv")
+    assert main(command(head_folder, *asked, *files)) == 0
+    wanted = sweep(
+        load_head(head_folder).model,
+        load_embeddings(head_folder.parent / "set.safetensors"),
+        [0.0, 0.5],
+        stages=("f_hat",),
+        measures=("mmd_rbf", "ece"),
+    ).curves
+    written = json.loads((tmp_path / "c.json").read_text(encoding="utf-8"))
+    table = columns(tmp_path / "c.csv")
+    assert written["orders"] == [0, 0.5] and written["head"]["source"] == "TAG-sim"
+    assert set(written["curves"]) == set(table) - {"order"} == set(wanted)
+    for name, values in wanted.items():
+        assert written["curves"][name] == pytest.approx(values.tolist())
+        assert [float(text) for text in table[name]] == pytest.approx(values.tolist())
+
+
+def test_a_value_that_does_not_exist_is_null_and_an_empty_cell(
+    head_folder, make_embeddings, tmp_path
+):
+    from omnivat.data.store import save_embeddings
+
+    one_domain = tmp_path / "one.safetensors"
+    save_embeddings(one_domain, make_embeddings(domains=("TAG-sim",)))
+    files = ("--json", tmp_path / "c.json", "--csv", tmp_path / "c.csv")
+    asked = ["--embeddings", str(one_domain), "--measures", "domain_gap", "--stages", "raw"]
+    assert main([*command(head_folder, *files), *asked, "--stops", "2"]) == 0
+    written = json.loads((tmp_path / "c.json").read_text(encoding="utf-8"))
+    assert written["curves"]["domain_gap/raw"] == [None, None]
+    assert columns(tmp_path / "c.csv")["domain_gap/raw"] == ["", ""]
+
+
+def test_frames_are_made_for_the_orders_stages_and_measures_asked_for(
+    head_folder, tmp_path, capsys
+):
+    out = tmp_path / "frames.bin"
+    asked = ("--orders", "0,0.5,2.5", "--stages", "raw,relu", "--measures", "margin")
+    assert main(command(head_folder, "--out", out, *asked)) == 0
+    frames = read_frames(out)
+    assert frames.orders == (0, 0.5, 2.5)
+    assert {name.split("/")[1] for name in frames.maps} == {"raw", "relu"}
+    assert {name.split("/")[0].split(":")[0] for name in frames.curves} == {"margin"}
+    said = capsys.readouterr().out
+    assert "p = 2.5" in said and "margin:cross_modal/relu" in said and str(out) in said
+
+
+@pytest.mark.parametrize(
+    ("asked", "sentence"),
+    [
+        ((), "Nothing is to be written; give --out, --json or --csv."),
+        (("--csv", "c", "--stages", "f_hut"), "No stage is called 'f_hut'"),
+        (("--csv", "c", "--measures", "mmd"), "No measure is called 'mmd'"),
+        (("--csv", "c", "--orders", "0,x"), "--orders is '0,x'; write numbers"),
+        (("--csv", "c", "--orders", "0,nan"), "finite numbers, each above the last"),
+        (("--csv", "c", "--orders", "1,0"), "each above the last"),
+        (("--csv", "c", "--orders", "1", "--stops", "3"), "Give --orders or --stops, not both"),
+        (("--csv", "c", "--stops", "1"), "--stops is 1; choose 2 to 1001."),
+    ],
+)
+def test_what_cannot_be_swept_is_one_sentence_and_no_file(
+    asked, sentence, head_folder, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.chdir(tmp_path)
+    assert main(command(head_folder, *asked)) == 1
+    said = capsys.readouterr()
+    assert sentence in said.err and said.err.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_names_come_once_and_in_the_order_of_the_table():
+    assert names_of("f_hat, raw,f_hat", STAGES, "stage") == ("raw", "f_hat")
+    assert names_of("all", MEASURES, "measure") == MEASURES
+    with pytest.raises(SettingsError, match="No stage is called ''"):
+        names_of("raw,", STAGES, "stage")
+
+
+def test_without_orders_the_stops_go_from_0_to_1():
+    assert orders_of(None, 3) == [0, 0.5, 1]
+    assert len(orders_of(None, None)) == 101
