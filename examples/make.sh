@@ -8,5 +8,5 @@ python -m omnivat simulate --out "$full"
 python -m omnivat embed "$full" --out examples/simulated.safetensors --dtype float16
 python -m omnivat thumbnails "$full" --embeddings examples/simulated.safetensors --tile 56
 python -m omnivat train --embeddings examples/simulated.safetensors --source TAG-sim \
-    --out examples/head --set width=64
+    --out examples/head --repeat 1,2 --set width=64 --set epochs=60
 python -m omnivat sweep --out examples/frames.bin

@@ -17,6 +17,10 @@ class DataError(OmniVatError, ValueError):
     """A file, folder or table is not what it should be."""
 
 
+class WriteError(OmniVatError, OSError):
+    """A file or folder cannot be written."""
+
+
 class MissingNameError(OmniVatError, KeyError):
     """A table has no entry of that name."""
 

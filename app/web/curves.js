@@ -75,7 +75,7 @@ export class Curves {
   note() {
     const learned = this.frames.meta.head?.learned_order;
     if (!Number.isFinite(learned)) return "";
-    return `<details class="what-if"><summary><b aria-hidden="true">?</b> Outside the pale band: a what-if</summary>
+    return `<details class="what-if"><summary><b aria-hidden="true">?</b> Outside the band: a what-if</summary>
       <p>The head’s weights were learned at p = ${learned.toFixed(3)}. The band is p ± ${CLOSE}; outside it, the curves say how <i>these</i> weights do at a p they were not made for: hence the ups and downs. What heads reach that are trained anew at each p is another question: <code>omnivat ablate --only order</code> answers it<span class="dots"></span>.</p></details>`;
   }
 

@@ -32,6 +32,7 @@ export async function start(root) {
     const telling = (step) => { wait.textContent = waiting(step); };
     const { frames, coarse, sprite } = await theSet(telling);
     wait.hidden = true;
+    root.querySelector(".explore").classList.add("ready");
     const page = explore($, frames, sprite);
     if (!coarse) return;
     wait.hidden = false;

@@ -9,9 +9,10 @@ const shade = (hex, by) => `#${[1, 3, 5].map((i) =>
 
 /**
  * shown(point) and lit(point) say which points are drawn, and which of them in full colour.
+ * dim is how strong the others are.
  * Returns [{style, at, count}], lit ones last.
  */
-export function layersOf(frames, stop, shown, lit) {
+export function layersOf(frames, stop, shown, lit, dim = DIM) {
   const colouring = COLOURINGS[state.colour];
   const groups = colouring.groups(frames);
   const of = colouring.of(frames, stop);
@@ -19,7 +20,7 @@ export function layersOf(frames, stop, shown, lit) {
   const radius = total > 12_000 ? 2 : total > 5_000 ? 2.6 : 3.4;
   const edge = isDark() ? 0.55 : 0.62;
   const layers = [];
-  for (const alpha of [DIM, 0.92]) {
+  for (const alpha of [dim, 0.92]) {
     for (const tac of [0, 1]) {
       for (const [, colour] of groups) {
         const style = { shape: tac ? "triangle" : "circle", colour, edge: shade(colour, edge), radius, alpha };

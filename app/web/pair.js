@@ -2,7 +2,10 @@
 
 import { address, ask, json, refused } from "./api.js";
 import { thumbnail } from "./card.js";
+import { Attention } from "./attention.js";
 import { bars, Lines } from "./chart.js";
+import { headLabel, heads } from "./headsets.js";
+import { nodeMap } from "./nodemap.js";
 import { orderBar } from "./order.js";
 import { onTheme } from "./palette.js";
 import { shelf, somePair } from "./pick.js";
@@ -17,10 +20,10 @@ const VOICES = [["both", "both"], ["vis", "VIS"], ["tac", "TAC"]];
 export async function start(root) {
   const $ = (selector) => root.querySelector(selector);
   const none = { frames: null, sprite: null };
-  const [examples, set] = await Promise.all([
-    json("examples").catch(() => []), theSet().catch(() => none),
+  const [examples, set, known] = await Promise.all([
+    json("examples").catch(() => []), theSet().catch(() => none), heads().catch(() => []),
   ]);
-  pair($, examples, set);
+  pair($, examples, set, known.filter((one) => one.name && !one.problem));
 }
 
 /** A scale for the order bar before the server has said where p was learned. */
@@ -29,11 +32,16 @@ const scale = (answer) => {
   return { orders, meta: { head: { learned_order: answer?.learned } }, stop: (p) => Math.max(0, Math.min(100, Math.round(100 * p))) };
 };
 
-function pair($, examples, set) {
+function pair($, examples, set, rivals) {
   let answer = null;
   let voice = "both";
   let asking = null;
   let announcing = 0;
+  let live = null; // the newest answer to a camera's picture
+  let others = []; // answers of comparison heads
+  const attention = new Attention($(".looks"));
+  const onMap = set.frames ? nodeMap($(".on-map"), set.frames, { nodes: false }) : null;
+  $(".on-map").hidden = !onMap;
   const bar = orderBar($(".order-bar"), scale(null));
   const lines = new Lines($(".lines"), (p) => change({ p }));
   const spectra = new Spectra($(".pictures"));
@@ -41,7 +49,8 @@ function pair($, examples, set) {
     $(".problem").textContent = sentence;
     $(".problem").hidden = !sentence;
   };
-  const showSlots = slots($(".slots"), { onRef: (modality, ref) => change({ [modality]: ref }), onProblem: problem });
+  const showSlots = slots($(".slots"), { onRef: (modality, ref) => change({ [modality]: ref }), onProblem: problem, onLive: showLive,
+    liveQuestion: (modality) => ({ modality, other: modality === "vis" ? state.tac : state.vis, order: state.p }) });
 
   /** What is known of an image by its reference. */
   function known(ref) {
@@ -72,6 +81,7 @@ function pair($, examples, set) {
       answer.took = performance.now() - began;
       problem("");
       showAnswer();
+      askMore(asking.signal);
     } catch (error) {
       refused(error, (sentence) => {
         problem(sentence);
@@ -83,8 +93,55 @@ function pair($, examples, set) {
     }
   }
 
+  /** What the first answer need not wait for: other heads, and where attention looks. */
+  async function askMore(signal) {
+    const question = { vis: state.vis, tac: state.tac };
+    onMap?.(question, state.p);
+    const quietly = (asked) => asked.catch((error) => {
+      if (error.name === "AbortError") throw error;
+      return { problem: error.message };
+    });
+    try {
+      const [looks, ...found] = await Promise.all([
+        quietly(ask("attention", question, signal)),
+        ...rivals.map((one) => quietly(ask("pair", { ...question, head: one.name }, signal))),
+      ]);
+      others = found.map((one, i) => ({ ...one, label: headLabel(rivals[i]) }));
+      attention.show(looks);
+      showOrder();
+    } catch (error) {
+      refused(error, problem);
+    }
+  }
+
+  /** Every head's answer at this p, side by side. */
+  function showRivals(at, stop) {
+    $(".rivals").hidden = !others.length;
+    if (!others.length) return;
+    const top = (row) => row.indexOf(Math.max(...row));
+    const cell = (classes, row) => (row ? `<td>${escaped(classes[top(row)])} <b>${percent(Math.max(...row))}</b></td>` : "<td>–</td>");
+    const line = (label, classes, rows) => `<tr><th scope="row">${escaped(label)}</th>${VOICES.map(([key]) => cell(classes, rows[key])).join("")}</tr>`;
+    $(".rivals").innerHTML = `<header><h3>The same pair, other heads</h3><p class="hint">all at p = ${state.p.toFixed(2)}</p></header><div class="scroll"><table><thead><tr><th scope="col">Head</th>${VOICES.map(([key, name]) => `<th scope="col"><span class="sign ${key}"></span>${name}</th>`).join("")}</tr></thead><tbody>
+      ${line("this head", answer.classes, at)}${others.map((one) => (one.problem ? `<tr><th scope="row">${escaped(one.label)}</th><td colspan="3">${escaped(one.problem)}</td></tr>`
+        : line(`${one.label} (learned p = ${one.learned.toFixed(3)})`, one.classes, Object.fromEntries(Object.entries(one.stops).map(([name, rows]) => [name, rows[stop]]))))).join("")}</tbody></table></div>`;
+  }
+
+  /** A camera's newest answer takes the verdict and the bars; null gives them back. */
+  function showLive(found) {
+    const was = live;
+    live = found;
+    if (!found) return was ? answerAgain() : undefined;
+    const at = found.probabilities;
+    const best = at.both.indexOf(Math.max(...at.both));
+    $(".bars").innerHTML = bars(found.classes, at);
+    $(".verdict").innerHTML = `<div class="said"><h2>${escaped(found.classes[best])} <span>${percent(at.both[best], 1)}</span></h2><p><b class="tag">live</b></p></div><p class="hint">${Number.isFinite(found.fps) ? `${found.fps.toFixed(1)} pictures answered in a second` : "counting…"}; curves, spectra and map below are of the pair chosen before.</p>`;
+  }
+
   function empty() {
     answer = null;
+    others = [];
+    showRivals();
+    attention.show(null);
     $(".verdict").innerHTML = '<p class="hint">Choose a pair to see what the head says: one of the two images is enough.</p>';
     $(".bars").innerHTML = $(".lines").innerHTML = $(".pictures").innerHTML = "";
     spectra.all = [];
@@ -107,9 +164,13 @@ function pair($, examples, set) {
     const stop = scale(answer).stop(state.p);
     bar.show(stop);
     if (!answer) return;
+    attention.mark(stop);
     const at = Object.fromEntries(Object.entries(answer.stops).map(([name, rows]) => [name, rows[stop]]));
-    $(".bars").innerHTML = bars(answer.classes, at);
-    $(".verdict").innerHTML = verdict(at);
+    showRivals(at, stop);
+    if (!live) {
+      $(".bars").innerHTML = bars(answer.classes, at);
+      $(".verdict").innerHTML = verdict(at);
+    }
     lines.mark(stop, answer.orders);
     spectra.mark(stop);
     clearTimeout(announcing);
@@ -174,9 +235,14 @@ function pair($, examples, set) {
     showAnswer();
   };
   watch(["vis", "tac"], answerAgain);
-  watch(["p"], showOrder);
+  watch(["p"], () => {
+    showOrder();
+    if (answer) onMap?.({ vis: state.vis, tac: state.tac }, state.p);
+  });
+  watch(["view"], () => $(".slots").querySelectorAll(".slot").forEach((slot) => slot.quiet()));
   onTheme(() => {
     spectra.paint();
+    attention.paint();
     showOrder();
   });
   if (state.vis || state.tac) answerAgain();

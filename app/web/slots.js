@@ -3,6 +3,7 @@
 import { address, refused, sendImage } from "./api.js";
 import { thumbnail } from "./card.js";
 import { escaped } from "./text.js";
+import { goLive } from "./live.js";
 import { snapshot } from "./webcam.js";
 import { where } from "./where.js";
 
@@ -10,14 +11,14 @@ const NAMES = { vis: ["VIS", "a photo of the surface"], tac: ["TAC", "the touch 
 const LARGEST = 20e6;
 export const sent = new Map(); // reference -> what the server said of an image of this visit
 
-export function slots(box, { onRef, onProblem }) {
+export function slots(box, { onRef, onProblem, onLive, liveQuestion }) {
   box.innerHTML = Object.entries(NAMES).map(([key, [name, what]]) => `
     <div class="slot panel" data-modality="${key}" tabindex="0" aria-label="${name}: ${what}. Drop or paste an image here.">
       <h3><span class="sign ${key}"></span>${name} <small>${what}</small></h3>
       <div class="picture"><span>Drop or paste an image</span></div>
       <p class="what">&nbsp;</p>
       <div class="row"><label class="choose">Choose file<input type="file" accept="image/*,.tif,.tiff,.webp,.png,.jpg" aria-label="Choose a ${name} image"></label>
-      <button type="button" class="camera">Camera</button><button type="button" class="where" title="Hide one part after the other and see what the answer loses">Where?</button><button type="button" class="clear" aria-label="Remove ${name}">Remove</button></div>
+      <button type="button" class="camera" title="Take one picture">Camera</button><button type="button" class="live" aria-pressed="false" title="Answer the camera’s pictures one after the other">Live</button><button type="button" class="where" title="Hide one part after the other and see what the answer loses">Where?</button><button type="button" class="clear" aria-label="Remove ${name}">Remove</button></div>
     </div>`).join("");
   for (const slot of box.children) wire(slot);
 
@@ -50,6 +51,36 @@ export function slots(box, { onRef, onProblem }) {
       }
     };
 
+    let stop = null;
+    slot.querySelector(".live").onclick = async () => {
+      onProblem("");
+      if (stop) return quiet();
+      const place = slot.querySelector(".picture");
+      place.innerHTML = '<video autoplay playsinline muted></video>';
+      slot.querySelector(".live").setAttribute("aria-pressed", "true");
+      slot.querySelector(".what").textContent = "Opening the camera; the first picture also loads the encoder…";
+      try {
+        stop = await goLive(place.querySelector("video"), {
+          ask: () => liveQuestion(modality),
+          onAnswer: (answer) => {
+            slot.querySelector(".what").innerHTML = `<b class="fps">${Number.isFinite(answer.fps) ? answer.fps.toFixed(0) : "…"} pictures/s</b> answered; ${Math.round(answer.trip)} ms from camera to answer (encoder ${answer.ms.encoder} ms, head ${answer.ms.head} ms). None is kept.`;
+            onLive(answer);
+          },
+          onProblem: (sentence) => { quiet(); onProblem(sentence); },
+        });
+      } catch (error) {
+        quiet();
+        refused(error, onProblem);
+      }
+    };
+    function quiet() {
+      stop?.();
+      stop = null;
+      slot.querySelector(".live").setAttribute("aria-pressed", "false");
+      onLive(null);
+    }
+    slot.quiet = () => stop && quiet();
+
     slot.querySelector(".where").onclick = () => where(slot, onProblem);
 
     async function take(file, name) {
@@ -79,6 +110,7 @@ export function slots(box, { onRef, onProblem }) {
     for (const slot of box.children) {
       const { modality } = slot.dataset;
       const ref = refs[modality];
+      if (slot.querySelector(".live").getAttribute("aria-pressed") === "true") continue;
       slot.querySelector(".picture").classList.remove("seen");
       slot.querySelector(".picture").innerHTML = picture(modality, ref, sprite, pairs);
       slot.querySelector(".what").textContent = ref ? describe(ref) : "nothing here: the head answers from the other one alone";

@@ -43,12 +43,12 @@ export function drawTree({ classes, nodes, parents }) {
 
 const isDeep = (hex) => rgb(hex).reduce((sum, v, c) => sum + v * [0.3, 0.59, 0.11][c], 0) < 110;
 
-function disc({ norm, probabilities }, i, [x, y], r, classes, fits) {
+function disc({ norm, probabilities, right }, i, [x, y], r, classes, fits) {
   const best = probabilities.indexOf(Math.max(...probabilities));
   const parts = classes.map((name, k) => `${name} ${percent(probabilities[k], 1)}`).join(", ");
   const title = `<title>Node ${i + 1}: norm ${norm.toFixed(3)}; ${escaped(parts)}</title>`;
   const label = fits ? `<text class="name" x="${x}" y="${y + r + 17}">${escaped(classes[best])} ${percent(probabilities[best])}</text>
-    ${bar(probabilities, x - 46, y + r + 23)}<text x="${x}" y="${y + r + 43}">norm ${norm.toFixed(2)}</text>` : "";
+    ${bar(probabilities, x - 46, y + r + 23)}<text x="${x}" y="${y + r + 43}">norm ${norm.toFixed(2)}${right === undefined ? "" : ` · ${percent(right)} right`}</text>` : "";
   return `<g tabindex="0" role="listitem" aria-label="Node ${i + 1}, norm ${norm.toFixed(2)}, ${escaped(parts)}">${title}
     <circle class="disc" cx="${x}" cy="${y}" r="${r}" style="fill:${classColour(best)}"/><text class="index${isDeep(classColour(best)) ? " pale" : ""}" x="${x}" y="${y + 5}">${i + 1}</text>${label}</g>`;
 }

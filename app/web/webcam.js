@@ -2,17 +2,21 @@
 
 import { Refusal } from "./api.js";
 
-/** Show the camera in `box` until a picture is taken. Returns its PNG, or null when called off. */
-export async function snapshot(box) {
+/** Open a camera; fails with a sentence where there is none. */
+export async function camera() {
   if (!navigator.mediaDevices?.getUserMedia) {
     throw new Refusal("This browser gives no camera here; open the page on localhost or over https.");
   }
-  let stream;
   try {
-    stream = await navigator.mediaDevices.getUserMedia({ video: true });
+    return await navigator.mediaDevices.getUserMedia({ video: true });
   } catch {
     throw new Refusal("No camera could be opened; connect one and allow the page to use it.");
   }
+}
+
+/** Show the camera in `box` until a picture is taken. Returns its PNG, or null when called off. */
+export async function snapshot(box) {
+  const stream = await camera();
   const before = box.innerHTML;
   box.innerHTML = '<video autoplay playsinline muted></video><div class="row"><button type="button" class="main">Take it</button><button type="button">Cancel</button></div>';
   const video = box.querySelector("video");

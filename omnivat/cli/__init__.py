@@ -67,4 +67,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except BrokenPipeError:  # the reader of our output went away, as `head` does
         sys.stderr.close()
         return 1
+    except OSError as error:  # a full disk, a lost network folder: nothing a traceback explains
+        print(f"omnivat {options.command}: {_what_failed(error)}", file=sys.stderr)
+        return 1
     return 0
+
+
+def _what_failed(error: OSError) -> str:
+    where = f"'{error.filename}': " if error.filename else ""
+    return f"{where}{error.strerror or error}. Check the path, its rights and the free space."

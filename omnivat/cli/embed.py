@@ -38,10 +38,16 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Read the pairs, say what was found, embed them."""
+    from omnivat.data.manifest import manifest_place
     from omnivat.data.pairs import summary_table
     from omnivat.data.readers import read_pairs
     from omnivat.embed import embed_pairs
 
+    if manifest_place(options.out, options.manifest).resolve() == options.pairs.resolve():
+        raise SettingsError(
+            f"--out is '{options.out}', and the table beside it would replace '{options.pairs}'; "
+            "choose another name."
+        )
     found = read_pairs(
         options.pairs,
         reader=options.reader,

@@ -98,12 +98,12 @@ def listed(text: str) -> tuple[str, ...]:
     return tuple(part.strip() for part in text.split(",") if part.strip())
 
 
-def numbers(text: str) -> tuple[int, ...]:
+def numbers(text: str, *, name: str = "--seeds") -> tuple[int, ...]:
     """Return the whole numbers of "0,1,2"; raises SettingsError for anything else."""
     try:
         found = tuple(int(part) for part in listed(text))
     except ValueError as error:
-        raise SettingsError(f"--seeds is '{text}'; give whole numbers such as 0,1,2.") from error
+        raise SettingsError(f"{name} is '{text}'; give whole numbers such as 0,1,2.") from error
     if not found:
-        raise SettingsError("--seeds is empty; give whole numbers such as 0,1,2.")
+        raise SettingsError(f"{name} is empty; give whole numbers such as 0,1,2.")
     return found

@@ -8,13 +8,19 @@ up again and gives the weights that it would have given.
 
 import argparse
 import platform
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from omnivat.cli.bar import progress_bar
+from omnivat.cli.protocol import numbers
 from omnivat.errors import DataError, SettingsError
 from omnivat.heads import default_embeddings
 from omnivat.tables import suggestion
+
+if TYPE_CHECKING:
+    from omnivat.checkpoint import Head
 
 
 def add(parser: argparse.ArgumentParser) -> None:
@@ -25,6 +31,12 @@ def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, required=True, help="folder for the head")
     parser.add_argument("--lang", type=Path, help="LANG bank; the project's own if left out")
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument(
+        "--repeat",
+        default="",
+        metavar="1,2",
+        help="train again with these seeds for the spread of the scores; the head is --seed's",
+    )
     parser.add_argument(
         "--resume", action="store_true", help="go on from where a stopped training of --out was"
     )
@@ -105,12 +117,31 @@ def run(options: argparse.Namespace) -> None:
         target_macro_f1=target_mean(records, "macro_f1"),
         domains=records,
         epochs=trained.epochs,
+        seeds=[_summary(options.seed, head, records)],
     )
+    for seed in numbers(options.repeat, name="--repeat") if options.repeat else ():
+        with progress_bar(f"train on {options.source}, seed {seed}") as show:
+            again = train(source, settings, training, bank=bank, seed=seed, on_step=show)
+        other = replace(head, model=again.model, metrics={})
+        head.metrics["seeds"].append(_summary(seed, other, evaluate(other, embeddings)))
     save_head(options.out, head)
     from omnivat.cli.evaluate import table
 
     print(table(records))
     print(f"Head written to {options.out}, learned order p = {trained.model.order:.4f}")
+
+
+def _summary(seed: int, head: "Head", records: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """Return what metrics.json tells of one seed: means over targets, and every domain's scores."""
+    from omnivat.evaluate import target_mean
+
+    return {
+        "seed": seed,
+        "order": head.model.order,
+        "target_accuracy": target_mean(records),
+        "target_macro_f1": target_mean(records, "macro_f1"),
+        "domains": {r["domain"]: r["scores"]["fused"] for r in records if r["scores"]},
+    }
 
 
 def split_settings(texts: list[str], *kinds: type[Any]) -> tuple[dict[str, Any], ...]:

@@ -58,8 +58,8 @@ def read_bytes(source: str | Path | bytes, name: str = "") -> bytes:
     else:
         try:
             content = Path(source).read_bytes()
-        except OSError as error:
-            why = error.strerror or type(error).__name__
+        except (OSError, ValueError) as error:  # a name from a table may hold a zero byte
+            why = getattr(error, "strerror", None) or str(error)
             raise DataError(f"'{name}' cannot be read ({why}); check the path.") from error
     if not content:
         raise DataError(f"'{name}' is empty (0 bytes); copy or save the image again.")

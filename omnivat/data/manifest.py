@@ -4,27 +4,51 @@ import csv
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from omnivat.errors import SettingsError
+from omnivat.errors import SettingsError, WriteError
 from omnivat.files import replacing
 from omnivat.packages import need
 
 MANIFESTS = ("csv", "parquet")
+COLUMNS = ("domain", "material", "vis", "tac", "object", "split", "part")
 
 
 def write_manifest(path: Path, columns: Mapping[str, Sequence[str]], kind: str = "csv") -> Path:
     """Write named columns of text beside `path`, whole or not at all; return the file's path.
 
-    Raises SettingsError for an unknown kind, MissingPackageError for Parquet without pyarrow.
+    Raises SettingsError for an unknown kind, MissingPackageError for Parquet without pyarrow,
+    WriteError where another table would be lost.
     """
-    if kind not in MANIFESTS:
-        raise SettingsError(f"manifest is '{kind}'; choose {' or '.join(MANIFESTS)}.")
-    place = path.with_suffix(f".{kind}")
+    place = manifest_place(path, kind)
+    require_own(place)
     with replacing(place) as temporary:
         if kind == "parquet":
             _write_parquet(temporary, columns)
         else:
             _write_csv(temporary, columns)
     return place
+
+
+def manifest_place(path: Path, kind: str) -> Path:
+    """Return where the table beside `path` lies. Raises SettingsError for an unknown kind."""
+    if kind not in MANIFESTS:
+        raise SettingsError(f"manifest is '{kind}'; choose {' or '.join(MANIFESTS)}.")
+    return path.with_suffix(f".{kind}")
+
+
+def require_own(place: Path) -> None:
+    """Refuse to replace a CSV that is not such a manifest: someone's table of pairs, say.
+
+    Raises WriteError.
+    """
+    if place.suffix != ".csv" or not place.is_file():
+        return
+    with place.open("rb") as handle:
+        first = handle.readline(4096).decode("utf-8", "replace").strip()
+    if first != ",".join(COLUMNS):
+        raise WriteError(
+            f"'{place}' is another table and would be replaced by that of the embeddings; "
+            "choose another name for the embeddings, or move the table."
+        )
 
 
 def _write_csv(path: Path, columns: Mapping[str, Sequence[str]]) -> None:

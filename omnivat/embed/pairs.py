@@ -7,12 +7,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from omnivat.data.manifest import MANIFESTS
+from omnivat.data.manifest import manifest_place, require_own
 from omnivat.data.pairs import PairSet, Skipped
 from omnivat.data.store import Header, vector_type
 from omnivat.embed.job import Job, chunks_of
 from omnivat.embed.parts import Part, Parts, merge
 from omnivat.errors import DataError, SettingsError
+from omnivat.files import require_writable
 from omnivat.progress import OnStep, Step, ignore
 from omnivat.tables import load
 
@@ -61,12 +62,13 @@ def embed_pairs(
     manifest    "csv" or "parquet": the readable table beside `out`
 
     What is finished lies in `<out>.parts` until all is; the same call again goes on from there.
-    Raises DataError when there are no pairs or none can be read; settings are checked first.
+    Raises DataError when there are no pairs or none can be read, WriteError when `out` cannot be
+    written or the table beside it would replace another; settings are checked first.
     """
     out = Path(out)
     vector_type(dtype)
-    if manifest not in MANIFESTS:
-        raise SettingsError(f"manifest is '{manifest}'; choose {' or '.join(MANIFESTS)}.")
+    require_writable(out, ".safetensors")
+    require_own(manifest_place(out, manifest))
     if workers is not None and workers < 1:
         raise SettingsError(f"workers is {workers}; choose 1 or more.")
     if not pairs.pairs:

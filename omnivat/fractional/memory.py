@@ -17,7 +17,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
-_LARGE = 32 * 2**20  # glibc keeps freed blocks below this size by itself
+_LARGE = 2**20
 _IDLE_LIMIT = 256 * 2**20
 _GRAIN = 2**20
 _CAN_MAP = hasattr(mmap, "MAP_ANONYMOUS")  # not on Windows

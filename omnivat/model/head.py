@@ -11,6 +11,7 @@ from torch.nn.functional import linear, normalize
 from omnivat.errors import DataError, ShapeError
 from omnivat.fractional import Coefficients, coefficients, synthesise
 from omnivat.model import factored
+from omnivat.model.closed.lengths import unit
 from omnivat.model.dtg import DTG
 from omnivat.model.folded import FoldedMFFA, fold_mffa, fold_tree, versions
 from omnivat.model.mffa import MFFA, MODALITIES
@@ -272,13 +273,7 @@ class OmniVaT(nn.Module):
         projected: Tensor = (self.project_lang if lang else self.project_image)(raw)
         if self.settings.feature_scale == "literal":
             return projected
-        return self.length * _unit(projected)
-
-
-def _unit(x: Tensor) -> Tensor:
-    """Return x (..., D) at length one, whatever its size: squares neither overflow nor vanish."""
-    largest = x.detach().abs().amax(-1, keepdim=True)
-    return normalize(x / largest.clamp_min_(torch.finfo(x.dtype).tiny), dim=-1)
+        return self.length * unit(projected)
 
 
 def _by_name(names: tuple[str, ...], channels: Tensor) -> dict[str, Tensor]:

@@ -128,10 +128,10 @@ class MFFA(nn.Module):
         classes = torch.arange(len(self.bank_seen), device=labels.device)
         members = (labels == classes[:, None]).to(values.dtype)  # (K, B)
         count = members.sum(1, keepdim=True)
-        means = members @ values / count.clamp_min(1)
-        keep = torch.where(self.bank_seen[:, None], momentum, 0.0)
-        moved = keep * self.bank[rows] + (1 - keep) * means
-        self.bank[rows] = torch.where(count > 0, moved.to(self.bank.dtype), self.bank[rows])
+        means = (members @ values) / count.clamp_min(1)
+        share = torch.where(self.bank_seen[:, None], 1 - momentum, 1.0) * (count > 0)
+        moved = torch.lerp(self.bank[rows], means.to(self.bank.dtype), share.to(self.bank.dtype))
+        self.bank[rows] = moved
         self.bank_seen |= count[:, 0] > 0
 
     def expand(self, names: Sequence[str], parts: Tensor) -> Expanded:

@@ -9,7 +9,15 @@ from omnivat.files import write_text
 from omnivat.reports.intervals import Spread, spread
 from omnivat.reports.paper import MARK, ablation_cell, not_comparable
 from omnivat.reports.plot import line_plot
-from omnivat.reports.reading import METRICS, Record, answered, by_run, by_seed, latest
+from omnivat.reports.reading import (
+    METRICS,
+    Record,
+    answered,
+    by_run,
+    by_seed,
+    changed_settings,
+    latest,
+)
 from omnivat.reports.text_table import markdown, spread_text
 
 REPORT = "ablations.md"
@@ -26,7 +34,7 @@ def write_ablations(
     found = latest(records)
     if not found:
         return "No runs yet.\n"
-    parts = [_heading(found)]
+    parts = [_heading(found, layout)]
     for name, table in layout.items():
         sources = [_in_data(found, source) for source in table["sources"]]
         parts += [f"## {table['title']}", ablation_table(found, name, table, sources)]
@@ -39,15 +47,22 @@ def write_ablations(
     return text
 
 
-def _heading(records: Sequence[Record]) -> str:
+def _heading(records: Sequence[Record], layout: Mapping[str, Mapping[str, Any]]) -> str:
     data = records[0]["data"]
     seeds = sorted({record["seed"] for record in records})
     what = "Simulated domains" if data["simulated"] else "Data"
     return (
         f"# Ablations\n\n{what}: {data['origin'] or 'origin not stated'}; encoder "
         f"{data['encoder']}. ACC / Macro-F1, mean over unseen targets, ± standard deviation "
-        f"(n − 1) over seeds {', '.join(map(str, seeds))}."
+        f"(n − 1) over seeds {', '.join(map(str, seeds))}.{_base(records, layout)}"
     )
+
+
+def _base(records: Sequence[Record], layout: Mapping[str, Mapping[str, Any]]) -> str:
+    """Return what all rows start from, where it is not the defaults."""
+    full = {table["rows"]["full"][0] for table in layout.values() if "full" in table["rows"]}
+    settings = next((changed_settings(r) for r in records if r["method"] in full), "")
+    return f" All rows start from {settings}." if settings else ""
 
 
 def _in_data(records: Sequence[Record], source: str) -> str:

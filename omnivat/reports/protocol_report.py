@@ -17,6 +17,7 @@ from omnivat.reports.reading import (
     answered,
     by_run,
     by_seed,
+    changed_settings,
     latest,
     methods,
 )
@@ -172,6 +173,11 @@ def _targets(records: Sequence[Record], name: str, label: str) -> list[str]:
 
 def _notes(records: Sequence[Record]) -> str:
     lines = [f"- {r['label']}: {r['note']}." for r in records if r["note"]]
+    lines += [
+        f"- {r['label']}: settings {changed_settings(r) or 'as the defaults'}."
+        for r in records
+        if r.get("settings")
+    ]
     lines += [f"- {r['label']} did not run: {r['skipped']}" for r in records if "skipped" in r]
     lines += [
         f"- From {r['source']} these targets are not in the data: {', '.join(r['missing_targets'])}."

@@ -1,6 +1,7 @@
 """Look values up in records: by method, source and seed."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import fields
 from typing import Any
 
 Record = Mapping[str, Any]
@@ -58,3 +59,25 @@ def by_seed(values: Mapping[tuple[str, int], float], sources: Sequence[str]) -> 
         for seed in seeds
         if all((source, seed) in values for source in sources)
     ]
+
+
+def changed_settings(record: Record) -> str:
+    """Return the settings of a head's run that are not the defaults, as `--set` takes them.
+
+    Left out are those that the data decide: classes and the widths of the encoders.
+    """
+    from omnivat.model.settings import HeadSettings
+    from omnivat.train.settings import TrainSettings
+
+    given = record.get("settings") or {}
+    decided = {"classes", "input_width", "lang_width"}
+    kinds: dict[str, Any] = {"head": HeadSettings, "train": TrainSettings}
+    found = []
+    for part, kind in kinds.items():
+        defaults = {f.name: f.default for f in fields(kind)}
+        found += [
+            f"{name}={value}"
+            for name, value in given.get(part, {}).items()
+            if name not in decided and value != defaults.get(name)
+        ]
+    return " ".join(found)

@@ -73,33 +73,55 @@ def batches(
     """Yield one epoch: shuffled pairs, each half mirrored or not, a random style of text each."""
     random = np.random.default_rng(seed)
     shuffled = fit[random.permutation(len(fit))]
-    for start in range(0, len(shuffled), settings.batch):
-        rows = shuffled[start : start + settings.batch]
-        truth = labels[rows]
-        lang = None
-        if bank is not None and settings.lang:
-            styles = random.integers(bank.embeddings.shape[1], size=len(rows))
-            lang = torch.from_numpy(bank.embeddings[truth, styles])
-        images = {
-            name: _mirrored(getattr(source, name), getattr(source, f"{name}_flip"), rows, random)
-            for name in settings.given
-        }
+    count, truth = len(shuffled), labels[shuffled]
+    lang_on = torch.from_numpy(random.random(count) >= settings.lang_drop)
+    token_on = torch.from_numpy(random.random(count) >= settings.class_token_drop)
+    images = {n: _mirrored(source, n, shuffled, random) for n in settings.given}
+    texts = _styled(bank, truth, random) if bank is not None and settings.lang else None
+    answers = torch.from_numpy(truth)
+    for start in range(0, count, settings.batch):
+        rows = slice(start, start + settings.batch)
+        given = {name: torch.from_numpy(drawn.rows(rows)) for name, drawn in images.items()}
         yield Batch(
-            vis=images.get("vis"),
-            tac=images.get("tac"),
-            lang=lang,
-            labels=torch.from_numpy(truth),
-            lang_on=torch.from_numpy(random.random(len(rows)) >= settings.lang_drop),
-            token_on=torch.from_numpy(random.random(len(rows)) >= settings.class_token_drop),
+            vis=given.get("vis"),
+            tac=given.get("tac"),
+            lang=None if texts is None else torch.from_numpy(texts.rows(rows)),
+            labels=answers[rows],
+            lang_on=lang_on[rows],
+            token_on=token_on[rows],
         )
 
 
+@dataclass(frozen=True, slots=True)
+class _Drawn:
+    """Rows of two tables in an order drawn for the epoch, read a batch at a time."""
+
+    plain: Array
+    index: Array
+    other: Array | None = None
+    from_other: Array | None = None  # bool, row by row
+
+    def rows(self, some: slice) -> Array:
+        """Return float32 rows of a batch."""
+        chosen: Array = self.plain[self.index[some]].astype(np.float32, copy=False)
+        if self.other is not None and self.from_other is not None:
+            mirror = self.from_other[some]
+            chosen[mirror] = self.other[self.index[some][mirror]]
+        return chosen
+
+
 def _mirrored(
-    plain: Array, flipped: Array | None, rows: Array, random: np.random.Generator
-) -> Tensor:
-    """Return embeddings of the rows, each of the mirrored image with probability a half."""
-    chosen = np.asarray(plain[rows], dtype=np.float32)
-    if flipped is not None:
-        mirror = random.random(len(rows)) < 0.5
-        chosen[mirror] = flipped[rows[mirror]]
-    return torch.from_numpy(chosen)
+    source: Embeddings, name: str, shuffled: Array, random: np.random.Generator
+) -> _Drawn:
+    """Draw embeddings of VIS or TAC, each of the mirrored image with probability a half."""
+    plain, flipped = getattr(source, name), getattr(source, f"{name}_flip")
+    if flipped is None:
+        return _Drawn(plain, shuffled)
+    return _Drawn(plain, shuffled, flipped, random.random(len(shuffled)) < 0.5)
+
+
+def _styled(bank: LangBank, truth: Array, random: np.random.Generator) -> _Drawn:
+    """Draw a style of text for every pair."""
+    _, styles, width = bank.embeddings.shape
+    drawn = random.integers(styles, size=len(truth))
+    return _Drawn(bank.embeddings.reshape(-1, width), truth * styles + drawn)

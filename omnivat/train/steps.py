@@ -64,12 +64,16 @@ def learn(
         mma_weight=settings.mma_weight,
         nod_weight=settings.nod_weight,
     )
-    optimiser.zero_grad(set_to_none=True)
+    parameters = [p for group in optimiser.param_groups for p in group["params"]]
+    for parameter in parameters:
+        parameter.grad = None
     losses.total.backward()  # type: ignore[no-untyped-call]
     order = model.mffa.order
-    rest = [p.grad for p in model.parameters() if p is not order and p.grad is not None]
-    norm = float(torch.nn.utils.get_total_norm(rest, foreach=True))
-    total = float(losses.total.detach())
+    rest = [p.grad for p in parameters if p is not order and p.grad is not None]
+    norms = torch.stack(torch._foreach_norm(rest))
+    values = [losses.total, losses.mma, losses.nod, losses.cross_entropy]
+    norm = float(torch.linalg.vector_norm(norms))
+    total, mma, nod, cross_entropy = torch.stack(values).detach().tolist()
     if not (math.isfinite(total) and math.isfinite(norm)):
         raise OmniVatError(
             f"Training stopped: the loss is {total:g}. Lower lr or "
@@ -79,15 +83,15 @@ def learn(
         torch._foreach_mul_(rest, settings.clip / norm)
     held = 0.0
     if order.grad is not None:
-        held = float((order.grad.abs() > settings.order_clip).any())
+        held = float(bool((order.grad.abs() > settings.order_clip).any()))
         order.grad.clamp_(-settings.order_clip, settings.order_clip)
     optimiser.step()
     model.mffa.update_bank({n: t.detach() for n, t in output.tokens.items()}, batch.labels)
     return {
         "loss": total,
-        "mma": float(losses.mma.detach()),
-        "nod": float(losses.nod.detach()),
-        "cross_entropy": float(losses.cross_entropy.detach()),
+        "mma": mma,
+        "nod": nod,
+        "cross_entropy": cross_entropy,
         "clipped": float(norm > settings.clip),
         "order_clipped": held,
     }

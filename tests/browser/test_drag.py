@@ -148,8 +148,7 @@ def test_finer_frames_take_the_place_of_coarse_ones_in_the_middle_of_a_drag(
     box = grab(page, 0.2)
     pull(page, box, 0.43)
     assert p_shown(page) == "0.40"  # coarse stops only
-    page.wait_for_selector(".explore .wait:visible")
-    assert "40 of 101" in page.locator(".explore .wait").inner_text()
+    page.wait_for_selector(".explore .wait:has-text('40 of 101')")
     ready.append(True)
     page.wait_for_selector(".explore .wait", state="hidden")
     pull(page, box, 0.66, steps=20)

@@ -20,7 +20,7 @@ from omnivat.reports.intervals import (
 from omnivat.reports.paper import not_comparable, paper
 from omnivat.reports.plot import line_plot
 from omnivat.reports.protocol_report import interval_table, main_table, protocol_report
-from omnivat.reports.reading import by_run, by_seed
+from omnivat.reports.reading import by_run, by_seed, changed_settings
 from omnivat.reports.text_table import interval_text, markdown, percent, spread_text
 
 DATA = {
@@ -208,6 +208,13 @@ def _layout(*names):
         }
         for name in names
     }
+
+
+def test_only_settings_that_differ_from_the_defaults_are_named():
+    head = {"classes": ["a", "b"], "input_width": 8, "width": 64, "levels": 3}
+    one = record("omnivat", "TAG-sim", 0, [0.5], settings={"head": head, "train": {"epochs": 60}})
+    assert changed_settings(one) == "width=64 epochs=60"
+    assert "settings width=64 epochs=60." in protocol_report([one])
 
 
 def test_an_ablation_over_several_sources_has_their_average_and_no_empty_columns(tmp_path):

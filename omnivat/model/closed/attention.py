@@ -12,6 +12,8 @@ import torch
 from torch import Tensor
 from torch.nn.functional import gelu, linear
 
+from omnivat.model.closed.lengths import unit_rows, unit_rows_back
+
 
 class Weights(NamedTuple):
     """FrATT's weights without the bias of the keys, which a softmax ignores."""
@@ -192,19 +194,3 @@ def attend_back(
         Rows(to_hidden, saved.values),
         Rows(to_raw, saved.active),
     )
-
-
-EPS = 1e-12  # the least length that is divided by, as in torch.nn.functional.normalize
-
-
-def unit_rows(raw: Tensor) -> Tensor:
-    """Return rows (N, D) at length one."""
-    return raw / torch.linalg.vector_norm(raw, dim=-1, keepdim=True).clamp_min_(EPS)
-
-
-def unit_rows_back(grad: Tensor, raw: Tensor) -> Tensor:
-    """Return the gradient of raw rows (N, D) for that of `unit_rows`."""
-    length = torch.linalg.vector_norm(raw, dim=-1, keepdim=True)
-    feature = raw / length.clamp_min(EPS)
-    along = (grad * feature).sum(-1, keepdim=True) * (length > EPS)
-    return torch.addcmul(grad, feature, along, value=-1).div_(length.clamp_min_(EPS))

@@ -1,0 +1,56 @@
+/** Who can answer in a view: the head, comparison heads with frames of their own, simple methods. */
+
+import { ask, json } from "./api.js";
+import { fetchFrames } from "./frames.js";
+
+const METHOD = "method:";
+const cache = new Map();
+let listed = null;
+
+/** The heads that the server has: [{name, folder, generation, source, …}], the first one first. */
+export const heads = () => (listed ??= json("heads").catch((error) => {
+  listed = null;
+  throw error;
+}));
+
+export const headLabel = (one) => `${one.name || one.folder}${one.problem ? "" : ` · ${one.source} · ${one.mffa ? one.generation : "no MFFA"}`}`;
+export const METHODS = [[`${METHOD}nearest_mean`, "nearest class mean (raw embedding)"]];
+export const isMethod = (name) => name.startsWith(METHOD);
+
+/** Frames by which `name` answers; "" is the first head, whose frames are at hand. */
+export function framesBy(name, own, onWait) {
+  if (!name) return Promise.resolve(own);
+  if (!cache.has(name)) {
+    const making = isMethod(name) ? byMethod(name, own) : fetchFrames(onWait, name).then(({ frames }) => frames);
+    cache.set(name, making.catch((error) => {
+      cache.delete(name);
+      throw error;
+    }));
+  }
+  return cache.get(name);
+}
+
+/** The same maps with the answers of a method, which knows no p. */
+async function byMethod(name, own) {
+  const found = await ask("answers", { method: name.slice(METHOD.length) });
+  const index = found.classes.map((label) => own.classes.indexOf(label));
+  const frames = Object.create(own);
+  const repeat = (values) => {
+    const all = new Uint8Array(own.orders.length * own.pairs);
+    own.orders.forEach((_, stop) => all.set(values, stop * own.pairs));
+    return all;
+  };
+  const said = found.prediction.map((k) => index[k]);
+  frames.prediction = repeat(said);
+  frames.confidence = repeat(found.confidence);
+  const curves = Object.fromEntries(Object.entries(own.meta.curves).filter(([key]) => !/^(accuracy|macro_f1)/.test(key)));
+  const share = (wanted) => {
+    const pairs = said.map((_, pair) => pair).filter(wanted);
+    return pairs.filter((pair) => said[pair] === own.label[pair]).length / pairs.length;
+  };
+  const flat = (value) => own.orders.map(() => value);
+  curves["accuracy/all"] = flat(share(() => true));
+  own.domains.forEach((domain, d) => { curves[`accuracy/${domain}`] = flat(share((pair) => own.domain[pair] === d)); });
+  frames.meta = { ...own.meta, curves };
+  return frames;
+}

@@ -1,0 +1,46 @@
+"""Rows brought to length one, and the gradient in closed form."""
+
+from typing import Any
+
+import torch
+from torch import Tensor
+from torch.autograd.function import once_differentiable
+
+EPS = 1e-12  # the least length that is divided by, as in torch.nn.functional.normalize
+
+
+def unit_rows(raw: Tensor) -> Tensor:
+    """Return rows (..., D) at length one."""
+    return raw / torch.linalg.vector_norm(raw, dim=-1, keepdim=True).clamp_min_(EPS)
+
+
+def unit_rows_back(grad: Tensor, raw: Tensor) -> Tensor:
+    """Return the gradient of raw rows (..., D) for that of `unit_rows`."""
+    length = torch.linalg.vector_norm(raw, dim=-1, keepdim=True)
+    feature = raw / length.clamp_min(EPS)
+    along = (grad * feature).sum(-1, keepdim=True) * (length > EPS)
+    return torch.addcmul(grad, feature, along, value=-1).div_(length.clamp_min_(EPS))
+
+
+def unit(x: Tensor) -> Tensor:
+    """Return x (..., D) at length one, whatever its size: squares neither overflow nor vanish.
+
+    Rows are divided by their largest entry first. A row of zeros stays one.
+    """
+    found: Tensor = _Unit.apply(x)  # type: ignore[no-untyped-call]
+    return found
+
+
+class _Unit(torch.autograd.Function):
+    @staticmethod
+    def forward(ctx: Any, x: Tensor) -> Tensor:
+        largest = x.abs().amax(-1, keepdim=True).clamp_min_(torch.finfo(x.dtype).tiny)
+        scaled = x / largest
+        ctx.save_for_backward(scaled, largest)
+        return unit_rows(scaled)
+
+    @staticmethod
+    @once_differentiable
+    def backward(ctx: Any, grad: Tensor) -> Tensor:
+        scaled, largest = ctx.saved_tensors
+        return unit_rows_back(grad, scaled).div_(largest)

@@ -1,0 +1,186 @@
+"""Files of every kind through the real page: taken as what they show, or refused in a sentence."""
+
+import json
+from collections.abc import Callable, Iterator
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+from urllib.request import Request, urlopen
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from .conftest import watched
+from .gestures import ANSWERED, texture
+
+pytestmark = pytest.mark.browser
+
+TAC = '.pair .slot[data-modality="tac"]'
+CHOOSE = f"{TAC} input[type=file]"
+
+
+def saved(image: Image.Image, kind: str = "PNG", **options: Any) -> bytes:
+    """Return the bytes of an image file."""
+    with BytesIO() as handle:
+        image.save(handle, kind, **options)
+        return handle.getvalue()
+
+
+def opened(content: bytes) -> Image.Image:
+    """Return the picture in a file's bytes."""
+    image = Image.open(BytesIO(content))
+    image.load()
+    return image
+
+
+def picture(seed: int = 1, size: tuple[int, int] = (96, 64)) -> Image.Image:
+    """Return a colourful picture that no turn or mirror leaves alike."""
+    random = np.random.default_rng(seed)
+    small = random.integers(0, 255, (size[1] // 8, size[0] // 8, 3), dtype=np.uint8)
+    return Image.fromarray(small).resize(size)
+
+
+def turned() -> tuple[bytes, Image.Image]:
+    """Return a photo held sideways, and how it looks upright."""
+    exif = Image.Exif()
+    exif[0x0112] = 6
+    content = saved(picture(), "PNG", exif=exif)
+    return content, picture().transpose(Image.Transpose.ROTATE_270)
+
+
+def sixteen() -> tuple[bytes, Image.Image]:
+    """Return a 16-bit grey picture and the 8-bit one that it stands for."""
+    grey = np.asarray(picture().convert("L"))
+    return saved(Image.fromarray(grey.astype(np.uint16) * 256 + 77)), Image.fromarray(grey)
+
+
+def animated() -> tuple[bytes, Image.Image]:
+    """Return an animation and its first frame."""
+    frames = [picture(seed).quantize() for seed in range(3)]
+    content = saved(frames[0], "GIF", save_all=True, append_images=frames[1:], duration=50)
+    return content, opened(content).convert("RGB")
+
+
+def same(image: Image.Image, kind: str = "PNG", **options: Any) -> tuple[bytes, Image.Image]:
+    """Return a file of a picture and the picture as 8-bit colours."""
+    content = saved(image, kind, **options)
+    return content, opened(content).convert("RGB")
+
+
+TAKEN: dict[str, Callable[[], tuple[bytes, Image.Image]]] = {
+    "20,000 x 10": lambda: same(picture(size=(20_000, 16)).crop((0, 0, 20_000, 10))),
+    "grey": lambda: same(picture().convert("L")),
+    "RGBA": lambda: same(picture().convert("RGBA")),
+    "palette": lambda: same(picture().quantize(32)),
+    "16-bit": sixteen,
+    "CMYK": lambda: same(picture().convert("CMYK"), "JPEG"),
+    "EXIF-rotated": turned,
+    "animated": animated,
+}
+REFUSED = {
+    "not an image": (b"these are words, not pixels", "not an image"),
+    "0 bytes": (b"", "empty"),
+    "truncated": (texture(0)["buffer"][:500], "damaged"),
+    "bomb": (saved(Image.new("1", (30_000, 30_000))), "megapixels"),
+    "1 x 1": (saved(Image.new("RGB", (1, 1))), "8"),
+}
+
+
+@pytest.fixture(scope="module")
+def pair_page(desktop: Any, address: str) -> Iterator[Any]:
+    """Return one open Pair tab that all these files go through, one after the other."""
+    problems: list[str] = []
+    page = watched(desktop.new_page(), address, problems)
+    page.goto(address + "?view=pair&vis=row:0&tac=row:0&p=0.5", wait_until="commit")
+    page.wait_for_selector(ANSWERED)
+    yield page
+    page.close()
+    assert problems == []
+
+
+def choose(page: Any, name: str, content: bytes) -> None:
+    """Choose a file as TAC."""
+    page.set_input_files(CHOOSE, {"name": name, "mimeType": "image/png", "buffer": content})
+
+
+def shares(page: Any) -> list[str]:
+    """Return the probabilities that TAC alone has in the page."""
+    return page.locator(".pair .bars td[data-voice=tac] .share").all_inner_texts()
+
+
+def posted(address: str, path: str, content: bytes) -> Any:
+    """Return the server's own answer, without the page."""
+    with urlopen(Request(f"{address}omnivat/{path}", data=content)) as answer:
+        return json.load(answer)
+
+
+@pytest.mark.parametrize("kind", TAKEN)
+def test_an_odd_image_is_answered_as_the_plain_picture_that_it_shows(
+    pair_page: Any, address: str, kind: str
+) -> None:
+    content, plain = TAKEN[kind]()
+    name = f"{kind}.png"
+    choose(pair_page, name, content)
+    width, height = plain.size
+    pair_page.wait_for_selector(f"{TAC} .what:has-text('{name} · {width} × {height}')")
+    pair_page.wait_for_selector(ANSWERED)
+    ref = posted(address, "image", saved(plain))["ref"]
+    wanted = posted(address, "pair", json.dumps({"vis": "row:0", "tac": ref}).encode())
+    told = [f"{100 * p:.1f}\u00a0%" for p in wanted["stops"]["tac"][50]]
+    pair_page.wait_for_function(
+        """told => [...document.querySelectorAll('.pair .bars td[data-voice=tac] .share')]
+             .map((cell) => cell.textContent).join() === told.join()""",
+        arg=told,
+        timeout=10_000,
+    )
+    assert shares(pair_page) == told
+    assert pair_page.locator(".pair .problem").is_hidden()
+
+
+@pytest.mark.parametrize("kind", REFUSED)
+def test_a_bad_file_is_one_sentence_that_names_it_and_the_page_stays_usable(
+    pair_page: Any, kind: str
+) -> None:
+    content, wanted = REFUSED[kind]
+    before = shares(pair_page)
+    choose(pair_page, f"{kind}.png", content)
+    pair_page.wait_for_selector(".pair .problem:visible")
+    text = pair_page.locator(".pair .problem").inner_text()
+    assert f"{kind}.png" in text
+    assert wanted in text
+    assert text.count(". ") == 0 and text.endswith(".")
+    assert shares(pair_page) == before  # what was there still is
+    choose(pair_page, "good.png", texture(len(kind))["buffer"])
+    pair_page.wait_for_selector(".pair .problem", state="hidden")
+    pair_page.wait_for_selector(f"{TAC} .what:has-text('good.png')")
+    pair_page.wait_for_selector(ANSWERED)
+
+
+def test_a_file_over_the_limit_is_refused_before_it_is_sent(
+    pair_page: Any, tmp_path: Path
+) -> None:
+    (tmp_path / "huge.png").write_bytes(bytes(20_000_001))
+    asked: list[str] = []
+    pair_page.on("request", lambda request: asked.append(request.url))
+    pair_page.set_input_files(CHOOSE, tmp_path / "huge.png")
+    pair_page.wait_for_selector(".pair .problem:has-text('huge.png'):has-text('20')")
+    assert asked == []
+
+
+def test_a_dropped_and_a_pasted_image_are_taken_like_a_chosen_one(pair_page: Any) -> None:
+    for event, holder in (("drop", "dataTransfer"), ("paste", "clipboardData")):
+        pair_page.evaluate(
+            """async ([slot, event, holder]) => {
+              const canvas = new OffscreenCanvas(40, 30);
+              canvas.getContext('2d').fillRect(0, 0, event === 'drop' ? 9 : 20, 30);
+              const carried = new DataTransfer();
+              carried.items.add(new File([await canvas.convertToBlob()], `${event}.png`, { type: 'image/png' }));
+              const made = event === 'drop'
+                ? new DragEvent(event, { [holder]: carried, bubbles: true, cancelable: true })
+                : new ClipboardEvent(event, { [holder]: carried, bubbles: true, cancelable: true });
+              document.querySelector(slot).dispatchEvent(made);
+            }""",
+            [TAC, event, holder],
+        )
+        pair_page.wait_for_selector(f"{TAC} .what:has-text('{event}.png · 40 × 30')")

@@ -1,0 +1,159 @@
+"""What the server gives away and what it takes, asked past the page: plain HTTP, real process."""
+
+import json
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from http.client import HTTPConnection
+from pathlib import Path
+from urllib.parse import quote, urlsplit
+
+import pytest
+
+pytestmark = pytest.mark.browser
+
+ROOT = Path(__file__).resolve().parents[2]
+OUTSIDE = [  # files that lie on the server and are nobody's business
+    ROOT / "app.py",
+    ROOT / "app/server.py",
+    ROOT / "requirements.txt",
+    ROOT / "examples/simulated.csv",
+    Path("/etc/passwd"),
+]
+DOORS = [  # where Gradio and we serve files
+    "gradio_api/file=",
+    "gradio_api/file/",
+    "file=",
+    "gradio_api/proxy=file://",
+    "static/",
+    "assets/",
+    "svelte/",
+    "omnivat/web/",
+    "omnivat/example/",
+    "gradio_api/custom_component/x/server/",
+    "",
+]
+UPWARDS = ["", "/", "../", "../../../../../../../../../../", "..%2f", "%2e%2e/", "....//", "..\\"]
+GRADIO = [  # what its client posts to
+    "run/predict",
+    "run/predict/",
+    "api/predict",
+    "call/predict",
+    "call/v2/predict",
+    "queue/join",
+    "upload",
+    "reset",
+    "cancel",
+    "component_server",
+    "stream/x",
+    "process_recording",
+]
+JUNK = [
+    (b"", "application/json"),
+    (b"\xff\xfe\x00", "application/json"),
+    (b"[]", "application/json"),
+    (b"[" * 5000, "application/json"),
+    (b'{"data": [{"path": "/etc/passwd"}], "fn_index": 0, "session_hash": "x"}', "application/json"),
+    (b'{"vis": "row:-1", "point": -1, "stage": {}, "parts": {"../x": "../y"}}', "application/json"),
+    (b"--x\r\nbroken", "multipart/form-data; boundary=x"),
+]
+
+
+def asked(
+    address: str, method: str, path: str, body: bytes | None = None, kind: str = ""
+) -> tuple[int, bytes]:
+    """Return status and body; the path goes out as it is, dots and all."""
+    parts = urlsplit(address)
+    connection = HTTPConnection(str(parts.hostname), parts.port, timeout=30)
+    try:
+        connection.request(method, path, body, {"Content-Type": kind} if kind else {})
+        answer = connection.getresponse()
+        return answer.status, answer.read()
+    finally:
+        connection.close()
+
+
+def ways(file: Path) -> Iterator[str]:
+    """Give the paths by which somebody might try to get a file."""
+    for door in DOORS:
+        for up in UPWARDS:
+            for name in (str(file).lstrip("/"), file.name):
+                yield f"/{door}{up}{quote(name)}"
+
+
+def test_no_path_gives_a_file_that_the_page_does_not_need(address: str) -> None:
+    tried = 0
+    for file in OUTSIDE:
+        secret = file.read_bytes()[:60]
+        for path in ways(file):
+            status, body = asked(address, "GET", path)
+            assert secret not in body, path
+            assert status != 500, path
+            tried += 1
+    assert tried > 500
+
+
+def test_the_search_for_leaks_would_see_one(address: str) -> None:
+    script = ROOT / "app/web/explore.js"
+    found = [path for path in ways(script) if script.read_bytes()[:60] in asked(address, "GET", path)[1]]
+    assert "/omnivat/web/explore.js" in found
+
+
+def own_posts() -> list[str]:
+    """Return every route of ours that takes a question, as the server lists them."""
+    from app.resources import Resources, places
+    from app.routes import routes
+
+    return [route.path for route in routes(Resources(places())) if "POST" in (route.methods or ())]
+
+
+@pytest.mark.parametrize("path", own_posts())
+def test_junk_is_refused_in_a_sentence(address: str, path: str) -> None:
+    for body, kind in JUNK:
+        status, text = asked(address, "POST", path, body, kind)
+        if status == 200:  # where an empty object is a whole question, so is one with odd names
+            assert body.startswith(b"{"), (path, body)
+            continue
+        assert 400 <= status < 500, (path, body, text)
+        answer = json.loads(text)
+        assert set(answer) == {"error"}, text
+        assert answer["error"].endswith("."), text
+        assert "Traceback" not in answer["error"] and "\n" not in answer["error"], text
+
+
+def test_junk_sent_to_gradio_s_own_endpoints_gets_no_traceback(address: str) -> None:
+    for path in GRADIO:
+        for body, kind in JUNK:
+            status, text = asked(address, "POST", f"/gradio_api/{path}", body, kind)
+            assert b"Traceback" not in text and str(ROOT).encode() not in text, (path, body, text)
+
+
+def test_questions_images_and_uploads_have_a_largest_size(address: str) -> None:
+    for path, size, told in (
+        ("/omnivat/pair", 10_001, "0.01 MB"),
+        ("/omnivat/image?name=big.png", 20_000_001, "20 MB"),
+    ):
+        status, text = asked(address, "POST", path, bytes(size), "application/octet-stream")
+        assert status == 400
+        assert told in json.loads(text)["error"]
+    form = b'--x\r\nContent-Disposition: form-data; name="files"; filename="a.png"\r\n\r\n'
+    upload = form + bytes(2_000_000) + b"\r\n--x--\r\n"
+    status, _ = asked(
+        address, "POST", "/gradio_api/upload", upload, "multipart/form-data; boundary=x"
+    )
+    assert status == 413
+
+
+def test_fifty_visitors_at_once_are_all_answered_and_each_what_it_asked(address: str) -> None:
+    def answer(row: int) -> list[float]:
+        body = json.dumps({"vis": f"row:{row}", "tac": f"row:{row}", "order": 0.3}).encode()
+        status, text = asked(address, "POST", "/omnivat/pair", body, "application/json")
+        assert status == 200, text
+        found: list[float] = json.loads(text)["exact"]["both"]
+        return found
+
+    rows = [7 * (visitor % 25) for visitor in range(50)]
+    with ThreadPoolExecutor(50) as crowd:
+        together = list(crowd.map(answer, rows))
+    alone = {row: answer(row) for row in set(rows)}
+    assert together == [alone[row] for row in rows]
+    assert len({json.dumps(one) for one in together}) == 25

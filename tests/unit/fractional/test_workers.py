@@ -1,0 +1,136 @@
+"""Pieces side by side: the same bits as one after the other, and nothing left hanging."""
+
+import os
+import sys
+import threading
+import warnings
+from collections.abc import Iterator
+
+import pytest
+import torch
+
+from omnivat.fractional import coefficients, dfrft, synthesise
+from omnivat.fractional.plans import build_split, one_blas_thread
+from omnivat.fractional.workers import for_each, side_by_side
+
+
+@pytest.fixture(autouse=True)
+def _threads() -> Iterator[None]:
+    before = torch.get_num_threads()
+    torch.set_num_threads(2)
+    yield
+    torch.set_num_threads(before)
+
+
+def both_ways(call: object) -> list[tuple[torch.Tensor, ...]]:
+    found = []
+    for count in (1, 2):
+        torch.set_num_threads(count)
+        result = call()  # type: ignore[operator]
+        found.append(result if isinstance(result, tuple) else (result,))
+    return found
+
+
+ORDERS = {
+    "one": torch.tensor(0.3),
+    "a row": torch.linspace(-2, 2, 1500),
+    "many": torch.tensor([[0.1], [1.7]]),
+}
+
+
+@pytest.mark.parametrize("size", [256, 258])
+@pytest.mark.parametrize("kind", [torch.float32, torch.complex64])
+@pytest.mark.parametrize("order", ORDERS)
+def test_two_threads_give_the_bits_of_one(size: int, kind: torch.dtype, order: str) -> None:
+    x = torch.randn(1500, size, dtype=kind, requires_grad=True)
+    p = ORDERS[order].double().requires_grad_()
+
+    def call() -> tuple[torch.Tensor, ...]:
+        y = dfrft(x, p)
+        weight = torch.linspace(0, 1, y.numel(), dtype=torch.complex64).view(y.shape)
+        return (y.detach(), *torch.autograd.grad(y, (x, p), weight))
+
+    one, two = both_ways(call)
+    assert all(torch.equal(a, b) for a, b in zip(one, two, strict=True))
+
+
+@pytest.mark.parametrize("size", [512, 514])
+def test_a_basis_built_by_two_threads_has_the_bits_of_one(size: int) -> None:
+    def call() -> torch.Tensor:
+        out = torch.empty(size, size, dtype=torch.float64)
+        split = build_split(size, torch.empty(0, dtype=torch.float64))
+        torch.set_num_threads(1)  # compare the builds, not the products that follow
+        split.analyse(torch.eye(size, dtype=torch.float64), out)
+        return out
+
+    (one,), (two,) = both_ways(call)
+    assert torch.equal(one, two)
+
+
+def test_workers_are_used_and_have_one_thread_of_torch_each() -> None:
+    seen: set[tuple[str, int]] = set()
+    meet = threading.Barrier(2)
+
+    def work(_: int) -> None:
+        meet.wait(30)  # both parts at once, or never
+        seen.add((threading.current_thread().name, torch.get_num_threads()))
+
+    for_each(work, range(2), spread=True)
+    assert len(seen) == 2
+    assert {count for _, count in seen} == {1}
+    assert torch.get_num_threads() == 2
+
+
+def test_one_thread_of_torch_means_no_workers() -> None:
+    torch.set_num_threads(1)
+    names = side_by_side([lambda: threading.current_thread().name] * 2)
+    assert set(names) == {threading.current_thread().name}
+
+
+def test_a_failing_part_is_heard_of() -> None:
+    def work(part: int) -> None:
+        if part == 3:
+            raise ArithmeticError("part three")
+
+    with pytest.raises(ArithmeticError, match="part three"):
+        for_each(work, range(9), spread=True)
+
+
+def test_large_batches_work_in_inference_mode() -> None:
+    x = torch.randn(1500, 256)
+    with torch.inference_mode():
+        inside = synthesise(coefficients(x), 0.3)
+    assert torch.equal(inside, synthesise(coefficients(x), 0.3))
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="forks")
+def test_a_forked_child_has_workers_of_its_own() -> None:
+    wanted = side_by_side([lambda: 1, lambda: 2])
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)  # forking with threads, from 3.12 on
+        child = os.fork()
+    if not child:
+        os._exit(0 if side_by_side([lambda: 1, lambda: 2]) == wanted else 1)
+    assert os.waitpid(child, 0)[1] == 0
+
+
+def test_builds_at_once_leave_the_limit_of_blas_as_it_was() -> None:
+    threadpoolctl = pytest.importorskip("threadpoolctl")
+
+    def counts() -> list[int]:
+        return [i["num_threads"] for i in threadpoolctl.threadpool_info() if i["user_api"] == "blas"]
+
+    with one_blas_thread():
+        assert set(counts()) == {1}
+    before, meet = counts(), threading.Barrier(4)
+
+    def build() -> None:
+        meet.wait(30)
+        build_split(64, torch.empty(0))
+
+    threads = [threading.Thread(target=build) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert counts() == before
