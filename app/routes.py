@@ -9,6 +9,7 @@ from functools import partial
 from typing import Any
 
 from anyio import CapacityLimiter, to_thread
+from starlette.background import BackgroundTask
 from starlette.requests import Request
 from starlette.responses import FileResponse, JSONResponse, Response
 from starlette.routing import Route
@@ -67,6 +68,7 @@ def routes(first: Resources) -> list[Route]:
     posts["/omnivat/live"] = partial(live_picture, desks, lanes)
     posts["/omnivat/part"] = partial(take_part, desks)
     posts["/omnivat/load"] = partial(load, desks, lanes)
+    posts["/gradio_api/{anything:path}"] = nothing_here
     return [
         *(Route(path, in_sentences(handler)) for path, handler in gets.items()),
         *(Route(path, in_sentences(handler), methods=["POST"]) for path, handler in posts.items()),
@@ -76,6 +78,11 @@ def routes(first: Resources) -> list[Route]:
 def desk_of(desks: Desks, request: Request) -> Resources:
     """Return what the request asks of: the head and set that the server started with, or others."""
     return desks.named(request.query_params.get("set", "")[:64])
+
+
+async def nothing_here(_: Request) -> Response:
+    """Refuse what is sent to Gradio itself: it only lays out the tabs, and the page sends it nothing."""
+    return refusal("The page takes nothing here; its own routes are under omnivat/.", 404)
 
 
 async def web_file(request: Request) -> Response:
@@ -90,7 +97,8 @@ async def web_file(request: Request) -> Response:
 async def frames(desks: Desks, request: Request) -> Response:
     """Serve the frames of a head, or say how far they are (202), or why there are none (404).
 
-    A header tells that finer frames are on their way.
+    A header tells that finer frames are on their way. The map being there, head and set are loaded
+    beside whatever the visitor does, so that the first question is answered at once.
     """
     resources = desk_of(desks, request)
     name = request.query_params.get("head", "")
@@ -106,7 +114,12 @@ async def frames(desks: Desks, request: Request) -> Response:
     if state.file is None or "progress" in request.query_params:
         return JSONResponse({"step": step, "ready": state.file is not None}, status_code=202)
     headers = {**FRESH, "X-Frames": "coarse" if step else "fine"}
-    return FileResponse(state.file, media_type="application/octet-stream", headers=headers)
+    return FileResponse(
+        state.file,
+        media_type="application/octet-stream",
+        headers=headers,
+        background=BackgroundTask(resources.warm),
+    )
 
 
 async def thumbnails(desks: Desks, request: Request) -> Response:

@@ -7,7 +7,6 @@ import sys
 from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
-from threading import Thread
 from typing import Any
 
 from omnivat.errors import MissingPackageError
@@ -45,7 +44,7 @@ def parser() -> argparse.ArgumentParser:
     return parser
 
 
-def build(resources: Any) -> Any:
+def build() -> Any:
     """Return the Gradio page with all tabs; nothing heavy is loaded for it."""
     import gradio as gr
 
@@ -59,14 +58,7 @@ def build(resources: Any) -> Any:
                 short = name.rpartition(".")[2]
                 with gr.Tab(view.TITLE, id=short, elem_id=f"view-{short}"):
                     view.build()
-        page.load(lambda: warm_in_background(resources), api_visibility="private", queue=False)
     return page
-
-
-def warm_in_background(resources: Any) -> None:
-    """After the first page has been painted, load the head beside whatever the visitor does."""
-    if not resources.head.ready:
-        Thread(target=resources.warm, name="warm-up", daemon=True).start()
 
 
 def launch(page: Any, resources: Any, arguments: argparse.Namespace, **more: Any) -> Any:
@@ -101,7 +93,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     resources = Resources(places(chosen.head, chosen.embeddings, chosen.compare))
     if chosen.desktop:
         return in_window(resources, chosen)
-    launch(build(resources), resources, chosen)
+    launch(build(), resources, chosen)
     return 0
 
 
@@ -113,7 +105,7 @@ def in_window(resources: Any, chosen: argparse.Namespace) -> int:
         print(f"app.py: {error}", file=sys.stderr)
         return 1
     chosen.no_browser = True
-    page = build(resources)
+    page = build()
     _, address, _ = launch(page, resources, chosen, prevent_thread_lock=True, quiet=True)
     webview.create_window("OmniVaT", address, width=1440, height=940)
     webview.start()

@@ -28,6 +28,7 @@ class Method:
     keep: Callable[[Tensor], Callable[[float], Tensor]]
     build: Callable[[int], object] | None = None
     dtype: torch.dtype = torch.float32
+    device: str = "cpu"
     differentiable: bool = True
     slow: bool = False
 
@@ -47,6 +48,25 @@ def _ours(planar: bool, dtype: torch.dtype, reuse: bool = False) -> Method:
         keep,
         lambda size: build_split(size, torch.empty(0, dtype=dtype)),
         dtype,
+    )
+
+
+def _on_cuda() -> Method:
+    """Vectors that lie on the accelerator and stay there; a call ends when its work has."""
+
+    def finished(y: Tensor) -> Tensor:
+        torch.cuda.synchronize()
+        return y
+
+    def keep(x: Tensor) -> Callable[[float], Tensor]:
+        kept = coefficients(x)
+        return lambda order: finished(synthesise(kept, order, planar=True))
+
+    return Method(
+        lambda x, order: finished(dfrft(x, order, planar=True)),
+        keep,
+        lambda size: finished(build_split(size, torch.empty(0, device="cuda")).indices),
+        device="cuda",
     )
 
 
@@ -114,6 +134,8 @@ def methods() -> dict[str, Method]:
         "omnivat float64": _ours(False, torch.float64),
         "dense V, two real products": _dense(),
     }
+    if torch.cuda.is_available():
+        found["omnivat float32, planar, CUDA"] = _on_cuda()
     for others in (_torch_frft, _torch_frft2d):
         try:
             found |= others()

@@ -32,11 +32,18 @@ def table(record: dict[str, Any]) -> str:
         "# The fractional transform: time and error",
         "",
         f"`python -m benchmarks.fractional` on a {about['machine']}, shared (load average "
-        f"{about['load']} at the end), torch {about['torch']}. Milliseconds: median (lowest to "
-        "highest) of interleaved rounds; CPU time for one thread, wall clock for two. Error: worst "
-        "relative error of three rows against 80-bit arithmetic, p = 0.3, 1.7, 1000.3. Share: N²B "
-        "operations at the rate of a 1024 × 1024 matrix product timed in the same rounds, over the "
-        "time taken. `×` is the time of torch-frft's `dfrft` over that of the method.",
+        f"{about['load']} at the end), torch {about['torch']}.",
+        "",
+        "- **Times** are milliseconds: median (lowest to highest) of interleaved rounds, CPU time "
+        "for one thread and wall clock for two. Calls shorter than 20 ms are repeated for as long, "
+        "and their mean is one round.",
+        "- **Error** is the worst relative error of three rows against 80-bit arithmetic, over "
+        "p = 0.3, 1.7 and 1000.3.",
+        "- **Share** is the time of N²B operations at the rate of a 1024 × 1024 matrix product, "
+        "timed in the same rounds with the same threads, over the time of a new p.",
+        "- **×** is the time of torch-frft's `dfrft` over that of the method.",
+        "",
+        "![Error against the time of a new p, all methods, with the Pareto front](fractional.png)",
         "",
     ]
     for (batch, size, count), rows in _sections(record["rows"]):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 import statistics
 import time
 from collections.abc import Callable, Iterator, Mapping
@@ -11,6 +12,8 @@ from typing import Any
 
 import torch
 from torch import Tensor
+
+SHORTEST = 0.02  # seconds
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,20 +40,26 @@ def threads(count: int) -> Iterator[None]:
 def interleaved(
     calls: Mapping[str, Callable[[], Any]], rounds: int, cpu: bool = False
 ) -> dict[str, Spread]:
-    """Time each call once a round, all calls in every round, after one call to warm up.
+    """Time each call in every round, in a new order each time, after one call to warm up.
 
-    What disturbs the machine so falls on all alike. cpu: count this process's seconds on the
+    What disturbs the machine, or what the call before left in the caches, so falls on all alike.
+    A call is repeated until SHORTEST has passed, and the mean counts: a call of half a millisecond
+    would else mostly measure how cold the caches are. cpu: count this process's seconds on the
     processor, right for one thread; else those of the wall clock.
     """
     clock = time.process_time if cpu else time.perf_counter
     taken: dict[str, list[float]] = {name: [] for name in calls}
     for call in calls.values():
         call()
+    names, draw = list(calls), random.Random(0)
     for _ in range(rounds):
-        for name, call in calls.items():
-            start = clock()
-            call()
-            taken[name].append(1e3 * (clock() - start))
+        draw.shuffle(names)
+        for name in names:
+            start, count, passed = clock(), 0, 0.0
+            while passed < SHORTEST:
+                calls[name]()
+                count, passed = count + 1, clock() - start
+            taken[name].append(1e3 * passed / count)
     return {
         name: Spread(statistics.median(times), min(times), max(times), len(times))
         for name, times in taken.items()

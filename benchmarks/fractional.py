@@ -52,10 +52,11 @@ def as_complex(y: Tensor, planar: bool) -> Tensor:
 def error_of(method: Method, x: Tensor) -> float:
     """The worst relative error over some orders."""
     x = x[:CHECKED].to(method.dtype)
+    mine = x.to(method.device)
     worst = 0.0
     for order in ORDERS:
         exact = torch.from_numpy(reference(x.double().numpy(), order))
-        found = method.keep(x)(order)
+        found = method.keep(mine)(order).cpu()
         found = as_complex(found, planar=not found.is_complex()).to(torch.complex128)
         worst = max(worst, float((found - exact).norm() / exact.norm()))
     return worst
@@ -80,7 +81,7 @@ def calls_for(
     """What to time for a task; methods that do not offer it are left out."""
     calls: dict[str, Callable[[], object]] = {}
     for name, method in found.items():
-        mine = x.to(method.dtype)
+        mine = x.to(method.device, method.dtype)
         if task == "build" and method.build is not None:
             calls[name] = lambda build=method.build: build(x.shape[-1])  # type: ignore[misc]
         elif task == "new p":

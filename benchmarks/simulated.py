@@ -1,7 +1,8 @@
 """Is the simulated set any good? Linear probe, sensors told apart, modality gap, real images placed.
 
-    python -m omnivat simulate --out DIR
-    python -m benchmarks.simulated --pairs DIR [--real DIR] [--features FILE.npz]
+    python -m benchmarks.simulated                      # of the shipped embeddings
+    python -m benchmarks.simulated --pairs DIR          # of a set on disk, embedded first
+    ... [--real DIR] [--examples examples/pairs]
 
 Prints tables in Markdown; `docs/simulated.md` holds what they said.
 """
@@ -16,11 +17,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.simulated_probe import Accuracy, accuracy, probe_matrix, sensor_accuracy
+from benchmarks.simulated_probe import Accuracy, accuracy, fitted, probe_matrix, sensor_accuracy
 from omnivat.data.domains import DOMAINS, paper_name
+from omnivat.data.store import load_embeddings
+from omnivat.encoders.base import DEFAULT_ENCODER
 from omnivat.errors import DataError
 
 Array = NDArray[np.float32]
+SHIPPED = Path("examples/simulated.safetensors")
 _BATCH = 32
 
 
@@ -41,35 +45,57 @@ def main() -> None:
     """Print every table."""
     logging.basicConfig(level=logging.INFO, format="%(message)s")
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--pairs", type=Path, required=True, help="a folder with pairs.csv")
+    source = parser.add_mutually_exclusive_group()
+    source.add_argument(
+        "--embeddings", type=Path, default=SHIPPED, help="file of the embed command"
+    )
+    source.add_argument("--pairs", type=Path, help="a folder with pairs.csv, to embed first")
     parser.add_argument("--real", type=Path, help="a folder with real *_tac.png images")
-    parser.add_argument("--features", type=Path, help="keep the embeddings here for the next run")
+    parser.add_argument("--examples", type=Path, help="example pairs to compare with the set's own")
     given = parser.parse_args()
-    features = features_of(given.pairs, given.features)
-    print(f"{len(features.rows)} pairs, EfficientNet-Lite0 features of unit length.\n")
+    features = features_of(given.pairs) if given.pairs else features_in(given.embeddings)
+    print(f"{len(features.rows)} pairs, {DEFAULT_ENCODER} features of unit length.\n")
     print_probe(features)
     print_sensors(features)
     print_gaps(features)
     if given.real:
         print_real(features, given.real)
+    if given.examples:
+        print_examples(features, given.examples)
 
 
-def features_of(pairs: Path, kept: Path | None) -> Features:
-    """Return the embeddings of all images that `pairs/pairs.csv` lists, from `kept` if it is there."""
+def features_in(file: Path) -> Features:
+    """Return what a file of embeddings holds."""
+    kept = load_embeddings(file)
+    if not kept.header.encoder == DEFAULT_ENCODER:
+        raise DataError(f"'{file}' holds {kept.header.encoder}; wanted {DEFAULT_ENCODER}.")
+    rows = [
+        {
+            "domain": kept.header.domains[kept.domain[index]],
+            "material": kept.header.classes[kept.label[index]],
+            **{name: kept.rows[name][index] for name in ("vis", "tac", "split")},
+        }
+        for index in range(len(kept))
+    ]
+    return Features(vis=unit(kept.vis), tac=unit(kept.tac), rows=rows)
+
+
+def features_of(pairs: Path) -> Features:
+    """Return the embeddings of all images that `pairs/pairs.csv` lists."""
     table = pairs / "pairs.csv"
     if not table.exists():
         raise DataError(f"'{table}' is not there; make it with `python -m omnivat simulate`.")
     with table.open(encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
-    if kept and kept.exists():
-        with np.load(kept) as arrays:
-            if len(arrays["vis"]) == len(rows):
-                return Features(vis=arrays["vis"], tac=arrays["tac"], rows=rows)
     vis = embedded([pairs / row["vis"] for row in rows])
     tac = embedded([pairs / row["tac"] for row in rows])
-    if kept:
-        np.savez(kept, vis=vis, tac=tac)
     return Features(vis=vis, tac=tac, rows=rows)
+
+
+def unit(values: Array) -> Array:
+    """Return vectors (N, D) of length 1."""
+    wide = np.asarray(values, dtype=np.float32)
+    return np.asarray(wide / np.linalg.norm(wide, axis=1, keepdims=True))
 
 
 def embedded(files: list[Path]) -> Array:
@@ -77,7 +103,7 @@ def embedded(files: list[Path]) -> Array:
     import torch
     from PIL import Image
 
-    from omnivat.encoders.base import DEFAULT_ENCODER, load_encoder
+    from omnivat.encoders.base import load_encoder
 
     encoder = load_encoder(DEFAULT_ENCODER)
     parts = []
@@ -87,8 +113,7 @@ def embedded(files: list[Path]) -> Array:
             parts.append(
                 encoder.embed(torch.stack([encoder.preprocess(i) for i in images])).numpy()
             )
-    all_ = np.concatenate(parts).astype(np.float32)
-    return np.asarray(all_ / np.linalg.norm(all_, axis=1, keepdims=True))
+    return unit(np.concatenate(parts))
 
 
 def print_probe(features: Features) -> None:
@@ -172,6 +197,32 @@ def print_real(features: Features, folder: Path) -> None:
         five = Counter(map(str, domains[order.ravel()]))
         print(f"| {parent.name} | {len(chosen)} | {_said(first)} | {_said(five)} |")
     print()
+
+
+def print_examples(features: Features, folder: Path) -> None:
+    """Print how near the embeddings of lossy example images are to those of the images themselves.
+
+    Beside the cosine, whether a linear probe of all training pairs says the same of both.
+    """
+    place = {(row["domain"], Path(row["vis"]).stem): i for i, row in enumerate(features.rows)}
+    files = sorted(folder.glob("*/*/*_vis.webp"))
+    known = [(f, place.get((f.parent.parent.name, f.stem))) for f in files]
+    lost = [file for file, index in known if index is None]
+    if lost or not files:
+        raise DataError(f"'{(lost or [folder])[0]}' is no example of this set; make both anew.")
+    own = np.array([index for _, index in known])
+    vis = embedded(files)
+    tac = embedded([f.with_name(f.name.replace("_vis.", "_tac.")) for f in files])
+    whole = np.concatenate([features.vis, features.tac], axis=1)
+    train = features.column("split") == "train"
+    probe = fitted(whole[train], features.column("material")[train])
+    before, after = probe(whole[own]), probe(np.concatenate([vis, tac], axis=1))
+    print("## Example images, lossy, against the images that were embedded\n")
+    print("| | images | least cosine | mean cosine |\n| --- | ---: | ---: | ---: |")
+    for name, here, there in (("VIS", vis, features.vis[own]), ("TAC", tac, features.tac[own])):
+        near = (here * there).sum(1)
+        print(f"| {name} | {len(near)} | {near.min():.3f} | {near.mean():.3f} |")
+    print(f"\nThe same material is predicted for {(before == after).sum()} of {len(own)} pairs.\n")
 
 
 def _said(counts: Counter[str]) -> str:

@@ -1,5 +1,6 @@
 """The measures behind `benchmarks.simulated`: linear probes and nearest neighbours."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,35 +30,40 @@ def accuracy(right: int, of: int) -> Accuracy:
     return Accuracy(right=int(right), of=int(of))
 
 
+def fitted(values: Array, materials: Names) -> Callable[[Array], Names]:
+    """Return a linear probe of (N, D) training values: what material it says of others."""
+    linear = need("sklearn.linear_model", purpose="the linear probe", install="scikit-learn")
+    mean, spread = values.mean(0), values.std(0) + 1e-3
+    probe = linear.LogisticRegression(C=1e-3, max_iter=300)
+    probe.fit((values - mean) / spread, materials)
+    return lambda others: np.asarray(probe.predict((others - mean) / spread))
+
+
 def probe_matrix(
     values: Array, *, materials: Names, domains: Names, splits: Names
 ) -> dict[tuple[str, str], Accuracy]:
     """Train a linear probe on each domain's training objects; return its accuracy on each domain.
 
-    values   (N, D). Standardised with the source's training mean and spread.
+    values   (N, D). Standardised with the mean and spread that the probe was trained on.
     Within a domain the test objects are asked; in another domain all its pairs, none of which was
     seen. Ceramic is left out where the source or the target has none, as the paper does.
     """
-    linear = need("sklearn.linear_model", purpose="the linear probe", install="scikit-learn")
     names = list(dict.fromkeys(map(str, domains)))
     result = {}
     for source in names:
         known = (domains == source) & (splits == "train")
-        mean, spread = values[known].mean(0), values[known].std(0) + 1e-3
-        scaled = (values - mean) / spread
         for with_all in (True, False):
             train = known & (with_all | (materials != "ceramic"))
             if with_all and "ceramic" not in materials[known]:
                 continue
-            probe = linear.LogisticRegression(C=1e-3, max_iter=300)
-            probe.fit(scaled[train], materials[train])
+            probe = fitted(values[train], materials[train])
             for target in names:
                 there = domains == target
                 if ("ceramic" in materials[there]) != with_all and "ceramic" in materials[known]:
                     continue
                 asked = there & ((splits == "test") | (source != target))
                 asked &= np.isin(materials, materials[train])
-                right = probe.predict(scaled[asked]) == materials[asked]
+                right = probe(values[asked]) == materials[asked]
                 result[source, target] = accuracy(right.sum(), right.size)
     return {pair: result[pair] for pair in ((s, t) for s in names for t in names)}
 

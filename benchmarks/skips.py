@@ -199,8 +199,8 @@ def main() -> None:
         rule = maps(model, vis, tac)
         found = interleaved({"a": rule.without, "b": rule.skipping}, 3)
         lines.append(line(rule.name, found["a"], found["b"], rule.error()))
-    page = "from app.server import build; build(None)"
-    heavy = "import torch, umap, plotly.graph_objects; from app.server import build; build(None)"
+    page = "from app.server import build; build()"
+    heavy = "import torch, umap, plotly.graph_objects; from app.server import build; build()"
     slow, fast = started(heavy, 3), started(page, 3)
     lines.append(
         line("the first page loads no torch, umap or plotly (CPU time)", slow, fast, "none")

@@ -4,7 +4,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 full=${1:-build/simulated}
-python -m omnivat simulate --out "$full"
+python -m omnivat simulate --out "$full" --examples examples/pairs
 python -m omnivat embed "$full" --out examples/simulated.safetensors --dtype float16
 python -m omnivat thumbnails "$full" --embeddings examples/simulated.safetensors --tile 56
 python -m omnivat train --embeddings examples/simulated.safetensors --source TAG-sim \

@@ -1,8 +1,19 @@
 """Errors with one clear sentence: what came, what was wanted, what to do."""
 
 
+def printable(text: str) -> str:
+    """Return `text` with whatever cannot be printed on one line written as an escape."""
+    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
+
+
 class OmniVatError(Exception):
-    """Anything a person can put right. The command line prints its sentence and exits with 1."""
+    """Anything a person can put right. The command line prints its sentence and exits with 1.
+
+    A sentence quotes names and cells from other people's files, so it is always made printable.
+    """
+
+    def __str__(self) -> str:  # KeyError would also print the sentence in quotation marks
+        return printable(str(self.args[0])) if self.args else ""
 
 
 class ShapeError(OmniVatError, ValueError):
@@ -23,9 +34,6 @@ class WriteError(OmniVatError, OSError):
 
 class MissingNameError(OmniVatError, KeyError):
     """A table has no entry of that name."""
-
-    def __str__(self) -> str:  # KeyError would print the sentence in quotation marks
-        return str(self.args[0]) if self.args else ""
 
 
 class MissingPackageError(OmniVatError, ImportError):

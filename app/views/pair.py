@@ -76,8 +76,9 @@ def attention(resources: Resources, question: Mapping[str, Any]) -> dict[str, An
     """Return where FrATT looks at every stop: how much each token's query gives to each token.
 
     question  as for `answer`
-    return    `tokens`: a name for each of the T tokens, with its θ; `weights`: modality ->
-              bytes (P, T, T) in base64, 255 is all of a query's attention
+    return    `tokens`: a name for each of the T tokens, with its θ; `off`: modality -> bytes
+              (P, T, T) in base64, how far a weight lies from 1/T: 127 stands for `scale`, and
+              bytes above 127 for negative values, as a signed byte has it
     """
     import numpy as np
     import torch
@@ -90,14 +91,17 @@ def attention(resources: Resources, question: Mapping[str, Any]) -> dict[str, An
         one = head.model.coefficients(pair["vis"], pair["tac"])
         many = one[torch.zeros(len(STOPS), dtype=torch.long)]
         found = head.model.from_coefficients(many, torch.tensor(STOPS), attention=True).attention
+    off = {name: w.numpy() - 1 / w.shape[-1] for name, w in found.items()}
+    scale = max(float(np.abs(one).max()) for one in off.values()) or 1.0
     coded = {
-        name: base64.b64encode(np.rint(w.numpy() * 255).astype(np.uint8).tobytes()).decode()
-        for name, w in found.items()
+        name: base64.b64encode(np.rint(one / scale * 127).astype(np.int8).tobytes()).decode()
+        for name, one in off.items()
     }
     return {
         "tokens": {name: token_names(head.model, name, w.shape[-1]) for name, w in found.items()},
         "count": {name: w.shape[-1] for name, w in found.items()},
-        "weights": coded,
+        "off": coded,
+        "scale": scale,
         "learned": head.model.order,
     }
 

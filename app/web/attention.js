@@ -1,10 +1,11 @@
 /** Attention weights as pictures: token to token at this p, and what each token gets over p. */
 
-import { isDark, ramp } from "./palette.js";
+import { isDark, rgb } from "./palette.js";
 import { escaped } from "./text.js";
 
 const NAMES = { vis: "● VIS", tac: "▲ TAC" };
 const ROWS = 101;
+const [MORE, LESS] = ["#d55e00", "#2f86c4"].map(rgb);
 
 export class Attention {
   constructor(box) {
@@ -18,18 +19,18 @@ export class Attention {
     this.all = [];
     if (!found) return void (this.box.innerHTML = "");
     if (found.problem) return void (this.box.innerHTML = `<p class="hint">${escaped(found.problem)}</p>`);
-    const names = Object.keys(found.weights);
+    const names = Object.keys(found.off);
     this.box.innerHTML = `${names.map((name) => `<figure data-name="${name}"><figcaption>${NAMES[name]}</figcaption>
       <canvas class="square" role="img" aria-label="Attention of each token of ${NAMES[name]} to each, at this p"></canvas>
       <div class="strip"><canvas role="img" aria-label="Attention that each token of ${NAMES[name]} gets, over p"></canvas><i></i></div>
       <p class="hint figure"></p></figure>`).join("")}
-      <p class="hint">Each modality is ${found.count[names[0]]} tokens: real parts, then imaginary parts, each times a learned θ and cut by the ReLU. Above: row asks, column is looked at. Below: what each token gets on average, p from 0 to 1. Darker is more; one shade for all p.</p>`;
+      <p class="hint">Each modality is ${found.count[names[0]]} tokens: real parts, then imaginary parts, each times a learned θ and cut by the ReLU. Above: row asks, column is looked at. Below: what each token gets on average, p from 0 to 1. <b style="color:#d55e00">Orange</b> gets more than an even share, <b style="color:#2f86c4">blue</b> less; full colour is ${(100 * found.scale).toPrecision(2)} points off, the most at any p.</p>`;
     this.all = names.map((name) => ({
       name, count: found.count[name], tokens: found.tokens[name],
-      bytes: Uint8Array.from(atob(found.weights[name]), (c) => c.charCodeAt(0)),
+      bytes: Int8Array.from(atob(found.off[name]), (c) => c.charCodeAt(0)),
       figure: this.box.querySelector(`[data-name="${name}"]`),
     }));
-    for (const one of this.all) one.most = Math.max(1, ...one.bytes);
+    this.scale = found.scale;
     this.paint();
   }
 
@@ -46,7 +47,7 @@ export class Attention {
         }
       }
       one.means = means;
-      picture(one.figure.querySelector(".strip canvas"), ROWS, count, (x, y) => means[x * count + y] / one.most);
+      picture(one.figure.querySelector(".strip canvas"), ROWS, count, (x, y) => means[x * count + y] / 127);
     }
     this.mark(this.stop);
   }
@@ -54,24 +55,27 @@ export class Attention {
   mark(stop) {
     this.stop = stop;
     for (const one of this.all) {
-      const { count, bytes, figure, most, means, tokens } = one;
-      picture(figure.querySelector(".square"), count, count, (x, y) => bytes[(stop * count + y) * count + x] / most);
+      const { count, bytes, figure, means, tokens } = one;
+      picture(figure.querySelector(".square"), count, count, (x, y) => bytes[(stop * count + y) * count + x] / 127);
       figure.querySelector(".strip i").style.left = `${(100 * (stop + 0.5)) / ROWS}%`;
       const own = [...means.subarray(stop * count, (stop + 1) * count)];
       const best = own.indexOf(Math.max(...own));
-      figure.querySelector(".figure").textContent = `most to token ${best + 1} (${tokens[best]}): ${((100 * own[best]) / 255).toFixed(0)} %; evenly would be ${(100 / count).toFixed(1)} %`;
+      figure.querySelector(".figure").textContent = `most to token ${best + 1} (${tokens[best]}): ${(100 / count + (100 * this.scale * own[best]) / 127).toFixed(1)} %; evenly would be ${(100 / count).toFixed(1)} %`;
     }
   }
 }
 
+/** share(x, y) from −1 (blue) to 1 (orange), 0 is paper. */
 function picture(canvas, width, height, share) {
-  const colours = ramp(isDark());
+  const paper = rgb(isDark() ? "#0f172a" : "#ffffff");
   canvas.width = width;
   canvas.height = height;
   const image = new ImageData(width, height);
   for (let y = 0; y < height; y++) {
     for (let x = 0; x < width; x++) {
-      image.data.set([...colours[Math.round(255 * Math.min(1, share(x, y)))], 255], 4 * (y * width + x));
+      const v = Math.max(-1, Math.min(1, share(x, y)));
+      const ink = v > 0 ? MORE : LESS;
+      image.data.set([...paper.map((from, c) => Math.round(from + (ink[c] - from) * Math.abs(v))), 255], 4 * (y * width + x));
     }
   }
   canvas.getContext("2d").putImageData(image, 0, 0);

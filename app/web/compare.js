@@ -9,6 +9,7 @@ import { framesBy, headLabel, heads, isMethod, METHODS } from "./headsets.js";
 import { layersOf } from "./layers.js";
 import { axes, axisNames, lassoLine, pairLine } from "./marks.js";
 import { matrix } from "./matrix.js";
+import { means } from "./means.js";
 import { COLOURINGS, isDark, onTheme } from "./palette.js";
 import { listen } from "./pointer.js";
 import { STAGES, stageNamed } from "./stages.js";
@@ -63,6 +64,7 @@ function compare($, frames, sprite, known) {
     });
     cloud.painters = [
       axes(() => axisNames(kind(side))),
+      means(() => frames, (point) => shown(point) && inPlay(point) && inDomain(side, point % frames.pairs)),
       (x, c) => state.pin !== null && inDomain(side, state.pin) && pairLine(x, c, state.pin, "#dc2626"),
       (x, c) => hovered >= 0 && inDomain(side, hovered % frames.pairs) && pairLine(x, c, hovered % frames.pairs, isDark() ? "#38bdf8" : "#1e293b"),
       (x) => lassoLine(x, part.drawing.polygon),
@@ -173,7 +175,7 @@ function compare($, frames, sprite, known) {
   function showCard() {
     const pair = hovered >= 0 ? hovered % frames.pairs : state.pin ?? -1;
     if (pair < 0) {
-      $(".card-strip").innerHTML = '<p class="hint">Point at a pair in either map.</p>';
+      $(".card-strip").innerHTML = `${thumbnailPair(frames, sprite, 0, 84)}<p class="hint">Point at a pair in either map: its photo and touch stand here, with what each side says of it.</p>`;
       return;
     }
     const says = SIDES.map((side) => {

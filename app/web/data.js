@@ -1,6 +1,8 @@
 /** Data & about: what is loaded and where from, what it cannot say, how to load one's own. */
 
 import { json, refused } from "./api.js";
+import { loading } from "./loading.js";
+import { measuring } from "./measuring.js";
 import { theSet } from "./theset.js";
 import { ABOUT, glossary, OWN } from "./words.js";
 import { escaped, isSimulated, percent } from "./text.js";
@@ -11,6 +13,8 @@ export async function start(root) {
     const [about, set] = await Promise.all([json("about"), theSet().catch(() => null)]);
     wait.hidden = true;
     root.querySelector(".facts").innerHTML = page(about, set);
+    loading(root.querySelector(".loading"));
+    measuring(root.querySelector(".measuring"));
   } catch (error) {
     refused(error, (sentence) => {
       wait.classList.add("problem");
@@ -26,9 +30,10 @@ function page({ head, embeddings, examples, limits }, set) {
   return [
     panel("The set", embeddings.problem ? problem(embeddings) : theData(embeddings, examples)),
     panel("The head", head.problem ? problem(head) : theHead(head)),
+    panel("Measured on this machine", '<div class="measuring"></div>'),
     panel("What the figures do not say", ABOUT(embeddings.simulated)),
     panel("Exact, and not exact", approximations(set?.frames, limits)),
-    panel("Your own head and pairs", OWN),
+    panel("Your own head and pairs", `<div class="loading"></div>${OWN}`),
     panel("Words", glossary()),
   ].join("");
 }

@@ -48,7 +48,9 @@ function writeAddress() {
     if (value === null || value === usual) address.searchParams.delete(name);
     else address.searchParams.set(name, typeof value === "number" ? +value.toFixed(4) : value);
   }
-  history.replaceState(history.state, "", address);
+  try {
+    history.replaceState(history.state, "", address);
+  } catch { /* a page opened from disk may not write its address in every browser */ }
 }
 
 /** The names that a filter hides, as a set; filters are kept as "a~b". */

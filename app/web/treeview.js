@@ -5,6 +5,7 @@ import { escaped, percent } from "./text.js";
 
 const ROW = 132;
 const RADIUS = 27; // of the node with the largest norm
+const COLUMN = 122; // between the nodes of a series
 const LABEL = 46; // height of what stands under a disc
 
 /** How deep each node lies, and its place among the nodes of that depth. */
@@ -18,10 +19,22 @@ function laidOut(parents) {
   return { depth, rows };
 }
 
+/** Nodes in one line, left to right, where each grows from the one before or from nothing. */
+function drawLine({ classes, nodes, parents }) {
+  const width = Math.max(620, nodes.length * COLUMN);
+  const largest = Math.max(...nodes.map((node) => node.norm)) || 1;
+  const radius = (i) => RADIUS * Math.sqrt(nodes[i].norm / largest);
+  const place = (i) => [((i + 0.5) / nodes.length) * width, 36];
+  const edges = parents.map((parent, i) => (parent < 0 ? "" : `<path class="edge" d="M${place(parent)[0] + radius(parent)} 36H${place(i)[0] - radius(i)}"/>`));
+  const discs = nodes.map((node, i) => disc(node, i, place(i), radius(i), classes, nodes.length <= 8));
+  return `<svg class="tree-view" viewBox="0 0 ${width} 120" role="img" aria-label="${nodes.length} nodes in a line">${edges.join("")}${discs.join("")}</svg>`;
+}
+
 export function drawTree({ classes, nodes, parents }) {
+  if (nodes.length > 2 && parents.every((parent, i) => parent === i - 1 || parent < 0)) return drawLine({ classes, nodes, parents });
   const { depth, rows } = laidOut(parents);
   const widest = Math.max(...rows.map((row) => row.length));
-  const width = Math.max(620, widest * 150);
+  const width = Math.max(620, widest * 140);
   const fits = widest <= 8;
   const largest = Math.max(...nodes.map((node) => node.norm)) || 1;
   const radius = (i) => RADIUS * Math.sqrt(nodes[i].norm / largest);

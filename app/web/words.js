@@ -7,11 +7,12 @@ export const ABOUT = (simulated) => `<ul>
   <li>p moves little in training; its learned value mostly tells where it started. The order of an encoder’s channels has no physical meaning, so neither has “frequency”.</li>
   <li>Accuracy in Explore is over all pairs of the set, those of the source domain included.</li></ul>`;
 
-export const OWN = `<p>A folder of pairs is <code>&lt;root&gt;/&lt;domain&gt;/&lt;class&gt;/&lt;name&gt;_vis.png</code> and <code>…_tac.png</code>.</p>
+export const OWN = `<h3>Make them</h3><p>A folder of pairs is <code>&lt;root&gt;/&lt;domain&gt;/&lt;class&gt;/&lt;name&gt;_vis.png</code> and <code>…_tac.png</code>.</p>
 <pre tabindex="0">python -m omnivat embed PAIRS --encoder efficientnet-lite0 --out mine.safetensors
 python -m omnivat thumbnails PAIRS --embeddings mine.safetensors
 python -m omnivat train --embeddings mine.safetensors --source DOMAIN --out my-head
-python app.py --head my-head --embeddings mine.safetensors</pre>
+python app.py --head my-head --embeddings mine.safetensors --compare another-head
+python -m omnivat export --what page --out lecture.html</pre>
 <p>The map’s frames are then computed in the background, eleven stops first, and kept for the next start. Head and embeddings have to come from the same encoder; the page says so where they do not.</p>`;
 
 const WORDS = [

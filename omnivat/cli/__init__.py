@@ -10,6 +10,7 @@ from omnivat.cli import (
     ablate,
     embed,
     evaluate,
+    export,
     gaps,
     predict,
     project,
@@ -33,6 +34,7 @@ COMMANDS = {
     "gaps": gaps,
     "project": project,
     "thumbnails": thumbnails,
+    "export": export,
     "simulate": simulate,
     "prompts": prompts,
 }

@@ -10,6 +10,7 @@ from omnivat.cli.bar import progress_bar
 from omnivat.data.readers import READERS
 from omnivat.encoders.base import DEFAULT_ENCODER, ENCODERS
 from omnivat.errors import SettingsError
+from omnivat.files import require_writable
 
 
 def add(parser: argparse.ArgumentParser) -> None:
@@ -43,6 +44,7 @@ def run(options: argparse.Namespace) -> None:
     from omnivat.data.readers import read_pairs
     from omnivat.embed import embed_pairs
 
+    require_writable(options.out, ".safetensors")
     if manifest_place(options.out, options.manifest).resolve() == options.pairs.resolve():
         raise SettingsError(
             f"--out is '{options.out}', and the table beside it would replace '{options.pairs}'; "

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from omnivat.cli.features import StageFeatures, add_stage, stage_features
 from omnivat.errors import SettingsError
+from omnivat.files import replacing, require_writable
 from omnivat.projection import PROJECTIONS
 
 COLUMNS = ("x", "y", "modality", "domain", "class", "pair", "name")
@@ -28,9 +29,9 @@ def run(options: argparse.Namespace) -> None:
     """Compute the features, lay them out, write the CSV, print how faithful the map is."""
     if options.out.suffix.lower() != ".csv":
         raise SettingsError(f"--out is '{options.out}'; name a file that ends in .csv.")
+    require_writable(options.out)
     import torch
 
-    from omnivat.files import replacing
     from omnivat.gaps.unit import unit
     from omnivat.projection.quality import recall, trustworthiness
     from omnivat.tables import load

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from omnivat.data.materials import MATERIALS
 from omnivat.errors import SettingsError
+from omnivat.files import require_writable
 
 if TYPE_CHECKING:
     from omnivat.lang.bank import LangBank
@@ -42,6 +43,7 @@ def run(options: argparse.Namespace) -> None:
     classes = tuple(name.strip() for name in options.classes.split(",") if name.strip())
     if len(classes) < 2 or len(set(classes)) < len(classes):
         raise SettingsError(f"--classes is '{options.classes}'; give two or more different names.")
+    require_writable(options.out)
     make = _learned if options.method == "promptstyler" else _phrases
     bank = make(options, classes)
     save_bank(options.out, bank)

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from omnivat.cli.bar import progress_bar
 from omnivat.errors import SettingsError
+from omnivat.files import require_writable
 from omnivat.heads import default_embeddings, default_head
 
 if TYPE_CHECKING:
@@ -46,9 +47,12 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Measure, write what was asked for, print the ends of the curves."""
-    if not (options.out or options.json or options.csv):
+    if all(path is None for path in (options.out, options.json, options.csv)):
         raise SettingsError("Nothing is to be written; give --out, --json or --csv.")
     orders = orders_of(options.orders, options.stops)
+    for path in (options.out, options.json, options.csv):
+        if path is not None:
+            require_writable(path)
     from omnivat.checkpoint import head_hash, load_head
     from omnivat.data.store import load_embeddings
     from omnivat.frames import write_frames
@@ -163,7 +167,7 @@ def names_of(text: str, known: Sequence[str], kind: str) -> tuple[str, ...]:
 
 def table(orders: Sequence[float], curves: Mapping[str, Sequence[float | None]]) -> str:
     """Return each curve's first, middle and last value as aligned text."""
-    places = (0, len(orders) // 2, len(orders) - 1)
+    places = sorted({0, len(orders) // 2, len(orders) - 1})
     width = max((len(name) for name in curves), default=5)
     heads = " ".join(f"{f'p = {orders[place]:g}':>10}" for place in places)
     lines = [f"{'curve':<{width}} {heads}"]

@@ -7,7 +7,8 @@ import argparse
 from pathlib import Path
 
 from omnivat.cli.bar import progress_bar
-from omnivat.errors import SettingsError
+from omnivat.errors import DataError, SettingsError
+from omnivat.files import require_writable
 from omnivat.heads import default_embeddings
 
 
@@ -23,11 +24,14 @@ def run(options: argparse.Namespace) -> None:
     """Read every image once, write one sheet."""
     if not 8 <= options.tile <= 512:
         raise SettingsError(f"--tile is {options.tile}; choose 8 to 512 pixels.")
+    if not options.pairs.exists():
+        raise DataError(f"There is no folder or file at '{options.pairs}'. Check the path.")
     from omnivat.data.store import load_embeddings
     from omnivat.thumbnails import sheet_of, write_thumbnails
 
     embeddings = load_embeddings(options.embeddings)
     out = options.out or sheet_of(options.embeddings)
+    require_writable(out, ".webp")
     root = options.pairs if options.pairs.is_dir() else options.pairs.parent
     with progress_bar("thumbnails") as show:
         missing = write_thumbnails(embeddings, root, out, tile=options.tile, on_step=show)

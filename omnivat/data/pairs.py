@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from omnivat.data.materials import in_order
+from omnivat.errors import printable
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -95,8 +96,3 @@ def _aligned(header: list[str], rows: list[list[str]]) -> list[str]:
     table = [[printable(cell) for cell in row] for row in [header, *rows]]
     widths = [max(map(len, column)) for column in zip(*table, strict=True)]
     return ["  ".join(map(str.ljust, row, widths)).rstrip() for row in table]
-
-
-def printable(text: str) -> str:
-    """Return `text` with whatever cannot be printed on one line written as an escape."""
-    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)

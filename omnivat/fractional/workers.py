@@ -41,7 +41,8 @@ def _pool(count: int) -> ThreadPoolExecutor:
             started = threading.Barrier(workers + 1)
 
             def start() -> None:
-                # for this thread only, and for threads that start later: hence the reset below
+                torch.get_num_threads()  # a thread's first call takes over the process's number
+                # for this thread only, but threads to come would copy it: hence the reset below
                 torch.set_num_threads(count // workers)
                 started.wait()
 
@@ -75,7 +76,11 @@ def for_each(work: Callable[[T], object], parts: Iterable[T], *, spread: bool) -
         for part in parts:
             work(part)
         return
-    source, one_at_a_time, inference = iter(parts), threading.Lock(), torch.is_inference_mode_enabled()
+    source, one_at_a_time, inference = (
+        iter(parts),
+        threading.Lock(),
+        torch.is_inference_mode_enabled(),
+    )
 
     def drain() -> None:
         with torch.inference_mode(inference), torch.no_grad():

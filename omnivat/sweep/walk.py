@@ -8,7 +8,7 @@ import torch
 from torch import Tensor
 
 from omnivat.data.store import Embeddings
-from omnivat.errors import SettingsError
+from omnivat.errors import DataError, SettingsError
 from omnivat.model.head import OmniVaT, PairCoefficients
 from omnivat.model.output import HeadOutput
 from omnivat.tables import suggestion
@@ -67,6 +67,8 @@ def walk(
     require_known(stages, STAGES, "stage")
     if chunk < 1 or not np.isfinite(np.array(orders, dtype=np.float64)).all():
         raise SettingsError("chunk must be 1 or more and every order a finite number.")
+    if not len(embeddings):
+        raise DataError("There are no pairs in these embeddings; choose a set with pairs.")
     visits = list(range(len(orders))) if visits is None else list(visits)
     moving = [stage for stage in stages if stage not in STILL]
     if not moving and not answers:

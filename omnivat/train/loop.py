@@ -18,6 +18,7 @@ from omnivat.train.batches import Array, batches, held_out, labels_of
 from omnivat.train.settings import TrainSettings
 from omnivat.train.state import Progress, load_state, run_name, save_state
 from omnivat.train.steps import learn, make_optimiser, set_rate
+from omnivat.train.threads import threads_for
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,6 +52,19 @@ def train(
     Raises DataError when there is nothing to learn or `resume` is of another training,
     OmniVatError when the loss is not finite.
     """
+    with threads_for(head.width):
+        return _train(source, head, settings, bank, seed, resume, on_step)
+
+
+def _train(
+    source: Embeddings,
+    head: HeadSettings,
+    settings: TrainSettings,
+    bank: LangBank | None,
+    seed: int,
+    resume: Path | None,
+    on_step: OnStep,
+) -> Trained:
     labels = labels_of(source, head)
     fit, held = held_out(source, labels, settings, seed)
     model = build_head(head, seed=derive_seed(seed, "weights")).train()

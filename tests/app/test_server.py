@@ -17,7 +17,7 @@ from app.server import build, launch, parser
 from app.resources import Resources, places
 {extra}
 resources = Resources(places())
-page = build(resources)
+page = build()
 _, address, _ = launch(page, resources, parser().parse_args(["--no-browser"]), prevent_thread_lock=True, quiet=True)
 for path in ("", "omnivat/web/explore.js", "omnivat/web/page.css", "omnivat/examples"):
     with urllib.request.urlopen(address + path) as answer:

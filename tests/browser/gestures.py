@@ -50,9 +50,7 @@ def grab(page: Any, share: float = 0.5, of: str = ".explore .order") -> dict[str
 
 def pull(page: Any, box: dict[str, float], share: float, steps: int = 8) -> None:
     """Move the pressed mouse along the slider to a share of its length."""
-    page.mouse.move(
-        box["x"] + share * box["width"], box["y"] + box["height"] / 2, steps=steps
-    )
+    page.mouse.move(box["x"] + share * box["width"], box["y"] + box["height"] / 2, steps=steps)
 
 
 def open_tab(page: Any, view: str) -> None:

@@ -196,9 +196,7 @@ def test_fingers_pan_pinch_and_pin_on_the_map_and_drag_p(open_page: Callable[...
     def swipe(*ways: tuple[tuple[float, float], tuple[float, float]]) -> None:
         touches(finger, "touchStart", *(start for start, _ in ways))
         for part in np.linspace(0.2, 1, 5):
-            places = [
-                (a[0] + part * (b[0] - a[0]), a[1] + part * (b[1] - a[1])) for a, b in ways
-            ]
+            places = [(a[0] + part * (b[0] - a[0]), a[1] + part * (b[1] - a[1])) for a, b in ways]
             touches(finger, "touchMove", *places)
         touches(finger, "touchEnd")
 

@@ -157,9 +157,7 @@ def test_a_bad_file_is_one_sentence_that_names_it_and_the_page_stays_usable(
     pair_page.wait_for_selector(ANSWERED)
 
 
-def test_a_file_over_the_limit_is_refused_before_it_is_sent(
-    pair_page: Any, tmp_path: Path
-) -> None:
+def test_a_file_over_the_limit_is_refused_before_it_is_sent(pair_page: Any, tmp_path: Path) -> None:
     (tmp_path / "huge.png").write_bytes(bytes(20_000_001))
     asked: list[str] = []
     pair_page.on("request", lambda request: asked.append(request.url))

@@ -2,59 +2,24 @@
 
 import re
 from collections.abc import Callable
-from io import BytesIO
 from typing import Any
 
-import numpy as np
 import pytest
-from PIL import Image
+
+from .gestures import MAP, grab, p_shown, pixels, place_of_a_point, pull, texture
 
 pytestmark = pytest.mark.browser
-
-MAP = ".explore .map[data-order]"
-
-
-def texture(seed: int) -> dict[str, Any]:
-    """Return a picture as a file to upload."""
-    random = np.random.default_rng(seed)
-    with BytesIO() as handle:
-        Image.fromarray(random.integers(0, 255, (96, 96, 3), dtype=np.uint8)).save(handle, "PNG")
-        return {"name": f"{seed}.png", "mimeType": "image/png", "buffer": handle.getvalue()}
-
-
-def pixels(page: Any) -> str:
-    """Return the map's points as they are drawn now, once drawing has settled."""
-    return page.evaluate(
-        """() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() =>
-             done(document.querySelector('.explore .map canvas').toDataURL()))))"""
-    )
-
-
-def place_of_a_point(page: Any) -> tuple[float, float]:
-    """Return where on the page some point is drawn: hover until the card shows a pair."""
-    box = page.locator(".explore .map").bounding_box()
-    for share in np.linspace(0.3, 0.7, 9):
-        for height in np.linspace(0.3, 0.7, 9):
-            at = box["x"] + share * box["width"], box["y"] + height * box["height"]
-            page.mouse.move(*at)
-            if "Pair" in page.locator(".explore .card h3").inner_text():
-                return at
-    raise AssertionError("no point was found on the map")
 
 
 def test_dragging_p_changes_the_map_and_the_figures(open_page: Callable[..., Any]) -> None:
     page = open_page()
     page.wait_for_selector(MAP)
     before, gap = pixels(page), page.locator(".explore .curves output").first.inner_text()
-    box = page.locator(".explore .order").bounding_box()
-    page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
-    page.mouse.down()
-    page.mouse.move(box["x"] + box["width"] * 0.8, box["y"] + box["height"] / 2, steps=5)
+    pull(page, grab(page), 0.8, steps=5)
     page.mouse.up()
     assert pixels(page) != before
     assert page.locator(".explore .curves output").first.inner_text() != gap
-    shown = page.locator(".explore .order-value").inner_text()
-    page.wait_for_function(f"location.search.includes('p={float(shown):g}')")
+    page.wait_for_function(f"location.search.includes('p={float(p_shown(page)):g}')")
 
 
 def test_raw_stages_do_not_move_and_the_page_says_why(open_page: Callable[..., Any]) -> None:
@@ -106,17 +71,6 @@ def test_a_lasso_selects_points_and_saves_them_as_csv(open_page: Callable[..., A
     assert page.locator(".explore .selection").is_hidden()
 
 
-def test_a_link_brings_back_what_was_seen(open_page: Callable[..., Any]) -> None:
-    query = "?p=0.31&stage=relu&colour=class&domain=TAG-sim&pin=3"
-    page = open_page(query)
-    page.wait_for_selector(MAP)
-    assert page.locator(".explore .order-value").inner_text() == "0.31"
-    assert page.locator('[data-stage="relu"]').get_attribute("aria-checked") == "true"
-    assert page.locator(".explore .colouring").input_value() == "class"
-    assert not page.locator('[data-name="TAG-sim"] input').is_checked()
-    assert page.locator(".explore .card h3").inner_text().startswith("Pair 3")
-
-
 def test_the_map_works_by_keyboard_alone(open_page: Callable[..., Any]) -> None:
     page = open_page()
     page.wait_for_selector(MAP)
@@ -157,32 +111,6 @@ def test_uploading_a_pair_and_moving_p_by_keyboard_changes_the_probabilities(
     assert cells.all_inner_texts() != before
 
 
-@pytest.mark.parametrize(
-    ("name", "content", "wanted"),
-    [
-        ("notes.png", b"these are words, not pixels", "not an image"),
-        ("empty.png", b"", "empty"),
-        ("torn.png", texture(0)["buffer"][:500], "damaged"),
-    ],
-)
-def test_a_bad_upload_is_one_sentence_and_the_page_stays_usable(
-    open_page: Callable[..., Any], name: str, content: bytes, wanted: str
-) -> None:
-    page = open_page("?view=pair&vis=row:0&tac=row:0")
-    page.wait_for_selector(".pair .bars table")
-    chosen = '.pair .slot[data-modality="tac"] input[type=file]'
-    page.set_input_files(chosen, {"name": name, "mimeType": "image/png", "buffer": content})
-    page.wait_for_selector(".pair .problem:visible")
-    text = page.locator(".pair .problem").inner_text()
-    assert name in text
-    assert wanted in text
-    assert text.endswith(".")
-    page.set_input_files(chosen, texture(5))
-    page.wait_for_selector(".pair .problem", state="hidden")
-    page.wait_for_function("location.search.includes('tac=image')")
-    page.wait_for_selector(".pair .results[aria-busy=false] .bars table")
-
-
 def test_one_image_alone_is_enough(open_page: Callable[..., Any]) -> None:
     page = open_page("?view=pair&vis=row:0&tac=row:0")
     page.wait_for_selector(".pair .bars table")
@@ -209,31 +137,6 @@ def test_simulated_data_say_so(open_page: Callable[..., Any]) -> None:
     page.wait_for_selector(".data .note")
     assert "Simulated" in page.locator(".data .note").inner_text()
     assert page.locator(".top .badge").is_visible()
-
-
-def test_a_phone_shows_every_tab_without_scrolling_sideways(open_page: Callable[..., Any]) -> None:
-    page = open_page("?vis=row:0&tac=row:0", viewport={"width": 400, "height": 800})
-    page.wait_for_selector(MAP)
-    for view in ("explore", "pair", "tree", "compare", "data"):
-        page.evaluate(f"document.getElementById('view-{view}-button').click()")
-        page.wait_for_selector(f".ov.{view}:visible")
-        wide = page.evaluate(
-            """view => Math.max(...[...document.querySelectorAll(`.ov.${view} .panel, .ov.${view} figure,
-              .ov.${view} .map, .ov.${view} .order-bar, .ov.${view} button`)]
-              .filter((e) => !e.closest('.gallery, .scroll')).map((e) => e.getBoundingClientRect().right))""",
-            view,
-        )
-        assert wide <= 400, f"{view} reaches to pixel {wide}"
-
-
-def test_two_visitors_do_not_disturb_one_another(open_page: Callable[..., Any]) -> None:
-    one, two = open_page("?p=0.2"), open_page("?p=0.8")
-    for page in (one, two):
-        page.wait_for_selector(MAP)
-    one.focus(".explore .order")
-    one.keyboard.press("ArrowRight")
-    assert one.locator(".explore .order-value").inner_text() == "0.21"
-    assert two.locator(".explore .order-value").inner_text() == "0.80"
 
 
 def test_compare_links_two_maps_and_counts_what_changes(open_page: Callable[..., Any]) -> None:
@@ -282,25 +185,3 @@ def test_where_the_answer_comes_from_is_tinted_over_the_image(
     page.click(f"{slot} .where")
     page.wait_for_selector(f"{slot} .picture canvas")
     assert "orange parts" in page.locator(f"{slot} .what").inner_text()
-
-
-def test_a_killed_server_is_told_of_and_a_new_one_gets_the_images_again(
-    chromium: Any, mortal_server: Any
-) -> None:
-    page = chromium.new_page()
-    page.set_default_timeout(60_000)
-    page.goto(mortal_server.address + "?view=pair&vis=row:0&tac=row:0")
-    page.wait_for_selector(".pair .bars table")
-    page.set_input_files('.pair .slot[data-modality="tac"] input[type=file]', texture(4))
-    page.wait_for_function("location.search.includes('tac=image')")
-    page.wait_for_selector(".pair .results[aria-busy=false] .bars table")
-    mortal_server.stop()
-    remove = '.pair .slot[data-modality="vis"] .clear'
-    page.click(remove)
-    page.wait_for_selector(".pair .problem:visible")
-    assert "does not answer" in page.locator(".pair .problem").inner_text()
-    mortal_server.start()
-    page.set_input_files('.pair .slot[data-modality="vis"] input[type=file]', texture(6))
-    page.wait_for_selector(".pair .bars td[data-voice=tac]")
-    assert page.locator(".pair .problem").is_hidden()
-    page.close()

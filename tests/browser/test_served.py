@@ -52,7 +52,10 @@ JUNK = [
     (b"\xff\xfe\x00", "application/json"),
     (b"[]", "application/json"),
     (b"[" * 5000, "application/json"),
-    (b'{"data": [{"path": "/etc/passwd"}], "fn_index": 0, "session_hash": "x"}', "application/json"),
+    (
+        b'{"data": [{"path": "/etc/passwd"}], "fn_index": 0, "session_hash": "x"}',
+        "application/json",
+    ),
     (b'{"vis": "row:-1", "point": -1, "stage": {}, "parts": {"../x": "../y"}}', "application/json"),
     (b"--x\r\nbroken", "multipart/form-data; boundary=x"),
 ]
@@ -94,7 +97,9 @@ def test_no_path_gives_a_file_that_the_page_does_not_need(address: str) -> None:
 
 def test_the_search_for_leaks_would_see_one(address: str) -> None:
     script = ROOT / "app/web/explore.js"
-    found = [path for path in ways(script) if script.read_bytes()[:60] in asked(address, "GET", path)[1]]
+    found = [
+        path for path in ways(script) if script.read_bytes()[:60] in asked(address, "GET", path)[1]
+    ]
     assert "/omnivat/web/explore.js" in found
 
 
@@ -103,7 +108,8 @@ def own_posts() -> list[str]:
     from app.resources import Resources, places
     from app.routes import routes
 
-    return [route.path for route in routes(Resources(places())) if "POST" in (route.methods or ())]
+    paths = [route.path for route in routes(Resources(places())) if "POST" in (route.methods or ())]
+    return [path for path in paths if path.startswith("/omnivat/")]
 
 
 @pytest.mark.parametrize("path", own_posts())
@@ -120,14 +126,15 @@ def test_junk_is_refused_in_a_sentence(address: str, path: str) -> None:
         assert "Traceback" not in answer["error"] and "\n" not in answer["error"], text
 
 
-def test_junk_sent_to_gradio_s_own_endpoints_gets_no_traceback(address: str) -> None:
+def test_gradio_s_own_endpoints_are_shut_with_a_sentence(address: str) -> None:
     for path in GRADIO:
         for body, kind in JUNK:
             status, text = asked(address, "POST", f"/gradio_api/{path}", body, kind)
-            assert b"Traceback" not in text and str(ROOT).encode() not in text, (path, body, text)
+            assert status == 404, (path, body, text)
+            assert json.loads(text)["error"].endswith("."), (path, body, text)
 
 
-def test_questions_images_and_uploads_have_a_largest_size(address: str) -> None:
+def test_questions_and_images_have_a_largest_size(address: str) -> None:
     for path, size, told in (
         ("/omnivat/pair", 10_001, "0.01 MB"),
         ("/omnivat/image?name=big.png", 20_000_001, "20 MB"),
@@ -135,12 +142,6 @@ def test_questions_images_and_uploads_have_a_largest_size(address: str) -> None:
         status, text = asked(address, "POST", path, bytes(size), "application/octet-stream")
         assert status == 400
         assert told in json.loads(text)["error"]
-    form = b'--x\r\nContent-Disposition: form-data; name="files"; filename="a.png"\r\n\r\n'
-    upload = form + bytes(2_000_000) + b"\r\n--x--\r\n"
-    status, _ = asked(
-        address, "POST", "/gradio_api/upload", upload, "multipart/form-data; boundary=x"
-    )
-    assert status == 413
 
 
 def test_fifty_visitors_at_once_are_all_answered_and_each_what_it_asked(address: str) -> None:

@@ -5,7 +5,7 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from omnivat.data.pairs import printable
+from omnivat.errors import printable
 
 IMAGE_SUFFIXES = frozenset(
     f".{suffix}"

@@ -2,7 +2,10 @@
 
 from pathlib import Path
 
-from omnivat.data.pairs import Pair, PairSet, Skipped, printable, summary_table
+import pytest
+
+from omnivat.data.pairs import Pair, PairSet, Skipped, summary_table
+from omnivat.errors import DataError, MissingNameError, printable
 
 
 def pair(material, domain="TAG", **names):
@@ -54,3 +57,10 @@ def test_the_summary_says_what_is_simulated():
 def test_odd_names_are_written_as_escapes():
     assert printable("a\nb\x1b\udcff\u200b é木") == "a\\nb\\x1b\\udcff\\u200b é木"
     assert len(summary_table(PairSet(pairs=(pair("wo\nod"),))).split("\n")) == 3
+
+
+@pytest.mark.parametrize("kind", [DataError, MissingNameError])
+def test_an_error_can_be_printed_whatever_it_quotes(kind) -> None:
+    said = str(kind("No class is called 'a\x00\nb\u202e\udcff'."))
+    assert said == "No class is called 'a\\x00\\nb\\u202e\\udcff'."
+    assert said.isprintable()

@@ -118,7 +118,9 @@ def test_builds_at_once_leave_the_limit_of_blas_as_it_was() -> None:
     threadpoolctl = pytest.importorskip("threadpoolctl")
 
     def counts() -> list[int]:
-        return [i["num_threads"] for i in threadpoolctl.threadpool_info() if i["user_api"] == "blas"]
+        return [
+            i["num_threads"] for i in threadpoolctl.threadpool_info() if i["user_api"] == "blas"
+        ]
 
     with one_blas_thread():
         assert set(counts()) == {1}

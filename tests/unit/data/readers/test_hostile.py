@@ -5,7 +5,7 @@ import shutil
 from pathlib import Path
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from omnivat.data.pairs import summary_table
@@ -81,6 +81,7 @@ def test_touch_and_go_lists(clips, train, names, keep):
 
 @few
 @given(values, values, contents)
+@example({"1": 0}, {}, b"1,,,\x00")
 def test_objectfolder_2_tables(release, labels, split, table):
     root = release({1: "Wood", 2: "Glass", 101: "Iron"}, instances=1)
     answer(root)

@@ -1,0 +1,155 @@
+"""Pictures made of a few shapes, written as SVG text or as PNG: no browser, no plotting library."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from html import escape
+from pathlib import Path
+from typing import Any
+
+from omnivat.errors import SettingsError
+from omnivat.files import replacing, write_text
+
+Point = tuple[float, float]
+SCALE = 2  # pixels of a PNG for one unit
+FINE = 2  # a PNG is drawn this much larger and shrunk, so that edges are smooth
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Shape:
+    """One shape. Filled where `fill` is given, with a line where `stroke` is.
+
+    kind    "circle" (one point and `size`), "triangle" (the same), "line" (points), "rect" (two
+            corners) or "text" (one point and `text`)
+    anchor  of a text: "start", "middle" or "end"
+    """
+
+    kind: str
+    points: tuple[Point, ...]
+    fill: str = ""
+    stroke: str = ""
+    size: float = 1.0
+    opacity: float = 1.0
+    text: str = ""
+    anchor: str = "start"
+    dashed: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Picture:
+    """Shapes on a white ground, later ones above earlier ones."""
+
+    width: float
+    height: float
+    shapes: tuple[Shape, ...]
+    title: str
+
+
+def write_picture(path: Path, picture: Picture) -> None:
+    """Write SVG or PNG, whichever the name asks for. Raises SettingsError for another ending."""
+    ending = path.suffix.lower()
+    if ending == ".svg":
+        write_text(path, svg(picture))
+    elif ending == ".png":
+        with replacing(path) as temporary:
+            png(picture).save(temporary, "PNG")
+    else:
+        raise SettingsError(f"'{path.name}' ends in '{path.suffix}'; choose .svg or .png.")
+
+
+def triangle(point: Point, size: float) -> tuple[Point, Point, Point]:
+    """Return the corners of a triangle that looks as large as a circle of radius `size`."""
+    x, y = point
+    return (x, y - 1.25 * size), (x + 1.25 * size, y + size), (x - 1.25 * size, y + size)
+
+
+def svg(picture: Picture) -> str:
+    """Return the picture as SVG text."""
+    body = "\n".join(_element(shape) for shape in picture.shapes)
+    size = f'width="{picture.width:g}" height="{picture.height:g}"'
+    view = f'viewBox="0 0 {picture.width:g} {picture.height:g}"'
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" {size} {view} font-family="sans-serif" role="img">'
+        f"<title>{escape(picture.title)}</title>"
+        f'<rect width="100%" height="100%" fill="#fff"/>\n{body}\n</svg>\n'
+    )
+
+
+def _element(shape: Shape) -> str:
+    fill = shape.fill or "none"
+    paint = f'fill="{fill}"' + (f' stroke="{shape.stroke}"' if shape.stroke else "")
+    if shape.opacity < 1:
+        paint += f' opacity="{shape.opacity:g}"'
+    (x, y), *rest = shape.points
+    if shape.kind == "circle":
+        return f'<circle cx="{x:.2f}" cy="{y:.2f}" r="{shape.size:g}" {paint}/>'
+    if shape.kind == "rect":
+        (right, bottom) = rest[0]
+        return f'<rect x="{x:g}" y="{y:g}" width="{right - x:g}" height="{bottom - y:g}" {paint}/>'
+    if shape.kind == "text":
+        look = f'font-size="{shape.size:g}" text-anchor="{shape.anchor}"'
+        return f'<text x="{x:g}" y="{y:g}" {look} {paint}>{escape(shape.text)}</text>'
+    points = triangle((x, y), shape.size) if shape.kind == "triangle" else shape.points
+    name = "polygon" if shape.kind == "triangle" else "polyline"
+    if shape.kind == "line":
+        paint += f' stroke-width="{shape.size:g}"' + (
+            ' stroke-dasharray="4 3"' if shape.dashed else ""
+        )
+    return f'<{name} points="{" ".join(f"{a:.2f},{b:.2f}" for a, b in points)}" {paint}/>'
+
+
+def png(picture: Picture) -> Any:
+    """Return the picture as a Pillow image, SCALE pixels for one unit."""
+    from PIL import Image, ImageDraw
+
+    factor = SCALE * FINE
+    size = (round(picture.width * factor), round(picture.height * factor))
+    image = Image.new("RGB", size, "#ffffff")
+    draw = ImageDraw.Draw(image, "RGBA")
+    for shape in picture.shapes:
+        _paint(draw, shape, factor)
+    return image.resize((size[0] // FINE, size[1] // FINE), Image.Resampling.LANCZOS)
+
+
+def _paint(draw: Any, shape: Shape, factor: float) -> None:
+    from PIL import ImageFont
+
+    fill, stroke = (_rgba(colour, shape.opacity) for colour in (shape.fill, shape.stroke))
+    points = _scaled(shape.points, factor)
+    size = shape.size * factor
+    if shape.kind == "circle":
+        (x, y) = points[0]
+        box = (x - size, y - size, x + size, y + size)
+        draw.ellipse(box, fill=fill, outline=stroke, width=round(factor))
+    elif shape.kind == "triangle":
+        draw.polygon(_scaled(triangle(shape.points[0], shape.size), factor), fill=fill)
+    elif shape.kind == "rect":
+        draw.rectangle((*points[0], *points[1]), fill=fill, outline=stroke, width=round(factor))
+    elif shape.kind == "text":
+        anchor = {"start": "ls", "middle": "ms", "end": "rs"}[shape.anchor]
+        font = ImageFont.load_default(size)
+        draw.text(points[0], shape.text, fill=fill, font=font, anchor=anchor)
+    elif shape.dashed:
+        for a, b in _dashes(points, 5 * factor):
+            draw.line((a, b), fill=stroke, width=max(1, round(size)))
+    else:
+        draw.line(points, fill=stroke, width=max(1, round(size)), joint="curve")
+
+
+def _scaled(points: Iterable[Point], factor: float) -> list[Point]:
+    return [(x * factor, y * factor) for x, y in points]
+
+
+def _dashes(points: Sequence[Point], length: float) -> Iterable[tuple[Point, Point]]:
+    """Give the drawn parts of a straight line from the first point to the last."""
+    (x0, y0), (x1, y1) = points[0], points[-1]
+    span = max(((x1 - x0) ** 2 + (y1 - y0) ** 2) ** 0.5, 1e-9)
+    for k in range(int(span / length / 2) + 1):
+        a, b = (min(1.0, (2 * k + end) * length / span) for end in (0, 1))
+        yield (x0 + a * (x1 - x0), y0 + a * (y1 - y0)), (x0 + b * (x1 - x0), y0 + b * (y1 - y0))
+
+
+def _rgba(colour: str, opacity: float) -> tuple[int, ...] | None:
+    if not colour:
+        return None
+    full = colour if len(colour) == 7 else "#" + "".join(2 * c for c in colour[1:])
+    return (*(int(full[i : i + 2], 16) for i in (1, 3, 5)), round(255 * opacity))

@@ -1,0 +1,136 @@
+"""What `python -m omnivat export` writes: pictures, or Explore as one file that needs no Python."""
+
+import base64
+import json
+import re
+from pathlib import Path
+
+from app.components import WEB
+from app.drawing import write_picture
+from app.pictures import curves_picture, map_picture
+from app.resources import Places, Resources, places
+from app.theme import STYLES
+from app.views.explore import retrained
+from omnivat.errors import DataError
+from omnivat.files import write_text
+from omnivat.progress import OnStep, Step, ignore
+
+IMPORT = re.compile(r'(\bfrom\s+|\bimport\s+|\bimport\()"\./([\w.]+\.js)"')
+PREFIX = "omnivat-web/"  # a bare name, which an import map may resolve to a data: address
+FIRST = "explore.js"
+
+PAGE = """<!doctype html>
+<html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width">
+<title>OmniVaT: {title}</title>
+<style>
+body {{ margin: 0; background: var(--ov-page); }}
+.saved .tool.link, .saved .card .open, .saved .card .near {{ display: none; }}
+{styles}
+</style></head>
+<body class="saved"><div class="gradio-container"><div class="main app"><main>
+<header class="ov top"><div class="name"><h1>OmniVaT</h1><p>{title}</p></div><div class="marks">
+<span class="badge" {badge}>simulated<span class="long"> data</span></span>
+<button type="button" class="theme" aria-label="Switch between light and dark">&#9680;</button>
+</div></header>
+<div id="explore">{explore}</div></main></div></div>
+<script>globalThis.omnivatHeld = {held};</script>
+<script type="importmap">{modules}</script>
+<script type="module">
+import {{ start }} from "{first}";
+const dark = matchMedia("(prefers-color-scheme: dark)").matches;
+document.body.classList.toggle("dark", dark);
+document.querySelector(".theme").onclick = () => document.body.classList.toggle("dark");
+start(document.querySelector("#explore"));
+</script></body></html>
+"""
+
+
+def where_from(head: Path | None, embeddings: Path | None) -> Places:
+    """Return where things lie, the project's own where None."""
+    return places(head, embeddings)
+
+
+def frames_file(where: Places, on_step: OnStep = ignore) -> Path:
+    """Return the frames of a head and a set, computed first where no file holds them.
+
+    Raises DataError with the reason where there can be none.
+    """
+    job = Resources(where).frames
+    if where.frames is None:
+        on_step(Step(done=0, total=1, text="frames, which may take minutes"))
+    state = job.wait()
+    if state.file is None:
+        raise DataError(state.problem or "The frames could not be computed.")
+    return state.file
+
+
+def export_picture(
+    frames: Path, out: Path, *, what: str, order: float | None, stage: str, kind: str, colour: str
+) -> None:
+    """Write the map or the curves as SVG or PNG.
+
+    order  the learned one if None
+
+    Raises SettingsError for a map, colouring or ending that is not there.
+    """
+    from omnivat.frames import read_frames
+
+    found = read_frames(frames)
+    at = float(found.head.get("learned_order", 0.5)) if order is None else order
+    if what == "curves":
+        picture = curves_picture(found, stage=stage, order=at)
+    else:
+        picture = map_picture(found, order=at, stage=stage, kind=kind, colour=colour)
+    write_picture(out, picture)
+
+
+def export_page(where: Places, frames: Path, out: Path) -> None:
+    """Write Explore with all its frames and thumbnails as one HTML file.
+
+    It opens from disk in a browser, asks nothing of any server, and says so where a server would
+    be needed.
+    """
+    from omnivat.frames import read_frames
+
+    found = read_frames(frames)
+    held = {"frames": data_address(frames.read_bytes(), "application/octet-stream")}
+    held["retrained"] = data_address(
+        json.dumps(retrained(Resources(where))).encode(), "application/json"
+    )
+    if where.sprite is not None and where.sprite.with_suffix(".json").is_file():
+        held["thumbnails.webp"] = data_address(where.sprite.read_bytes(), "image/webp")
+        held["thumbnails.json"] = data_address(
+            where.sprite.with_suffix(".json").read_bytes(), "application/json"
+        )
+    simulated = bool(found.embeddings.get("simulated"))
+    title = f"{found.pairs} VIS-TAC pairs of {len(found.domains)} domains, {len(found.orders)} stops of p"
+    page = PAGE.format(
+        title=title,
+        badge="" if simulated else "hidden",
+        styles="\n".join((WEB / f"{name}.css").read_text(encoding="utf-8") for name in STYLES),
+        explore=(WEB / "explore.html").read_text(encoding="utf-8"),
+        held=json.dumps(held),
+        modules=json.dumps({"imports": modules()}),
+        first=PREFIX + FIRST,
+    )
+    write_text(out, page)
+
+
+def modules() -> dict[str, str]:
+    """Return every script that Explore needs, by bare name, as a data: address."""
+    found: dict[str, str] = {}
+    waiting = [FIRST]
+    while waiting:
+        name = waiting.pop()
+        if PREFIX + name in found:
+            continue
+        source = (WEB / name).read_text(encoding="utf-8")
+        waiting += [match[2] for match in IMPORT.finditer(source)]
+        bare = IMPORT.sub(lambda match: f'{match[1]}"{PREFIX}{match[2]}"', source)
+        found[PREFIX + name] = data_address(bare.encode(), "text/javascript")
+    return found
+
+
+def data_address(content: bytes, kind: str) -> str:
+    """Return the content as a data: address."""
+    return f"data:{kind};base64," + base64.b64encode(content).decode()

@@ -1,0 +1,51 @@
+"""Copy a few pairs of a simulated set, small enough to be kept beside the code."""
+
+from collections import defaultdict
+from pathlib import Path
+
+from omnivat.data.images import read_image
+from omnivat.data.pairs import Pair, PairSet
+from omnivat.errors import DataError
+from omnivat.files import replacing
+
+QUALITY = 90  # of WebP: about an eighth of the PNG, grain and all
+
+
+def write_examples(made: PairSet, folder: Path, *, each: int = 2) -> list[Path]:
+    """Write `<folder>/<domain>/<class>/<name>_{vis,tac}.webp`; return the files.
+
+    made  a simulated set on disk
+    each  pairs of each class of each domain, every one of another object, none of which was
+          trained on; all there are where there are fewer
+
+    Every pixel is kept at full size, its value within what WebP loses. Raises DataError when the
+    set has no pairs for testing.
+    """
+    classes: dict[tuple[str, str], dict[str, Pair]] = defaultdict(dict)
+    for pair in made.pairs:
+        if pair.split == "test":
+            classes[pair.domain, pair.material].setdefault(pair.object, pair)
+    if not classes:
+        raise DataError(
+            "The set has no test objects to take examples from; ask for 4 pairs per class or more."
+        )
+    written = []
+    for (domain, material), things in classes.items():
+        for pair in spread(list(things.values()), each):
+            for kind, image in (("vis", pair.vis), ("tac", pair.tac)):
+                stem = image.stem.removesuffix(f"_{kind}")
+                file = folder / domain / material / f"{stem}_{kind}.webp"
+                _write(image, file)
+                written.append(file)
+    return written
+
+
+def spread(things: list[Pair], count: int) -> list[Pair]:
+    """Return `count` of `things`, evenly over the list, or all of them."""
+    count = min(count, len(things))
+    return [things[(2 * index + 1) * len(things) // (2 * count)] for index in range(count)]
+
+
+def _write(image: Path, file: Path) -> None:
+    with replacing(file) as temporary:
+        read_image(image).save(temporary, format="WEBP", quality=QUALITY, method=6)

@@ -1,0 +1,164 @@
+"""For all people: keys alone, screen readers, phones, large letters, light and dark."""
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from .gestures import ANSWERED, MAP, VIEWS, open_tab, pixels
+
+pytestmark = pytest.mark.browser
+
+READY = {
+    "explore": MAP,
+    "pair": ANSWERED,
+    "tree": ".tree .tree-view",
+    "compare": ".compare .map[data-order]",
+    "data": ".data .facts .panel",
+}
+PAIR = "?vis=row:0&tac=row:0&pin=3"
+COLOURS = {"runOnly": ["color-contrast"]}  # what alone differs between light and dark
+
+
+def faults(page: Any, options: dict[str, Any] | None = None) -> list[str]:
+    """Return what the axe audit finds wrong with the page as it is now."""
+    found = page.evaluate("options => axe.run(document, options)", options or {})
+    return [
+        f"{fault['id']}: {fault['help']}: {node['target']}"
+        for fault in found["violations"]
+        for node in fault["nodes"]
+    ]
+
+
+@pytest.fixture
+def audited(open_page: Callable[..., Any]) -> Any:
+    """Return the open page with the audit's script in it."""
+    base = pytest.importorskip("axe_playwright_python.base")
+    page = open_page(PAIR)
+    page.wait_for_selector(MAP)
+    page.evaluate(base.AXE_SCRIPT)
+    return page
+
+
+def test_an_audit_finds_nothing_wrong_with_any_tab(audited: Any) -> None:
+    for view in VIEWS:
+        open_tab(audited, view)
+        audited.wait_for_selector(READY[view])
+        assert faults(audited) == [], view
+    audited.evaluate("document.querySelector('.ov.data h2').style.color = '#ccd'")
+    assert any("contrast" in fault for fault in faults(audited))  # the audit can see
+
+
+def test_the_dark_page_has_contrast_enough_in_any_tab(audited: Any) -> None:
+    light = pixels(audited)
+    audited.click(".ov.top .theme")
+    assert pixels(audited) != light
+    for view in VIEWS:
+        open_tab(audited, view)
+        audited.wait_for_selector(READY[view])
+        assert faults(audited, COLOURS) == [], view
+
+
+# every element that a mouse can use, and whether keys come to it; a group of radios is one stop
+REACH = """view => {
+  const root = document.querySelector(`.ov.${view}`);
+  const name = (e) => `${e.tagName}.${e.className?.baseVal ?? e.className} ${e.getAttribute('aria-label') ?? e.textContent.slice(0, 30)}`;
+  const usable = [...root.querySelectorAll('button, select, input, summary, a[href], [tabindex]')]
+    .filter((e) => !e.disabled && e.tabIndex >= 0 && e.getClientRects().length && getComputedStyle(e).visibility !== 'hidden');
+  const mute = [...root.querySelectorAll('[role=radio], button, select, input, summary')]
+    .filter((e) => e.tabIndex < 0 && !e.closest('[role=radiogroup]'));
+  window.toReach = new Set(usable);
+  return { count: usable.length, mute: mute.map(name) };
+}"""
+PASSED = """() => {
+  const now = document.activeElement;
+  const style = getComputedStyle(now.closest('.choose') ?? now);
+  const seen = now.matches(':focus-visible') && style.outlineStyle !== 'none' && parseFloat(style.outlineWidth) > 0;
+  const wanted = window.toReach.delete(now);
+  return { left: window.toReach.size, blind: wanted && !seen ? now.outerHTML.slice(0, 120) : null };
+}"""
+
+
+@pytest.mark.parametrize("view", VIEWS)
+def test_the_tab_key_comes_to_everything_and_shows_where_it_is(
+    open_page: Callable[..., Any], view: str
+) -> None:
+    page = open_page(f"{PAIR}&view={view}")
+    page.wait_for_selector(READY[view])
+    found = page.evaluate(REACH, view)
+    assert found["count"] >= 2
+    assert found["mute"] == []
+    page.evaluate("view => document.getElementById(`view-${view}-button`).focus()", view)
+    left, blind = found["count"], []
+    for _ in range(found["count"] + 15):
+        page.keyboard.press("Tab")
+        at = page.evaluate(PASSED)
+        left = at["left"]
+        blind += [at["blind"]] if at["blind"] else []
+        if not left:
+            break
+    assert page.evaluate("[...window.toReach].map((e) => e.outerHTML.slice(0, 120))") == []
+    assert blind == []
+
+
+def test_a_visitor_without_a_mouse_goes_from_tab_to_tab_and_chooses_a_pair(
+    open_page: Callable[..., Any],
+) -> None:
+    page = open_page("?vis=row:0&tac=row:0")
+    page.wait_for_selector(MAP)
+    page.focus("#view-explore-button")
+    page.keyboard.press("ArrowRight")
+    page.keyboard.press("Enter")
+    page.wait_for_selector(ANSWERED)
+    page.focus(".pair .gallery button:nth-child(4)")
+    page.keyboard.press("Enter")
+    page.wait_for_selector(".pair .gallery button:nth-child(4)[aria-pressed=true]")
+    page.wait_for_function(
+        "!location.search.includes('row%3A0') && !location.search.includes('row:0')"
+    )
+
+
+def test_where_p_has_come_to_is_said_aloud(open_page: Callable[..., Any]) -> None:
+    page = open_page("?p=0.3")
+    page.wait_for_selector(MAP)
+    page.focus(".explore .order")
+    page.keyboard.press("ArrowRight")
+    page.wait_for_selector(".explore .sr:has-text('p 0.31'):has-text('modality gap')")
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"viewport": {"width": 400, "height": 800}},
+        {"viewport": {"width": 720, "height": 450}, "device_scale_factor": 2},
+    ],
+    ids=["a phone", "200 % zoom"],
+)
+def test_a_narrow_page_needs_no_scrolling_sideways(
+    open_page: Callable[..., Any], options: dict[str, Any]
+) -> None:
+    page = open_page(PAIR, **options)
+    page.wait_for_selector(MAP)
+    wide = options["viewport"]["width"]
+    for view in VIEWS:
+        open_tab(page, view)
+        page.wait_for_selector(READY[view])
+        over = page.evaluate(
+            """wide => [...document.querySelectorAll('.ov *')].filter((e) => e.getClientRects().length
+                 && e.getBoundingClientRect().right > wide + 1
+                 && !e.closest('.gallery, .scroll, pre, .sr, svg, .thumb, [style*="overflow"]'))
+               .map((e) => e.outerHTML.slice(0, 90))""",
+            wide,
+        )
+        assert over == [], view
+        assert page.evaluate("document.scrollingElement.scrollWidth") <= wide, view
+
+
+def test_a_dark_system_gets_the_dark_page(open_page: Callable[..., Any]) -> None:
+    page = open_page(color_scheme="dark")
+    page.wait_for_selector(MAP)
+    assert page.evaluate("document.body.classList.contains('dark')")
+    ground = page.evaluate(
+        "[...document.querySelector('.explore .map canvas').getContext('2d').getImageData(3, 3, 1, 1).data]"
+    )
+    assert sum(ground[:3]) < 150

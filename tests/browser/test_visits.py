@@ -1,0 +1,165 @@
+"""Links, going back, other visitors, no network, and a server that dies and comes back."""
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from .conftest import watched
+from .gestures import ANSWERED, MAP, VIEWS, grab, open_tab, p_shown, pixels, pull, texture
+
+pytestmark = pytest.mark.browser
+
+
+def test_a_link_brings_back_what_was_seen(open_page: Callable[..., Any]) -> None:
+    query = "?p=0.31&stage=relu&colour=class&domain=TAG-sim&pin=3"
+    page = open_page(query)
+    page.wait_for_selector(MAP)
+    assert p_shown(page) == "0.31"
+    assert page.locator('[data-stage="relu"]').get_attribute("aria-checked") == "true"
+    assert page.locator(".explore .colouring").input_value() == "class"
+    assert not page.locator('[data-name="TAG-sim"] input').is_checked()
+    assert page.locator(".explore .card h3").inner_text().startswith("Pair 3")
+
+
+def test_the_address_of_what_one_visitor_set_draws_the_same_picture_for_another(
+    open_page: Callable[..., Any],
+) -> None:
+    page = open_page()
+    page.wait_for_selector(MAP)
+    plain = pixels(page)
+    page.click('[data-stage="f_bar"]')
+    page.select_option(".explore .colouring", "modality")
+    page.uncheck('[data-kind="class"][data-name="wood"] input')
+    page.focus(".explore .order")
+    page.keyboard.press("Home")
+    for _ in range(4):
+        page.keyboard.press("ArrowRight")
+    page.wait_for_function("location.search.includes('p=0.04')")
+    page.mouse.move(1, 1)
+    drawn = pixels(page)
+    assert drawn != plain
+    other = open_page(page.evaluate("location.search"), viewport={"width": 1440, "height": 900})
+    other.wait_for_selector(MAP)
+    assert p_shown(other) == "0.04"
+    assert pixels(other) == drawn
+
+
+def test_junk_in_the_address_is_left_out_and_the_page_opens(open_page: Callable[..., Any]) -> None:
+    page = open_page(
+        "?p=abc&stage=%3Cimg%20src=x%3E&colour=constructor&pin=-4&view=nowhere&map=x&class=~~&p2=1e9"
+    )
+    page.wait_for_selector(MAP)
+    assert 0 <= float(p_shown(page)) <= 1
+    before = pixels(page)
+    page.focus(".explore .order")
+    page.keyboard.press("ArrowLeft")
+    page.keyboard.press("ArrowLeft")
+    assert pixels(page) != before
+
+
+def test_going_back_shows_what_was_left_and_a_drag_leaves_one_step_not_hundreds(
+    open_page: Callable[..., Any], address: str
+) -> None:
+    page = open_page()
+    page.wait_for_selector(MAP)
+    steps = page.evaluate("history.length")
+    pull(page, grab(page), 0.85, steps=20)
+    page.mouse.up()
+    left = p_shown(page)
+    page.wait_for_function(f"location.search.includes('p={float(left):g}')")
+    assert page.evaluate("history.length") == steps
+    page.goto(address + "omnivat/about")
+    page.go_back(wait_until="commit")
+    page.wait_for_selector(MAP)
+    page.wait_for_function(
+        "p => document.querySelector('.explore .order-value')?.textContent === p", arg=left
+    )
+    before = pixels(page)
+    page.focus(".explore .order")
+    page.keyboard.press("ArrowLeft")
+    assert pixels(page) != before  # alive, not a picture of itself
+
+
+def test_two_visitors_do_not_disturb_one_another(open_page: Callable[..., Any]) -> None:
+    own = {"viewport": {"width": 1440, "height": 900}}
+    one, two = open_page("?p=0.2", **own), open_page("?p=0.8", **own)
+    for page in (one, two):
+        page.wait_for_selector(MAP)
+    one.focus(".explore .order")
+    one.keyboard.press("ArrowRight")
+    assert p_shown(one) == "0.21"
+    assert p_shown(two) == "0.80"
+    for page, seed in ((one, 11), (two, 12)):
+        open_tab(page, "pair")
+        page.wait_for_selector(ANSWERED)
+        page.set_input_files('.pair .slot[data-modality="vis"] input[type=file]', texture(seed))
+        page.wait_for_selector(f".pair .slot .what:has-text('{seed}.png')")
+    for page, seed in ((one, 12), (two, 11)):
+        assert f"{seed}.png" not in page.locator(".pair .slots").inner_text()
+
+
+def test_no_tab_needs_anything_from_outside_this_machine(
+    new_page: Callable[..., Any], address: str
+) -> None:
+    page = new_page()
+    asked: list[str] = []
+    page.on("request", lambda request: asked.append(request.url))
+    page.route(lambda url: not url.startswith(address), lambda route: route.abort())
+    page.goto(address, wait_until="commit")
+    page.wait_for_selector(MAP)
+    for view in VIEWS:
+        open_tab(page, view)
+    page.wait_for_load_state("networkidle")
+    assert len(asked) > 20
+    assert [url for url in asked if not url.startswith((address, "data:", "blob:"))] == []
+    assert page.evaluate("[...document.fonts].filter((f) => f.status === 'error').length") == 0
+
+
+def test_the_watch_for_outside_requests_sees_one(desktop: Any, address: str) -> None:
+    problems: list[str] = []
+    page = watched(desktop.new_page(), address, problems)
+    page.goto(address + "omnivat/about")
+    page.evaluate("fetch('http://elsewhere.invalid/').catch(() => 0)")
+    page.close()
+    assert problems == ["outside request: http://elsewhere.invalid/"]
+
+
+def test_a_camera_gives_a_picture_that_is_answered(open_page: Callable[..., Any]) -> None:
+    page = open_page("?view=pair&vis=row:0&tac=row:0", permissions=["camera"])
+    page.wait_for_selector(ANSWERED)
+    slot = '.pair .slot[data-modality="tac"]'
+    page.click(f"{slot} .camera")
+    page.wait_for_function("document.querySelector('.pair .slot video')?.videoWidth > 0")
+    page.click(f"{slot} button:has-text('Take it')")
+    page.wait_for_selector(f"{slot} .what:has-text('webcam')")
+    page.wait_for_selector(ANSWERED)
+    assert page.evaluate("document.querySelector('.pair .slot video')") is None
+
+
+def test_a_killed_server_is_told_of_the_drag_goes_on_and_a_new_server_gets_the_images_again(
+    desktop: Any, server: Any
+) -> None:
+    page = desktop.new_page()
+    page.set_default_timeout(60_000)
+    page.goto(server.address + "?vis=row:0&tac=row:0", wait_until="commit")
+    page.wait_for_selector(MAP)
+    open_tab(page, "pair")
+    page.wait_for_selector(ANSWERED)
+    page.set_input_files('.pair .slot[data-modality="tac"] input[type=file]', texture(4))
+    page.wait_for_function("location.search.includes('tac=image')")
+    page.wait_for_selector(ANSWERED)
+    server.stop()
+    page.click('.pair .slot[data-modality="vis"] .clear')
+    page.wait_for_selector(".pair .problem:has-text('does not answer')")
+    open_tab(page, "explore")
+    before = pixels(page)
+    pull(page, grab(page), 0.9)
+    page.mouse.up()
+    assert pixels(page) != before
+    server.start()
+    open_tab(page, "pair")
+    page.set_input_files('.pair .slot[data-modality="vis"] input[type=file]', texture(6))
+    page.wait_for_selector(".pair .bars td[data-voice=tac]")
+    assert page.locator(".pair .problem").is_hidden()
+    page.close()
