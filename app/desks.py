@@ -11,8 +11,9 @@ from collections.abc import AsyncIterator, Mapping
 from dataclasses import replace
 from hashlib import blake2b
 from pathlib import Path
-from tempfile import TemporaryDirectory
+from tempfile import mkdtemp
 from threading import Lock
+from weakref import finalize
 
 from app.limits import KEPT_DESKS, KEPT_PARTS, PARTS
 from app.resources import Places, Resources
@@ -33,7 +34,7 @@ class Desks:
         self._lock = Lock()
         self._loaded: OrderedDict[str, Resources] = OrderedDict()
         self._beside: dict[str, str] = {}  # desk -> the desk whose files it uses, too
-        self._home: TemporaryDirectory[str] | None = None
+        self._home: Path | None = None
 
     def named(self, name: str) -> Resources:
         """Return the desk that a request names; the first one where it names none.
@@ -163,8 +164,9 @@ class Desks:
     def _folder(self, name: str) -> Path:
         with self._lock:
             if self._home is None:
-                self._home = TemporaryDirectory(prefix="omnivat-loaded-")
-        folder = Path(self._home.name) / name
+                self._home = Path(mkdtemp(prefix="omnivat-loaded-"))
+                finalize(self, shutil.rmtree, self._home, ignore_errors=True)  # at exit, too
+        folder = self._home / name
         folder.mkdir(exist_ok=True)
         return folder
 

@@ -55,7 +55,7 @@ class FramesJob:
         self, head: Path, embeddings: Path, ready: Path | None, folder: Path | None = None
     ) -> None:
         self._head, self._embeddings = head, embeddings
-        self._folder = folder or cache_folder()
+        self._folder = folder
         self._state = FramesState(file=ready)
         self._lock = Lock()
         self._thread: Thread | None = None
@@ -87,7 +87,7 @@ class FramesJob:
             self._state = FramesState(problem=UNEXPECTED)
 
     def _compute(self) -> None:
-        folder = self._folder
+        folder = self._folder or cache_folder()
         name = cache_name(self._head, self._embeddings)
         fine = folder / f"{name}.bin"
         if fine.is_file():

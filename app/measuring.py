@@ -6,6 +6,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from app.resources import Resources
+from omnivat.errors import DataError
 
 if TYPE_CHECKING:
     from torch import Tensor
@@ -15,12 +16,16 @@ REPEATS = 7  # the median and both ends are told
 ORDER = 0.37  # no special case of the transform
 
 
-def measured(resources: Resources, _: Mapping[str, Any]) -> dict[str, Any]:
+def measured(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     """Time the transform and the head on some of the set, and compare with double precision.
 
     return  `rows`: what, milliseconds (median, least, most), error and what the error is of;
             how many pairs, how wide, how many threads and processors
+
+    Raises DataError when anything is asked for: there is nothing to choose.
     """
+    if question:
+        raise DataError("A measurement has no settings; send {}.")
     import copy
 
     import torch
@@ -55,7 +60,7 @@ def transform_rows(x: "Tensor") -> list[dict[str, Any]]:
     exact = dfrft(wide, ORDER)
     kept = coefficients(x)
     fourier = torch.fft.fft(wide, norm="ortho")
-    near = dfrft(wide, 1 - 1e-9)  # order 1 itself is computed by the FFT
+    near = dfrft(wide, 1 - 2**-48)  # order 1 itself is computed by the FFT
     return [
         row("DFrFT of each VIS embedding, anew", lambda: dfrft(x, ORDER))
         | error(dfrft(x, ORDER), exact, "relative, of single against double precision"),

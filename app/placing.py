@@ -58,10 +58,11 @@ def place(resources: Resources, question: Mapping[str, Any], features: Any) -> d
         nodes = out.nodes[0].numpy() if want_nodes and out.nodes is not None else None
     known = linear_map(rows, flat)
     placed = {name: on_map(e, rows, flat, known)[0].tolist() for name, e in own.items()}
-    fits = nodes is not None and nodes.shape[1] == rows.shape[1]
     return {
         "points": placed,
-        "nodes": on_map(nodes, rows, flat, known).tolist() if fits else [],
+        "nodes": []
+        if nodes is None or nodes.shape[1] != rows.shape[1]
+        else on_map(nodes, rows, flat, known).tolist(),
         "order": order,
         "exact": known is not None,
     }

@@ -140,6 +140,8 @@ async def example_image(desks: Desks, request: Request) -> Response:
     if modality not in ("vis", "tac"):
         return refusal("An example's image is its name and then /vis or /tac.", 404)
     file = example_named(desk_of(desks, request).examples(), name).file(modality)
+    if not file.is_file():
+        return refusal("This example's image is no longer there; reload the page.", 404)
     return FileResponse(file, headers=FRESH)
 
 

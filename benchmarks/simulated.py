@@ -17,7 +17,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.simulated_probe import Accuracy, accuracy, fitted, probe_matrix, sensor_accuracy
+from benchmarks.simulated_probe import (
+    Accuracy,
+    accuracy,
+    fitted,
+    probe_matrix,
+    sensor_accuracy,
+    within_with,
+)
 from omnivat.data.domains import DOMAINS, paper_name
 from omnivat.data.store import load_embeddings
 from omnivat.encoders.base import DEFAULT_ENCODER
@@ -56,6 +63,7 @@ def main() -> None:
     features = features_of(given.pairs) if given.pairs else features_in(given.embeddings)
     print(f"{len(features.rows)} pairs, {DEFAULT_ENCODER} features of unit length.\n")
     print_probe(features)
+    print_growth(features)
     print_sensors(features)
     print_gaps(features)
     if given.real:
@@ -73,7 +81,7 @@ def features_in(file: Path) -> Features:
         {
             "domain": kept.header.domains[kept.domain[index]],
             "material": kept.header.classes[kept.label[index]],
-            **{name: kept.rows[name][index] for name in ("vis", "tac", "split")},
+            **{name: kept.rows[name][index] for name in ("vis", "tac", "split", "object")},
         }
         for index in range(len(kept))
     ]
@@ -127,6 +135,24 @@ def print_probe(features: Features) -> None:
             splits=features.column("split"),
         )
         _print_matrix(name, matrix)
+
+
+def print_growth(features: Features) -> None:
+    """Print what more objects to train on are worth within a domain, VIS and TAC together."""
+    both = np.concatenate([features.vis, features.tac], axis=1)
+    print("## Within a domain, by objects trained on (VIS + TAC)\n")
+    print("| objects of each class | mean over domains, % |\n| ---: | ---: |")
+    for count in (3, 7, 14):
+        shares = within_with(
+            both,
+            materials=features.column("material"),
+            domains=features.column("domain"),
+            splits=features.column("split"),
+            objects=features.column("object"),
+            count=count,
+        )
+        print(f"| {count} | {100 * np.mean([cell.share for cell in shares.values()]):.1f} |")
+    print()
 
 
 def _print_matrix(name: str, matrix: dict[tuple[str, str], Accuracy]) -> None:
@@ -205,7 +231,7 @@ def print_examples(features: Features, folder: Path) -> None:
     Beside the cosine, whether a linear probe of all training pairs says the same of both.
     """
     place = {(row["domain"], Path(row["vis"]).stem): i for i, row in enumerate(features.rows)}
-    files = sorted(folder.glob("*/*/*_vis.webp"))
+    files = sorted(folder.glob("*/*/*_vis.jpg"))
     known = [(f, place.get((f.parent.parent.name, f.stem))) for f in files]
     lost = [file for file, index in known if index is None]
     if lost or not files:

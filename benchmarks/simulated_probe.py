@@ -68,6 +68,24 @@ def probe_matrix(
     return {pair: result[pair] for pair in ((s, t) for s in names for t in names)}
 
 
+def within_with(
+    values: Array, *, materials: Names, domains: Names, splits: Names, objects: Names, count: int
+) -> dict[str, Accuracy]:
+    """Return, by domain, the accuracy on its test objects after `count` training objects a class."""
+    few = np.zeros(len(values), dtype=bool)
+    for domain in dict.fromkeys(map(str, domains)):
+        for material in dict.fromkeys(map(str, materials)):
+            mine = (domains == domain) & (materials == material) & (splits == "train")
+            few |= mine & np.isin(objects, list(dict.fromkeys(map(str, objects[mine])))[:count])
+    result = {}
+    for domain in dict.fromkeys(map(str, domains)):
+        here = domains == domain
+        asked = here & (splits == "test")
+        right = fitted(values[here & few], materials[here & few])(values[asked]) == materials[asked]
+        result[domain] = accuracy(right.sum(), right.size)
+    return result
+
+
 def sensor_accuracy(tac: Array, *, domains: Names, splits: Names) -> dict[str, Accuracy]:
     """Return, by domain, how often the nearest training image of a test image is of its domain."""
     train, test = splits == "train", splits == "test"

@@ -8,7 +8,7 @@ light=(--embeddings examples/simulated.safetensors --seeds 0,1,2 --set width=64 
 methods=omnivat,nearest_mean,linear_probe,linear_probe_concat,baseline
 python -m omnivat protocol "${light[@]}" --out "$out/protocol" --methods "$methods"
 python -m omnivat ablate "${light[@]}" --out "$out/ablations" \
-    --only components,generation,class_token,modalities,order,fixed_order
+    --only components,generation,class_token,modalities,order,projection,fixed_order
 cp "$out/protocol/report.md" docs/benchmarks/protocol.md
 cp "$out/ablations/ablations.md" docs/benchmarks/ablations.md
 cp "$out"/ablations/*.svg docs/benchmarks/

@@ -2,7 +2,9 @@
 
 import sys
 
-from omnivat.cli import main
-
 if __name__ == "__main__":
+    try:
+        from omnivat.cli import main
+    except KeyboardInterrupt:  # stopped while Python was still loading
+        sys.exit(130)
     sys.exit(main())

@@ -136,6 +136,16 @@ ABLATIONS = {
             "full": Row(label="OmniVaT, p learned from 0.5"),
         },
     ),
+    "projection": Ablation(
+        title="Projection to the head's width (ours): one map for VIS and TAC, or one each",
+        sources=ALL_SOURCES,
+        rows={
+            "shared projection": Row(
+                label="OmniVaT (one map for VIS and TAC)", head={"shared_projection": True}
+            ),
+            "full": FULL,
+        },
+    ),
     "levels": Ablation(
         title="Depth R of the tree",
         sources=("TAG",),

@@ -36,7 +36,8 @@ def write_thumbnails(
 
     Tile i is pair i's photo, tile N + i its tactile image, in rows from the top left. An image that
     cannot be read leaves a grey tile and is counted.
-    Raises DataError when there is no pair, when no image is found, or when the sheet would be too large for the format.
+    Raises DataError when there is no pair, when no image is found, or when the sheet would be too
+    large for the format.
     """
     names = [*embeddings.rows["vis"], *embeddings.rows["tac"]]
     if not names:

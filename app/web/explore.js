@@ -135,7 +135,7 @@ function explore($, first, sprite) {
     $(".map-kind").value = state.map;
     near = [];
     $(".maps").classList.toggle("alone", ["raw", "frft"].includes(state.stage) || !frames.kinds("raw").includes("pca"));
-    $(".before .map-title").innerHTML = title(frames, "raw", 0, "Before: raw embedding");
+    $(".before .map-title").innerHTML = title(frames, "raw", 0, 'Before: raw<span class="long"> embedding</span>');
     if (frames.kinds("raw").includes("pca")) before.show(frames.positions("pca", "raw", 0));
     showCurves();
     showOrder();

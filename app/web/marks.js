@@ -42,7 +42,8 @@ export function axes(names) {
     context.textBaseline = "alphabetic";
     context.textAlign = "center";
     context.lineWidth = 1;
-    const { x: across, y: up } = names();
+    const full = names();
+    const [across, up] = [full.x, full.y].map((name) => (width < 280 ? name.replace("principal component", "PC") : name));
     const small = context.font;
     context.font = `600 12px ${ink(cloud.box, "--ov-font")}`;
     const taken = width - 34 - context.measureText(`${across} →`).width; // where the axis's own name stands

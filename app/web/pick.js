@@ -4,14 +4,21 @@ import { change, state } from "./store.js";
 
 export function somePair(examples, frames) {
   if (state.vis || state.tac) return;
-  const ref = examples.length ? `example:${examples[0].name}` : frames ? "row:0" : null;
+  const ref = examples.length ? `example:${inOrder(examples, frames)[0].name}` : frames ? "row:0" : null;
   if (ref) change({ vis: ref, tac: ref });
+}
+
+/** Examples as the set orders its domains and classes. */
+function inOrder(examples, frames) {
+  const rank = (names, name) => (names?.includes(name) ? names.indexOf(name) : 1000);
+  return [...examples].sort((a, b) => rank(frames?.domains, a.domain) - rank(frames?.domains, b.domain)
+    || rank(frames?.classes, a.class) - rank(frames?.classes, b.class));
 }
 
 /** What the gallery offers: the examples, or of the set one pair for each domain and class. */
 export function shelf(examples, frames) {
   if (examples.length || !frames) {
-    return examples.map((one) => ({ ref: `example:${one.name}`, domain: one.domain, truth: one.class, path: one.name }));
+    return inOrder(examples, frames).map((one) => ({ ref: `example:${one.name}`, domain: one.domain, truth: one.class, path: one.name }));
   }
   const seen = new Set();
   const found = [];

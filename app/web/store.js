@@ -7,16 +7,22 @@ const DEFAULTS = {
   means: "1", tree: "",
 };
 const NUMBERS = new Set(["p", "p2", "pin"]);
+const STAGES = ["raw", "frft", "relu", "f_bar", "f_hat"];
+const CHOICES = { // what else an address may say; anything that is not here is left out
+  view: ["explore", "pair", "tree", "compare", "data"], stage: STAGES, stage2: STAGES,
+  map: ["pca", "umap"], colour: ["domain", "class", "modality", "correctness", "confidence"],
+};
 const listeners = new Set();
 let writing = 0;
 
 function fromAddress() {
   const chosen = { ...DEFAULTS };
   for (const [name, text] of new URLSearchParams(location.search)) {
-    if (!(name in DEFAULTS)) continue;
+    if (!Object.hasOwn(DEFAULTS, name) || CHOICES[name]?.includes(text) === false) continue;
     if (!NUMBERS.has(name)) chosen[name] = text.slice(0, 200);
     else if (text !== "" && Number.isFinite(Number(text))) chosen[name] = Number(text);
   }
+  if (!(Number.isInteger(chosen.pin) && chosen.pin >= 0)) chosen.pin = null;
   return chosen;
 }
 

@@ -27,7 +27,7 @@ function drawLine({ classes, nodes, parents }) {
   const place = (i) => [((i + 0.5) / nodes.length) * width, 36];
   const edges = parents.map((parent, i) => (parent < 0 ? "" : `<path class="edge" d="M${place(parent)[0] + radius(parent)} 36H${place(i)[0] - radius(i)}"/>`));
   const discs = nodes.map((node, i) => disc(node, i, place(i), radius(i), classes, nodes.length <= 8));
-  return `<svg class="tree-view" viewBox="0 0 ${width} 120" role="img" aria-label="${nodes.length} nodes in a line">${edges.join("")}${discs.join("")}</svg>`;
+  return `<svg class="tree-view" viewBox="0 0 ${width} 120" role="list" aria-label="${nodes.length} nodes in a line">${edges.join("")}${discs.join("")}</svg>`;
 }
 
 export function drawTree({ classes, nodes, parents }) {
@@ -51,7 +51,7 @@ export function drawTree({ classes, nodes, parents }) {
     return `<path class="edge" d="M${x0} ${y0}C${x0} ${middle} ${x1} ${middle} ${x1} ${y1}"/>`;
   });
   const discs = nodes.map((node, i) => disc(node, i, place(i), radius(i), classes, fits));
-  return `<svg class="tree-view" viewBox="0 0 ${width} ${44 + (rows.length - 1) * ROW + 84}" role="img" aria-label="Tree of ${nodes.length} nodes">${edges.join("")}${discs.join("")}</svg>`;
+  return `<svg class="tree-view" viewBox="0 0 ${width} ${44 + (rows.length - 1) * ROW + 84}" role="list" aria-label="Tree of ${nodes.length} nodes">${edges.join("")}${discs.join("")}</svg>`;
 }
 
 const isDeep = (hex) => rgb(hex).reduce((sum, v, c) => sum + v * [0.3, 0.59, 0.11][c], 0) < 110;

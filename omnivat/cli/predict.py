@@ -2,7 +2,8 @@
 
     python -m omnivat predict VIS TAC [VIS TAC ...] [--head DIR] [--order P] [--json]
 
-Write "-" in the place of a VIS or TAC that is not there.
+Write "-" in the place of a VIS or TAC that is not there. Of --pairs, those with an image that cannot
+be read are named on stderr and left out.
 """
 
 import argparse
@@ -11,7 +12,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from omnivat.errors import SettingsError
+from omnivat.errors import DataError, SettingsError
 from omnivat.heads import default_head
 
 MISSING = "-"
@@ -56,10 +57,18 @@ def run(options: argparse.Namespace) -> None:
     cache = None if options.no_cache else default_cache()
     answers: list[dict[str, Any]] = []
     for vis, tac, crop in pairs:
-        embedded = embed_pair(encoder, vis, tac, cache, tac_crop=crop)
+        try:
+            embedded = embed_pair(encoder, vis, tac, cache, tac_crop=crop)
+        except DataError as error:
+            if not options.pairs:
+                raise
+            print(f"skipped: {error}", file=sys.stderr)
+            continue
         given = [None if e is None else torch.from_numpy(e[None].copy()) for e in embedded]
         answer = predict_embeddings(head, *given, order=options.order)[0]
         answers.append({"vis": vis and str(vis), "tac": tac and str(tac), **answer})
+    if not answers:
+        raise DataError(f"None of the {len(pairs)} pairs in '{options.pairs}' could be read.")
     context = {"head": str(options.head), "source": head.source, "encoder": encoder.name}
     if options.json:
         records = [answer | context for answer in answers]

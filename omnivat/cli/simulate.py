@@ -15,7 +15,7 @@ def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--domains", help="only these, with commas")
     parser.add_argument("--pairs-per-class", type=int, default=40)
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--examples", type=Path, help="copy a few test pairs here, as WebP")
+    parser.add_argument("--examples", type=Path, help="copy a few test pairs here, as JPEG")
     parser.add_argument("--examples-per-class", type=int, default=2, metavar="N")
     parser.add_argument("--workers", type=int, help="processes; all cores if left out")
 

@@ -49,7 +49,7 @@ def leading_shape(values: Tensor, order: Tensor) -> torch.Size:
     """The batch of the result: the leading axes of the values and the order's, broadcast."""
     if not order.dim():  # broadcast_shapes is written in Python and slow
         return values.shape[:-1]
-    shape: torch.Size = torch.broadcast_shapes(values.shape[:-1], order.shape)  # type: ignore[no-untyped-call]
+    shape: torch.Size = torch.broadcast_shapes(values.shape[:-1], order.shape)
     return shape
 
 

@@ -69,7 +69,8 @@ def _both(refine: Callable[[Tridiagonal], T], blocks: ParityBlocks) -> list[T]:
 def _build_from_blocks(size: int, like: Tensor) -> Split:
     blocks = parity_blocks(size)
     if size % 4 == 0 and size > 4:
-        return QuarterSplit(*_both(refined_quarter, blocks), like)
+        factors = _both(refined_quarter, blocks)
+        return QuarterSplit(factors[0], factors[1], like)
     even, odd = _both(refined_spectrum, blocks)
     even[1 : (size + 1) // 2] *= np.sqrt(0.5)  # every sample but 0 and N/2 has a mirror image
     odd *= np.sqrt(0.5)

@@ -38,12 +38,13 @@ class _Alignment(torch.autograd.Function):
         excess = logs[0] * (len(logs) - 1) - logs[1:].sum(0)  # summed over the others
         divergence = (shares[0] * excess).sum(-1, keepdim=True)  # (B, 1)
         ctx.save_for_backward(shares, excess, divergence)
-        return divergence.mean()
+        loss: Tensor = divergence.mean()
+        return loss
 
     @staticmethod
     @once_differentiable
     def backward(ctx: Any, grad: Tensor) -> Tensor:
         shares, excess, divergence = ctx.saved_tensors
-        found = shares - shares[:1]  # where the others are drawn
+        found: Tensor = shares - shares[:1]  # where the others are drawn
         torch.mul(shares[0], excess - divergence, out=found[0])
         return found.mul_(grad / len(divergence))

@@ -44,7 +44,8 @@ class _Diversity(torch.autograd.Function):
         cosines.diagonal(dim1=-2, dim2=-1).zero_()
         norms = torch.linalg.vector_norm(cosines, dim=(-2, -1))
         ctx.save_for_backward(lengths, directions, cosines, norms)
-        return norms.mean()
+        loss: Tensor = norms.mean()
+        return loss
 
     @staticmethod
     @once_differentiable
@@ -53,4 +54,5 @@ class _Diversity(torch.autograd.Function):
         scale = torch.where(norms > 0, 2 * grad / (len(norms) * norms), 0)[:, None, None]
         to_directions = scale * (cosines @ directions)
         along = (to_directions * directions).sum(-1, keepdim=True) * (lengths > EPS)
-        return torch.addcmul(to_directions, directions, along, value=-1).div_(lengths)
+        found: Tensor = torch.addcmul(to_directions, directions, along, value=-1).div_(lengths)
+        return found

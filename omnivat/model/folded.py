@@ -5,8 +5,9 @@ feed-forward network; the tree's mean is one matrix; the class token is one cons
 of weights are taken in double precision once, so that folding costs no accuracy.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import torch
 from torch import Tensor, nn
@@ -84,7 +85,30 @@ def fold_tree(tree: DTG) -> tuple[Tensor, Tensor]:
 
 def versions(module: nn.Module) -> tuple[tuple[int, int, str], ...]:
     """Return what changes whenever a weight does: in place, by loading, or by conversion."""
-    tensors = (*module.parameters(), *module.buffers())
+    tables = [t for part in module.modules() for t in (part._parameters, part._buffers) if t]
     return tuple(
-        (t.data_ptr(), -1 if t.is_inference() else t._version, str(t.dtype)) for t in tensors
+        (t.data_ptr(), -1 if t.is_inference() else t._version, str(t.dtype))
+        for table in tables
+        for t in table.values()
+        if t is not None
     )
+
+
+class Folds:
+    """What has been folded, kept until a weight changes."""
+
+    def __init__(self) -> None:
+        self._kept: dict[tuple[str, ...], Any] = {}
+        self._versions: object = None
+
+    def refresh(self, module: nn.Module) -> None:
+        """Forget everything once a weight of `module` has changed."""
+        current = versions(module)
+        if self._versions != current:
+            self._kept, self._versions = {}, current
+
+    def get(self, name: tuple[str, ...], make: Callable[[], Any]) -> Any:
+        """Return what `make` gave when it was first asked for under this name."""
+        if name not in self._kept:
+            self._kept[name] = make()
+        return self._kept[name]

@@ -43,6 +43,8 @@ class FrATT(nn.Module):
     def closed_weights(self) -> tuple[Tensor, ...]:
         """The weights in the order of `closed.attention.Weights`."""
         first, second = self.ffn[0], self.ffn[2]
+        assert isinstance(first, nn.Linear), "the network starts with a linear layer"
+        assert isinstance(second, nn.Linear), "the network ends with a linear layer"
         return (
             self.query.weight,
             self.query.bias,

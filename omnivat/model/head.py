@@ -1,6 +1,6 @@
 """The OmniVaT head: frozen embeddings in, class probabilities and every stage out."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -13,10 +13,11 @@ from omnivat.fractional import Coefficients, coefficients, synthesise
 from omnivat.model import factored
 from omnivat.model.closed.lengths import unit
 from omnivat.model.dtg import DTG
-from omnivat.model.folded import FoldedMFFA, fold_mffa, fold_tree, versions
+from omnivat.model.folded import FoldedMFFA, Folds, fold_mffa, fold_tree
 from omnivat.model.mffa import MFFA, MODALITIES
 from omnivat.model.output import HeadOutput, TrainingOutput, joined
 from omnivat.model.settings import HeadSettings
+from omnivat.model.threads import FEW_PAIRS, one_thread
 from omnivat.model.training import class_means, grow, training_pass
 
 __all__ = ["OmniVaT", "PairCoefficients", "build_head", "class_means", "parameter_count"]
@@ -55,6 +56,8 @@ class OmniVaT(nn.Module):
             self.project_image: nn.Module = nn.Linear(settings.input_width, width)
         else:
             self.project_image = nn.Identity()
+        if settings.projects_apart:
+            self.project_tac = nn.Linear(settings.input_width, width)
         if settings.project or settings.lang_width != width:
             self.project_lang: nn.Module = nn.Linear(settings.lang_width, width)
         else:
@@ -63,8 +66,7 @@ class OmniVaT(nn.Module):
         self.dtg = DTG.from_settings(settings)
         self.classifier = nn.Parameter(torch.empty(len(settings.classes), width))
         nn.init.normal_(self.classifier, std=width**-0.5)
-        self._folded: dict[tuple[str, ...], Any] = {}
-        self._folded_from: object = None
+        self._folds = Folds()
 
     @property
     def order(self) -> float:
@@ -81,8 +83,6 @@ class OmniVaT(nn.Module):
     def dtype(self) -> torch.dtype:
         """The precision the head computes in."""
         return self.classifier.dtype
-
-    # ---- prediction --------------------------------------------------------------------------
 
     def forward(
         self,
@@ -135,10 +135,12 @@ class OmniVaT(nn.Module):
         printed = grad or attention or self.mffa.as_printed
         if printed or self.settings.complex_to_real == "hermitian":
             return self._answer(names, stacked, order, nodes=nodes, attention=attention)
-        outputs = [
-            self._answer(names, stacked[:, rows], _rows(order, rows), nodes=nodes, fold=True)
-            for rows in (slice(i, i + CHUNK) for i in range(0, max(len(kept), 1), CHUNK))
-        ]
+        self._folds.refresh(self)
+        with one_thread(len(kept) <= FEW_PAIRS):
+            outputs = [
+                self._answer(names, stacked[:, rows], _rows(order, rows), nodes=nodes, fold=True)
+                for rows in (slice(i, i + CHUNK) for i in range(0, max(len(kept), 1), CHUNK))
+            ]
         return outputs[0] if len(outputs) == 1 else joined(outputs)
 
     def _answer(
@@ -205,23 +207,12 @@ class OmniVaT(nn.Module):
         return linear(root, *(self._fold_tree() if fold else self.dtg.fold()))
 
     def _fold(self, names: tuple[str, ...]) -> FoldedMFFA:
-        folded: FoldedMFFA = self._cached(names, lambda: fold_mffa(self.mffa, names))
+        folded: FoldedMFFA = self._folds.get(names, lambda: fold_mffa(self.mffa, names))
         return folded
 
     def _fold_tree(self) -> tuple[Tensor, Tensor]:
-        folded: tuple[Tensor, Tensor] = self._cached(("tree",), lambda: fold_tree(self.dtg))
+        folded: tuple[Tensor, Tensor] = self._folds.get(("tree",), lambda: fold_tree(self.dtg))
         return folded
-
-    def _cached(self, name: tuple[str, ...], make: Callable[[], Any]) -> Any:
-        """Return what `make` gives, made again only after a weight has changed."""
-        current = versions(self)
-        if self._folded_from != current:
-            self._folded, self._folded_from = {}, current
-        if name not in self._folded:
-            self._folded[name] = make()
-        return self._folded[name]
-
-    # ---- training ----------------------------------------------------------------------------
 
     def training_pass(
         self,
@@ -244,8 +235,6 @@ class OmniVaT(nn.Module):
         """
         given = {n: e for n, e in (("vis", vis), ("tac", tac)) if e is not None}
         return training_pass(self, given, lang, labels, lang_on=lang_on, token_on=token_on)
-
-    # ---- both --------------------------------------------------------------------------------
 
     @property
     def length(self) -> float:
@@ -270,10 +259,19 @@ class OmniVaT(nn.Module):
         if len({len(raw) for raw in given.values()}) > 1:
             raise ShapeError("vis and tac hold different numbers of pairs; give one each per pair.")
         raw = torch.stack([raw.to(self.dtype) for raw in given.values()])
-        projected: Tensor = (self.project_lang if lang else self.project_image)(raw)
+        projected: Tensor
+        if self.settings.projects_apart and not lang:
+            projected = torch.stack(
+                [self._projection(n)(r) for n, r in zip(given, raw, strict=True)]
+            )
+        else:
+            projected = (self.project_lang if lang else self.project_image)(raw)
         if self.settings.feature_scale == "literal":
             return projected
         return self.length * unit(projected)
+
+    def _projection(self, name: str) -> nn.Module:
+        return self.project_tac if name == "tac" else self.project_image
 
 
 def _by_name(names: tuple[str, ...], channels: Tensor) -> dict[str, Tensor]:

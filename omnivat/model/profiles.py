@@ -16,10 +16,10 @@ def settings_for_profile(
     """Return the settings of a named head.
 
     core     D = 512, projections only where widths differ: 4.47 M at the widths of CLIP ViT-B/16
-    match    with learned projections of images and text: 4.99 M, and 5.03 M with the styles,
+    match    with learned projections, one of images and one of text: 4.99 M, and 5.03 M with the styles,
              as near to the paper's 5.1 M as its equations come
     literal  the core as printed; known not to train
-    light    D = 64: 0.14 M, and 0.18 M with the styles (the paper's 0.2 M)
+    light    D = 64: 0.17 M, and 0.21 M with the styles (the paper's 0.2 M)
 
     Raises SettingsError for an unknown name.
     """
@@ -27,7 +27,7 @@ def settings_for_profile(
     if profile == "core":
         return core
     if profile == "match":
-        return replace(core, project=True)
+        return replace(core, project=True, shared_projection=True)
     if profile == "literal":
         return literal(core)
     if profile == "light":

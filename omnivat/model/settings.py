@@ -21,6 +21,7 @@ class HeadSettings:
     lang_width: int = 384  # of the LANG bank
     width: int = 512  # D
     project: bool = False  # learn input projections even where widths agree
+    shared_projection: bool = False  # one map for VIS and TAC (docs/decisions/0004)
     expansion: int = 4  # E, tokens a modality is expanded to
     levels: int = 3  # R, tree levels with the root
     order: float = 0.5  # p at the start, in quarter turns
@@ -75,6 +76,11 @@ class HeadSettings:
     def projects(self) -> bool:
         """Whether embeddings pass a learned linear map to width D first."""
         return self.project or self.input_width != self.width
+
+    @property
+    def projects_apart(self) -> bool:
+        """Whether VIS and TAC pass a map each."""
+        return self.projects and not self.shared_projection
 
 
 def literal(settings: HeadSettings) -> HeadSettings:

@@ -8,17 +8,18 @@ from omnivat.data.pairs import Pair, PairSet
 from omnivat.errors import DataError
 from omnivat.files import replacing
 
-QUALITY = 90  # of WebP: about an eighth of the PNG, grain and all
+QUALITY = 94  # of JPEG: over a quarter of the PNG
+FULL_COLOUR = 0  # no subsampling: what a gel shows is in its colours
 
 
 def write_examples(made: PairSet, folder: Path, *, each: int = 2) -> list[Path]:
-    """Write `<folder>/<domain>/<class>/<name>_{vis,tac}.webp`; return the files.
+    """Write `<folder>/<domain>/<class>/<name>_{vis,tac}.jpg`; return the files.
 
     made  a simulated set on disk
     each  pairs of each class of each domain, every one of another object, none of which was
           trained on; all there are where there are fewer
 
-    Every pixel is kept at full size, its value within what WebP loses. Raises DataError when the
+    Every pixel is kept at full size, its value within what JPEG loses. Raises DataError when the
     set has no pairs for testing.
     """
     classes: dict[tuple[str, str], dict[str, Pair]] = defaultdict(dict)
@@ -34,7 +35,7 @@ def write_examples(made: PairSet, folder: Path, *, each: int = 2) -> list[Path]:
         for pair in spread(list(things.values()), each):
             for kind, image in (("vis", pair.vis), ("tac", pair.tac)):
                 stem = image.stem.removesuffix(f"_{kind}")
-                file = folder / domain / material / f"{stem}_{kind}.webp"
+                file = folder / domain / material / f"{stem}_{kind}.jpg"
                 _write(image, file)
                 written.append(file)
     return written
@@ -48,4 +49,4 @@ def spread(things: list[Pair], count: int) -> list[Pair]:
 
 def _write(image: Path, file: Path) -> None:
     with replacing(file) as temporary:
-        read_image(image).save(temporary, format="WEBP", quality=QUALITY, method=6)
+        read_image(image).save(temporary, format="JPEG", quality=QUALITY, subsampling=FULL_COLOUR)

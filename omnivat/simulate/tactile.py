@@ -47,7 +47,7 @@ def lit(sheet: Array, sensor: Sensor) -> Array:
     for lamp in sensor.lamps:
         change += _toward(lamp, facing_x, facing_y)[..., None] * np.asarray(lamp.colour)
     dimmed = (1.0 / tilt - 1.0)[..., None] * np.asarray(sensor.base)
-    return sensor.gain * 1.5 * np.tanh(change / 1.5) + 0.6 * dimmed
+    return np.asarray(sensor.gain * 1.5 * np.tanh(change / 1.5) + 0.6 * dimmed)
 
 
 def _toward(lamp: Lamp, x: Array, y: Array) -> Array:

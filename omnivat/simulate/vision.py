@@ -99,7 +99,7 @@ def _ground(mi: Any, surface: Surface, framing: Framing, z: float) -> dict[str, 
     if surface.gloss == "glass":
         # Its own evenly lit radiance: under glass, light from the lamp is found too seldom.
         lit = colour * (np.asarray(framing.sky) + 0.35 * np.asarray(framing.sun)) * 0.8
-        glow = {"type": "area", "radiance": _bitmap(mi, lit.astype(np.float32))}
+        glow = {"type": "area", "radiance": _bitmap(mi, lit)}
         return plane | {"emitter": glow, "bsdf": {"type": "diffuse", "reflectance": 0.0}}
     return plane | {"bsdf": {"type": "diffuse", "reflectance": _bitmap(mi, colour)}}
 

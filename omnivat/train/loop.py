@@ -12,13 +12,13 @@ from omnivat.gaps.confusion import macro_f1
 from omnivat.lang.bank import LangBank
 from omnivat.model.head import OmniVaT, build_head
 from omnivat.model.settings import HeadSettings
+from omnivat.model.threads import LIGHT, one_thread
 from omnivat.progress import OnStep, Step, ignore
 from omnivat.seeding import derive_seed
 from omnivat.train.batches import Array, batches, held_out, labels_of
 from omnivat.train.settings import TrainSettings
 from omnivat.train.state import Progress, load_state, run_name, save_state
 from omnivat.train.steps import learn, make_optimiser, set_rate
-from omnivat.train.threads import threads_for
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,7 +52,7 @@ def train(
     Raises DataError when there is nothing to learn or `resume` is of another training,
     OmniVatError when the loss is not finite.
     """
-    with threads_for(head.width):
+    with one_thread(head.width <= LIGHT):
         return _train(source, head, settings, bank, seed, resume, on_step)
 
 

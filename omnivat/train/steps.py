@@ -67,7 +67,7 @@ def learn(
     parameters = [p for group in optimiser.param_groups for p in group["params"]]
     for parameter in parameters:
         parameter.grad = None
-    losses.total.backward()  # type: ignore[no-untyped-call]
+    losses.total.backward()
     order = model.mffa.order
     rest = [p.grad for p in parameters if p is not order and p.grad is not None]
     norms = torch.stack(torch._foreach_norm(rest))

@@ -90,3 +90,20 @@ def test_only_one_place_catches_everything():
         if "except Exception" in path.read_text(encoding="utf-8")
     ]
     assert found == ["messages.py"]
+
+
+def test_without_pywebview_the_desktop_window_is_refused_in_a_sentence(monkeypatch, capsys):
+    from app.server import main
+
+    monkeypatch.setitem(sys.modules, "webview", None)
+    assert main(["--desktop"]) == 1
+    said = capsys.readouterr().err
+    assert (
+        said
+        == "app.py: webview is needed for --desktop. Install it with `pip install pywebview`.\n"
+    )
+
+
+def test_heads_to_compare_can_be_given_several_times():
+    chosen = parser().parse_args(["--compare", "a", "--compare", "b"])
+    assert chosen.compare == [Path("a"), Path("b")]

@@ -134,7 +134,7 @@ def watched(page: Any, address: str, problems: list[str]) -> Any:
             else problems.append(f"outside request: {request.url}")
         ),
     )
-    page.set_default_timeout(60_000)
+    page.set_default_timeout(30_000)
     return page
 
 

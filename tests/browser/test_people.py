@@ -64,7 +64,7 @@ REACH = """view => {
   const root = document.querySelector(`.ov.${view}`);
   const name = (e) => `${e.tagName}.${e.className?.baseVal ?? e.className} ${e.getAttribute('aria-label') ?? e.textContent.slice(0, 30)}`;
   const usable = [...root.querySelectorAll('button, select, input, summary, a[href], [tabindex]')]
-    .filter((e) => !e.disabled && e.tabIndex >= 0 && e.getClientRects().length && getComputedStyle(e).visibility !== 'hidden');
+    .filter((e) => !e.disabled && e.tabIndex >= 0 && e.checkVisibility({ visibilityProperty: true }));
   const mute = [...root.querySelectorAll('[role=radio], button, select, input, summary')]
     .filter((e) => e.tabIndex < 0 && !e.closest('[role=radiogroup]'));
   window.toReach = new Set(usable);
@@ -107,7 +107,7 @@ def test_a_visitor_without_a_mouse_goes_from_tab_to_tab_and_chooses_a_pair(
     page = open_page("?vis=row:0&tac=row:0")
     page.wait_for_selector(MAP)
     page.focus("#view-explore-button")
-    page.keyboard.press("ArrowRight")
+    page.keyboard.press("Tab")
     page.keyboard.press("Enter")
     page.wait_for_selector(ANSWERED)
     page.focus(".pair .gallery button:nth-child(4)")

@@ -33,6 +33,7 @@ def test_the_tables_and_figures_of_the_paper_are_all_there():
         "modalities",
         "order",
         "fixed_order",
+        "projection",
         "levels",
         "expansion",
         "balance",

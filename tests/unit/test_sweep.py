@@ -5,7 +5,7 @@ import pytest
 import torch
 
 from omnivat.data.store import Embeddings, Header
-from omnivat.errors import SettingsError, ShapeError
+from omnivat.errors import DataError, SettingsError, ShapeError
 from omnivat.gaps.centroid import modality_gap
 from omnivat.gaps.confusion import accuracy, macro_f1
 from omnivat.gaps.cosine_margin import cosine_margin
@@ -195,6 +195,11 @@ def test_the_confusion_at_an_order_is_each_class_s_shares_of_the_answers():
 def test_a_domain_too_small_for_a_measure_is_named():
     with pytest.raises(ShapeError, match="proxy_a: .* needs 5 or more.* D0 3, D1 3, D2 2"):
         sweep(head(), pairs(count=8), (0.5,), measures=("proxy_a",))
+
+
+def test_a_set_without_pairs_is_refused():
+    with pytest.raises(DataError, match="no pairs in these embeddings"):
+        sweep(head(), pairs().select(np.array([], dtype=np.int64)), (0.5,))
 
 
 def test_a_projecting_head_measures_its_own_transform():

@@ -3,6 +3,7 @@
 import json
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from PIL import Image
 
@@ -59,3 +60,10 @@ def test_a_set_too_large_for_one_sheet_says_which_tile_would_fit(make_embeddings
 
 def test_the_page_looks_for_the_sheet_beside_the_embeddings(tmp_path):
     assert sheet_of(tmp_path / "mine.safetensors") == tmp_path / "mine.thumbnails.webp"
+
+
+def test_a_set_without_pairs_has_no_sheet(make_embeddings, tmp_path):
+    none = make_embeddings().select(np.array([], dtype=np.int64))
+    with pytest.raises(DataError, match="no pairs in these embeddings"):
+        write_thumbnails(none, tmp_path, tmp_path / "sheet.webp")
+    assert list(tmp_path.iterdir()) == []

@@ -314,3 +314,45 @@ def test_the_banks_rows_follow_the_classes_asked_for():
     assert isinstance(part, LangBank)
     np.testing.assert_array_equal(part.embeddings[1], bank.embeddings[0])
     assert part.hash != bank.hash
+
+
+def test_p_moves_by_a_tenth_of_the_rate_a_step_at_most(source):
+    """Its gradient is held to 1, its rate is a hundredth, and momentum 0.9 adds up to ten steps."""
+    steps = len(source) // 16
+    settings = TrainSettings(epochs=4, lr=0.5, warmup_epochs=0.0)
+    trained = train(source, head(), settings, bank=load_bank())
+    path = [0.5, *(epoch["order"] for epoch in trained.epochs)]
+    moved = [abs(after - before) for before, after in zip(path, path[1:], strict=False)]
+    assert 0 < max(moved) <= 0.1 * settings.lr * steps
+    assert max(epoch["order_clipped"] for epoch in trained.epochs) > 0
+    free = replace(settings, order_lr_scale=1.0, order_clip=1e9)
+    wild = train(source, head(), free, bank=load_bank())
+    assert max(abs(epoch["order"] - 0.5) for epoch in wild.epochs) > 0.1 * settings.lr * steps
+
+
+@pytest.mark.parametrize("order", [0.0, 2.0, -2.0])
+def test_even_orders_are_points_of_rest(source, order):
+    """Im is zero there and Re has no slope: p gets no gradient and stays to the bit."""
+    trained = train(source, head(order=order), TrainSettings(epochs=1), bank=load_bank())
+    assert trained.model.order == order
+
+
+@pytest.mark.parametrize("lang", [True, False], ids=["lang", "no lang"])
+@pytest.mark.parametrize("learned", ["vis+tac", "vis", "tac"])
+def test_a_head_trained_on_any_modalities_answers_from_any(source, learned, lang):
+    settings = TrainSettings(epochs=1, modalities=learned, lang=lang)
+    chosen = head() if lang else head(lang_width=1)
+    trained = train(source, chosen, settings, bank=load_bank() if lang else None)
+    for asked in (("vis", "tac"), ("vis",), ("tac",)):
+        answers = predicted_probabilities(trained.model, source, modalities=asked)["fused"]
+        torch.testing.assert_close(answers.sum(-1), torch.ones(len(source)))
+
+
+def test_training_leaves_the_number_of_threads_as_it_was(source):
+    before = torch.get_num_threads()
+    torch.set_num_threads(2)
+    try:
+        train(source, head(), TrainSettings(epochs=1), bank=load_bank())
+        assert torch.get_num_threads() == 2
+    finally:
+        torch.set_num_threads(before)

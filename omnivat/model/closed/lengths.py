@@ -11,7 +11,8 @@ EPS = 1e-12  # the least length that is divided by, as in torch.nn.functional.no
 
 def unit_rows(raw: Tensor) -> Tensor:
     """Return rows (..., D) at length one."""
-    return raw / torch.linalg.vector_norm(raw, dim=-1, keepdim=True).clamp_min_(EPS)
+    lengths: Tensor = torch.linalg.vector_norm(raw, dim=-1, keepdim=True).clamp_min_(EPS)
+    return raw / lengths
 
 
 def unit_rows_back(grad: Tensor, raw: Tensor) -> Tensor:
@@ -25,7 +26,8 @@ def unit_rows_back(grad: Tensor, raw: Tensor) -> Tensor:
 def unit(x: Tensor) -> Tensor:
     """Return x (..., D) at length one, whatever its size: squares neither overflow nor vanish.
 
-    Rows are divided by their largest entry first. A row of zeros stays one.
+    Rows are divided by their largest entry first. A row of zeros stays one, and passes no gradient:
+    it has no direction to turn.
     """
     found: Tensor = _Unit.apply(x)  # type: ignore[no-untyped-call]
     return found
@@ -43,4 +45,5 @@ class _Unit(torch.autograd.Function):
     @once_differentiable
     def backward(ctx: Any, grad: Tensor) -> Tensor:
         scaled, largest = ctx.saved_tensors
-        return unit_rows_back(grad, scaled).div_(largest)
+        found = unit_rows_back(grad, scaled).div_(largest)
+        return torch.where(largest > torch.finfo(grad.dtype).tiny, found, 0)

@@ -103,6 +103,20 @@ def test_large_batches_work_in_inference_mode() -> None:
     assert torch.equal(inside, synthesise(coefficients(x), 0.3))
 
 
+def test_functional_gradients_of_large_batches_are_those_of_backward() -> None:
+    x, p = torch.randn(1500, 256, dtype=torch.float64), torch.tensor(0.3, dtype=torch.float64)
+
+    def loss(x: torch.Tensor, p: torch.Tensor) -> torch.Tensor:
+        return dfrft(x, p).real.pow(2).sum()
+
+    given = x.clone().requires_grad_(), p.clone().requires_grad_()
+    wanted = torch.autograd.grad(loss(*given), given)
+    found = torch.func.grad(loss, argnums=(0, 1))(x, p)
+    assert all(torch.allclose(a, b, rtol=1e-12) for a, b in zip(found, wanted, strict=True))
+    only_x = torch.func.grad(loss)(x, p)  # p is plain inside, x is wrapped
+    assert torch.allclose(only_x, wanted[0], rtol=1e-12)
+
+
 @pytest.mark.skipif(sys.platform != "linux", reason="forks")
 def test_a_forked_child_has_workers_of_its_own() -> None:
     wanted = side_by_side([lambda: 1, lambda: 2])

@@ -136,3 +136,17 @@ def test_calibration_error_is_the_distance_of_confidence_from_accuracy_in_each_b
     labels = torch.tensor([0, 1, 0, 1])
     # bin of .9: accuracy 1/2 against .9, half of the pairs; bin of .6: 1 against .6
     assert ece(probabilities, labels, bins=10).item() == pytest.approx(0.5 * 0.4 + 0.5 * 0.4)
+
+
+def test_a_confidence_on_a_border_counts_in_the_lower_bin():
+    sure, unsure = [0.5, 0.25, 0.25], [0.25, 0.375, 0.375]
+    rows = torch.tensor([sure, unsure], dtype=torch.float64)
+    # in one bin: the surplus of the right answer, 0.5, and of the wrong one, -0.375, add up
+    assert ece(rows, torch.tensor([0, 0]), bins=2) == pytest.approx(0.125 / 2)
+
+
+def test_rbf_mmd_takes_one_over_the_mean_squared_distance_where_no_width_is_given():
+    a, b = cloud(0, 20), cloud(1, 30, shift=0.5)
+    rows = torch.nn.functional.normalize(torch.cat([a, b]))
+    gamma = 1 / torch.cdist(rows, rows).square().mean()
+    torch.testing.assert_close(mmd_rbf(a, b), mmd_rbf(a, b, gamma=float(gamma)))

@@ -117,6 +117,7 @@ def test_no_pairs_give_empty_answers(make_head):
         "dtg.weight",
         "classifier",
         "project_image.weight",
+        "project_tac.weight",
     ],
 )
 def test_a_weight_changed_in_place_changes_the_next_answer(make_head, make_pairs, name):

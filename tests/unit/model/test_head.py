@@ -52,6 +52,20 @@ def test_parameters_are_counted_as_the_paper_is_read(width, levels):
     assert parameter_count(chosen) == wanted
 
 
+def test_each_image_modality_has_a_projection_of_its_own_unless_they_share_one():
+    """Changing TAC's map leaves VIS's features alone; a shared one is 16 (24 + 1) numbers less."""
+    model, (vis, tac) = build_head(settings()).double(), pairs(3)
+    before = model.embedded({"vis": vis, "tac": tac})
+    with torch.no_grad():
+        model.project_tac.weight.neg_()
+    after = model.embedded({"vis": vis, "tac": tac})
+    assert torch.equal(before[0], after[0])
+    assert not torch.allclose(before[1], after[1])
+    torch.testing.assert_close(after[1], model.embedded({"tac": tac})[0])
+    apart, shared = (parameter_count(settings(shared_projection=s)) for s in (False, True))
+    assert apart - shared == 16 * 25
+
+
 def test_core_head_at_width_512_has_4_47_million_parameters():
     count = parameter_count(settings(width=512, input_width=512, lang_width=512))
     assert count == 4_466_189

@@ -1,0 +1,78 @@
+"""Smaller answers: attention, a camera's picture, a measurement, heads trained anew."""
+
+import base64
+import json
+
+import numpy as np
+import pytest
+
+from app.live import live
+from app.measuring import measured
+from app.state import Ref
+from app.views import explore, pair, tree
+from omnivat.errors import DataError
+
+
+def test_attention_adds_up_to_one_for_each_token_that_asks(resources):
+    got = pair.attention(resources, {"vis": "row:1", "tac": "row:1"})
+    count = got["count"]["vis"]
+    off = np.frombuffer(base64.b64decode(got["off"]["vis"]), dtype=np.int8)
+    sums = off.reshape(101, count, count).sum(-1) / 127 * got["scale"]
+    assert np.abs(sums).max() < count / 127 * got["scale"]
+    assert len(got["tokens"]["vis"]) == count
+    assert got["tokens"]["vis"][0].startswith("Re × ")
+
+
+def test_a_cameras_picture_is_answered_and_not_kept(resources, encoder, png):
+    content = png()
+    first = live(resources, content, modality="vis", other=Ref("row", "3"), order=0.5)
+    live(resources, content, modality="vis", other=Ref("row", "3"), order=0.5)
+    assert encoder.calls == 2
+    assert set(first["probabilities"]) == {"vis", "tac", "both"}
+    assert sum(first["probabilities"]["both"]) == pytest.approx(1, abs=1e-3)
+
+
+def test_a_picture_of_another_modality_is_refused(resources, png):
+    with pytest.raises(DataError, match="it is vis or tac"):
+        live(resources, png(), modality="smell", other=None, order=None)
+
+
+def test_a_measurement_names_its_error_and_its_spread(resources):
+    got = measured(resources, {})
+    assert len(got["rows"]) == 5
+    for row in got["rows"]:
+        assert row["ms"]["least"] <= row["ms"]["median"] <= row["ms"]["most"]
+        assert 0 <= row["error"] < 1e-4
+        assert row["of"]
+
+
+def test_a_domains_tree_is_the_mean_of_its_pairs_trees(resources):
+    rows = np.flatnonzero(resources.embeddings().domain == 1)
+    whole = tree.answer(resources, {"domain": "OF Real-sim", "order": 0.5})
+    each = [
+        tree.answer(resources, {"vis": f"row:{r}", "tac": f"row:{r}", "order": 0.5}) for r in rows
+    ]
+    assert whole["pairs"] == len(rows)
+    norms = np.mean([[node["norm"] for node in one["nodes"]] for one in each], axis=0)
+    np.testing.assert_allclose([node["norm"] for node in whole["nodes"]], norms, atol=1e-3)
+    cosines = np.mean([one["layers"][2]["cosines"] for one in each], axis=0)
+    np.testing.assert_allclose(whole["layers"][2]["cosines"], cosines, atol=1e-4)
+    assert all(0 <= node["right"] <= 1 for node in whole["nodes"])
+
+
+def test_a_domain_that_is_not_there_is_refused(resources):
+    with pytest.raises(DataError, match="No domain is called 'Mars'"):
+        tree.answer(resources, {"domain": "Mars"})
+
+
+def test_heads_trained_anew_are_read_in_the_order_of_p(tmp_path):
+    file = tmp_path / "retrained.json"
+    file.write_text(json.dumps({"1.0": [0.5, 0.02], "0.25": [0.6, 0.01], "note": "x", "0.5": [1]}))
+    assert explore.retrained_points(file) == [
+        {"order": 0.25, "mean": 0.6, "std": 0.01},
+        {"order": 1.0, "mean": 0.5, "std": 0.02},
+    ]
+
+
+def test_where_no_head_was_trained_anew_there_are_no_points(tmp_path):
+    assert explore.retrained_points(tmp_path / "none.json") == []

@@ -1,0 +1,119 @@
+"""Heads and sets loaded through the page: taken with care, seen by their visitor alone."""
+
+import asyncio
+from collections.abc import AsyncIterator
+from pathlib import Path
+
+import pytest
+from starlette.applications import Starlette
+from starlette.testclient import TestClient
+
+from app.desks import Desks
+from app.limits import KEPT_DESKS, PARTS
+from app.routes import routes
+from app.state import ForgottenError
+from omnivat.errors import DataError
+
+
+@pytest.fixture
+def client(resources) -> TestClient:
+    return TestClient(Starlette(routes=routes(resources)))
+
+
+def send(client: TestClient, files: dict[str, Path]) -> dict[str, str]:
+    """Send files; return what each is called."""
+    return {
+        name: client.post(f"/omnivat/part?name={name}", content=file.read_bytes()).json()["part"]
+        for name, file in files.items()
+    }
+
+
+def head_files(folder: Path) -> dict[str, Path]:
+    return {
+        name: folder / name for name in ("weights.safetensors", "settings.json", "metrics.json")
+    }
+
+
+def test_a_loaded_head_answers_under_its_own_name_and_the_first_stays(client, small_places):
+    parts = send(client, head_files(small_places.head))
+    name = client.post("/omnivat/load", json={"parts": parts}).json()["set"]
+    question = {"vis": "row:1", "tac": "row:1"}
+    loaded = client.post(f"/omnivat/pair?set={name}", json=question).json()
+    assert loaded["stops"] == client.post("/omnivat/pair", json=question).json()["stops"]
+    assert client.get(f"/omnivat/about?set={name}").json()["head"]["name"].endswith("head")
+
+
+def test_a_head_can_be_put_beside_the_first(client, small_places):
+    parts = send(client, head_files(small_places.head))
+    name = client.post("/omnivat/load", json={"parts": parts, "compare": True}).json()["set"]
+    assert len(client.get(f"/omnivat/heads?set={name}").json()) == 2
+    assert len(client.get("/omnivat/heads").json()) == 1
+
+
+def test_the_same_files_make_the_same_desk(client, small_places):
+    parts = send(client, head_files(small_places.head))
+    names = {client.post("/omnivat/load", json={"parts": parts}).json()["set"] for _ in range(2)}
+    assert len(names) == 1
+
+
+def test_a_head_without_weights_is_refused_in_a_sentence(client, small_places):
+    parts = send(client, {"settings.json": small_places.head / "settings.json"})
+    got = client.post("/omnivat/load", json={"parts": parts})
+    assert got.status_code == 400
+    assert got.json()["error"] == "A head also has weights.safetensors; choose its whole folder."
+
+
+def test_junk_in_place_of_weights_is_refused_and_nothing_is_kept(client, small_places, tmp_path):
+    junk = tmp_path / "junk"
+    junk.write_bytes(b"junk")
+    parts = send(client, head_files(small_places.head) | {"weights.safetensors": junk})
+    got = client.post("/omnivat/load", json={"parts": parts})
+    assert got.status_code == 400
+    assert "weights.safetensors" in got.json()["error"]
+
+
+@pytest.mark.parametrize("name", ["../x", "app.py", "", "weights.pt"])
+def test_a_file_of_another_name_is_refused(client, name):
+    got = client.post("/omnivat/part", params={"name": name}, content=b"x")
+    assert got.status_code == 400
+    assert "is no file of a head or set" in got.json()["error"]
+
+
+@pytest.mark.parametrize("parts", [None, [], {"settings.json": 3}, {"settings.json": "../../x"}])
+def test_junk_that_names_parts_is_refused(client, parts):
+    assert client.post("/omnivat/load", json={"parts": parts}).status_code == 400
+
+
+def test_a_name_that_the_server_does_not_have_is_told_so(client):
+    got = client.post("/omnivat/pair?set=feedbeef", json={"vis": "row:1"})
+    assert got.status_code == 410
+    assert "Load it again" in got.json()["error"]
+
+
+async def blocks(content: bytes, times: int) -> AsyncIterator[bytes]:
+    for _ in range(times):
+        yield content
+
+
+def test_a_file_that_is_too_large_is_cut_off_and_removed(resources):
+    desks = Desks(resources)
+    endless = blocks(b"x" * 60_000, PARTS["embeddings.thumbnails.json"] // 60_000 + 2)
+    with pytest.raises(DataError, match="is larger than 0 MB"):
+        asyncio.run(desks.keep_part("embeddings.thumbnails.json", endless))
+    assert list(desks._folder("parts").iterdir()) == []
+
+
+def test_the_desk_unused_for_longest_is_forgotten_with_its_files(resources, small_places):
+    desks = Desks(resources)
+    names = []
+    for number in range(KEPT_DESKS + 1):
+        text = (small_places.head / "metrics.json").read_bytes() + b" " * number
+        parts = {}
+        for name, file in head_files(small_places.head).items():
+            content = text if name == "metrics.json" else file.read_bytes()
+            parts[name] = asyncio.run(desks.keep_part(name, blocks(content, 1)))
+        names.append(desks.load(parts, beside="", compare=False))
+    with pytest.raises(ForgottenError):
+        desks.named(names[0])
+    assert desks.named(names[-1]).head().source == "TAG-sim"
+    assert not (desks._folder(".") / names[0]).exists()

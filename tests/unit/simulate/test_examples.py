@@ -1,0 +1,93 @@
+"""Example pairs: of test objects, in the layout that the page and the readers find."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from app.examples import find_examples
+from benchmarks.simulated_sheet import LEFT, TILE, TOP, sheet
+from omnivat.data.domains import DOMAINS, simulated
+from omnivat.data.pairs import PairSet
+from omnivat.data.readers import read_pairs
+from omnivat.data.store import load_embeddings
+from omnivat.errors import DataError
+from omnivat.simulate.build import simulate
+from omnivat.simulate.examples import spread, write_examples
+from omnivat.simulate.plan import classes
+
+SHIPPED = Path(__file__).parents[3] / "examples"
+SMALL = {"domains": ["TQ-T3D"], "size": 48, "renderer": "plain", "workers": 1}
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> PairSet:
+    return simulate(tmp_path_factory.mktemp("set"), **SMALL, pairs_per_class=10)
+
+
+def test_examples_are_of_different_objects_that_nothing_was_trained_on(made, tmp_path):
+    files = write_examples(made, tmp_path, each=2)
+
+    names = {file.name.rsplit("_", 2)[0] for file in files}
+    testing = {p.object.split("/")[1] for p in made.pairs if p.split == "test"}
+    assert names == testing  # two of each class, and these are all there are
+    assert len(files) == 2 * len(names) == 16
+
+
+def test_an_example_is_the_image_of_the_set_but_for_what_jpeg_loses(made, tmp_path):
+    here = write_examples(made, tmp_path, each=1)[1]
+    there = next(p.tac for p in made.pairs if p.tac.stem == here.stem)
+
+    with Image.open(here) as lossy, Image.open(there) as whole:
+        difference = np.abs(np.asarray(lossy, float) - np.asarray(whole, float))
+    assert difference.mean() < 3.0
+
+
+def test_the_page_and_the_reader_of_folders_find_every_example(made, tmp_path):
+    write_examples(made, tmp_path, each=1)
+
+    assert len(find_examples(tmp_path)) == len(read_pairs(tmp_path).pairs) == 4
+
+
+def test_examples_are_taken_evenly_and_no_more_than_there_are():
+    assert spread(list("abcdef"), 2) == ["b", "e"]
+    assert spread(list("ab"), 5) == ["a", "b"]
+
+
+def test_a_set_without_test_objects_has_no_examples(tmp_path):
+    only_train = simulate(tmp_path / "set", **SMALL, pairs_per_class=2)
+    with pytest.raises(DataError, match="ask for 4 pairs per class"):
+        write_examples(only_train, tmp_path / "examples")
+
+
+def test_shipped_examples_cover_every_class_and_are_test_pairs_of_the_shipped_features():
+    found = find_examples(SHIPPED / "pairs")
+    wanted = {(simulated(d.name), name) for d in DOMAINS.values() for name in classes(d)}
+    features = load_embeddings(SHIPPED / "simulated.safetensors")
+    testing = {
+        file.removesuffix("_vis.png")
+        for file, split in zip(features.rows["vis"], features.rows["split"], strict=True)
+        if split == "test"
+    }
+
+    assert len(found) >= 40
+    assert {(one.domain, one.material) for one in found.values()} == wanted
+    assert set(found) <= testing
+    assert sum(f.stat().st_size for f in (SHIPPED / "pairs").rglob("*.*")) < 6e6
+
+
+def test_the_contact_sheet_has_a_tile_for_each_class_and_white_where_there_is_none():
+    picture = sheet(SHIPPED / "pairs")
+    row = list(DOMAINS).index("TQ-DIGIT")
+    middle = TOP + row * TILE + TILE // 2
+    step = (picture.width - LEFT) // 5
+
+    ceramic = picture.getpixel((LEFT + 3 * step + TILE // 2, middle))
+    wood = picture.getpixel((LEFT + TILE // 2, middle))
+    assert ceramic == (255, 255, 255) != wood
+
+
+def test_a_folder_without_pairs_makes_no_sheet(tmp_path):
+    with pytest.raises(DataError, match="holds no pair"):
+        sheet(tmp_path)

@@ -1,0 +1,135 @@
+"""Files are written whole or not at all, and a place that cannot be written is named."""
+
+import os
+
+import pytest
+
+from omnivat.cli import main
+from omnivat.data.manifest import COLUMNS, write_manifest
+from omnivat.errors import OmniVatError, WriteError
+from omnivat.files import replacing, require_writable, write_text
+
+ROW = {name: ["x"] for name in COLUMNS}
+
+
+def test_a_failure_half_way_leaves_the_old_file_and_nothing_beside_it(tmp_path):
+    file = tmp_path / "a.txt"
+    write_text(file, "old")
+
+    def fail_half_way():
+        with replacing(file) as temporary:
+            temporary.write_text("half")
+            raise RuntimeError
+
+    with pytest.raises(RuntimeError):
+        fail_half_way()
+    assert file.read_text() == "old"
+    assert [path.name for path in tmp_path.iterdir()] == ["a.txt"]
+
+
+def test_a_full_disk_is_a_sentence_and_leaves_the_old_file(tmp_path):
+    file = tmp_path / "a.txt"
+    write_text(file, "old")
+
+    def fill_the_disk():
+        with replacing(file):
+            raise OSError(28, "No space left on device")
+
+    with pytest.raises(WriteError, match="a.txt' was not written .No space left"):
+        fill_the_disk()
+    assert file.read_text() == "old"
+    assert [path.name for path in tmp_path.iterdir()] == ["a.txt"]
+
+
+@pytest.mark.parametrize(
+    ("name", "sentence"),
+    [
+        ("folder", "is a folder; name a file to write"),
+        ("file/a.bin", "file' is a file; choose a folder"),
+        ("file/deep/er/a.bin", "file' is a file; choose a folder"),
+        (os.devnull, "is a device and not a file"),
+    ],
+)
+def test_what_is_in_the_way_is_named_before_and_while_writing(name, sentence, tmp_path):
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "file").write_text("text")
+    before = sorted(tmp_path.rglob("*"))
+    for attempt in (require_writable, lambda path: write_text(path, "new")):
+        with pytest.raises(WriteError, match=sentence):
+            attempt(tmp_path / name)
+    assert sorted(tmp_path.rglob("*")) == before
+    assert os.path.exists(os.devnull) and not os.path.isfile(os.devnull)
+
+
+def test_a_folder_without_rights_is_named(tmp_path, monkeypatch):
+    monkeypatch.setattr(os, "access", lambda path, mode: False)
+    with pytest.raises(WriteError, match="nothing may be written in"):
+        require_writable(tmp_path / "new" / "a.bin")
+
+
+def test_a_place_that_can_be_written_is_left_as_it_is(tmp_path):
+    require_writable(tmp_path / "new" / "deep" / "a.bin", ".bin")
+    assert list(tmp_path.iterdir()) == []
+    with pytest.raises(WriteError, match="name one that ends in .bin"):
+        require_writable(tmp_path / "a.txt", ".bin")
+
+
+def test_that_a_file_cannot_be_written_is_both_an_error_of_ours_and_of_the_system():
+    assert issubclass(WriteError, OmniVatError) and issubclass(WriteError, OSError)
+
+
+def test_a_manifest_replaces_its_own_and_no_other_table(tmp_path):
+    place = tmp_path / "mine.safetensors"
+    assert write_manifest(place, ROW) == write_manifest(place, ROW) == tmp_path / "mine.csv"
+    (tmp_path / "mine.csv").write_text("vis,tac,domain,material\na,b,c,d\n")
+    with pytest.raises(WriteError, match="mine.csv' is another table"):
+        write_manifest(place, ROW)
+    assert (tmp_path / "mine.csv").read_text().startswith("vis,tac")
+
+
+def test_embedding_a_table_never_replaces_that_table(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    text = (
+        ",".join(COLUMNS) + "\nA,wood,a.png,b.png,,,\n"
+    )  # looks like a manifest, and is the input
+    (tmp_path / "mine.csv").write_text(text)
+    assert main(["embed", "mine.csv", "--out", "mine.safetensors"]) == 1
+    assert "would replace 'mine.csv'; choose another name" in capsys.readouterr().err
+    assert (tmp_path / "mine.csv").read_text() == text
+    assert [path.name for path in tmp_path.iterdir()] == ["mine.csv"]
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["embed", "pairs", "--out", "folder"],
+        ["embed", "pairs", "--out", ""],
+        ["sweep", "--out", "folder"],
+        ["sweep", "--csv", "folder"],
+        ["thumbnails", "folder", "--out", "folder"],
+        ["project", "--out", "folder/a.csv/b.csv"],
+        ["prompts", "--out", "folder"],
+    ],
+)
+def test_commands_refuse_an_unwritable_place_before_any_work(
+    arguments, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "folder" / "a.csv").write_text("")
+    assert main(arguments) == 1
+    said = capsys.readouterr()
+    assert said.err.count("\n") == 1 and said.out == ""
+    assert sorted(p.name for p in tmp_path.rglob("*")) == ["a.csv", "folder"]
+
+
+def test_an_error_of_the_system_is_one_sentence(monkeypatch, capsys):
+    def full(options):
+        raise OSError(28, "No space left on device", "x.bin")
+
+    monkeypatch.setattr("omnivat.cli.evaluate.run", full)
+    assert main(["evaluate"]) == 1
+    assert capsys.readouterr().err == (
+        "omnivat evaluate: 'x.bin': No space left on device. Check the path, its rights and the "
+        "free space.\n"
+    )
