@@ -102,6 +102,7 @@ class FramesJob:
         self._state = FramesState(step=Step(done=0, total=0, text="waiting for another map"))
         with ONE_AT_A_TIME:
             self._build(head, embeddings, COARSE, coarse, shown=None)
+        with ONE_AT_A_TIME:  # the first look at another map comes before the last touch to this one
             self._build(head, embeddings, FINE, fine, shown=coarse)
         self._state = FramesState(file=fine)
 

@@ -49,7 +49,13 @@ def main() -> None:
         for network, ways in networks(Path(folder), tuple(batches)):
             rows += measured(network, ways, images, options.rounds)
     place = machine() | {"bf16": cpu_has_bf16(), "cpu": cpu_name()}
-    found = {"machine": place, "rounds": options.rounds, "pictures": len(images), "rows": rows}
+    found = {
+        "machine": place,
+        "rounds": options.rounds,
+        "pictures": len(images),
+        "batches": options.batches,
+        "rows": rows,
+    }
     print(page(found))
     if options.out:
         options.out.mkdir(parents=True, exist_ok=True)

@@ -9,6 +9,10 @@ from omnivat.errors import MissingPackageError
 from omnivat.packages import need
 
 FLOOR = 1e-13  # an error below this is drawn here; rounding of the cosine itself is near it
+CAPTION = (
+    "Circles have the same bits as the default way, fp32 image by image; squares have not. "
+    "Errors below 1e-13 are drawn there. The dashed line is the error that the list above allows."
+)
 ALLOWED = 1e-3  # 1 - cosine that a precision may cost and still be offered
 
 
@@ -18,7 +22,8 @@ def page(found: dict[str, Any]) -> str:
     lines = [
         "# Time and error of the encoders",
         "",
-        "Written by `python -m benchmarks.encoders --out docs/benchmarks`.",
+        f"Written by `python -m benchmarks.encoders --rounds {found['rounds']} --pictures "
+        f"{found['pictures']} --batches {found['batches']} --out docs/benchmarks`.",
         f"{place['machine']} ({place['cpu']}; instructions for bf16: "
         f"{'yes' if place['bf16'] else 'no'}), shared; load {place['load']}; one thread; "
         f"torch {place['torch']}; {found['pictures']} pictures, medians of {found['rounds']} "
@@ -40,7 +45,9 @@ def page(found: dict[str, Any]) -> str:
     ]
     networks = dict.fromkeys(row["network"] for row in found["rows"])
     verdicts = [verdict([r for r in found["rows"] if r["network"] == n]) for n in networks]
-    return "\n".join([*lines, "", *verdicts, "", "![time against error](encoders.png)", ""])
+    return "\n".join(
+        [*lines, "", *verdicts, "", "![time against error](encoders.png)", "", CAPTION, ""]
+    )
 
 
 def verdict(rows: Sequence[dict[str, Any]]) -> str:

@@ -24,7 +24,7 @@ export class Attention {
       <canvas class="square" role="img" aria-label="Attention of each token of ${NAMES[name]} to each, at this p"></canvas>
       <div class="strip"><canvas role="img" aria-label="Attention that each token of ${NAMES[name]} gets, over p"></canvas><i></i></div>
       <p class="hint figure"></p></figure>`).join("")}
-      <p class="hint">Each modality is ${found.count[names[0]]} tokens: real parts, then imaginary parts, each times a learned θ and cut by the ReLU. Above: row asks, column is looked at. Below: what each token gets on average, p from 0 to 1. <b style="color:#d55e00">Orange</b> gets more than an even share, <b style="color:#2f86c4">blue</b> less; full colour is ${(100 * found.scale).toPrecision(2)} points off, the most at any p.</p>`;
+      <p class="hint">Each modality is ${found.count[names[0]]} tokens: real parts, then imaginary parts, each times a learned θ and cut by the ReLU. Above: row asks, column is looked at. Below: what each token gets on average, p from 0 to 1. <i class="swatch" style="background:#d55e00"></i> Orange gets more than an even share, <i class="swatch" style="background:#2f86c4"></i> blue less; full colour is ${(100 * found.scale).toPrecision(2)} points off, the most at any p.</p>`;
     this.all = names.map((name) => ({
       name, count: found.count[name], tokens: found.tokens[name],
       bytes: Int8Array.from(atob(found.off[name]), (c) => c.charCodeAt(0)),

@@ -13,7 +13,7 @@ export function beforeMap(box, frames, on, painters) {
   return cloud;
 }
 
-/** What stands above each map: both gaps there, and how far they have closed. */
+/** What stands above each map: both gaps there, how far they have closed, and what it is worth. */
 export function title(frames, stage, stop, name) {
   const at = (gap, of) => values(frames, gap, of)?.[stop];
   const parts = ["modality_gap", "domain_gap"].map((gap) => {
@@ -25,5 +25,7 @@ export function title(frames, stage, stop, name) {
       : `<small class="${by > 0 ? "right" : "wrong"}">${by > 0 ? "−" : "+"}${Math.abs(by)} %</small>`;
     return `<span class="gap">${gap === "modality_gap" ? "modality gap" : "domain gap"} <b>${own.toFixed(2)}</b>${change}</span>`;
   });
+  const right = stage === "raw" ? NaN : values(frames, "accuracy", stage)?.[stop];
+  if (Number.isFinite(right)) parts.push(`<span class="gap">accuracy <b>${Math.round(100 * right)} %</b></span>`);
   return `<span class="where-at">${name}</span>${parts.join("")}`;
 }

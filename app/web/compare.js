@@ -13,7 +13,7 @@ import { means } from "./means.js";
 import { COLOURINGS, isDark, onTheme } from "./palette.js";
 import { listen } from "./pointer.js";
 import { STAGES, stageNamed } from "./stages.js";
-import { change, state, watch } from "./store.js";
+import { change, state, watch, watchIn } from "./store.js";
 import { escaped, percent } from "./text.js";
 import { theSet } from "./theset.js";
 
@@ -155,7 +155,7 @@ function compare($, frames, sprite, known) {
       };
       if (name) tell(null);
       try {
-        const found = await framesBy(name, frames, tell);
+        const found = await framesBy(name, frames, tell, loadBoth);
         if (state[side.head] !== name) return;
         if (found.pairs !== frames.pairs) throw new Refusal("This head’s map is of another set.");
         by.set(side, found);
@@ -217,7 +217,7 @@ function compare($, frames, sprite, known) {
     pressed(".changed", (changedOnly = !changedOnly));
     show();
   };
-  watch(["p", "p2", "stage", "stage2", "map", "colour", "only", "only2"], show);
+  watchIn("compare", ["p", "p2", "stage", "stage2", "map", "colour", "only", "only2"], show);
   watch(["head", "head2"], loadBoth);
   watch(["domain", "class", "modality"], () => {
     shown = shownBy(frames);

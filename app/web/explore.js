@@ -18,7 +18,7 @@ import { COLOURINGS, isDark, onTheme } from "./palette.js";
 import { listen } from "./pointer.js";
 import { showSelection } from "./selection.js";
 import { stageButtons, stageNamed } from "./stages.js";
-import { change, hidden, state, watch } from "./store.js";
+import { change, hidden, state, watch, watchIn } from "./store.js";
 import { openTab } from "./tabs.js";
 import { percent } from "./text.js";
 import { theSet } from "./theset.js";
@@ -50,7 +50,7 @@ export async function start(root) {
 function waiting(step) {
   if (!step) return "Computing the map…";
   const share = step.total ? ` · ${step.done} of ${step.total}` : "";
-  return `Computing the map: ${step.text || "working"}${share}`;
+  return `Computing the map: ${step.text || "working"}${share}. Eleven stops come first, then all; the other tabs work meanwhile.`;
 }
 
 function explore($, first, sprite) {
@@ -239,7 +239,7 @@ function explore($, first, sprite) {
       paintMarks();
     }
   };
-  watch(["p"], showOrder);
+  watchIn("explore", ["p"], showOrder);
   watch(["stage"], showStage);
   watch(["map"], () => { $(".map-kind").value = state.map; showMap(); });
   watch(["colour", "domain", "class", "modality"], showColours);

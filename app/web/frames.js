@@ -78,11 +78,11 @@ export async function fetchFrames(onWait, head = "") {
 }
 
 /** Wait for finer frames after coarse ones were shown. */
-export async function whenFine(onWait) {
+export async function whenFine(onWait, head = "") {
   for (;;) {
     await new Promise((resolve) => setTimeout(resolve, 1500));
-    const { step } = await (await get("frames?progress=1")).json();
-    if (!step) return (await fetchFrames(onWait)).frames;
+    const { step } = await (await get(`frames?progress=1${head && `&head=${encodeURIComponent(head)}`}`)).json();
+    if (!step) return (await fetchFrames(onWait, head)).frames;
     onWait(step);
   }
 }

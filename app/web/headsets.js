@@ -1,7 +1,7 @@
 /** Who can answer in a view: the head, comparison heads with frames of their own, simple methods. */
 
 import { ask, json } from "./api.js";
-import { fetchFrames } from "./frames.js";
+import { fetchFrames, whenFine } from "./frames.js";
 
 const METHOD = "method:";
 const cache = new Map();
@@ -17,17 +17,29 @@ export const headLabel = (one) => `${one.name || one.folder}${one.problem ? "" :
 export const METHODS = [[`${METHOD}nearest_mean`, "nearest class mean (raw embedding)"]];
 export const isMethod = (name) => name.startsWith(METHOD);
 
-/** Frames by which `name` answers; "" is the first head, whose frames are at hand. */
-export function framesBy(name, own, onWait) {
+/** Frames by which `name` answers; "" is the first head, whose frames are at hand.
+ * Where coarse ones come first, `onFiner` is told once there are finer ones to ask for. */
+export function framesBy(name, own, onWait, onFiner = () => {}) {
   if (!name) return Promise.resolve(own);
   if (!cache.has(name)) {
-    const making = isMethod(name) ? byMethod(name, own) : fetchFrames(onWait, name).then(({ frames }) => frames);
+    const making = isMethod(name) ? byMethod(name, own) : fetched(name, onWait, onFiner);
     cache.set(name, making.catch((error) => {
       cache.delete(name);
       throw error;
     }));
   }
   return cache.get(name);
+}
+
+async function fetched(name, onWait, onFiner) {
+  const { frames, coarse } = await fetchFrames(onWait, name);
+  if (coarse) {
+    whenFine(() => {}, name).then((finer) => {
+      cache.set(name, Promise.resolve(finer));
+      onFiner();
+    }, () => {}); // what is shown stays as it is
+  }
+  return frames;
 }
 
 /** The same maps with the answers of a method, which knows no p. */

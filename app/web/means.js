@@ -4,7 +4,7 @@ import { COLOURINGS, isDark } from "./palette.js";
 import { state } from "./store.js";
 
 const ALL = { of: () => () => 0, groups: () => [["all pairs", null]] };
-const SIZE = 8; // CSS pixels
+const SIZE = 8; // CSS pixels, less on a small map
 
 /** A painter: one line a domain or class, or one for all, of the points that `shown(point)` names. */
 export function means(frames, shown) {
@@ -31,9 +31,10 @@ export function means(frames, shown) {
     for (const [width, stroke] of [[7, () => edge], [3.4, (p) => p.colour]]) {
       for (const place of places) if (place.vis && place.tac) line(context, place.vis, place.tac, width, stroke(place));
     }
+    const size = cloud.width / cloud.ratio < 260 ? 0.7 * SIZE : SIZE;
     for (const { colour, vis, tac } of places) {
-      if (vis) shape(context, colour, edge, () => context.arc(...vis, SIZE, 0, 7));
-      if (tac) shape(context, colour, edge, () => triangle(context, ...tac));
+      if (vis) shape(context, colour, edge, () => context.arc(...vis, size, 0, 7));
+      if (tac) shape(context, colour, edge, () => triangle(context, ...tac, size));
     }
   };
 }
@@ -48,10 +49,10 @@ function line(context, a, b, width, colour) {
   context.stroke();
 }
 
-function triangle(context, x, y) {
-  context.moveTo(x, y - 1.2 * SIZE);
-  context.lineTo(x + 1.15 * SIZE, y + 0.85 * SIZE);
-  context.lineTo(x - 1.15 * SIZE, y + 0.85 * SIZE);
+function triangle(context, x, y, size) {
+  context.moveTo(x, y - 1.2 * size);
+  context.lineTo(x + 1.15 * size, y + 0.85 * size);
+  context.lineTo(x - 1.15 * size, y + 0.85 * size);
   context.closePath();
 }
 

@@ -11,7 +11,7 @@ import { onTheme } from "./palette.js";
 import { shelf, somePair } from "./pick.js";
 import { sent, slots } from "./slots.js";
 import { Spectra } from "./spectrum.js";
-import { change, state, watch } from "./store.js";
+import { change, state, watch, watchIn } from "./store.js";
 import { escaped, percent } from "./text.js";
 import { theSet } from "./theset.js";
 
@@ -235,7 +235,7 @@ function pair($, examples, set, rivals) {
     showAnswer();
   };
   watch(["vis", "tac"], answerAgain);
-  watch(["p"], () => {
+  watchIn("pair", ["p"], () => {
     showOrder();
     if (answer) onMap?.({ vis: state.vis, tac: state.tac }, state.p);
   });

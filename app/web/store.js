@@ -47,6 +47,17 @@ export function watch(names, action) {
   return () => listeners.delete(listener);
 }
 
+/** Like `watch`, for one tab: what changes while another is open waits until this one is. */
+export function watchIn(view, names, action) {
+  let late = false;
+  const now = () => {
+    late = state.view !== view;
+    if (!late) action();
+  };
+  watch(names, now);
+  watch(["view"], () => late && now());
+}
+
 function writeAddress() {
   const address = new URL(location);
   for (const [name, usual] of Object.entries(DEFAULTS)) {

@@ -6,7 +6,7 @@ import { nodeMap } from "./nodemap.js";
 import { orderBar } from "./order.js";
 import { classColour, onTheme } from "./palette.js";
 import { somePair } from "./pick.js";
-import { change, state, watch } from "./store.js";
+import { change, state, watchIn } from "./store.js";
 import { drawTree } from "./treeview.js";
 import { escaped } from "./text.js";
 import { theSet } from "./theset.js";
@@ -91,8 +91,7 @@ export async function start(root) {
   }
 
   $(".of").onchange = (event) => change({ tree: event.target.value });
-  watch(["vis", "tac", "tree"], soon);
-  watch(["p"], soon);
+  watchIn("tree", ["vis", "tac", "tree", "p"], soon);
   onTheme(() => answers.length && show());
   const [set, found] = await Promise.all([theSet().catch(() => null), heads().catch(() => known)]);
   known = found.filter((one) => !one.problem || !one.name);

@@ -27,7 +27,7 @@ function drawLine({ classes, nodes, parents }) {
   const place = (i) => [((i + 0.5) / nodes.length) * width, 36];
   const edges = parents.map((parent, i) => (parent < 0 ? "" : `<path class="edge" d="M${place(parent)[0] + radius(parent)} 36H${place(i)[0] - radius(i)}"/>`));
   const discs = nodes.map((node, i) => disc(node, i, place(i), radius(i), classes, nodes.length <= 8));
-  return `<svg class="tree-view" viewBox="0 0 ${width} 120" role="list" aria-label="${nodes.length} nodes in a line">${edges.join("")}${discs.join("")}</svg>`;
+  return `<svg class="tree-view" viewBox="0 0 ${width} 128" role="list" aria-label="${nodes.length} nodes in a line">${edges.join("")}${discs.join("")}</svg>`;
 }
 
 export function drawTree({ classes, nodes, parents }) {
@@ -45,7 +45,7 @@ export function drawTree({ classes, nodes, parents }) {
   const edges = parents.map((parent, i) => {
     if (parent < 0) return "";
     const [x0, above] = place(parent);
-    const y0 = above + radius(parent) + (fits ? LABEL : 0);
+    const y0 = above + radius(parent) + (fits ? LABEL + (nodes[0].right === undefined ? 0 : 14) : 0);
     const [x1, y1] = place(i);
     const middle = (y0 + y1) / 2;
     return `<path class="edge" d="M${x0} ${y0}C${x0} ${middle} ${x1} ${middle} ${x1} ${y1}"/>`;
@@ -61,7 +61,7 @@ function disc({ norm, probabilities, right }, i, [x, y], r, classes, fits) {
   const parts = classes.map((name, k) => `${name} ${percent(probabilities[k], 1)}`).join(", ");
   const title = `<title>Node ${i + 1}: norm ${norm.toFixed(3)}; ${escaped(parts)}</title>`;
   const label = fits ? `<text class="name" x="${x}" y="${y + r + 17}">${escaped(classes[best])} ${percent(probabilities[best])}</text>
-    ${bar(probabilities, x - 46, y + r + 23)}<text x="${x}" y="${y + r + 43}">norm ${norm.toFixed(2)}${right === undefined ? "" : ` · ${percent(right)} right`}</text>` : "";
+    ${bar(probabilities, x - 46, y + r + 23)}<text x="${x}" y="${y + r + 43}">norm ${norm.toFixed(2)}</text>${right === undefined ? "" : `<text x="${x}" y="${y + r + 57}">${percent(right)} right</text>`}` : "";
   return `<g tabindex="0" role="listitem" aria-label="Node ${i + 1}, norm ${norm.toFixed(2)}, ${escaped(parts)}">${title}
     <circle class="disc" cx="${x}" cy="${y}" r="${r}" style="fill:${classColour(best)}"/><text class="index${isDeep(classColour(best)) ? " pale" : ""}" x="${x}" y="${y + 5}">${i + 1}</text>${label}</g>`;
 }

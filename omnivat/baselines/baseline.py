@@ -16,11 +16,11 @@ from omnivat.baselines.descent import Descent, descend
 from omnivat.baselines.evidence import best
 from omnivat.seeding import derive_seed
 
+# Learning rate and epochs stand in pairs: 0.02 for 60 epochs moves as far as 0.1 for 12.
 CANDIDATES = {
     f"lr {lr:g}, text {share:g}, epochs {epochs}": (lr, share, epochs)
-    for lr in (0.02, 0.1)
+    for lr, epochs in ((0.02, 20), (0.1, 20), (0.02, 60))
     for share in (0.1, 1.0)
-    for epochs in (20, 60)
 }
 TEXTS = 16  # style texts a step
 

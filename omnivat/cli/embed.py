@@ -86,4 +86,4 @@ def reader_options(texts: list[str]) -> dict[str, str]:
     for text in texts:
         if "=" not in text:
             raise SettingsError(f"--set got '{text}'; write it as key=value.")
-    return dict(text.split("=", 1) for text in texts)  # type: ignore[misc]
+    return {name: value for name, _, value in (text.partition("=") for text in texts)}

@@ -116,7 +116,7 @@ def _torch_state(file: Path) -> dict[str, Tensor]:
         return state
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)
-        archive = torch.jit.load(file, map_location="cpu")  # type: ignore[no-untyped-call]
+        archive = torch.jit.load(file, map_location="cpu")
     return dict(archive.state_dict())
 
 

@@ -33,7 +33,7 @@ def untouched(sensor: Sensor, *, size: int) -> Array:
     image = np.ones((size, size, 3)) * np.asarray(sensor.base)
     for lamp in sensor.lamps:
         image += lamp.spill * _toward(lamp, x, y)[..., None] * np.asarray(lamp.colour) * 0.55
-    return image * (1.0 - sensor.vignette * 0.5 * (x**2 + y**2))[..., None]
+    return np.asarray(image * (1.0 - sensor.vignette * 0.5 * (x**2 + y**2))[..., None])
 
 
 def lit(sheet: Array, sensor: Sensor) -> Array:

@@ -98,7 +98,8 @@ def _ground(mi: Any, surface: Surface, framing: Framing, z: float) -> dict[str, 
     plane = {"type": "rectangle", "to_world": place}
     if surface.gloss == "glass":
         # Its own evenly lit radiance: under glass, light from the lamp is found too seldom.
-        lit = colour * (np.asarray(framing.sky) + 0.35 * np.asarray(framing.sun)) * 0.8
+        light = np.asarray(framing.sky) + 0.35 * np.asarray(framing.sun)
+        lit: Array = np.asarray(colour * light * 0.8, dtype=np.float64)
         glow = {"type": "area", "radiance": _bitmap(mi, lit)}
         return plane | {"emitter": glow, "bsdf": {"type": "diffuse", "reflectance": 0.0}}
     return plane | {"bsdf": {"type": "diffuse", "reflectance": _bitmap(mi, colour)}}

@@ -107,3 +107,32 @@ def test_without_pywebview_the_desktop_window_is_refused_in_a_sentence(monkeypat
 def test_heads_to_compare_can_be_given_several_times():
     chosen = parser().parse_args(["--compare", "a", "--compare", "b"])
     assert chosen.compare == [Path("a"), Path("b")]
+
+
+WINDOW = """
+import sys
+from types import SimpleNamespace
+from urllib.request import urlopen
+
+def create_window(title, address, **size):
+    with urlopen(address) as answer:
+        print("SEEN", title, answer.status)
+
+sys.modules["webview"] = SimpleNamespace(create_window=create_window, start=lambda: print("STARTED"))
+from app.server import main
+raise SystemExit(main(["--desktop"]))
+"""
+
+
+def test_the_desktop_window_shows_the_page_while_it_is_open():
+    """In a process of its own: a stopped server leaves an event loop behind."""
+    done = subprocess.run(
+        [sys.executable, "-c", WINDOW],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=True,
+    )
+    said = [line for line in done.stdout.splitlines() if line.startswith(("SEEN", "STARTED"))]
+    assert said == ["SEEN OmniVaT 200", "STARTED"]

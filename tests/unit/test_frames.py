@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -287,3 +288,20 @@ def test_too_many_names_are_refused():
 def test_no_pairs_are_refused():
     with pytest.raises(DataError, match="no pairs to draw"):
         build_frames(head(), pairs(count=0), orders=(0.0,))
+
+
+def test_a_value_that_does_not_exist_is_none_here_and_in_the_file(tmp_path):
+    alone = pairs().in_domain("D0")
+    made = build_frames(head(), alone, orders=(0.0, 1.0), maps={"pca/raw": 1, "pca/relu": 2})
+    write_frames(tmp_path / "frames.bin", made)
+    for curves in (made.curves, read_frames(tmp_path / "frames.bin").curves):
+        assert curves["domain_gap/raw"] == curves["domain_gap/relu"] == [None, None]
+        assert None not in curves["modality_gap/relu"]
+
+
+@pytest.mark.parametrize("length", range(8))
+def test_arrays_start_at_a_multiple_of_8_however_long_the_json_is(length, frames, tmp_path):
+    write_frames(tmp_path / "frames.bin", replace(frames, head={"source": "x" * length}))
+    content = (tmp_path / "frames.bin").read_bytes()
+    assert (12 + int.from_bytes(content[8:12], "little")) % 8 == 0
+    assert read_frames(tmp_path / "frames.bin").head == {"source": "x" * length}

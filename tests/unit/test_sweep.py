@@ -139,6 +139,14 @@ def test_what_stays_still_is_measured_at_one_order_alone(monkeypatch):
     assert found.probabilities.shape == (4, 0, 3)
 
 
+def test_what_stays_still_comes_with_the_first_order_visited_and_never_again():
+    first, *later = walk(head(), pairs(), ORDERS, stages=("raw", "frft", "f_hat"))
+    assert set(first.features) == {"raw", "frft", "f_hat"}
+    assert [set(found.features) for found in later] == [{"f_hat"}] * 3
+    alone = list(walk(head(), pairs(), ORDERS, stages=("raw", "frft"), answers=False))
+    assert [found.index for found in alone] == [0]
+
+
 def test_the_raw_embedding_needs_no_head_at_all(monkeypatch):
     model, data = head(), pairs()
     count = Counting(model, monkeypatch)

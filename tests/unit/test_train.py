@@ -1,5 +1,6 @@
 """Training: it learns, repeats itself, and never leans on what prediction lacks."""
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
@@ -322,7 +323,7 @@ def test_p_moves_by_a_tenth_of_the_rate_a_step_at_most(source):
     settings = TrainSettings(epochs=4, lr=0.5, warmup_epochs=0.0)
     trained = train(source, head(), settings, bank=load_bank())
     path = [0.5, *(epoch["order"] for epoch in trained.epochs)]
-    moved = [abs(after - before) for before, after in zip(path, path[1:], strict=False)]
+    moved = [abs(after - before) for before, after in itertools.pairwise(path)]
     assert 0 < max(moved) <= 0.1 * settings.lr * steps
     assert max(epoch["order_clipped"] for epoch in trained.epochs) > 0
     free = replace(settings, order_lr_scale=1.0, order_clip=1e9)

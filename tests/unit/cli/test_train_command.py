@@ -79,3 +79,16 @@ def test_a_head_of_vis_alone_is_evaluated_with_vis_alone(file, tmp_path):
     domains = load_head(tmp_path / "head").metrics["domains"]
     assert all(set(record["scores"]) == {"fused", "vis"} for record in domains)
     assert load_head(tmp_path / "head").provenance["train"]["modalities"] == "vis"
+
+
+def test_repeats_leave_their_scores_beside_those_of_the_head_that_is_kept(file, tmp_path):
+    """The head is --seed's; the others are what training with their seeds gives."""
+    assert main(command(file, tmp_path / "head", "--repeat", "1")) == 0
+    assert main(command(file, tmp_path / "other", "--seed", "1")) == 0
+    kept, other = (
+        json.loads((tmp_path / name / "metrics.json").read_text()) for name in ("head", "other")
+    )
+    assert [one["seed"] for one in kept["seeds"]] == [0, 1]
+    assert kept["seeds"][0]["target_accuracy"] == kept["target_accuracy"]
+    assert kept["seeds"][1] == other["seeds"][0]
+    assert set(kept["seeds"][1]["domains"]) == {d["domain"] for d in kept["domains"]}

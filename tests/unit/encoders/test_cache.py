@@ -18,6 +18,7 @@ from omnivat.encoders.cache import (
     embed_views,
 )
 from omnivat.errors import DataError
+from omnivat.files import cache_folder
 
 
 class Counting:

@@ -146,3 +146,11 @@ def test_the_bank_holds_every_class_in_every_style_and_says_where_it_is_from(tow
     assert (
         read.origin == "PromptStyler stage 1, 2 styles of 1 step, seed 0, through tiny random CLIP"
     )
+
+
+def test_eighty_styles_a_class_are_learned_where_nothing_else_is_asked(tower):
+    words = learn_styles(tower, CLASSES, steps=1)
+    bank = styled_bank(tower, CLASSES, words)
+    assert bank.embeddings.shape == (3, 80, 12)
+    assert len(np.unique(bank.embeddings[0].round(6), axis=0)) == 80
+    assert bank.origin == "PromptStyler stage 1, 80 styles, through tiny random CLIP"

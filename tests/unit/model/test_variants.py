@@ -254,3 +254,32 @@ def test_settings_saved_before_these_existed_mean_the_defaults():
     for name in ("generation", "mffa", "complex_to_real", "order_per_modality"):
         del values[name]
     assert settings_from(HeadSettings, values) == HeadSettings(**CORE)
+
+
+# ---- starts of θ_e and of the tree ---------------------------------------------------------------
+
+
+@pytest.mark.parametrize("init", ["orthogonal", "default", "identity"])
+def test_a_tree_starts_as_its_name_says(init):
+    """Orthogonal keeps lengths, identity leaves nodes nearly alike, torch's default shrinks them."""
+    torch.manual_seed(0)
+    nodes = DTG(64, init=init).double().nodes(torch.randn(20, 64, dtype=torch.float64))
+    shares = (nodes[:, 1:].norm(dim=-1) / nodes[:, :1].norm(dim=-1)).mean(0)
+    likeness = torch.nn.functional.cosine_similarity(nodes[:, 1:], nodes[:, :1], dim=-1)
+    if init == "orthogonal":
+        torch.testing.assert_close(shares, torch.ones_like(shares))
+    elif init == "identity":
+        assert likeness.min() > 0.95
+    else:
+        assert shares[:2].max() < 0.7
+        assert shares[2:].max() < 0.45
+    if init != "identity":
+        assert likeness.mean().abs() < 0.1
+
+
+def test_theta_starts_as_its_name_says(make_head):
+    starts = {name: make_head(theta=name).mffa.theta["vis"] for name in ("ones", "signed")}
+    assert starts["ones"].tolist() == [1, 1, 1, 1]
+    assert starts["signed"].tolist() == [1, -1, 1, -1]
+    normal = make_head(theta="normal").mffa.theta
+    assert normal["vis"].tolist() != normal["tac"].tolist()

@@ -73,6 +73,7 @@ def test_the_spectral_start_finds_the_slow_directions_of_the_graph():
     ring = torch.stack([angle.cos(), angle.sin(), torch.zeros(40, dtype=torch.float64)], 1)
     graph = fuzzy.fuzzy_graph(nearest(ring, 16))
     flat = spectral_map(graph)
+    assert flat.abs().max() == pytest.approx(10)
     inside = torch.linalg.lstsq(ring[:, :2], flat).solution
     assert (ring[:, :2] @ inside - flat).norm() < 0.05 * flat.norm()
 
@@ -191,6 +192,29 @@ def test_quality_agrees_with_scikit_learn_and_is_perfect_for_the_points_themselv
 def test_drift_is_counted_in_radii():
     flat = noise(50, 2)
     assert drift(flat, flat + torch.tensor([radius(flat), 0.0])) == pytest.approx(1)
+
+
+def test_the_radius_of_the_first_map_is_the_unit_of_drift():
+    flat = torch.tensor([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]])
+    assert drift(flat, 3 * flat) == pytest.approx(2)
+
+
+def test_quality_is_the_same_rule_for_more_rows_than_are_held_at_once():
+    from sklearn.manifold import trustworthiness as reference
+
+    points, flat = noise(1100, 4), noise(1100, 2, seed=1)
+    wanted = reference(points.numpy(), flat.numpy(), n_neighbors=7)
+    assert trustworthiness(points, flat, k=7) == pytest.approx(wanted)
+
+
+def test_a_nearer_neighbour_draws_a_new_row_more():
+    points = torch.tensor([[0.0, 0.0], [1.0, 0.0], [10.0, 0.0]], dtype=torch.float64)
+    flat = torch.tensor([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], dtype=torch.float64)
+    beyond = torch.tensor([0.0, 0.8, 9.8], dtype=torch.float64)  # of the distances 0.1, 0.9, 9.9
+    weight = (-beyond / beyond.mean()).exp()
+    wanted = (weight / weight.sum()) @ flat
+    query = torch.tensor([[0.1, 0.0]], dtype=torch.float64)
+    torch.testing.assert_close(place(query, points, flat)[0], wanted)
 
 
 def test_a_known_row_is_placed_on_its_own_point():
