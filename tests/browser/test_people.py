@@ -33,10 +33,11 @@ def faults(page: Any, options: dict[str, Any] | None = None) -> list[str]:
 @pytest.fixture
 def audited(open_page: Callable[..., Any]) -> Any:
     """Return the open page with the audit's script in it."""
-    base = pytest.importorskip("axe_playwright_python.base")
+    from axe_playwright_python.base import AXE_SCRIPT
+
     page = open_page(PAIR)
     page.wait_for_selector(MAP)
-    page.evaluate(base.AXE_SCRIPT)
+    page.evaluate(AXE_SCRIPT)
     return page
 
 

@@ -95,8 +95,11 @@ def test_two_visitors_do_not_disturb_one_another(open_page: Callable[..., Any]) 
         page.wait_for_selector(ANSWERED)
         page.set_input_files('.pair .slot[data-modality="vis"] input[type=file]', texture(seed))
         page.wait_for_selector(f".pair .slot .what:has-text('{seed}.png')")
+        page.wait_for_selector(ANSWERED)
     for page, seed in ((one, 12), (two, 11)):
         assert f"{seed}.png" not in page.locator(".pair .slots").inner_text()
+    said = [page.locator(".pair .bars td[data-voice=vis]").all_inner_texts() for page in (one, two)]
+    assert said[0] != said[1]
 
 
 def test_no_tab_needs_anything_from_outside_this_machine(
