@@ -70,7 +70,7 @@ class Desks:
                     size += len(block)
                     if size > PARTS[name]:
                         raise DataError(
-                            f"'{name}' is larger than {PARTS[name] / 1e6:.0f} MB; start the page "
+                            f"'{name}' is larger than {PARTS[name] / 1e6:.3g} MB; start the page "
                             "with --head and --embeddings instead."
                         )
                     digest.update(block)

@@ -125,7 +125,7 @@ def modules() -> dict[str, str]:
         if PREFIX + name in found:
             continue
         source = (WEB / name).read_text(encoding="utf-8")
-        [match[2] for match in IMPORT.finditer(source)]
+        waiting += [match[2] for match in IMPORT.finditer(source)]
         bare = IMPORT.sub(lambda match: f'{match[1]}"{PREFIX}{match[2]}"', source)
         found[PREFIX + name] = data_address(bare.encode(), "text/javascript")
     return found

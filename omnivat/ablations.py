@@ -124,7 +124,6 @@ ABLATIONS = {
     ),
     "fixed_order": Ablation(
         title="Fractional order p: a head trained anew at each fixed value",
-        sources=ALL_SOURCES,
         axis="p, fixed",
         rows={
             **{

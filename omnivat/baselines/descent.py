@@ -41,7 +41,7 @@ def descend(module: nn.Module, count: int, how: Descent, loss: Callable[[Tensor]
             for group in optimiser.param_groups:
                 group["lr"] = how.lr * rate(step, total, how.warmup)
             optimiser.zero_grad(set_to_none=True)
-            loss(rows).backward()  # type: ignore[no-untyped-call]
+            loss(rows).backward()
             torch.nn.utils.clip_grad_norm_(module.parameters(), 5.0)
             optimiser.step()
             step += 1

@@ -98,10 +98,10 @@ def _solve(
         solver.zero_grad()
         loss = cross_entropy(linear(inside, flat[:, :-1], flat[:, -1]), labels)
         loss = loss + flat[:, :-1].square().sum() / (2 * strength * count)
-        loss.backward()  # type: ignore[no-untyped-call]
+        loss.backward()
         return loss
 
-    solver.step(objective)  # type: ignore[no-untyped-call]
+    solver.step(objective)
     found = flat.detach()
     weight = found[:, :-1] if basis is None else found[:, :-1] @ basis.T
     return weight, found[:, -1], found

@@ -4,6 +4,7 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter, median_filter
 
 from omnivat.packages import need
@@ -98,14 +99,13 @@ def _ground(mi: Any, surface: Surface, framing: Framing, z: float) -> dict[str, 
     plane = {"type": "rectangle", "to_world": place}
     if surface.gloss == "glass":
         # Its own evenly lit radiance: under glass, light from the lamp is found too seldom.
-        light = np.asarray(framing.sky) + 0.35 * np.asarray(framing.sun)
-        lit: Array = np.asarray(colour * light * 0.8, dtype=np.float64)
+        lit = colour * (np.asarray(framing.sky) + 0.35 * np.asarray(framing.sun)) * 0.8
         glow = {"type": "area", "radiance": _bitmap(mi, lit)}
         return plane | {"emitter": glow, "bsdf": {"type": "diffuse", "reflectance": 0.0}}
     return plane | {"bsdf": {"type": "diffuse", "reflectance": _bitmap(mi, colour)}}
 
 
-def _bitmap(mi: Any, pixels: Array) -> dict[str, Any]:
+def _bitmap(mi: Any, pixels: NDArray[np.floating[Any]]) -> dict[str, Any]:
     return {
         "type": "bitmap", "bitmap": mi.Bitmap(np.ascontiguousarray(pixels, dtype=np.float32)),
         "raw": True, "wrap_mode": "clamp",

@@ -98,7 +98,7 @@ async def blocks(content: bytes, times: int) -> AsyncIterator[bytes]:
 def test_a_file_that_is_too_large_is_cut_off_and_removed(resources):
     desks = Desks(resources)
     endless = blocks(b"x" * 60_000, PARTS["embeddings.thumbnails.json"] // 60_000 + 2)
-    with pytest.raises(DataError, match="is larger than 0 MB"):
+    with pytest.raises(DataError, match="is larger than 0.1 MB"):
         asyncio.run(desks.keep_part("embeddings.thumbnails.json", endless))
     assert list(desks._folder("parts").iterdir()) == []
 

@@ -259,3 +259,15 @@ def test_junk_asked_of_occlusion_is_refused_in_a_sentence(client, png, query):
 def test_occlusion_answers_over_http(client, png):
     found = client.post("/omnivat/occlusion?modality=tac&other=row:1&order=0.5", content=png())
     assert len(found.json()["drops"]) == 7
+
+
+def test_the_frames_of_a_head_that_is_not_loaded_are_refused_by_name(client):
+    answer = client.get("/omnivat/frames?head=ghost")
+    assert answer.status_code == 400
+    assert answer.json()["error"].startswith("No head is called 'ghost'")
+
+
+def test_a_live_picture_is_answered_over_http(client, png):
+    answer = client.post("/omnivat/live?modality=tac&other=row:1&order=0.4", content=png())
+    assert answer.status_code == 200
+    assert set(answer.json()["ms"]) == {"read", "encoder", "head"}

@@ -230,7 +230,7 @@ def test_an_ablation_over_several_sources_has_their_average_and_no_empty_columns
     line = next(x for x in text.splitlines() if x.startswith("| p = 0.3 (fixed)"))
     assert line.endswith("| 56.0 ± 1.4 / 46.0 ± 1.4 | 10 |")
     assert "printed" not in text
-    assert "mean of 8 sources" in (tmp_path / "fixed_order.svg").read_text()
+    assert "mean of 2 sources" in (tmp_path / "fixed_order.svg").read_text()
 
 
 def test_ablation_tables_stand_beside_the_printed_figures(tmp_path):
