@@ -17,7 +17,7 @@ from omnivat.simulate.props import props
 from omnivat.simulate.surfaces import Surface
 
 SAMPLES = 4  # paths a pixel: what grain is left passes for a camera's
-SAMPLES_GLASS = 6
+SAMPLES_GLASS = 16
 _FIELD_OF_VIEW = 32.0  # degrees
 _GROUND_PIXELS = 320
 _GROUND_VIEWS = 3.0  # side of the ground, in widths of the view
