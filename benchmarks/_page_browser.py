@@ -115,6 +115,7 @@ def drag(page: Any, moves: int) -> dict[str, float]:
     seconds = (seen["times"][-1] - seen["times"][0]) / 1000
     gaps = np.diff(seen["times"])
     return {
+        "inputs_per_s": len(seen["waits"]) / seconds,
         "stops_per_s": seen["stops"] / seconds,
         "frames_per_s": len(gaps) / seconds,
         **quantiles("wait", seen["waits"]),

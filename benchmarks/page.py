@@ -32,6 +32,7 @@ FIGURES: dict[str, tuple[str, str]] = {
     "http_200_s": ("process start to first page answered, s", "≤ 4"),
     "map_drawn_s": ("process start to first map drawn, s", ""),
     "server_first_page_mb": ("server, first page shown, MB", "≤ 350"),
+    "2k_inputs_per_s": ("2,000 points: moves that reach the slider a second", ""),
     "2k_stops_per_s": ("2,000 points: stops of p shown a second", "≥ 47"),
     "2k_frames_per_s": ("2,000 points: frames a second", "≥ 47"),
     "2k_frame_p50_ms": ("2,000 points: time between frames, median, ms", ""),

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Measure the method on the examples: protocol, source-side evidence and ablations, into docs/.
+# Measure the method on the examples: protocol and ablations, into docs/.
 # bash examples/measure.sh [FOLDER FOR THE RECORDS]   (about an hour on one core; goes on where it stopped)
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -12,3 +12,4 @@ python -m omnivat ablate "${light[@]}" --out "$out/ablations" \
 cp "$out/protocol/report.md" docs/benchmarks/protocol.md
 cp "$out/ablations/ablations.md" docs/benchmarks/ablations.md
 cp "$out"/ablations/*.svg docs/benchmarks/
+cp "$out/ablations/fixed_order.json" examples/retrained.json

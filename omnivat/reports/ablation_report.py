@@ -1,5 +1,6 @@
 """Ablations as Markdown tables, the paper's figures beside, and SVG plots where it has figures."""
 
+import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -27,7 +28,7 @@ SCORES = ("accuracy", "macro_f1")
 def write_ablations(
     records: Sequence[Record], layout: Mapping[str, Mapping[str, Any]], folder: Path
 ) -> str:
-    """Write `ablations.md` and a plot for each figure; return the text.
+    """Write `ablations.md`, and a plot and its points for each figure; return the text.
 
     layout  ablation -> title, axis, sources, rows: {row: (method, label, place on the axis)}
     """
@@ -41,6 +42,7 @@ def write_ablations(
         if table["axis"]:
             file = f"{name}.svg"
             write_text(folder / file, ablation_plot(found, table, sources))
+            write_text(folder / f"{name}.json", ablation_points(found, table, sources[0]))
             parts.append(f"![{table['title']}]({file})")
     text = "\n\n".join(parts) + "\n"
     write_text(folder / REPORT, text)
@@ -120,6 +122,16 @@ def ablation_plot(
     where = sources[0] if len(sources) == 1 else f"mean of {len(sources)} sources"
     title = f"{table['title'].split(':')[0]}, {where} → X"
     return line_plot(title, table["axis"], [f"{value:g}" for _, value in placed], series)
+
+
+def ablation_points(records: Sequence[Record], table: Mapping[str, Any], source: str) -> str:
+    """Return {"0.5": [mean, std], …} as JSON: ACC on a source's targets over seeds, as shares."""
+    points = {}
+    for method, _, value in table["rows"].values():
+        found = _spread(records, method, [source], "accuracy")
+        if value is not None and found.n > 1:
+            points[f"{value:g}"] = [round(found.mean, 4), round(found.std, 4)]
+    return json.dumps(points) + "\n"
 
 
 def _percent(found: Spread) -> Spread:

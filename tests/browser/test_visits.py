@@ -83,13 +83,14 @@ def test_going_back_shows_what_was_left_and_a_drag_leaves_one_step_not_hundreds(
 
 def test_two_visitors_do_not_disturb_one_another(open_page: Callable[..., Any]) -> None:
     own = {"viewport": {"width": 1440, "height": 900}}
-    one, two = open_page("?p=0.2", **own), open_page("?p=0.8", **own)
+    one, two = open_page("?p=0.5", **own), open_page("?p=0.5", **own)
     for page in (one, two):
         page.wait_for_selector(MAP)
     one.focus(".explore .order")
     one.keyboard.press("ArrowRight")
-    assert p_shown(one) == "0.21"
-    assert p_shown(two) == "0.80"
+    assert p_shown(one) == "0.51"
+    assert p_shown(two) == "0.50"
+    one.keyboard.press("ArrowLeft")
     for page, seed in ((one, 11), (two, 12)):
         open_tab(page, "pair")
         page.wait_for_selector(ANSWERED)

@@ -1,5 +1,6 @@
 """Tables, intervals and plots rebuilt from records, against figures worked out by hand."""
 
+import json
 import math
 from xml.etree import ElementTree
 
@@ -230,6 +231,9 @@ def test_an_ablation_over_several_sources_has_their_average_and_no_empty_columns
     line = next(x for x in text.splitlines() if x.startswith("| p = 0.3 (fixed)"))
     assert line.endswith("| 56.0 ± 1.4 / 46.0 ± 1.4 | 10 |")
     assert "printed" not in text
+    points = json.loads((tmp_path / "fixed_order.json").read_text())
+    assert points["0.3"] == [0.51, 0.0141]  # of TAG alone
+    assert list(points) == [f"{tenth / 10:g}" for tenth in range(11)]
     assert "mean of 2 sources" in (tmp_path / "fixed_order.svg").read_text()
 
 
