@@ -13,3 +13,4 @@ cp "$out/protocol/report.md" docs/benchmarks/protocol.md
 cp "$out/ablations/ablations.md" docs/benchmarks/ablations.md
 cp "$out"/ablations/*.svg docs/benchmarks/
 cp "$out/ablations/fixed_order.json" examples/retrained.json
+cp "$out/protocol/runs.jsonl" docs/benchmarks/protocol.jsonl

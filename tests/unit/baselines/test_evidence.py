@@ -6,7 +6,7 @@ import pytest
 import torch
 
 from omnivat.baselines.contract import Source
-from omnivat.baselines.evidence import best, folds, log_loss
+from omnivat.baselines.evidence import Score, best, folds, log_loss
 
 
 @pytest.fixture
@@ -30,7 +30,7 @@ def test_folds_keep_objects_whole_and_differ(source):
     assert len({tuple(held.tolist()) for _, held in found}) > 1
 
 
-def test_the_candidate_that_is_right_more_often_wins_and_ties_go_to_the_surer(source):
+def test_the_candidate_with_the_lower_log_loss_wins(source):
     answers = {"wrong": -5.0, "right": 1.0, "surer": 3.0}
 
     def fit(part, sharpness):
@@ -78,3 +78,13 @@ def test_the_flipped_copies_of_held_out_objects_are_not_fitted(source):
     part = both.select(rows).both_views()
     assert len(part) == 2 * len(rows)
     assert not any((part.vis == flipped[i]).all(-1).any() for i in held)
+
+
+def test_a_low_log_loss_counts_before_right_answers():
+    """Three of four right but sure of the miss, against two right and never far off."""
+    truth = torch.zeros(4, dtype=torch.long)
+    bold, careful = Score(), Score()
+    bold.add(torch.tensor([[0.6, 0.4]] * 3 + [[1e-6, 1 - 1e-6]]), truth)
+    careful.add(torch.tensor([[0.6, 0.4]] * 2 + [[0.45, 0.55]] * 2), truth)
+    assert bold.right > careful.right
+    assert careful.rank > bold.rank
