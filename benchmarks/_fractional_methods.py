@@ -120,7 +120,8 @@ def _torch_frft2d() -> dict[str, Method]:
         angle = torch.as_tensor(order, dtype=torch.float32).reshape(1, 1) * (math.pi / 2)
         field = field.movedim(0, 1)  # (B, 1, N): a second axis of one sample
         found = module.frft2d_multi(field, angle.expand(len(x), 1))
-        return torch.fft.fftshift(found[:, 0, 0], -1)
+        shifted: Tensor = torch.fft.fftshift(found[:, 0, 0], -1)
+        return shifted
 
     return {"torch-frft2d (chirp)": Method(transform, _keep_nothing(transform), slow=True)}
 
