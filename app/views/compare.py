@@ -12,7 +12,7 @@ from omnivat.heads import EXAMPLES
 
 TITLE = "Compare"
 METHODS = {"nearest_mean": "nearest class mean"}  # quick to fit; slower ones are in the matrix
-RECORDS = EXAMPLES.parent / "docs" / "benchmarks" / "protocol.json"
+RECORDS = EXAMPLES.parent / "docs" / "benchmarks" / "protocol.jsonl"
 
 
 def heads(resources: Resources) -> list[dict[str, Any]]:
@@ -97,10 +97,12 @@ def matrix(resources: Resources) -> dict[str, Any]:
             `origin`: "protocol" or "heads"; `paper`: method -> source -> [ACC, F1] in percent;
             `why`: why the paper's are not comparable, "" where they are
     """
+    from omnivat.protocol.records import fingerprint
     from omnivat.reports.paper import BACKBONE, not_comparable, paper
 
-    header = resources.embeddings().header
-    rows, origin = protocol_rows(header.weights_hash), "protocol"
+    embeddings = resources.embeddings()
+    header = embeddings.header
+    rows, origin = protocol_rows(fingerprint(embeddings)), "protocol"
     own = [row for one in resources.heads if (row := head_row(resources, one))]
     if not rows:
         origin = "heads"
@@ -142,19 +144,16 @@ def head_row(resources: Resources, name: str) -> dict[str, Any] | None:
     return {"method": name, "label": label, "source": head.source, "seeds": 1, "cells": cells}
 
 
-def protocol_rows(weights_hash: str) -> list[dict[str, Any]]:
+def protocol_rows(content: str) -> list[dict[str, Any]]:
     """Return a row for each method and source of the protocol's records, mean over seeds.
 
-    Records of other embeddings are left out. No file, no rows.
+    content  fingerprint of the embeddings shown: records of others are left out. No file, no rows
     """
-    if not RECORDS.is_file():
-        return []
-    found = json.loads(RECORDS.read_text(encoding="utf-8"))
-    records = found.get("records", []) if isinstance(found, dict) else found
+    from omnivat.protocol.records import read
+
     grouped: dict[tuple[str, str], list[Mapping[str, Any]]] = {}
-    for record in records:
-        same = record.get("data", {}).get("weights_hash", weights_hash) == weights_hash
-        if same and record.get("fold") is None and "targets" in record:
+    for record in read(RECORDS):
+        if record["data"]["fingerprint"] == content and record["fold"] is None:
             grouped.setdefault((record["method"], record["source"]), []).append(record)
     return [
         {

@@ -1,8 +1,6 @@
 """The Compare tab: which heads there are, who answers, and scores from source to target."""
 
-import json
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -63,7 +61,7 @@ def test_an_unknown_method_is_refused(resources):
 
 
 def test_without_records_the_matrix_holds_the_heads_own_row(resources, tmp_path, monkeypatch):
-    monkeypatch.setattr(compare, "RECORDS", tmp_path / "none.json")
+    monkeypatch.setattr(compare, "RECORDS", tmp_path / "none.jsonl")
     got = compare.matrix(resources)
     assert got["origin"] == "heads"
     assert [row["source"] for row in got["rows"]] == ["TAG-sim"]
@@ -77,26 +75,37 @@ def test_printed_figures_stand_beside_and_are_marked_not_comparable(resources):
 
 
 def test_records_of_the_protocol_give_means_over_seeds(resources, tmp_path, monkeypatch):
-    def record(seed: int, accuracy: float, weights: str = "0" * 16) -> dict[str, object]:
-        scores = {"fused": {"accuracy": accuracy, "macro_f1": accuracy / 2}}
-        return {
-            "method": "m",
-            "label": "M",
-            "source": "TAG-sim",
-            "seed": seed,
-            "fold": None,
-            "data": {"weights_hash": weights},
-            "targets": {"OF Real-sim": {"scores": scores}},
-        }
+    from omnivat.protocol.records import append, fingerprint
 
-    file = tmp_path / "protocol.json"
-    file.write_text(json.dumps({"records": [record(0, 0.4), record(1, 0.6), record(2, 1.0, "x")]}))
+    shown = fingerprint(resources.embeddings())
+    file = tmp_path / "protocol.jsonl"
+    for seed, accuracy, content in ((0, 0.4, shown), (1, 0.6, shown), (2, 1.0, "another set")):
+        scores = {"fused": {"accuracy": accuracy, "macro_f1": accuracy / 2}}
+        append(
+            file,
+            {
+                "format": "omnivat-run-1",
+                "method": "m",
+                "label": "M",
+                "source": "TAG-sim",
+                "seed": seed,
+                "fold": None,
+                "data": {"fingerprint": content},
+                "targets": {"OF Real-sim": {"scores": scores}},
+            },
+        )
     monkeypatch.setattr(compare, "RECORDS", file)
     (row, *_) = compare.matrix(resources)["rows"]
     assert row["seeds"] == 2
     assert row["cells"] == {"OF Real-sim": pytest.approx([0.5, 0.25])}
 
 
-def test_the_projects_own_records_can_be_read_where_they_are():
-    if Path(compare.RECORDS).is_file():
-        assert isinstance(compare.protocol_rows("6ed769f7314b3a46"), list)
+def test_the_projects_own_records_are_of_the_set_that_comes_with_it():
+    from omnivat.data.store import load_embeddings
+    from omnivat.heads import default_embeddings
+    from omnivat.protocol.records import fingerprint
+
+    rows = compare.protocol_rows(fingerprint(load_embeddings(default_embeddings())))
+    assert len({row["source"] for row in rows}) == 8
+    assert {row["seeds"] for row in rows} == {3}
+    assert "OmniVaT" in {row["label"] for row in rows}
