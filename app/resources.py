@@ -98,6 +98,12 @@ class Resources:
         self._row_of: Once[dict[str, int]] = Once(self._rows_by_file)
         self._sent: Recent[np.ndarray[Any, Any]] = Recent(KEPT_IMAGES)
 
+    @property
+    def holds(self) -> str:
+        """A name of the head and set held: others, or newer files, have another name."""
+        files = [self.where.embeddings, *(f / "weights.safetensors" for f in self.folders.values())]
+        return content_name(repr([_state_of(file) for file in files]).encode())
+
     def warm(self) -> None:
         """Load the head and the set, so that the first question is answered at once."""
         for part in (self.head, self.embeddings):
@@ -222,3 +228,12 @@ def _load_embeddings(file: Path) -> "Embeddings":
     from omnivat.data.store import load_embeddings
 
     return load_embeddings(file)
+
+
+def _state_of(file: Path) -> tuple[str, int, int]:
+    """Return what changes with a file: where it is, its size, when it was written."""
+    try:
+        found = file.stat()
+    except OSError:
+        return str(file), 0, 0
+    return str(file.resolve()), found.st_size, found.st_mtime_ns

@@ -45,6 +45,7 @@ FACTS: dict[str, Callable[[Resources], Any]] = {
     "examples": lambda resources: listed(resources.examples()),
 }
 TYPES = {".js": "text/javascript", ".css": "text/css"}
+HOLDS = "X-Holds"  # a page that was opened on another head or set is told to load again
 FRESH = {"Cache-Control": "no-cache"}  # ask each time, take nothing where it is unchanged
 
 
@@ -113,7 +114,7 @@ async def frames(desks: Desks, request: Request) -> Response:
         return refusal(state.problem, 404)
     if state.file is None or "progress" in request.query_params:
         return JSONResponse({"step": step, "ready": state.file is not None}, status_code=202)
-    headers = {**FRESH, "X-Frames": "coarse" if step else "fine"}
+    headers = {**FRESH, HOLDS: resources.holds, "X-Frames": "coarse" if step else "fine"}
     return FileResponse(
         state.file,
         media_type="application/octet-stream",
@@ -150,14 +151,16 @@ async def facts(
 ) -> Response:
     """Say what is known of what is loaded."""
     resources = desk_of(desks, request)
-    return JSONResponse(await to_thread.run_sync(found, resources, limiter=lanes))
+    known = await to_thread.run_sync(found, resources, limiter=lanes)
+    return JSONResponse(known, headers={HOLDS: resources.holds})
 
 
 async def ask(desks: Desks, lanes: CapacityLimiter, answer: Answer, request: Request) -> Response:
     """Answer one JSON question in a thread of its own."""
     resources = desk_of(desks, request)
     question = question_from(await body(request, MAX_QUESTION_BYTES, "The question"))
-    return JSONResponse(await to_thread.run_sync(answer, resources, question, limiter=lanes))
+    said = await to_thread.run_sync(answer, resources, question, limiter=lanes)
+    return JSONResponse(said, headers={HOLDS: resources.holds})
 
 
 async def take_image(desks: Desks, lanes: CapacityLimiter, request: Request) -> Response:

@@ -17,6 +17,7 @@ export function refused(error, say) {
 
 const ALONE = "This page is a file of its own: there is no server behind it to ask.";
 const LOST = "The server does not answer. Is it still running? The page goes on when it is back.";
+const OTHER = "The server was started again with another head or set. Reload the page to see it.";
 const base = new URL("omnivat/", document.baseURI);
 
 const desk = new URLSearchParams(location.search).get("set"); // a head or set loaded by this visitor
@@ -30,6 +31,8 @@ export function address(path) {
   return url.href;
 }
 
+let holds = null; // which head and set this page was opened on
+
 async function answered(request) {
   let response;
   try {
@@ -38,6 +41,9 @@ async function answered(request) {
     if (error.name === "AbortError") throw error;
     throw new Refusal(LOST);
   }
+  const now = response.headers.get("X-Holds");
+  if (now && holds && now !== holds) throw new Refusal(OTHER, 409);
+  holds ??= now;
   if (response.ok) return response;
   let sentence = `The server refused (${response.status}).`;
   try {

@@ -13,7 +13,7 @@ export class Cloud {
     this.ground = document.createElement("canvas");
     this.marks = document.createElement("canvas");
     this.marks.tabIndex = 0;
-    this.marks.setAttribute("aria-label", "Points: arrows pan, plus and minus zoom, 0 fits, N and B step through pairs, Enter pins, Escape clears the selection");
+    this.marks.setAttribute("aria-label", "Points: arrows pan, plus and minus zoom, 0 fits, N and B step through pairs, Enter pins, S selects what is in view, Escape clears the selection");
     this.marks.setAttribute("role", "img");
     box.append(this.ground, this.marks);
     this.pixels = new Pixels(this.ground.getContext("2d", { alpha: false }));

@@ -4,6 +4,12 @@ import { inside } from "./cloud.js";
 
 const STEP = 40; // CSS pixels that an arrow key pans
 
+/** The corners of a canvas in CSS pixels: a lasso around all that is in view. */
+function corners(canvas) {
+  const { clientWidth: wide, clientHeight: high } = canvas;
+  return [[0, 0], [wide, 0], [wide, high], [0, high]];
+}
+
 /**
  * `on` answers: wanted(point) → bool, hover(point), pick(point), lasso(points), lassoMode() → bool.
  * Returns the lasso being drawn, for the painter.
@@ -84,6 +90,7 @@ export function listen(cloud, on) {
     n: () => on.next(1),
     b: () => on.next(-1),
     Enter: () => on.pick(on.current()),
+    s: () => on.lasso(inside(cloud, corners(canvas), on.wanted)),
     Escape: () => on.lasso([]),
   };
   canvas.addEventListener("keydown", (event) => {

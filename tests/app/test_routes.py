@@ -271,3 +271,20 @@ def test_a_live_picture_is_answered_over_http(client, png):
     answer = client.post("/omnivat/live?modality=tac&other=row:1&order=0.4", content=png())
     assert answer.status_code == 200
     assert set(answer.json()["ms"]) == {"read", "encoder", "head"}
+
+
+def test_every_answer_says_which_head_and_set_it_is_of(client, resources):
+    asked = [client.get("/omnivat/about"), client.get("/omnivat/examples")]
+    asked.append(client.post("/omnivat/pair", json={"vis": "row:1"}))
+    assert {answer.headers["x-holds"] for answer in asked} == {resources.holds}
+
+
+def test_another_head_is_held_under_another_name(resources, tmp_path):
+    from dataclasses import replace
+    from shutil import copytree
+
+    from app.resources import Resources
+
+    copy = copytree(resources.where.head, tmp_path / "copy")
+    assert Resources(resources.where).holds == resources.holds
+    assert Resources(replace(resources.where, head=copy)).holds != resources.holds

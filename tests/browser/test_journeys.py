@@ -71,6 +71,23 @@ def test_a_lasso_selects_points_and_saves_them_as_csv(open_page: Callable[..., A
     assert page.locator(".explore .selection").is_hidden()
 
 
+def test_the_keyboard_selects_all_that_is_in_view(open_page: Callable[..., Any]) -> None:
+    page = open_page()
+    page.wait_for_selector(MAP)
+    page.focus(".explore .map canvas + canvas")
+    heading = page.locator(".explore .selection h3")
+    counts = []
+    for zooms in (0, 6):
+        for _ in range(zooms):
+            page.keyboard.press("+")
+        page.evaluate(  # the next drawing settles what is in view
+            "new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn)))"
+        )
+        page.keyboard.press("s")
+        counts.append(int(heading.inner_text().split()[0]))
+    assert counts[0] > counts[1] > 0
+
+
 def test_the_map_works_by_keyboard_alone(open_page: Callable[..., Any]) -> None:
     page = open_page()
     page.wait_for_selector(MAP)

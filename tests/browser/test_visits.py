@@ -167,3 +167,18 @@ def test_a_killed_server_is_told_of_the_drag_goes_on_and_a_new_server_gets_the_i
     page.wait_for_selector(".pair .bars td[data-voice=tac]")
     assert page.locator(".pair .problem").is_hidden()
     page.close()
+
+
+def test_a_server_started_again_with_another_head_is_told_of_and_not_mixed_in(
+    open_page: Callable[..., Any],
+) -> None:
+    page = open_page("?view=pair")
+    page.wait_for_selector(ANSWERED)
+
+    def as_another(route: Any) -> None:
+        answer = route.fetch()
+        route.fulfill(response=answer, headers={**answer.headers, "x-holds": "another"})
+
+    page.route("**/omnivat/pair*", as_another)
+    page.click('.pair .slot[data-modality="vis"] .clear')
+    page.wait_for_selector(".pair .problem:has-text('another head or set. Reload the page')")
