@@ -45,23 +45,5 @@ def predict_embeddings(
     ]
 
 
-@torch.no_grad()
-def probabilities_over(
-    head: Head, vis: Tensor | None, tac: Tensor | None, orders: Sequence[float]
-) -> dict[str, Tensor]:
-    """Return the probabilities of one pair at many orders, computed in one batch.
-
-    vis, tac  (input_width,) raw embeddings; one of them may be None
-    orders    P values in quarter turns
-    return    "fused", "vis", "tac" -> (P, K)
-    """
-    kept = head.model.coefficients(
-        None if vis is None else vis[None], None if tac is None else tac[None]
-    )
-    many = kept[torch.zeros(len(orders), dtype=torch.long)]
-    output = head.model.from_coefficients(many, torch.tensor(orders, dtype=torch.float64))
-    return {"fused": output.probabilities, **output.modality_probabilities}
-
-
 def _named(classes: Sequence[str], values: Tensor) -> dict[str, float]:
     return dict(zip(classes, values.tolist(), strict=True))

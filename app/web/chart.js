@@ -3,10 +3,9 @@
 import { classColour } from "./palette.js";
 import { escaped, percent } from "./text.js";
 
-const W = 560;
+const WIDE = { least: 320, most: 900 }; // CSS pixels: as wide as its place, so that letters keep their size
 const H = 250;
 const PAD = { left: 40, right: 86, top: 10, bottom: 30 };
-const X = (p) => PAD.left + p * (W - PAD.left - PAD.right);
 const Y = (v) => H - PAD.bottom - v * (H - PAD.top - PAD.bottom);
 const VOICES = { vis: "VIS", tac: "TAC", both: "both" };
 
@@ -30,9 +29,11 @@ function spread(ends) {
 export class Lines {
   constructor(box, onOrder) {
     this.box = box;
+    this.wide = WIDE.least;
+    new ResizeObserver(() => this.shown && this.width() !== this.wide && this.again()).observe(box);
     const moved = (event) => {
       const frame = box.querySelector("svg").getBoundingClientRect();
-      const p = ((event.clientX - frame.left) / frame.width * W - PAD.left) / (W - PAD.left - PAD.right);
+      const p = ((event.clientX - frame.left) / frame.width * this.wide - PAD.left) / (this.wide - PAD.left - PAD.right);
       onOrder(Math.round(100 * Math.max(0, Math.min(1, p))) / 100);
     };
     box.onpointerdown = (event) => {
@@ -43,9 +44,22 @@ export class Lines {
     box.onpointermove = (event) => event.buttons && moved(event);
   }
 
+  width() {
+    return Math.max(WIDE.least, Math.min(WIDE.most, this.box.clientWidth || WIDE.least));
+  }
+
+  /** Draw the same for another width. */
+  again() {
+    this.show(...this.shown);
+    if (this.at) this.mark(...this.at);
+  }
+
   /** rows: (P, K) probabilities at the stops `orders`, 0 to 1. */
   show(classes, orders, rows, learned) {
+    this.shown = [classes, orders, rows, learned];
     this.rows = rows;
+    const W = (this.wide = this.width());
+    const X = this.x;
     const grid = [0, 0.5, 1].map((v) => `<line class="grid" x1="${PAD.left}" x2="${W - PAD.right}" y1="${Y(v)}" y2="${Y(v)}"/><text x="${PAD.left - 6}" y="${Y(v) + 4}" text-anchor="end">${100 * v} %</text>`);
     const stops = [0, 0.25, 0.5, 0.75, 1].map((p) => `<text x="${X(p)}" y="${H - 12}" text-anchor="middle">${p}</text>`);
     const labels = spread(classes.map((_, k) => Y(rows.at(-1)[k])));
@@ -57,14 +71,17 @@ export class Lines {
     this.box.innerHTML = `<svg viewBox="0 0 ${W} ${H}" role="img" aria-label="Probability of each class against p">${grid.join("")}${stops.join("")}<text x="${(PAD.left + W - PAD.right) / 2}" y="${H - 1}" text-anchor="middle">p</text>${mark}${lines.join("")}<line class="now" y1="${PAD.top}" y2="${H - PAD.bottom}"/>${classes.map((_, k) => `<circle r="4" style="fill:${classColour(k)}"/>`).join("")}</svg>`;
   }
 
+  x = (p) => PAD.left + p * (this.wide - PAD.left - PAD.right);
+
   mark(stop, orders) {
+    this.at = [stop, orders];
     const svg = this.box.querySelector("svg");
     if (!svg) return;
     const now = svg.querySelector(".now");
-    now.setAttribute("x1", X(orders[stop]));
-    now.setAttribute("x2", X(orders[stop]));
+    now.setAttribute("x1", this.x(orders[stop]));
+    now.setAttribute("x2", this.x(orders[stop]));
     svg.querySelectorAll("circle").forEach((dot, k) => {
-      dot.setAttribute("cx", X(orders[stop]));
+      dot.setAttribute("cx", this.x(orders[stop]));
       dot.setAttribute("cy", Y(this.rows[stop][k]));
     });
   }

@@ -18,7 +18,7 @@ export function onTheme(action) {
   new MutationObserver(action).observe(document.body, { attributeFilter: ["class"] });
 }
 
-export const domainColour = (index) => OKABE_ITO[index % OKABE_ITO.length];
+const domainColour = (index) => OKABE_ITO[index % OKABE_ITO.length];
 export const classColour = (index) => TOL_BRIGHT[index % TOL_BRIGHT.length];
 
 /** How points may be coloured: each gives names, colours, and the group of a point. */

@@ -6,15 +6,8 @@ from typing import Any
 import torch
 from torch import Tensor
 from torch.autograd.function import once_differentiable
-from torch.nn.functional import normalize
 
 EPS = 1e-12  # below this length a node has no direction
-
-
-def node_cosines(nodes: Tensor) -> Tensor:
-    """Return the cosine between all nodes of a level: (B, n, D) -> (B, n, n). Source: Eq. 9."""
-    directions = normalize(nodes, dim=-1, eps=EPS)
-    return directions @ directions.mT
 
 
 def nod_loss(layers: Sequence[Tensor]) -> Tensor:
@@ -25,7 +18,7 @@ def nod_loss(layers: Sequence[Tensor]) -> Tensor:
 
     Level 1 has one node and no cosine to reduce: it is left out, since the gradient of a norm
     at zero would be NaN. A negative cosine is punished like a positive one, as printed.
-    Source: paper, Eq. 10.
+    Source: paper, Eq. 9 and 10.
     """
     total = layers[0].new_zeros(())
     for nodes in layers[1:]:

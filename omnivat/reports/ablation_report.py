@@ -19,7 +19,7 @@ from omnivat.reports.reading import (
     changed_settings,
     latest,
 )
-from omnivat.reports.text_table import markdown, spread_text
+from omnivat.reports.text_table import count_text, markdown, spread_text
 
 REPORT = "ablations.md"
 SCORES = ("accuracy", "macro_f1")
@@ -91,8 +91,8 @@ def ablation_table(
             cells += [_scores(records, method, [source]), ablation_cell(name, row, source)]
         if len(sources) > 1:
             cells.append(_scores(records, method, sources))
-        parameters = spread([r["parameters"] for r in answered(records, method)]).mean
-        rows.append([label, *cells, "" if parameters != parameters else f"{parameters:,.0f}"])
+        counts = [r["parameters"] for r in answered(records, method) if r["source"] in set(sources)]
+        rows.append([label, *cells, count_text(counts)])
     header = [text for source in sources for text in (f"{source} → X", printed)]
     header += ["average"] * (len(sources) > 1)
     return _without_empty_columns(["variant", *header, "parameters"], rows)

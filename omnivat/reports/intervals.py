@@ -34,11 +34,6 @@ class Interval:
     high: float
     n: int
 
-    @property
-    def excludes_zero(self) -> bool:
-        """Whether zero lies outside."""
-        return self.low > 0 or self.high < 0
-
 
 def t_interval(differences: Sequence[float], *, level: float = 0.95) -> Interval:
     """Return Student's interval for the mean of n paired differences.

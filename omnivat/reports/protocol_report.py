@@ -21,7 +21,13 @@ from omnivat.reports.reading import (
     latest,
     methods,
 )
-from omnivat.reports.text_table import interval_text, markdown, percent, spread_text
+from omnivat.reports.text_table import (
+    count_text,
+    interval_text,
+    markdown,
+    percent,
+    spread_text,
+)
 
 REPORT = "report.md"
 OURS = "omnivat"
@@ -132,14 +138,13 @@ def side_table(records: Sequence[Record]) -> str:
         own = [
             r["source_test"]["scores"]["fused"]["accuracy"] for r in found if r.get("source_test")
         ]
-        parameters = spread([r["parameters"] for r in found]).mean
         seconds = sorted(r["seconds"] for r in found)[len(found) // 2]
         rows.append(
             [
                 label,
                 *map(percent, means),
                 percent(spread(own).mean),
-                f"{parameters:,.0f}",
+                count_text([r["parameters"] for r in found]),
                 f"{seconds:.1f}",
             ]
         )

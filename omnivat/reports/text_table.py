@@ -24,6 +24,12 @@ def spread_text(found: Spread) -> str:
     return f"{percent(found.mean)} ± {percent(found.std)}"
 
 
+def count_text(counts: Sequence[int]) -> str:
+    """Return "259,469", or "259,405 to 259,469" where they differ; "" for none."""
+    ends = sorted({min(counts), max(counts)}) if counts else []
+    return " to ".join(f"{count:,}" for count in ends)
+
+
 def interval_text(found: Interval) -> str:
     """Return "+2.1 [0.4, 3.8]" in percentage points."""
     mean = "–" if math.isnan(found.mean) else f"{100 * found.mean:+.1f}"
