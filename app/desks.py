@@ -153,6 +153,7 @@ class Desks:
             where = replace(
                 where,
                 embeddings=folder / SET,
+                pairs=None,
                 sprite=sheet if all(name in parts for name in SHEET) else None,
             )
         elif compare:

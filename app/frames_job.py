@@ -34,7 +34,10 @@ def cache_folder() -> Path:
 
 
 def cache_name(head: Path, embeddings: Path) -> str:
-    """Return a name made from the content of both, so that neither can change unseen."""
+    """Return a name made from the content of both, so that neither can change unseen.
+
+    Raises DataError when a file is missing.
+    """
     digest = blake2b(digest_size=12)
     for file in (head / "weights.safetensors", head / "settings.json", embeddings):
         if not file.is_file():

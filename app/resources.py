@@ -38,7 +38,7 @@ class Places:
     embeddings: Path
     frames: Path | None
     sprite: Path | None  # NAME.thumbnails.webp beside the embeddings, and its .json
-    pairs: Path
+    pairs: Path | None  # images to pick from; None where the gallery shows pairs of the set
     compare: tuple[Path, ...] = ()  # folders of heads to show beside the first
     computed: Path | None = None  # where computed frames go; the cache where None
 
@@ -57,7 +57,7 @@ def places(
         embeddings=embeddings or default_embeddings(),
         frames=frames if own and frames.is_file() else None,
         sprite=sheet if sheet.is_file() else None,
-        pairs=EXAMPLES / "pairs",
+        pairs=EXAMPLES / "pairs" if embeddings is None else None,
         compare=tuple(compare),
     )
 
@@ -74,7 +74,7 @@ def head_names(where: Places) -> dict[str, Path]:
 
 
 class Resources:
-    """The loaded parts, shared by all sessions; nothing in here belongs to one visitor."""
+    """The loaded parts, shared by all visitors; nothing in here belongs to one visitor."""
 
     def __init__(self, where: Places) -> None:
         self.where = where
@@ -85,7 +85,7 @@ class Resources:
         self.head = self.heads[""]
         self.embeddings: Once[Embeddings] = Once(partial(_load_embeddings, where.embeddings))
         self.encoder: Once[Encoder] = Once(self._load_encoder)
-        self.examples: Once[dict[str, Example]] = Once(partial(find_examples, where.pairs))
+        self.examples: Once[dict[str, Example]] = Once(self._find_examples)
         self.frame_jobs = {
             name: FramesJob(
                 folder, where.embeddings, None if name else where.frames, where.computed
@@ -197,6 +197,9 @@ class Resources:
                 stem = Path(file).stem.removesuffix(f"_{modality}")
                 found["/".join([*parts[:-1], stem, modality])] = row
         return found
+
+    def _find_examples(self) -> dict[str, Example]:
+        return find_examples(self.where.pairs) if self.where.pairs else {}
 
     def _load_encoder(self) -> "Encoder":
         from omnivat.encoders.base import load_encoder

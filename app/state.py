@@ -1,7 +1,7 @@
 """What a request may name: a pair of the set, an example, or an image sent before.
 
 The server keeps nothing of a visitor but the embeddings of images, under names made from their
-content: two sessions share nothing but what is equal in both.
+content: two visitors share nothing but what is equal in both.
 """
 
 from collections import OrderedDict
@@ -54,7 +54,10 @@ def ref_from(value: Any) -> Ref | None:
 
 
 def order_from(value: Any) -> float | None:
-    """Return an order between -4 and 4 quarter turns, or None where none is given."""
+    """Return an order between -4 and 4 quarter turns, or None where none is given.
+
+    Raises DataError for anything else.
+    """
     if value is None:
         return None
     number = isinstance(value, int | float) and not isinstance(value, bool)

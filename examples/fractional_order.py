@@ -1,6 +1,6 @@
 """A step seen at several fractional orders: from itself (p = 0) to its spectrum (p = 1).
 
-python examples/fractional_order.py
+python -m examples.fractional_order
 """
 
 import torch

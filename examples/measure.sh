@@ -7,9 +7,16 @@ out=${1:-build/measured}
 light=(--embeddings examples/simulated.safetensors --seeds 0,1,2 --set width=64 --set epochs=60)
 methods=omnivat,nearest_mean,linear_probe,linear_probe_concat,baseline
 python -m omnivat protocol "${light[@]}" --out "$out/protocol" --methods "$methods"
+if [ ! -f "$out/full/runs.jsonl" ]; then # the other methods are the same; the head is run anew
+    mkdir -p "$out/full"
+    grep -v '"method": "omnivat"' "$out/protocol/runs.jsonl" >"$out/full/runs.jsonl"
+fi
+python -m omnivat protocol --embeddings examples/simulated.safetensors --seeds 0,1,2 \
+    --out "$out/full" --methods omnivat --set width=512 --set epochs=60
 python -m omnivat ablate "${light[@]}" --out "$out/ablations" \
-    --only components,generation,class_token,modalities,order,projection,fixed_order
+    --only components,generation,class_token,modalities,order,projection,fixed_order,levels,expansion,balance
 cp "$out/protocol/report.md" docs/benchmarks/protocol.md
+cp "$out/full/report.md" docs/benchmarks/protocol_full.md
 cp "$out/ablations/ablations.md" docs/benchmarks/ablations.md
 cp "$out"/ablations/*.svg docs/benchmarks/
 cp "$out/ablations/fixed_order.json" examples/retrained.json

@@ -1,6 +1,6 @@
 """The two gaps of the default set, raw and after the head, at three orders.
 
-python examples/two_gaps.py
+python -m examples.two_gaps
 """
 
 import omnivat

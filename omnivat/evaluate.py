@@ -27,6 +27,8 @@ def predicted_probabilities(
 
     order       quarter turns; the learned one where None
     modalities  what the head is given: "vis", "tac" or both
+
+    Raises DataError where there are no pairs.
     """
     batches = list(_batches(model, embeddings, order, modalities))
     if not batches:

@@ -125,18 +125,19 @@ def matrix(resources: Resources) -> dict[str, Any]:
 
 
 def head_row(resources: Resources, name: str) -> dict[str, Any] | None:
-    """Return the row that a head's own metrics.json gives, None where it has no scores."""
+    """Return the row that a head's own metrics.json gives for the set's domains, None without any."""
     try:
         head = resources.head_named(name)
     except DataError:
         return None
+    domains = resources.embeddings().header.domains
     cells = {
         str(record["domain"]): [
             record["scores"]["fused"]["accuracy"],
             record["scores"]["fused"]["macro_f1"],
         ]
         for record in head.metrics.get("domains", [])
-        if "fused" in record.get("scores", {})
+        if "fused" in record.get("scores", {}) and record["domain"] in domains
     }
     if not cells:
         return None

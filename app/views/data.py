@@ -1,5 +1,6 @@
 """Data & about: what is loaded, where it came from, its limits, and how to load one's own."""
 
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -35,8 +36,8 @@ def head_facts(resources: Resources) -> dict[str, Any]:
         "order": head.model.order,
         "parameters": sum(p.numel() for p in head.model.parameters()),
         "encoder": head.encoder,
-        "provenance": head.provenance,
-        "metrics": head.metrics,
+        "provenance": without_nan(head.provenance),
+        "metrics": without_nan(head.metrics),
     }
 
 
@@ -61,6 +62,15 @@ def embedding_facts(resources: Resources) -> dict[str, Any]:
         "simulated": header.simulated,
         "origin": header.origin,
     }
+
+
+def without_nan(value: Any) -> Any:
+    """Return a record with None for numbers that JSON cannot hold: a mean over no target is one."""
+    if isinstance(value, dict):
+        return {key: without_nan(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [without_nan(one) for one in value]
+    return None if isinstance(value, float) and not isfinite(value) else value
 
 
 def _place(path: Path) -> str:

@@ -10,7 +10,7 @@ from app.components import component
 from app.resources import Resources
 from app.state import order_from
 from omnivat.errors import DataError
-from omnivat.heads import EXAMPLES
+from omnivat.heads import EXAMPLES, default_embeddings, default_head
 
 if TYPE_CHECKING:
     import numpy as np
@@ -93,12 +93,21 @@ def place(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     return placing.place(resources, question, kept_features)
 
 
-def retrained(_: Resources) -> dict[str, Any]:
+def retrained(resources: Resources) -> dict[str, Any]:
     """Return accuracies of heads trained anew at fixed orders; nothing where none were measured.
+
+    They were measured on the project's own set from the source of its own head, so they are not
+    shown with another head or set.
 
     return  {"points": [{"order", "mean", "std"}, …]} in the order of p. docs/page.md has the format
     """
-    return {"points": retrained_points(RETRAINED)}
+    where = resources.where
+    own = _same(where.head, default_head()) and _same(where.embeddings, default_embeddings())
+    return {"points": retrained_points(RETRAINED) if own else []}
+
+
+def _same(one: Path, other: Path) -> bool:
+    return one.resolve() == other.resolve()
 
 
 def retrained_points(file: Path) -> list[dict[str, float]]:

@@ -79,6 +79,8 @@ def attention(resources: Resources, question: Mapping[str, Any]) -> dict[str, An
     return    `tokens`: a name for each of the T tokens, with its θ; `off`: modality -> bytes
               (P, T, T) in base64, how far a weight lies from 1/T: 127 stands for `scale`, and
               bytes above 127 for negative values, as a signed byte has it
+
+    Raises DataError for a head without MFFA.
     """
     import numpy as np
     import torch

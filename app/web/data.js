@@ -44,7 +44,7 @@ function theData(e, examples) {
   const head = `<tr><th scope="col">Pairs</th>${e.classes.map((name) => `<th scope="col">${escaped(name)}</th>`).join("")}<th scope="col">all</th></tr>`;
   const rows = e.domains.map((name, i) => `<tr><th scope="row">${escaped(name)}</th>${e.counts[i].map((n) => `<td>${n || "–"}</td>`).join("")}<td><b>${e.counts[i].reduce((a, b) => a + b, 0)}</b></td></tr>`);
   return `${e.simulated || e.domains.some(isSimulated) ? '<p class="note"><b>Simulated.</b> Photos and touch images of this set were rendered by this project; they stand in for the data sets whose names they carry with “-sim”. No figure here is a result on real sensors.</p>' : '<p class="note real"><b>Real pairs</b>, as the file’s header says.</p>'}
-    ${facts([["File", escaped(e.name)], ["Origin", escaped(e.origin)], ["Pairs", e.pairs], ["Encoder", `${escaped(e.encoder)}, ${e.width} numbers an image, weights ${escaped(e.weights_hash.slice(0, 12))}`], ["Preprocessing", escaped(e.preprocessing)], ["Examples to pick", examples]])}
+    ${facts([["File", escaped(e.name)], ["Origin", escaped(e.origin)], ["Pairs", e.pairs], ["Encoder", `${escaped(e.encoder)}, ${e.width} numbers an image, weights ${escaped(e.weights_hash.slice(0, 12))}`], ["Preprocessing", escaped(e.preprocessing)], ["Examples to pick", examples || ""]])}
     <div class="scroll" tabindex="0" aria-label="Pairs by domain and class"><table class="counts"><thead>${head}</thead><tbody>${rows.join("")}</tbody></table></div>`;
 }
 
@@ -60,8 +60,8 @@ function theHead(h) {
 function scores({ domains }) {
   if (!Array.isArray(domains) || !domains.length) return "";
   const cell = (v) => `<td>${Number.isFinite(v) ? percent(v, 1) : "–"}</td>`;
-  const rows = domains.map((d) => `<tr><th scope="row">${escaped(d.domain)}${d.is_source ? " <small>source, held out</small>" : ""}</th>${cell(d.scores?.fused?.accuracy)}${cell(d.scores?.fused?.macro_f1)}${cell(d.scores?.vis?.accuracy)}${cell(d.scores?.tac?.accuracy)}<td>${d.pairs ?? "–"}</td></tr>`);
-  return `<div class="scroll" tabindex="0" role="group" aria-label="Scores by domain"><table class="counts"><thead><tr><th scope="col">Measured on</th><th scope="col">accuracy</th><th scope="col">macro-F1</th><th scope="col">VIS alone</th><th scope="col">TAC alone</th><th scope="col">pairs</th></tr></thead><tbody>${rows.join("")}</tbody></table></div>`;
+  const rows = domains.map((d) => `<tr><th scope="row">${escaped(d.domain)}${d.is_source ? " <small>source</small>" : ""}</th>${cell(d.scores?.fused?.accuracy)}${cell(d.scores?.fused?.macro_f1)}${cell(d.scores?.vis?.accuracy)}${cell(d.scores?.tac?.accuracy)}<td>${d.pairs ?? "–"}</td></tr>`);
+  return `<div class="scroll" tabindex="0" role="group" aria-label="Scores by domain"><table class="counts"><thead><tr><th scope="col">Measured on</th><th scope="col">accuracy</th><th scope="col">macro-F1</th><th scope="col">VIS alone</th><th scope="col">TAC alone</th><th scope="col">pairs</th></tr></thead><tbody>${rows.join("")}</tbody></table></div><p class="hint">Of the source: test pairs where its set states a split; otherwise the pairs that the head learned from, which says little.</p>`;
 }
 
 function approximations(frames, limits) {

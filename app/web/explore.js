@@ -50,7 +50,7 @@ export async function start(root) {
 function waiting(step) {
   if (!step) return "Computing the map…";
   const share = step.total ? ` · ${step.done} of ${step.total}` : "";
-  return `Computing the map: ${step.text || "working"}${share}. Eleven stops come first, then all; the other tabs work meanwhile.`;
+  return `Computing the map: ${step.text || "working"}${share}. Eleven stops come first, then all; the tabs open with the first.`;
 }
 
 function explore($, first, sprite) {

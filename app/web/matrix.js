@@ -49,7 +49,7 @@ function ours({ rows, targets, origin }, metric) {
     ? "Rows of methods are means over seeds of the protocol’s records; rows of heads come from their own <code>metrics.json</code>."
     : "These are the loaded heads’ own rows, from their <code>metrics.json</code>. Records of the whole protocol are not here: <code>python -m omnivat protocol</code> makes them, and <code>app.py --compare DIR</code> adds a head of another source.";
   return `<div><div class="scroll" tabindex="0" role="group" aria-label="Scores from source to target"><table class="counts scores"><thead><tr><th scope="col">Answers by</th><th scope="col">Source</th>${targets.map((name) => `<th scope="col">${escaped(name)}</th>`).join("")}<th scope="col">mean of unseen</th></tr></thead><tbody>${body}</tbody></table></div>
-    <p class="hint">${note} Percent, on test pairs; outlined: held-out pairs of the source itself, not in the mean.</p></div>`;
+    <p class="hint">${note} Percent, on test pairs where the set states a split, on all pairs where it does not; outlined: the source itself, not in the mean.</p></div>`;
 }
 
 function papers({ paper, backbone, why, rows }, metric) {

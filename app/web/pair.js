@@ -21,7 +21,7 @@ export async function start(root) {
   const $ = (selector) => root.querySelector(selector);
   const none = { frames: null, sprite: null };
   const [examples, set, known] = await Promise.all([
-    json("examples").catch(() => []), theSet().catch(() => none), heads().catch(() => []),
+    json("examples").catch(() => []), theSet((step) => { $(".verdict").innerHTML = `<p class="hint">Computing the map${step?.text ? `: ${escaped(step.text)}` : ""}…</p>`; }).catch(() => none), heads().catch(() => []),
   ]);
   pair($, examples, set, known.filter((one) => one.name && !one.problem));
 }

@@ -40,7 +40,7 @@ class Source:
         return self.vis.shape[1]
 
     def select(self, rows: Tensor) -> "Source":
-        """Return some of the pairs, named by their indices."""
+        """Return some of the pairs, named by their indices (n,)."""
         return replace(
             self,
             vis=self.vis[rows],
@@ -99,7 +99,7 @@ class Fitted:
 
 
 def fused(by_modality: dict[str, Tensor]) -> dict[str, Tensor]:
-    """Add the mean of the modalities' probabilities as "fused"."""
+    """Add the mean of the modalities' probabilities (N, K) as "fused"."""
     return {"fused": torch.stack(list(by_modality.values())).mean(0), **by_modality}
 
 

@@ -5,6 +5,7 @@ python -m omnivat evaluate --head DIR --embeddings FILE [--order P] [--json]
 
 import argparse
 import json
+import math
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -62,5 +63,8 @@ def table(records: Sequence[dict[str, Any]]) -> str:
     from omnivat.evaluate import target_mean
 
     mean, f1 = target_mean(records), target_mean(records, "macro_f1")
-    lines.append(f"{'mean of targets':<18} {'':>6} {100 * mean:>6.1f} {100 * f1:>6.1f}")
+    if math.isnan(mean):
+        lines.append("mean of targets: none, for no other domain has pairs of the head's classes")
+    else:
+        lines.append(f"{'mean of targets':<18} {'':>6} {100 * mean:>6.1f} {100 * f1:>6.1f}")
     return "\n".join(lines)

@@ -4,6 +4,7 @@ python -m omnivat thumbnails PAIRS --embeddings FILE
 """
 
 import argparse
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from omnivat.cli.bar import progress_bar
@@ -14,7 +15,7 @@ from omnivat.heads import default_embeddings
 
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("pairs", type=Path, help="the folder of pairs that was embedded")
+    parser.add_argument("pairs", type=Path, help="the folder or CSV of pairs that was embedded")
     parser.add_argument("--embeddings", type=Path, default=default_embeddings())
     parser.add_argument("--out", type=Path, help="a .webp; beside the embeddings if left out")
     parser.add_argument("--tile", type=int, default=64, help="pixels a side of one thumbnail")
@@ -32,7 +33,30 @@ def run(options: argparse.Namespace) -> None:
     embeddings = load_embeddings(options.embeddings)
     out = options.out or sheet_of(options.embeddings)
     require_writable(out, ".webp")
-    root = options.pairs if options.pairs.is_dir() else options.pairs.parent
+    root = start_of(options.pairs, [*embeddings.rows["vis"]])
     with progress_bar("thumbnails") as show:
         missing = write_thumbnails(embeddings, root, out, tile=options.tile, on_step=show)
     print(f"{2 * len(embeddings)} thumbnails written to {out}, {missing} images missing")
+
+
+def start_of(pairs: Path, names: Sequence[str]) -> Path:
+    """Return the folder that the names in an embeddings file start from.
+
+    `embed` shortens names by what all images share: for a table, and for a data set whose images
+    lie deeper, that is not the folder that was given.
+    """
+    folder = pairs if pairs.is_dir() else pairs.parent
+    if not names or (folder / names[0]).is_file():
+        return folder
+    table = pairs / "pairs.csv" if pairs.is_dir() else pairs
+    if table.is_file():
+        from omnivat.data.readers.table import read
+
+        files: Iterable[Path] = [pair.vis.absolute() for pair in read(table).pairs]
+    else:
+        files = folder.rglob(Path(names[0]).name)
+    wanted = Path(names[0]).parts
+    depth = len(wanted)
+    return next(
+        (file.parents[depth - 1] for file in files if file.parts[-depth:] == wanted), folder
+    )

@@ -7,6 +7,7 @@ up again and gives the weights that it would have given.
 """
 
 import argparse
+import math
 import platform
 from collections.abc import Sequence
 from dataclasses import replace
@@ -54,7 +55,7 @@ def run(options: argparse.Namespace) -> None:
     from omnivat.checkpoint import Head, save_head
     from omnivat.config import settings_dict
     from omnivat.data.store import load_embeddings
-    from omnivat.evaluate import evaluate, target_mean
+    from omnivat.evaluate import evaluate
     from omnivat.lang.bank import DEFAULT_BANK, load_bank
     from omnivat.model.head import parameter_count
     from omnivat.model.settings import HeadSettings
@@ -113,8 +114,8 @@ def run(options: argparse.Namespace) -> None:
         selection=training.selection,
         chosen_epoch=trained.chosen_epoch,
         order=trained.model.order,
-        target_accuracy=target_mean(records),
-        target_macro_f1=target_mean(records, "macro_f1"),
+        target_accuracy=_mean(records),
+        target_macro_f1=_mean(records, "macro_f1"),
         domains=records,
         epochs=trained.epochs,
         seeds=[_summary(options.seed, head, records)],
@@ -133,15 +134,21 @@ def run(options: argparse.Namespace) -> None:
 
 def _summary(seed: int, head: "Head", records: Sequence[dict[str, Any]]) -> dict[str, Any]:
     """Return what metrics.json tells of one seed: means over targets, and every domain's scores."""
-    from omnivat.evaluate import target_mean
-
     return {
         "seed": seed,
         "order": head.model.order,
-        "target_accuracy": target_mean(records),
-        "target_macro_f1": target_mean(records, "macro_f1"),
+        "target_accuracy": _mean(records),
+        "target_macro_f1": _mean(records, "macro_f1"),
         "domains": {r["domain"]: r["scores"]["fused"] for r in records if r["scores"]},
     }
+
+
+def _mean(records: Sequence[dict[str, Any]], score: str = "accuracy") -> float | None:
+    """Return a mean over targets; None without any, since JSON has no NaN."""
+    from omnivat.evaluate import target_mean
+
+    mean = target_mean(records, score)
+    return None if math.isnan(mean) else mean
 
 
 def split_settings(texts: list[str], *kinds: type[Any]) -> tuple[dict[str, Any], ...]:

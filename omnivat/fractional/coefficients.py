@@ -54,7 +54,10 @@ class Coefficients:
 
     @staticmethod
     def cat(parts: Sequence[Coefficients]) -> Coefficients:
-        """Join along the first leading axis."""
+        """Join along the first leading axis.
+
+        Raises ShapeError where lengths, axes or centring differ.
+        """
         if len({(part.size, part.dim, part.centered) for part in parts}) != 1:
             sizes = sorted({part.size for part in parts})
             raise ShapeError(

@@ -32,6 +32,8 @@ def macro_f1(labels: Tensor, predicted: Tensor, *, average: str = "present") -> 
     average  "present": classes among the labels. "union": classes among labels or answers, so
              answering a class that the set does not have adds a zero (scikit-learn's default)
     return   () in [0, 1]; NaN for no pairs
+
+    Raises ShapeError for other shapes, SettingsError for another average.
     """
     require_shapes(labels=(labels, "N"), predicted=(predicted, "N"))
     if average not in AVERAGES:

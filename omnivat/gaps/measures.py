@@ -74,7 +74,12 @@ def margins(features: Mapping[str, Tensor], facts: Facts) -> Values:
 
 
 def mean_pairwise(features: Mapping[str, Tensor], facts: Facts, *, gap: str) -> Values:
-    """Give the mean over every two domains, and both modalities, of a gap of `GAPS`."""
+    """Give the mean over every two domains, and both modalities, of a gap of `GAPS`.
+
+    features  modality -> (N, W) unit rows; NaN where no two domains can be compared
+
+    Raises ShapeError, with each domain's size, where one has too few rows for the gap.
+    """
     measure = load(GAPS, gap, kind="gap")
     each: list[Tensor] = []
     sizes = {name: int(members.sum()) for name, members in facts.parts() if name != "all"}

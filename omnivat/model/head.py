@@ -244,7 +244,10 @@ class OmniVaT(nn.Module):
     def embedded(self, given: Mapping[str, Tensor]) -> Tensor:
         """Return embeddings (M, B, D) as the transform wants them: projected, of length √D.
 
-        given  VIS and TAC, or LANG alone, as the encoders gave them
+        given  VIS and TAC (B, input_width), or LANG alone (B, lang_width), as the encoders gave
+               them
+
+        Raises DataError where nothing is given, ShapeError for other widths or numbers of pairs.
         """
         if not given:
             raise DataError("Neither VIS nor TAC was given; give one of them or both.")

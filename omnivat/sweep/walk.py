@@ -63,6 +63,9 @@ def walk(
 
     Orders at which nothing would move are not visited: with still stages alone and no answers,
     only the first is.
+
+    Raises SettingsError for an unknown stage or an order that is not finite, DataError where
+    there are no pairs.
     """
     require_known(stages, STAGES, "stage")
     if chunk < 1 or not np.isfinite(np.array(orders, dtype=np.float64)).all():

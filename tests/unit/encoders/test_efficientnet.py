@@ -92,7 +92,9 @@ def test_preprocessing_is_what_its_name_says(encoder: Encoder) -> None:
     assert encoder.preprocessing == "resize 224x224 bicubic, RGB, (value - 127) / 128"
 
 
-def test_width_and_type(encoder: Encoder, images: torch.Tensor) -> None:
+def test_an_embedding_has_the_stated_width_in_single_precision(
+    encoder: Encoder, images: torch.Tensor
+) -> None:
     embedded = encoder.embed(images[:2])
     assert embedded.shape == (2, encoder.width)
     assert embedded.dtype == torch.float32

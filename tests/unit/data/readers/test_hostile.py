@@ -72,7 +72,7 @@ def clips(tmp_path, clip):
 
 @few
 @given(contents, contents, st.booleans())
-def test_touch_and_go_lists(clips, train, names, keep):
+def test_any_bytes_in_touch_and_go_lists_give_pairs_or_a_sentence(clips, train, names, keep):
     (clips / "train.txt").write_bytes(b"1/0.jpg,3\n" * keep + train)
     (clips / "test.txt").write_bytes(b"1/7.jpg,2")
     (clips / "category_reference.txt").write_bytes(names.replace(b",", b":"))
@@ -82,7 +82,9 @@ def test_touch_and_go_lists(clips, train, names, keep):
 @few
 @given(values, values, contents)
 @example({"1": 0}, {}, b"1,,,\x00")
-def test_objectfolder_2_tables(release, labels, split, table):
+def test_any_values_in_objectfolder_2_tables_give_pairs_or_a_sentence(
+    release, labels, split, table
+):
     root = release({1: "Wood", 2: "Glass", 101: "Iron"}, instances=1)
     answer(root)
     (root / "split.json").write_text(json.dumps(split))
@@ -95,7 +97,7 @@ def test_objectfolder_2_tables(release, labels, split, table):
 
 @few
 @given(contents)
-def test_objectfolder_real_materials(tmp_path, put, table):
+def test_any_bytes_in_objectfolder_real_materials_give_pairs_or_a_sentence(tmp_path, put, table):
     recording = tmp_path / "1" / "tactile_data" / "0" / "0"
     put(recording / "gelsight" / "0.png")
     put(recording / "hand" / "0.png")
@@ -105,7 +107,7 @@ def test_objectfolder_real_materials(tmp_path, put, table):
 
 @few
 @given(contents, st.one_of(st.none(), contents))
-def test_tacquad_contacts(tmp_path, put, contact, materials):
+def test_any_bytes_in_tacquad_contacts_give_pairs_or_a_sentence(tmp_path, put, contact, materials):
     shutil.rmtree(tmp_path / "data_indoor", ignore_errors=True)
     for folder in ("digit", "img_digit", "gelsight"):
         put(tmp_path / "data_indoor" / "glass" / folder / "1.png")
