@@ -21,3 +21,5 @@ cp "$out/ablations/ablations.md" docs/benchmarks/ablations.md
 cp "$out"/ablations/*.svg docs/benchmarks/
 cp "$out/ablations/fixed_order.json" examples/retrained.json
 cp "$out/protocol/runs.jsonl" docs/benchmarks/protocol.jsonl
+grep '"method": "omnivat"' "$out/full/runs.jsonl" >docs/benchmarks/protocol_full.jsonl
+cp "$out/ablations/runs.jsonl" docs/benchmarks/ablations.jsonl

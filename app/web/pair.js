@@ -201,7 +201,7 @@ function pair($, examples, set, rivals) {
     }
     const truth = vis ?? tac;
     if (!truth) return "";
-    return `<p class="${said === truth ? "right" : "wrong"}">${said === truth ? "✓ right" : `✗ wrong: it is ${escaped(truth)}`}</p>`;
+    return `<p class="${said === truth ? "right" : "wrong"}">${said === truth ? "✓ right" : `✗ wrong: it is ${escaped(truth)}${answer.classes.includes(truth) ? "" : ", a class that this head never learned"}`}</p>`;
   }
 
   function showGallery() {

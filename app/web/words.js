@@ -5,7 +5,7 @@ export const ABOUT = (simulated) => `<ul>
   <li>Most encoders were trained on photos. That touch images land far from photos says as much of the encoder as of touch.</li>
   <li>A small gap is not a good model: features that are all alike have no gap and no classes. Look at accuracy and margin beside it.</li>
   <li>p moves little in training; its learned value mostly tells where it started. The order of an encoder’s channels has no physical meaning, so neither has “frequency”.</li>
-  <li>Accuracy in Explore is over all pairs of the set, those of the source domain included.</li></ul>`;
+  <li>Accuracy in Explore is over all pairs of the set whose class the head has learned, those of the source domain included.</li></ul>`;
 
 export const OWN = `<h3>Make them</h3><p>A folder of pairs is <code>&lt;root&gt;/&lt;domain&gt;/&lt;class&gt;/&lt;name&gt;_vis.png</code> and <code>…_tac.png</code>.</p>
 <pre tabindex="0">python -m omnivat embed PAIRS --encoder efficientnet-lite0 --out mine.safetensors

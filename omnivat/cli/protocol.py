@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from omnivat.cli.bar import progress_bar
-from omnivat.errors import SettingsError
+from omnivat.errors import DataError, SettingsError
 from omnivat.heads import default_embeddings
 
 if TYPE_CHECKING:
@@ -23,7 +23,9 @@ def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--methods", default="", metavar="a,b,c", help="all that are quick if left out"
     )
-    parser.add_argument("--sources", default="", metavar="A,B", help="all eight if left out")
+    parser.add_argument(
+        "--sources", default="", metavar="A,B", help="all that the set has if left out"
+    )
     parser.add_argument(
         "--folds",
         type=int,
@@ -64,9 +66,15 @@ def run(options: argparse.Namespace) -> None:
     from omnivat.train import TrainSettings
 
     if not options.tables_only:
+        set_of_pairs = load_embeddings(options.embeddings)
         head, training = split_settings(options.set, HeadSettings, TrainSettings)
         methods = methods_named(listed(options.methods) or DEFAULT_METHODS, head, training)
-        sources = listed(options.sources) or available(load_embeddings(options.embeddings))
+        sources = listed(options.sources) or available(set_of_pairs)
+        if not sources:
+            raise DataError(
+                f"'{options.embeddings}' has no domain with pairs of two classes or more to learn "
+                "from."
+            )
         folds = tuple(range(options.folds)) or (None,)
         work(planned(methods, sources, numbers(options.seeds), folds), options)
     found = records.read(options.out / RUNS)

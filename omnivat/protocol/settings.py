@@ -1,5 +1,6 @@
 """The eight SDG-VTL settings: one seen domain, its unseen targets, parts and classes."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from omnivat.data.domains import DOMAINS, paper_name
@@ -62,22 +63,40 @@ class Task:
 
 
 def available(embeddings: Embeddings) -> tuple[str, ...]:
-    """Return the paper's names of the sources that the embeddings hold, in the paper's order."""
-    present = {paper_name(name) for name in embeddings.header.domains}
-    return tuple(name for name in SETTINGS if name in present)
+    """Return the sources that the embeddings hold: the paper's, by its names and in its order.
+
+    Where none is the paper's, every domain of two classes or more, by its own name.
+    """
+    domains = embeddings.header.domains
+    present = {paper_name(name) for name in domains}
+    papers = tuple(name for name in SETTINGS if name in present)
+    return papers or tuple(
+        name for name in domains if len(set(embeddings.in_domain(name).label.tolist())) > 1
+    )
+
+
+def own_setting(source: str, domains: Sequence[str]) -> Setting:
+    """Return the setting of a domain that the paper does not have: all others are its targets."""
+    sides = tuple(Side(domain=paper_name(name)) for name in domains if name != source)
+    return Setting(source=Side(domain=paper_name(source)), targets=sides, ceramic=True)
 
 
 def task(embeddings: Embeddings, source: str) -> Task:
     """Return what the setting of one source means on these embeddings.
 
-    source  the paper's name, or that of its simulated stand-in
+    source  the paper's name, or that of its simulated stand-in, or any domain of the embeddings
 
     Raises DataError when the source is unknown or has no training pairs.
     """
     setting = SETTINGS.get(paper_name(source))
     if setting is None:
-        hint = suggestion(paper_name(source), SETTINGS)
-        raise DataError(f"'{source}' is not one of the paper's domains.{hint}")
+        domains = embeddings.header.domains
+        if source not in domains:
+            hint = suggestion(paper_name(source), [*SETTINGS, *domains])
+            raise DataError(
+                f"'{source}' is not one of the paper's domains, nor of these embeddings.{hint}"
+            )
+        setting = own_setting(source, domains)
     names = {paper_name(name): name for name in embeddings.header.domains}
     if setting.source.domain not in names:
         raise DataError(
