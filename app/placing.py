@@ -24,7 +24,8 @@ def place(resources: Resources, question: Mapping[str, Any], features: Any) -> d
               "nodes": whether to place the tree's nodes}
     features  (resources, stage, order) -> unit rows (2N, W) of the whole set
     return    `points` by modality and `nodes`, each [x, y] in map units; `order` of the map's
-              stop; `exact`: whether the map is linear, so that the place is no estimate
+              stop; `exact`: whether the map is linear, so that the place is no estimate;
+              `of_set`: whether all of the pair is of the set, and lies where the map has it
 
     Raises DataError where there is no such map.
     """
@@ -47,7 +48,8 @@ def place(resources: Resources, question: Mapping[str, Any], features: Any) -> d
 
     flat = drawn.places(drawn.orders.index(stop))
     rows = features(resources, stage, order)
-    pair = embedded(resources, refs_from(question))
+    refs = refs_from(question)
+    pair = embedded(resources, refs)
     with torch.inference_mode():
         want_nodes = question.get("nodes") is True
         out = resources.head().model(pair["vis"], pair["tac"], order=order, nodes=want_nodes)
@@ -58,6 +60,12 @@ def place(resources: Resources, question: Mapping[str, Any], features: Any) -> d
         nodes = out.nodes[0].numpy() if want_nodes and out.nodes is not None else None
     known = linear_map(rows, flat)
     placed = {name: on_map(e, rows, flat, known)[0].tolist() for name, e in own.items()}
+    of_set = {
+        name: int(ref.name) + (len(flat) // 2 if name == "tac" else 0)
+        for name, ref in refs.items()
+        if ref is not None and ref.kind == "row" and name in placed
+    }
+    placed |= {name: flat[row].tolist() for name, row in of_set.items()}
     return {
         "points": placed,
         "nodes": []
@@ -65,6 +73,7 @@ def place(resources: Resources, question: Mapping[str, Any], features: Any) -> d
         else on_map(nodes, rows, flat, known).tolist(),
         "order": order,
         "exact": known is not None,
+        "of_set": of_set.keys() == placed.keys(),
     }
 
 

@@ -49,7 +49,7 @@ export function nodeMap(panel, frames, { nodes = true } = {}) {
       asking = new AbortController();
       try {
         placed = await ask("place", { ...question, order, stage: STAGE, map: kind(), nodes }, asking.signal);
-        note.textContent = `Every pair of the set, pale, at p = ${placed.order.toFixed(2)}${nodes ? "; 1 to 7 are the nodes" : ""}. ${placed.exact ? "The place is exact: this map is linear." : "The place is estimated between the nearest neighbours."} Click a point to choose its pair.`;
+        note.textContent = `Every pair of the set, pale, at p = ${placed.order.toFixed(2)}${nodes ? "; 1 to 7 are the nodes" : ""}. ${placed.exact ? "The place is exact: this map is linear." : placed.of_set ? `The pair lies where the map has it${nodes ? "; the nodes’ places are estimated between the nearest neighbours" : ""}.` : "The place is estimated between the nearest neighbours."} Click a point to choose its pair.`;
         cloud.paintMarks();
       } catch (error) {
         refused(error, (sentence) => { note.textContent = sentence; });

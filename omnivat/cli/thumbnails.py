@@ -57,6 +57,5 @@ def start_of(pairs: Path, names: Sequence[str]) -> Path:
         files = folder.rglob(Path(names[0]).name)
     wanted = Path(names[0]).parts
     depth = len(wanted)
-    return next(
-        (file.parents[depth - 1] for file in files if file.parts[-depth:] == wanted), folder
-    )
+    starts = {file.parents[depth - 1] for file in files if file.parts[-depth:] == wanted}
+    return starts.pop() if len(starts) == 1 else folder  # of two, neither is surely the right one

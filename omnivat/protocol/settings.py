@@ -126,13 +126,18 @@ def task(embeddings: Embeddings, source: str) -> Task:
         source_test=_without(test, dropped)
         if any(test.rows["split"])
         else test.select(test.label < 0),
-        targets={name: pairs for name, pairs in targets.items() if len(pairs)},
+        targets={name: pairs for name, pairs in targets.items() if _can_be_asked(pairs, present)},
         missing=tuple(
             str(side)
             for side in setting.targets
-            if side.domain not in names or not len(targets[names[side.domain]])
+            if side.domain not in names or not _can_be_asked(targets[names[side.domain]], present)
         ),
     )
+
+
+def _can_be_asked(pairs: Embeddings, classes: set[int]) -> bool:
+    """Tell whether any pair is of a class that was learned."""
+    return not classes.isdisjoint(pairs.label.tolist())
 
 
 def _without(pairs: Embeddings, classes: tuple[str, ...]) -> Embeddings:

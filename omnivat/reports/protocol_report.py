@@ -185,7 +185,8 @@ def _notes(records: Sequence[Record]) -> str:
     ]
     lines += [f"- {r['label']} did not run: {r['skipped']}" for r in records if "skipped" in r]
     lines += [
-        f"- From {r['source']} these targets are not in the data: {', '.join(r['missing_targets'])}."
+        f"- From {r['source']} these targets have no pairs of what was learned: "
+        f"{', '.join(r['missing_targets'])}."
         for r in records
         if r["missing_targets"]
     ]

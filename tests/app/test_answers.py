@@ -9,7 +9,7 @@ import pytest
 from app.live import live
 from app.measuring import measured
 from app.state import Ref
-from app.views import explore, pair, tree
+from app.views import data, explore, pair, tree
 from omnivat.errors import DataError
 
 
@@ -76,3 +76,12 @@ def test_heads_trained_anew_are_read_in_the_order_of_p(tmp_path):
 
 def test_where_no_head_was_trained_anew_there_are_no_points(tmp_path):
     assert explore.retrained_points(tmp_path / "none.json") == []
+
+
+def test_dots_of_the_projects_own_head_are_not_shown_with_another(resources):
+    assert explore.retrained(resources) == {"points": []}
+
+
+def test_a_record_without_any_target_can_be_sent():
+    sent = data.without_nan({"target_accuracy": float("nan"), "seeds": [{"order": 0.5}]})
+    assert sent == {"target_accuracy": None, "seeds": [{"order": 0.5}]}

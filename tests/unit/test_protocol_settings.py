@@ -101,3 +101,25 @@ def test_an_unknown_source_is_refused_with_the_nearest(eight, make_embeddings):
         task(eight, "TQ-DIGT")
     with pytest.raises(DataError, match="The embeddings have no domain 'TQ-T3D'"):
         task(make_embeddings(), "TQ-T3D")
+
+
+def test_domains_of_ones_own_learn_from_each_and_answer_all_others(make_embeddings):
+    pairs = make_embeddings(domains=("lab", "field", "shop"), per_class=4)
+    assert available(pairs) == ("lab", "field", "shop")
+    found = task(pairs, "lab")
+    assert list(found.targets) == ["field", "shop"]
+    assert found.missing == ()
+
+
+def test_a_target_without_any_class_that_was_learned_is_missing(make_embeddings):
+    pairs = make_embeddings(domains=("lab", "field", "shop"), per_class=4)
+    steel = pairs.header.classes.index("steel")
+    at = [pairs.header.domains.index(name) for name in ("lab", "shop")]
+    apart = pairs.select(
+        (pairs.label != steel) & (pairs.domain != at[1])
+        | (pairs.label == steel) & (pairs.domain != at[0]) & (pairs.domain == at[1])
+    )
+    found = task(apart, "lab")
+    assert list(found.targets) == ["field"]
+    assert found.missing == ("shop",)
+    assert available(apart) == ("lab", "field")

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from omnivat.cli.thumbnails import start_of
 from omnivat.errors import DataError
 from omnivat.thumbnails import sheet_of, write_thumbnails
 
@@ -67,3 +68,26 @@ def test_a_set_without_pairs_has_no_sheet(make_embeddings, tmp_path):
     with pytest.raises(DataError, match="no pairs in these embeddings"):
         write_thumbnails(none, tmp_path, tmp_path / "sheet.webp")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_the_names_start_where_the_images_of_a_table_are(pictures, tmp_path):
+    embeddings, root = pictures
+    table = tmp_path / "elsewhere" / "mine.csv"
+    table.parent.mkdir()
+    lines = [
+        f"{root / vis},{root / tac},lab,wood"
+        for vis, tac in zip(embeddings.rows["vis"], embeddings.rows["tac"], strict=True)
+    ]
+    table.write_text("\n".join(["vis,tac,domain,material", *lines]))
+    assert start_of(table, embeddings.rows["vis"]) == root
+
+
+def test_images_that_lie_deeper_are_found_where_only_one_place_has_them(pictures, tmp_path):
+    embeddings, _ = pictures
+    names = embeddings.rows["vis"]
+    inner = tmp_path / "set" / "dataset"
+    for place in (inner, tmp_path / "set" / "copy"):
+        (place / names[0]).parent.mkdir(parents=True)
+        (place / names[0]).touch()
+        wanted = inner if place == inner else tmp_path / "set"
+        assert start_of(tmp_path / "set", names) == wanted
