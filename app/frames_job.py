@@ -5,7 +5,7 @@ import os
 from dataclasses import dataclass
 from hashlib import blake2b
 from pathlib import Path
-from threading import Lock, Thread
+from threading import Condition, Lock, Thread
 from typing import Any
 
 from app.messages import UNEXPECTED
@@ -15,7 +15,38 @@ from omnivat.progress import Step
 log = logging.getLogger(__name__)
 COARSE = tuple(k / 10 for k in range(11))
 FINE = tuple(k / 100 for k in range(101))
-ONE_AT_A_TIME = Lock()  # maps of several heads or sets would only slow one another down
+
+
+class Turns:
+    """One map at a time, as two would only slow one another down; first looks go before last touches."""
+
+    def __init__(self) -> None:
+        self._changed = Condition()
+        self._busy = False
+        self._first_looks = 0  # that wait
+
+    def take(self, *, first_look: bool) -> None:
+        """Wait for one's turn."""
+        with self._changed:
+            self._first_looks += first_look
+            self._changed.wait_for(lambda: not self._busy and (first_look or not self._first_looks))
+            self._first_looks -= first_look
+            self._busy = True
+
+    def end(self) -> None:
+        """Let the next one work."""
+        with self._changed:
+            self._busy = False
+            self._changed.notify_all()
+
+    def give_way(self) -> None:
+        """In the middle of a last touch: let first looks that wait go before."""
+        if self._first_looks:
+            self.end()
+            self.take(first_look=False)
+
+
+TURNS = Turns()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -103,10 +134,12 @@ class FramesJob:
         head.require_embeddings(embeddings)
         coarse = folder / f"{name}-coarse.bin"
         self._state = FramesState(step=Step(done=0, total=0, text="waiting for another map"))
-        with ONE_AT_A_TIME:
-            self._build(head, embeddings, COARSE, coarse, shown=None)
-        with ONE_AT_A_TIME:  # the first look at another map comes before the last touch to this one
-            self._build(head, embeddings, FINE, fine, shown=coarse)
+        for orders, file, shown in ((COARSE, coarse, None), (FINE, fine, coarse)):
+            TURNS.take(first_look=shown is None)
+            try:
+                self._build(head, embeddings, orders, file, shown=shown)
+            finally:
+                TURNS.end()
         self._state = FramesState(file=fine)
 
     def _build(
@@ -117,6 +150,8 @@ class FramesJob:
 
         def report(step: Step) -> None:
             self._state = FramesState(file=shown, step=step)
+            if shown is not None:
+                TURNS.give_way()
 
         frames = build_frames(
             head.model,

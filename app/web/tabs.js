@@ -2,11 +2,21 @@
 
 import { change, state } from "./store.js";
 
+const AGAIN = 100; // ms
+
 const button = (view) => document.getElementById(`view-${view}-button`)
   ?? document.querySelector(`[role=tab][aria-controls="view-${view}"]`);
 
 export function openTab(view) {
   button(view)?.click();
+}
+
+/** Open the tab of the address: a click before Gradio has laid out its tabs is lost, so look twice. */
+function openFirst(view, seen = 0) {
+  if (state.view !== view || seen > 1) return; // the visitor went elsewhere, or it stays open
+  const open = button(view)?.getAttribute("aria-selected") === "true" && document.getElementById(`view-${view}`);
+  if (!open) openTab(view);
+  setTimeout(openFirst, AGAIN, view, open ? seen + 1 : 0);
 }
 
 export function followTabs() {
@@ -15,5 +25,5 @@ export function followTabs() {
     const view = /^view-(\w+)-button$/.exec(id)?.[1];
     if (view) change({ view });
   }, true);
-  if (state.view !== "explore") openTab(state.view);
+  if (state.view !== "explore") openFirst(state.view);
 }

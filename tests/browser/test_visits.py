@@ -22,6 +22,25 @@ def test_a_link_brings_back_what_was_seen(open_page: Callable[..., Any]) -> None
     assert page.locator(".explore .card h3").inner_text().startswith("Pair 3")
 
 
+def test_the_tab_of_a_link_opens_even_where_gradio_loses_the_first_clicks(
+    new_page: Callable[..., Any], address: str
+) -> None:
+    page = new_page()
+    page.add_init_script(
+        """{
+            const click = HTMLElement.prototype.click;
+            let lost = 0;
+            HTMLElement.prototype.click = function () {
+                if (this.getAttribute("role") !== "tab" || ++lost > 2) click.call(this);
+            };
+        }"""
+    )
+    page.goto(f"{address}?view=data", wait_until="commit")
+    page.wait_for_selector(".data .note")
+    page.click("#view-explore-button")
+    page.wait_for_selector(MAP)
+
+
 def test_the_address_of_what_one_visitor_set_draws_the_same_picture_for_another(
     open_page: Callable[..., Any],
 ) -> None:
