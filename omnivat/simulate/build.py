@@ -61,7 +61,7 @@ def simulate(
     # Round the classes, not one after another: a build that is stopped leaves a fair sample.
     todo = sorted(
         (pair for pair in plan if not _is_done(out, pair, size)),
-        key=lambda pair: (pair.object.rsplit("-", 1)[1], pair.press),
+        key=lambda pair: int(pair.object.rsplit("-", 1)[1]),
     )
     done = len(plan) - len(todo)
     on_step(Step(done=done, total=len(plan), text="already there"))

@@ -35,7 +35,7 @@ class Drawn:
 def drawn(pair: Planned, *, seed: int, size: int, renderer: Renderer = shaded) -> Drawn:
     """Return both images of `pair`; the same seed gives the same images."""
     thing = surface(pair.material, pair.number, seed=seed)
-    stream = derive_seed(seed, "pair", pair.domain, pair.material, pair.object, pair.press)
+    stream = derive_seed(seed, "pair", pair.domain, pair.material, pair.object)
     press = pressing(np.random.default_rng(stream), thing)
     return Drawn(
         vis=photograph(thing, press, pair, stream, size=size, renderer=renderer),

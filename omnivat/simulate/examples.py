@@ -16,23 +16,23 @@ def write_examples(made: PairSet, folder: Path, *, each: int = 2) -> list[Path]:
     """Write `<folder>/<domain>/<class>/<name>_{vis,tac}.jpg`; return the files.
 
     made  a simulated set on disk
-    each  pairs of each class of each domain, every one of another object, none of which was
-          trained on; all there are where there are fewer
+    each  pairs of each class of each domain, of objects that nothing was trained on; all there are
+          where there are fewer
 
     Every pixel is kept at full size, its value within what JPEG loses. Raises DataError when the
     set has no pairs for testing.
     """
-    classes: dict[tuple[str, str], dict[str, Pair]] = defaultdict(dict)
+    classes: dict[tuple[str, str], list[Pair]] = defaultdict(list)
     for pair in made.pairs:
         if pair.split == "test":
-            classes[pair.domain, pair.material].setdefault(pair.object, pair)
+            classes[pair.domain, pair.material].append(pair)
     if not classes:
         raise DataError(
             "The set has no test objects to take examples from; ask for 4 pairs per class or more."
         )
     written = []
     for (domain, material), things in classes.items():
-        for pair in spread(list(things.values()), each):
+        for pair in spread(things, each):
             for kind, image in (("vis", pair.vis), ("tac", pair.tac)):
                 stem = image.stem.removesuffix(f"_{kind}")
                 file = folder / domain / material / f"{stem}_{kind}.jpg"

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from omnivat.data.domains import DOMAINS, Domain, simulated
 from omnivat.data.materials import MATERIALS
 
-PRESSES = 2  # pairs that share one object
 TEST_SHARE = 0.3  # of the objects
 
 
@@ -17,7 +16,6 @@ class Planned:
     material: str
     object: str
     number: int  # of the object, unique within its material over all domains
-    press: int
     split: str
     part: str
     stem: str
@@ -28,30 +26,34 @@ class Planned:
 
 
 def planned(domain: Domain, material: str, *, pairs: int) -> list[Planned]:
-    """Return the pairs of one class of one domain; objects are whole within a split and a part."""
-    objects = max(1, (pairs + PRESSES - 1) // PRESSES)
-    first = list(DOMAINS).index(domain.name) * 10_000
+    """Return the pairs of one class of one domain, each of an object of its own.
+
+    Neighbouring numbers hold a fair mixture of surfaces, so each split of each part gets a run of
+    them: what is asked about is of the same kinds as what was trained on.
+    """
     parts = domain.series or ("",)
-    plan: list[Planned] = []
-    for index in range(objects):
-        part = parts[index % len(parts)]
-        turn = index // len(parts)  # the object's place within its part
-        split = "test" if _is_test(turn) else "train"
+    places = [
+        ("test" if _is_test(index // len(parts)) else "train", parts[index % len(parts)], index)
+        for index in range(pairs)
+    ]
+    first = list(DOMAINS).index(domain.name) * 10_000
+    numbers = {place: first + rank for rank, place in enumerate(sorted(places))}
+    plan = []
+    for place in places:
+        split, part, index = place
         name = f"{material}-{index:02d}"
-        plan += [
+        plan.append(
             Planned(
                 domain=domain.name,
                 material=material,
                 object=f"{simulated(domain.name)}/{name}",
-                number=first + index,
-                press=press,
+                number=numbers[place],
                 split=split,
                 part=part,
-                stem=f"{name}_{press}",
+                stem=name,
             )
-            for press in range(PRESSES)
-        ]
-    return plan[:pairs]
+        )
+    return plan
 
 
 def _is_test(turn: int) -> bool:

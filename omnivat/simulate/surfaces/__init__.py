@@ -5,13 +5,17 @@ overlap on purpose (ribbed glass and ribbed plastic, cast steel and moulded plas
 the picture of wood), so that neither sight nor touch alone settles every case.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 
 from omnivat.seeding import derive_seed
 from omnivat.simulate.surfaces import ceramic, glass, plastic, steel, wood
 from omnivat.simulate.surfaces.base import Form, Surface
 
-__all__ = ["RECIPES", "Form", "Surface", "surface"]
+__all__ = ["RECIPES", "Form", "Surface", "recipe", "surface"]
+
+Recipe = Callable[[np.random.Generator], Surface]
 
 RECIPES = {
     "wood": wood.RECIPES,
@@ -23,7 +27,13 @@ RECIPES = {
 
 
 def surface(material: str, number: int, *, seed: int) -> Surface:
-    """Return object `number` of a material; the same seed and number give the same object.
+    """Return object `number` of a material; the same seed and number give the same object."""
+    make = recipe(material, number, seed=seed)
+    return make(np.random.default_rng(derive_seed(seed, "surface", material, number)))
+
+
+def recipe(material: str, number: int, *, seed: int) -> Recipe:
+    """Return how that object is made.
 
     Recipes are drawn by their weights in a fixed rotation, so that any run of neighbouring numbers
     holds a fair mixture.
@@ -31,5 +41,4 @@ def surface(material: str, number: int, *, seed: int) -> Surface:
     recipes = RECIPES[material]
     weights = np.cumsum(list(recipes.values()))
     golden = (number * 0.6180339887 + (derive_seed(seed, "rotation", material) % 997) / 997) % 1.0
-    recipe = list(recipes)[int(np.searchsorted(weights, golden * weights[-1]))]
-    return recipe(np.random.default_rng(derive_seed(seed, "surface", material, number)))
+    return list(recipes)[int(np.searchsorted(weights, golden * weights[-1]))]

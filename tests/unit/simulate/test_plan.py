@@ -4,6 +4,7 @@ from collections import defaultdict
 
 from omnivat.data.domains import DOMAINS
 from omnivat.simulate.plan import classes, planned
+from omnivat.simulate.surfaces import recipe
 
 EVERYTHING = [
     pair
@@ -45,3 +46,18 @@ def test_about_three_objects_of_ten_are_for_testing() -> None:
     share = sum(pair.split == "test" for pair in EVERYTHING) / len(EVERYTHING)
 
     assert 0.25 <= share <= 0.35
+
+
+def test_what_is_asked_about_is_of_the_same_kinds_as_what_was_trained_on() -> None:
+    kinds = defaultdict(set)
+    for pair in EVERYTHING:
+        kinds[pair.domain, pair.material, pair.split].add(
+            recipe(pair.material, pair.number, seed=0)
+        )
+
+    unknown = sum(
+        len(kinds[domain, material, "test"] - kinds[domain, material, "train"])
+        for domain, material, split in kinds
+        if split == "test"
+    )
+    assert unknown <= 3
