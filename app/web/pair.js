@@ -72,16 +72,16 @@ function pair($, examples, set, rivals) {
     showGallery();
     asking?.abort();
     if (!state.vis && !state.tac) return empty();
-    asking = new AbortController();
+    const mine = asking = new AbortController();
     $(".results").setAttribute("aria-busy", "true");
     const slow = setTimeout(() => { $(".verdict").innerHTML = '<p class="hint">Loading the head… the first answer takes a few seconds, later ones do not.</p>'; }, 300);
     const began = performance.now();
     try {
-      answer = await ask("pair", { vis: state.vis, tac: state.tac }, asking.signal);
+      answer = await ask("pair", { vis: state.vis, tac: state.tac }, mine.signal);
       answer.took = performance.now() - began;
       problem("");
       showAnswer();
-      askMore(asking.signal);
+      askMore(mine.signal);
     } catch (error) {
       refused(error, (sentence) => {
         problem(sentence);
@@ -89,7 +89,7 @@ function pair($, examples, set, rivals) {
       });
     } finally {
       clearTimeout(slow);
-      $(".results").setAttribute("aria-busy", "false");
+      if (asking === mine) $(".results").setAttribute("aria-busy", "false"); // else the next one still asks
     }
   }
 
@@ -138,6 +138,7 @@ function pair($, examples, set, rivals) {
   }
 
   function empty() {
+    clearTimeout(announcing);
     answer = null;
     others = [];
     showRivals();

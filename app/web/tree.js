@@ -38,12 +38,12 @@ export async function start(root) {
 
   async function grow() {
     queued = 0;
+    asking?.abort();
     if (!state.tree && !state.vis && !state.tac) {
       $(".groves").innerHTML = "";
       say("Choose a pair first: click a point in Explore, or pick an example in Pair.");
       return;
     }
-    asking?.abort();
     asking = new AbortController();
     const { signal } = asking;
     const slow = setTimeout(() => say("Loading the head…"), 400);

@@ -136,6 +136,18 @@ def test_one_image_alone_is_enough(open_page: Callable[..., Any]) -> None:
     assert page.locator(".pair .bars td[data-voice=tac]").count() > 1
 
 
+def test_a_pair_taken_away_right_after_p_moved_leaves_nothing_to_say(
+    open_page: Callable[..., Any],
+) -> None:
+    page = open_page("?view=pair&vis=row:0&tac=row:0")
+    page.wait_for_selector(".pair .bars table")
+    page.focus(".pair .order")
+    page.keyboard.press("ArrowLeft")
+    page.evaluate("document.querySelectorAll('.pair .slot .clear').forEach(one => one.click())")
+    page.wait_for_timeout(600)  # what is said of p follows after 400 ms; a failed script would show
+    assert page.locator(".pair .bars table").count() == 0
+
+
 def test_the_tree_follows_p(open_page: Callable[..., Any]) -> None:
     page = open_page("?view=tree&vis=row:0&tac=row:0&p=0.5")
     page.wait_for_selector(".tree .tree-view")
