@@ -83,15 +83,17 @@ def fold_tree(tree: DTG) -> tuple[Tensor, Tensor]:
     return matrix.to(dtype), offset.to(dtype)
 
 
-def versions(module: nn.Module) -> tuple[tuple[int, int, str], ...]:
+def versions(module: nn.Module) -> list[tuple[int, int, torch.dtype]]:
     """Return what changes whenever a weight does: in place, by loading, or by conversion."""
-    tables = [t for part in module.modules() for t in (part._parameters, part._buffers) if t]
-    return tuple(
-        (t.data_ptr(), -1 if t.is_inference() else t._version, str(t.dtype))
-        for table in tables
-        for t in table.values()
-        if t is not None
-    )
+    found, left = [], [module]
+    while left:  # `Module.modules` takes twice as long, and this is asked at every prediction
+        part = left.pop()
+        for tensor in (*part._parameters.values(), *part._buffers.values()):
+            if tensor is not None:
+                version = -1 if tensor.is_inference() else tensor._version
+                found.append((tensor.data_ptr(), version, tensor.dtype))
+        left += [child for child in part._modules.values() if child is not None]
+    return found
 
 
 class Folds:

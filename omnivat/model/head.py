@@ -28,16 +28,17 @@ CHUNK = 512  # pairs that are predicted at once
 
 @dataclass(frozen=True, slots=True)
 class PairCoefficients:
-    """What stays fixed while p moves: eigenbasis coefficients of B pairs, by modality."""
+    """What stays fixed while p moves: eigenbasis coefficients (M, B, D) of B pairs."""
 
-    by_modality: Mapping[str, Any]
+    names: tuple[str, ...]  # of the M modalities
+    stacked: Coefficients
 
     def __getitem__(self, pairs: Any) -> "PairCoefficients":
         """Return the coefficients of some pairs: a slice, a mask or indices."""
-        return PairCoefficients({name: c[pairs] for name, c in self.by_modality.items()})
+        return PairCoefficients(self.names, self.stacked[:, pairs])
 
     def __len__(self) -> int:
-        return int(next(iter(self.by_modality.values())).shape[0])
+        return self.stacked.shape[1]
 
 
 class OmniVaT(nn.Module):
@@ -105,8 +106,7 @@ class OmniVaT(nn.Module):
         Raises DataError when both are missing, ShapeError on a wrong width or differing B.
         """
         given = {n: e for n, e in (("vis", vis), ("tac", tac)) if e is not None}
-        kept = coefficients(self.embedded(given))
-        return PairCoefficients({name: kept[row] for row, name in enumerate(given)})
+        return PairCoefficients(tuple(given), coefficients(self.embedded(given)))
 
     def from_coefficients(
         self,
@@ -126,8 +126,7 @@ class OmniVaT(nn.Module):
         Where neither gradients nor attention weights are asked for, weights are folded once and
         pairs pass in chunks that stay in the processor's cache.
         """
-        names = tuple(kept.by_modality)
-        stacked = Coefficients(torch.stack([c.values for c in kept.by_modality.values()]))
+        names, stacked = kept.names, kept.stacked
         order = self.mffa.orders(names) if order is None else order
         grad = torch.is_grad_enabled() and any(
             t.requires_grad for t in (stacked.values, torch.as_tensor(order), *self.parameters())
@@ -137,11 +136,17 @@ class OmniVaT(nn.Module):
             return self._answer(names, stacked, order, nodes=nodes, attention=attention)
         self._folds.refresh(self)
         with one_thread(len(kept) <= FEW_PAIRS):
-            outputs = [
-                self._answer(names, stacked[:, rows], _rows(order, rows), nodes=nodes, fold=True)
-                for rows in (slice(i, i + CHUNK) for i in range(0, max(len(kept), 1), CHUNK))
-            ]
-        return outputs[0] if len(outputs) == 1 else joined(outputs)
+            if len(kept) <= CHUNK:
+                return self._answer(names, stacked, order, nodes=nodes, fold=True)
+            chunks = (slice(start, start + CHUNK) for start in range(0, len(kept), CHUNK))
+            return joined(
+                [
+                    self._answer(
+                        names, stacked[:, rows], _rows(order, rows), nodes=nodes, fold=True
+                    )
+                    for rows in chunks
+                ]
+            )
 
     def _answer(
         self,
@@ -180,7 +185,7 @@ class OmniVaT(nn.Module):
         if len(relu) == 1:  # |F| or Re F alone: nothing is left of the imaginary part
             relu = torch.cat((relu, torch.zeros_like(relu)))
         return HeadOutput(
-            logits=dict(zip(names, self.classify(f_hat), strict=True)),
+            logits=dict(zip(names, self.classify(f_hat, fold=fold), strict=True)),
             frft=_by_name(names, parts),
             relu=_by_name(names, relu),
             f_bar=dict(zip(names, found, strict=True)),
@@ -189,14 +194,20 @@ class OmniVaT(nn.Module):
             nodes=None if grown is None else grown.nodes,
         )
 
-    def classify(self, features: Tensor) -> Tensor:
+    def classify(self, features: Tensor, *, fold: bool = False) -> Tensor:
         """Return logits (..., K) of features (..., D): tree nodes can be asked, too."""
         if self.settings.feature_scale == "literal":
             return linear(features, self.classifier)
-        directions = self.settings.logit_scale * normalize(self.classifier, dim=-1)
+        directions = (
+            self._folds.get(("directions",), self._directions) if fold else self._directions()
+        )
         lengths = torch.linalg.vector_norm(features, dim=-1, keepdim=True)
         logits: Tensor = linear(features, directions) / lengths.clamp_min(1e-12)
         return logits
+
+    def _directions(self) -> Tensor:
+        """Return the classes' directions (K, D), of the length of the logits' scale."""
+        return self.settings.logit_scale * normalize(self.classifier, dim=-1)
 
     def _mean(self, found: Tensor, root: Tensor, fold: bool) -> Tensor | None:
         """Return the mean (B, D) over the nodes that grow from features (M, B, D)."""
