@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from benchmarks.simulated_probe import (
     Accuracy,
     accuracy,
+    cross_validated,
     fitted,
     probe_matrix,
     sensor_accuracy,
@@ -64,6 +65,7 @@ def main() -> None:
     print(f"{len(features.rows)} pairs, {DEFAULT_ENCODER} features of unit length.\n")
     print_probe(features)
     print_growth(features)
+    print_strengths(features)
     print_sensors(features)
     print_gaps(features)
     if given.real:
@@ -142,7 +144,7 @@ def print_growth(features: Features) -> None:
     both = np.concatenate([features.vis, features.tac], axis=1)
     print("## Within a domain, by objects trained on (VIS + TAC)\n")
     print("| objects of each class | mean over domains, % |\n| ---: | ---: |")
-    for count in (3, 7, 14):
+    for count in (3, 7, 14, 28):
         shares = within_with(
             both,
             materials=features.column("material"),
@@ -152,6 +154,27 @@ def print_growth(features: Features) -> None:
             count=count,
         )
         print(f"| {count} | {100 * np.mean([cell.share for cell in shares.values()]):.1f} |")
+    print()
+
+
+def print_strengths(features: Features) -> None:
+    """Print how strongly a probe should be held back, by what the training objects alone say."""
+    both = np.concatenate([features.vis, features.tac], axis=1)
+    train, domains = features.column("split") == "train", features.column("domain")
+    print("## C of the probe, by cross-validation over training objects (VIS + TAC)\n")
+    print("| C | mean over domains, % |\n| ---: | ---: |")
+    for strength in (1e-3, 1e-2, 1e-1, 1.0, 10.0):
+        shares = []
+        for domain in dict.fromkeys(map(str, domains)):
+            here = train & (domains == domain)
+            found = cross_validated(
+                both[here],
+                materials=features.column("material")[here],
+                objects=features.column("object")[here],
+                strength=strength,
+            )
+            shares.append(found.share)
+        print(f"| {strength:g} | {100 * np.mean(shares):.1f} |")
     print()
 
 

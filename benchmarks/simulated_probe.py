@@ -30,11 +30,14 @@ def accuracy(right: int, of: int) -> Accuracy:
     return Accuracy(right=int(right), of=int(of))
 
 
-def fitted(values: Array, materials: Names) -> Callable[[Array], Names]:
-    """Return a linear probe of (N, D) training values: what material it says of others."""
+def fitted(values: Array, materials: Names, strength: float = 1.0) -> Callable[[Array], Names]:
+    """Return a linear probe of (N, D) training values: what material it says of others.
+
+    Logistic regression as scikit-learn has it; its C is `strength`, by default as there.
+    """
     linear = need("sklearn.linear_model", purpose="the linear probe", install="scikit-learn")
     mean, spread = values.mean(0), values.std(0) + 1e-3
-    probe = linear.LogisticRegression(C=1e-3, max_iter=300)
+    probe = linear.LogisticRegression(C=strength, max_iter=1000)
     probe.fit((values - mean) / spread, materials)
     return lambda others: np.asarray(probe.predict((others - mean) / spread))
 
@@ -66,6 +69,21 @@ def probe_matrix(
                 right = probe(values[asked]) == materials[asked]
                 result[source, target] = accuracy(right.sum(), right.size)
     return {pair: result[pair] for pair in ((s, t) for s in names for t in names)}
+
+
+def cross_validated(
+    values: Array, *, materials: Names, objects: Names, strength: float, folds: int = 5
+) -> Accuracy:
+    """Return the accuracy on held-out fifths of the objects, probes trained on the other four."""
+    things = dict.fromkeys(zip(map(str, materials), map(str, objects), strict=True))
+    fold_of = {thing: number % folds for number, (_, thing) in enumerate(sorted(things))}
+    fold = np.array([fold_of[str(name)] for name in objects])
+    right = [
+        fitted(values[fold != k], materials[fold != k], strength)(values[fold == k])
+        == materials[fold == k]
+        for k in range(folds)
+    ]
+    return accuracy(sum(int(part.sum()) for part in right), len(values))
 
 
 def within_with(

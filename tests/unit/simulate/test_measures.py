@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 
 from benchmarks.simulated import features_in
-from benchmarks.simulated_probe import fitted, probe_matrix, sensor_accuracy, within_with
+from benchmarks.simulated_probe import (
+    cross_validated,
+    fitted,
+    probe_matrix,
+    sensor_accuracy,
+    within_with,
+)
 from omnivat.data.embeddings import Embeddings, Header
 from omnivat.data.store import save_embeddings
 from omnivat.errors import DataError
@@ -55,6 +61,18 @@ def test_more_objects_are_never_taken_than_asked_for():
 
     few, many = (within_with(**given, count=n)["A"].share for n in (1, 4))
     assert few < many
+
+
+def test_cross_validation_asks_about_objects_that_were_not_trained_on():
+    """Every object looks like nothing else, its pairs alike: who had seen it would know it."""
+    objects = np.repeat([f"o{number}" for number in range(60)], 4)
+    materials = np.repeat(RANDOM.choice(MATERIALS, 60), 4)
+    values = np.repeat(np.eye(60, dtype=np.float32), 4, axis=0)
+
+    found = cross_validated(values, materials=materials, objects=objects, strength=1.0)
+    assert found.of == 240
+    assert found.share < 0.6
+    assert (fitted(values, materials)(values) == materials).all()
 
 
 def test_a_probe_ignores_the_scale_of_a_feature():
