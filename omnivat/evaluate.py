@@ -74,8 +74,9 @@ def evaluate(
     order       quarter turns; the learned one where None
     modalities  what the head is given: "vis", "tac" or both; those it was trained with where None
 
-    Where the data state a split only its test part counts. Pairs of classes that the head has
-    not learned are left out and counted. F1 averages the classes present in the domain; the
+    Where the data state a split only its test part counts; of a source without one, "trained_on"
+    says that it is asked about what it learned from. Pairs of classes that the head has not learned
+    are left out and counted. F1 averages the classes present in the domain; the
     "union" variant also averages classes that were only answered.
 
     Raises DataError when the embeddings are of another encoder.
@@ -101,6 +102,7 @@ def _evaluate_domain(
     record: dict[str, Any] = {
         "domain": domain,
         "is_source": domain == head.source,
+        "trained_on": domain == head.source and not any(pairs.rows["split"]),
         "order": head.model.order if order is None else order,
         "pairs": int(known.sum()),
         "left_out": int((~known).sum()),

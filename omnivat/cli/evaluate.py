@@ -67,4 +67,8 @@ def table(records: Sequence[dict[str, Any]]) -> str:
         lines.append("mean of targets: none, for no other domain has pairs of the head's classes")
     else:
         lines.append(f"{'mean of targets':<18} {'':>6} {100 * mean:>6.1f} {100 * f1:>6.1f}")
+    if any(record["trained_on"] for record in records):
+        lines.append(
+            "The set states no split: the source's row is of pairs that the head was trained on."
+        )
     return "\n".join(lines)

@@ -99,6 +99,24 @@ def test_evaluate_prints_every_domain_and_json_for_programs(head_folder, capsys)
     assert all(0 <= r["scores"]["fused"]["accuracy"] <= 1 for r in records)
 
 
+@pytest.mark.parametrize("stated", [True, False])
+def test_evaluate_says_so_where_the_source_was_trained_on(
+    stated, head_folder, make_embeddings, tmp_path, capsys
+):
+    from dataclasses import replace
+
+    from omnivat.data.store import save_embeddings
+
+    made = make_embeddings()
+    splits = ["train" if stated and n % 2 else "test" if stated else "" for n in range(len(made))]
+    save_embeddings(
+        tmp_path / "set.safetensors", replace(made, rows={**made.rows, "split": splits})
+    )
+    given = ["--head", str(head_folder), "--embeddings", str(tmp_path / "set.safetensors")]
+    assert main(["evaluate", *given]) == 0
+    assert ("that the head was trained on" in capsys.readouterr().out) is not stated
+
+
 def test_a_head_refuses_embeddings_of_another_encoder(
     head_folder, make_embeddings, tmp_path, capsys
 ):
