@@ -30,10 +30,12 @@ from omnivat.data.domains import DOMAINS, paper_name
 from omnivat.data.store import load_embeddings
 from omnivat.encoders.base import DEFAULT_ENCODER
 from omnivat.errors import DataError
+from omnivat.simulate.plan import classes, planned
 
 Array = NDArray[np.float32]
 SHIPPED = Path("examples/simulated.safetensors")
 _BATCH = 32
+OBJECTS, TEST_OBJECTS = 40, 12  # of each class of each domain in the shipped set
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -65,6 +67,7 @@ def main() -> None:
     print(f"{len(features.rows)} pairs, {DEFAULT_ENCODER} features of unit length.\n")
     print_probe(features)
     print_growth(features)
+    print_other_splits(features)
     print_strengths(features)
     print_sensors(features)
     print_gaps(features)
@@ -154,6 +157,34 @@ def print_growth(features: Features) -> None:
             count=count,
         )
         print(f"| {count} | {100 * np.mean([cell.share for cell in shares.values()]):.1f} |")
+    print()
+
+
+def print_other_splits(features: Features) -> None:
+    """Print the accuracy within a domain where other runs of 12 objects are the test."""
+    numbers = {
+        pair.object: pair.number % len(plan)
+        for domain in DOMAINS.values()
+        for material in classes(domain)
+        for plan in [planned(domain, material, pairs=OBJECTS)]
+        for pair in plan
+    }
+    names = features.column("object")
+    if set(names) != set(numbers):
+        return  # a set of another size: its objects have other numbers
+    both = np.concatenate([features.vis, features.tac], axis=1)
+    number = np.array([numbers[str(name)] for name in names])
+    materials, domains = features.column("material"), features.column("domain")
+    print("## Within a domain, other objects as the test (VIS + TAC)\n")
+    print("| objects, along the rotation | mean over domains, % |\n| --- | ---: |")
+    for start in range(0, OBJECTS - TEST_OBJECTS + 1, 7):
+        test = (number >= start) & (number < start + TEST_OBJECTS)
+        shares = []
+        for domain in dict.fromkeys(map(str, domains)):
+            train, asked = (domains == domain) & ~test, (domains == domain) & test
+            right = fitted(both[train], materials[train])(both[asked]) == materials[asked]
+            shares.append(right.mean())
+        print(f"| {start} to {start + TEST_OBJECTS - 1} | {100 * np.mean(shares):.1f} |")
     print()
 
 
