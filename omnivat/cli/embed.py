@@ -30,6 +30,9 @@ def add(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--seed", type=int, default=0, help="of balanced subsampling")
     parser.add_argument("--precision", choices=["fp32", "bf16"], default="fp32")
+    parser.add_argument(
+        "--device", default="cpu", help="cpu, cuda, or auto: a GPU if there is one (not run in CI)"
+    )
     parser.add_argument("--dtype", choices=["float32", "float16"], default="float32")
     parser.add_argument("--engine", choices=["local", "ray"], default="local")
     parser.add_argument("--manifest", choices=["csv", "parquet"], default="csv")
@@ -64,6 +67,7 @@ def run(options: argparse.Namespace) -> None:
             options.encoder,
             options.out,
             weights=options.weights,
+            device=options.device,
             precision=options.precision,
             dtype=options.dtype,
             manifest=options.manifest,

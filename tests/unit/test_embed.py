@@ -13,6 +13,7 @@ import pytest
 import torch
 from PIL import Image
 
+from omnivat.cli import main
 from omnivat.data.pairs import Pair, PairSet
 from omnivat.data.store import load_embeddings
 from omnivat.embed import EmbedReport, embed_pairs
@@ -245,6 +246,28 @@ def test_settings_are_checked_before_any_work(
 ) -> None:
     with pytest.raises(error):
         embed(make_pairs(tmp_path, 2), tmp_path / "set.safetensors", **settings)
+    assert not list(tmp_path.glob("set*"))
+
+
+@pytest.mark.parametrize(
+    ("device", "sentence"),
+    [
+        ("gpu", "No device is called 'gpu'; use auto, cpu or cuda."),
+        ("cuda", "Device 'cuda' was asked for and no GPU is usable here; use cpu."),
+    ],
+)
+def test_a_device_that_is_not_there_is_refused(
+    device: str,
+    sentence: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.setattr(torch.cuda, "is_available", lambda: False)
+    make_pairs(tmp_path / "pairs", 2)
+    out = tmp_path / "set.safetensors"
+    assert main(["embed", str(tmp_path / "pairs"), "--out", str(out), "--device", device]) == 1
+    assert sentence in capsys.readouterr().err
     assert not list(tmp_path.glob("set*"))
 
 

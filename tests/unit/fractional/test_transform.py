@@ -181,6 +181,13 @@ def test_precision_in_gives_precision_out(given: torch.dtype, wanted: torch.dtyp
     assert dfrft(x, 0.3).dtype == dfrft(x, 1).dtype == wanted
 
 
+@pytest.mark.filterwarnings("ignore:ComplexHalf support is experimental")
+@pytest.mark.parametrize("order", [0.3, 1, 2.0])
+def test_complex_halves_are_computed_in_single_precision(order: float) -> None:
+    x = torch.randn(3, 12, dtype=torch.complex64).to(torch.complex32)
+    assert torch.equal(dfrft(x, order), dfrft(x.to(torch.complex64), order))
+
+
 def test_autocast_changes_nothing() -> None:
     x = torch.randn(40, 64)
     plain = dfrft(x, 0.3)
