@@ -151,7 +151,7 @@ ABLATIONS = {
         axis="R",
         rows={
             f"R {levels}": Row(
-                label=f"R = {levels}, {2**levels - 1} nodes",
+                label=f"R = {levels}, {2**levels - 1} node{'s' if levels > 1 else ''}",
                 head={"levels": levels},
                 value=levels,
             )
