@@ -12,7 +12,8 @@ from omnivat.heads import EXAMPLES
 
 TITLE = "Compare"
 METHODS = {"nearest_mean": "nearest class mean"}  # quick to fit; slower ones are in the matrix
-RECORDS = EXAMPLES.parent / "docs" / "benchmarks" / "protocol.jsonl"
+_MEASURED = EXAMPLES.parent / "docs" / "benchmarks"
+RECORDS = (_MEASURED / "protocol_full.jsonl", _MEASURED / "protocol.jsonl")
 
 
 def heads(resources: Resources) -> list[dict[str, Any]]:
@@ -149,22 +150,27 @@ def protocol_rows(content: str) -> list[dict[str, Any]]:
     """Return a row for each method and source of the protocol's records, mean over seeds.
 
     content  fingerprint of the embeddings shown: records of others are left out. No file, no rows
+
+    Heads of several widths are several methods.
     """
     from omnivat.protocol.records import read
 
     grouped: dict[tuple[str, str], list[Mapping[str, Any]]] = {}
-    for record in read(RECORDS):
+    for record in (record for file in RECORDS for record in read(file)):
         if record["data"]["fingerprint"] == content and record["fold"] is None:
-            grouped.setdefault((record["method"], record["source"]), []).append(record)
+            label = record.get("label") or record["method"]
+            width = record.get("settings", {}).get("head", {}).get("width")
+            label += f", D = {width}" if width else ""
+            grouped.setdefault((label, record["source"]), []).append(record)
     return [
         {
-            "method": method,
-            "label": runs[0].get("label") or method,
+            "method": runs[0]["method"],
+            "label": label,
             "source": source,
             "seeds": len(runs),
             "cells": mean_cells(runs),
         }
-        for (method, source), runs in grouped.items()
+        for (label, source), runs in grouped.items()
     ]
 
 

@@ -34,6 +34,22 @@ function unseen(row, metric) {
   return values.length ? values.reduce((a, b) => a + b, 0) / values.length : NaN;
 }
 
+/** The mean over a method's sources, of means over unseen targets. */
+const meanOf = (rows, metric) => rows.reduce((sum, row) => sum + unseen(row, metric), 0) / rows.length;
+
+/** Where a method learned from several sources, a last line: its mean over them. */
+function overall(rows, targets, metric) {
+  if (rows.length < 2) return "";
+  return `<tr class="overall"><th scope="row" colspan="2">mean of ${rows.length} sources</th><td colspan="${targets.length}"></td><td><b>${(100 * meanOf(rows, metric)).toFixed(1)}</b></td></tr>`;
+}
+
+/** All methods in one line, the best first. */
+function ranking(rows, labels, metric) {
+  const several = labels.map((label) => [label, rows.filter((row) => row.label === label)]).filter(([, own]) => own.length > 1)
+    .map(([label, own]) => [label, meanOf(own, metric)]).sort((a, b) => b[1] - a[1]);
+  return several.length < 2 ? "" : `<p class="ranking">Mean of unseen domains over all sources: ${several.map(([label, mean]) => `<span>${escaped(label)} <b>${(100 * mean).toFixed(1)}</b></span>`).join(" ")}</p>`;
+}
+
 function ours({ rows, targets, origin }, metric) {
   if (!rows.length) return '<p class="hint">No scores are here: neither the head’s folder nor the protocol’s records hold any.</p>';
   const labels = [...new Set(rows.map((row) => row.label))];
@@ -44,11 +60,11 @@ function ours({ rows, targets, origin }, metric) {
     return `<td class="heat${own ? " own" : ""}" style="--s:${Math.round(70 * cell[metric])}%" title="${escaped(`${row.source} → ${target}: ACC ${percent(cell[0], 1)}, macro-F1 ${percent(cell[1], 1)}`)}">${(100 * cell[metric]).toFixed(1)}</td>`;
   };
   const body = labels.map((label) => rows.filter((row) => row.label === label).map((row, i, all) =>
-    `<tr>${i ? "" : `<th scope="rowgroup" rowspan="${all.length}">${escaped(label)}<br><small>${row.seeds > 1 ? `${row.seeds} seeds` : "one seed"}</small></th>`}<th scope="row">${escaped(row.source)}</th>${targets.map((target) => shown(row, target)).join("")}<td><b>${(100 * unseen(row, metric)).toFixed(1)}</b></td></tr>`).join("")).join("");
+    `<tr>${i ? "" : `<th scope="rowgroup" rowspan="${all.length}">${escaped(label)}<br><small>${row.seeds > 1 ? `${row.seeds} seeds` : "one seed"}</small></th>`}<th scope="row">${escaped(row.source)}</th>${targets.map((target) => shown(row, target)).join("")}<td><b>${(100 * unseen(row, metric)).toFixed(1)}</b></td></tr>`).join("") + overall(rows.filter((row) => row.label === label), targets, metric)).join("");
   const note = origin === "protocol"
     ? "Rows of methods are means over seeds of the protocol’s records; rows of heads come from their own <code>metrics.json</code>."
     : "These are the loaded heads’ own rows, from their <code>metrics.json</code>. Records of the whole protocol are not here: <code>python -m omnivat protocol</code> makes them, and <code>app.py --compare DIR</code> adds a head of another source.";
-  return `<div><div class="scroll" tabindex="0" role="group" aria-label="Scores from source to target"><table class="counts scores"><thead><tr><th scope="col">Answers by</th><th scope="col">Source</th>${targets.map((name) => `<th scope="col">${escaped(name)}</th>`).join("")}<th scope="col">mean of unseen</th></tr></thead><tbody>${body}</tbody></table></div>
+  return `<div>${ranking(rows, labels, metric)}<div class="scroll" tabindex="0" role="group" aria-label="Scores from source to target"><table class="counts scores"><thead><tr><th scope="col">Answers by</th><th scope="col">Source</th>${targets.map((name) => `<th scope="col">${escaped(name)}</th>`).join("")}<th scope="col">mean of unseen</th></tr></thead><tbody>${body}</tbody></table></div>
     <p class="hint">${note} Percent, on test pairs where the set states a split, on all pairs where it does not; outlined: the source itself, not in the mean.</p></div>`;
 }
 

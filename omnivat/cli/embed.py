@@ -1,6 +1,6 @@
 """Embed a set of pairs with a frozen encoder, once.
 
-python -m omnivat embed PAIRS --encoder NAME --out FILE [--precision fp32|bf16]
+python -m omnivat embed PAIRS --encoder NAME --out FILE [--precision fp32|bf16|fp32-onnx]
 """
 
 import argparse
@@ -29,7 +29,7 @@ def add(parser: argparse.ArgumentParser) -> None:
         help="an option of the reader, such as by_folder=true (docs/data.md lists them)",
     )
     parser.add_argument("--seed", type=int, default=0, help="of balanced subsampling")
-    parser.add_argument("--precision", choices=["fp32", "bf16"], default="fp32")
+    parser.add_argument("--precision", choices=["fp32", "bf16", "fp32-onnx"], default="fp32")
     parser.add_argument(
         "--device", default="cpu", help="cpu, cuda, or auto: a GPU if there is one (not run in CI)"
     )

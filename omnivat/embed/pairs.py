@@ -54,7 +54,7 @@ def embed_pairs(
     """Embed `pairs` with the encoder of that name and write the set of embeddings to `out`.
 
     weights     a checkpoint in place of the default one
-    precision   "fp32", or "bf16" where the CPU has it
+    precision   "fp32", "bf16" where the CPU has it, or "fp32-onnx" for the default encoder
     engine      "local", or "ray" for a cluster; both write the same file
     flips       also embed the mirrored images, which training draws from
     workers     how many images at a time; every core where not said

@@ -27,7 +27,7 @@ class Encoder(Protocol):
     width           D, the length of an embedding
     preprocessing   what happens to an image first, for people and for the header of a file
     weights_hash    tells two sets of weights apart
-    precision       "fp32" or "bf16": how it computes; embeddings are float32 either way
+    precision       "fp32", "bf16" or "fp32-onnx": how it computes; embeddings are float32
     """
 
     @property
@@ -60,7 +60,8 @@ def load_encoder(
 
     weights     a checkpoint to use in place of the one found by default
     device      "cpu", "cuda" or "auto"
-    precision   "fp32", or "bf16" for less time and embeddings that differ a little
+    precision   "fp32"; for less time "bf16", whose embeddings differ a little, or, for the default
+                encoder on a CPU, "fp32-onnx", whose last digits differ
 
     Raises MissingNameError for an unknown name, SettingsError for a precision or device that is not
     there, and DataError, saying what to fetch, when a checkpoint is missing.

@@ -4,7 +4,7 @@ Architecture: Tan and Le, "EfficientNet", ICML 2019, in its Lite variant (ReLU6 
 no squeeze-and-excitation). Each batch normalisation is folded into the convolution before it.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import torch
@@ -12,7 +12,16 @@ from PIL import Image
 from torch import Tensor, nn
 from torch.nn.functional import conv2d, pad, relu6
 
-from omnivat.encoders.running import one_by_one, pixels, placed, precision_type, state_hash
+from omnivat.encoders.onnx_runtime import in_onnx_runtime
+from omnivat.encoders.running import (
+    ONNX,
+    SIDE,
+    one_by_one,
+    pixels,
+    placed,
+    precision_type,
+    state_hash,
+)
 from omnivat.errors import DataError
 from omnivat.packages import need
 
@@ -113,8 +122,10 @@ class EfficientNetLite0:
         state = _read_state(file)
         self.weights_hash = state_hash(state)
         self.precision = precision
-        self._type = precision_type(precision, device)
-        self._network = placed(Lite0(state), device, self._type)
+        self._type = precision_type(precision, device, onnx=True)
+        self._network: Callable[[Tensor], Tensor] = placed(Lite0(state), device, self._type)
+        if precision == ONNX:
+            self._network = in_onnx_runtime(self._network, torch.zeros(1, 3, SIDE, SIDE))
         self._device = device
 
     def preprocess(self, image: Image.Image) -> Tensor:

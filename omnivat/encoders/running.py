@@ -16,7 +16,8 @@ from omnivat.shapes import require_shapes
 
 M = TypeVar("M", bound=torch.nn.Module)
 SIDE = 224  # pixels; the paper and the encoders here all use 224 x 224
-PRECISIONS = {"fp32": torch.float32, "bf16": torch.bfloat16}
+ONNX = "fp32-onnx"
+PRECISIONS = {"fp32": torch.float32, "bf16": torch.bfloat16, ONNX: torch.float32}
 
 _pinned = threading.local()
 _lock = threading.Lock()
@@ -42,13 +43,20 @@ def state_hash(state: Mapping[str, torch.Tensor]) -> str:
     return digest.hexdigest()
 
 
-def precision_type(precision: str, device: torch.device) -> torch.dtype:
+def precision_type(precision: str, device: torch.device, *, onnx: bool = False) -> torch.dtype:
     """Return the number type to compute in.
 
-    Raises SettingsError for an unknown name, and for "bf16" on a CPU that would only imitate it.
+    onnx  whether the encoder runs in ONNX Runtime, too
+
+    Raises SettingsError for an unknown name, for "bf16" on a CPU that would only imitate it, and for
+    "fp32-onnx" where it is not offered.
     """
     if precision not in PRECISIONS:
         raise SettingsError(f"precision is '{precision}'; choose {' or '.join(PRECISIONS)}.")
+    if precision == ONNX and not (onnx and device.type == "cpu"):
+        raise SettingsError(
+            f"precision is '{ONNX}', which is for efficientnet-lite0 on a CPU; use fp32 or bf16."
+        )
     if precision == "bf16" and device.type == "cpu" and not cpu_has_bf16():
         raise SettingsError("precision is 'bf16' and this CPU cannot compute in it; use fp32.")
     return PRECISIONS[precision]

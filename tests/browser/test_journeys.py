@@ -168,6 +168,23 @@ def test_simulated_data_say_so(open_page: Callable[..., Any]) -> None:
     assert page.locator(".top .badge").is_visible()
 
 
+def test_methods_are_ranked_by_their_mean_over_unseen_domains(
+    open_page: Callable[..., Any],
+) -> None:
+    page = open_page("?view=compare")
+    page.wait_for_selector(".ranking")
+
+    def shown() -> list[float]:
+        return [float(text) for text in page.locator(".ranking b").all_inner_texts()]
+
+    accuracy = shown()
+    assert accuracy == sorted(accuracy, reverse=True)
+    assert len(accuracy) == page.locator(".scores .overall").count() == 6
+    page.click('[data-metric="1"]')
+    assert len(shown()) == 6
+    assert shown() != accuracy
+
+
 def test_compare_links_two_maps_and_counts_what_changes(open_page: Callable[..., Any]) -> None:
     page = open_page("?view=compare&p=0.5&p2=0.1&stage2=f_hat")
     page.wait_for_selector(".compare .map[data-order]")

@@ -1,6 +1,8 @@
 """EfficientNet-Lite0: the published network, an embedding that does not know its neighbours."""
 
+import sys
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -9,8 +11,8 @@ import torch
 from PIL import Image
 
 from omnivat.encoders import ENCODERS, Encoder, load_encoder
-from omnivat.encoders.running import cpu_has_bf16
-from omnivat.errors import DataError, MissingNameError, SettingsError
+from omnivat.encoders.running import cpu_has_bf16, precision_type
+from omnivat.errors import DataError, MissingNameError, MissingPackageError, SettingsError
 from omnivat.tables import load
 
 RANDOM = np.random.default_rng(3)
@@ -164,3 +166,37 @@ def test_unknown_names_are_refused_with_those_there_are() -> None:
 @pytest.mark.parametrize("name", ENCODERS)
 def test_every_entry_of_the_table_loads(name: str) -> None:
     assert callable(load(ENCODERS, name, kind="encoder"))
+
+
+@pytest.fixture(scope="module")
+def in_onnx() -> Encoder:
+    for name in ("onnx", "onnxscript", "onnxruntime"):
+        pytest.importorskip(name)
+    return load_encoder("efficientnet-lite0", precision="fp32-onnx")
+
+
+def test_onnx_runtime_gives_the_same_embeddings_but_for_their_last_digits(
+    encoder: Encoder, in_onnx: Encoder, images: torch.Tensor
+) -> None:
+    found, wanted = in_onnx.embed(images), encoder.embed(images)
+    assert (in_onnx.precision, in_onnx.weights_hash) == ("fp32-onnx", encoder.weights_hash)
+    assert found.dtype == wanted.dtype == torch.float32
+    assert (1 - torch.cosine_similarity(found.double(), wanted.double())).max() < 1e-11
+
+
+def test_onnx_runtime_gives_an_image_one_embedding_whatever_stands_beside_it(
+    in_onnx: Encoder, images: torch.Tensor
+) -> None:
+    together = in_onnx.embed(images)
+    assert torch.equal(torch.cat([in_onnx.embed(image[None]) for image in images]), together)
+    with ThreadPoolExecutor(3) as pool:
+        beside = list(pool.map(in_onnx.embed, images.split(1)))
+    assert torch.equal(torch.cat(beside), together)
+
+
+def test_onnx_runtime_is_refused_where_it_is_not_there(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "onnxruntime", None)
+    with pytest.raises(MissingPackageError, match=r"pip install .*onnx"):
+        load_encoder("efficientnet-lite0", precision="fp32-onnx")
+    with pytest.raises(SettingsError, match="which is for efficientnet-lite0 on a CPU"):
+        precision_type("fp32-onnx", torch.device("cpu"))
