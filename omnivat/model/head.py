@@ -95,9 +95,10 @@ class OmniVaT(nn.Module):
         attention: bool = False,
     ) -> HeadOutput:
         """Predict from raw embeddings of B pairs; see `coefficients` and `from_coefficients`."""
-        return self.from_coefficients(
-            self.coefficients(vis, tac), order, nodes=nodes, attention=attention
-        )
+        few = all(len(rows) <= FEW_PAIRS for rows in (vis, tac) if rows is not None)
+        with one_thread(few):
+            kept = self.coefficients(vis, tac)
+            return self.from_coefficients(kept, order, nodes=nodes, attention=attention)
 
     def coefficients(self, vis: Tensor | None, tac: Tensor | None) -> PairCoefficients:
         """Return what to keep while p moves.

@@ -29,14 +29,22 @@ def unit(x: Tensor) -> Tensor:
     Rows are divided by their largest entry first. A row of zeros stays one, and passes no gradient:
     it has no direction to turn.
     """
+    if not (torch.is_grad_enabled() and x.requires_grad):
+        return unit_rows(x / _largest(x))
     found: Tensor = _Unit.apply(x)  # type: ignore[no-untyped-call]
     return found
+
+
+def _largest(x: Tensor) -> Tensor:
+    """Return the largest modulus of each row (..., 1), never zero."""
+    longest: Tensor = torch.linalg.vector_norm(x, float("inf"), dim=-1, keepdim=True)
+    return longest.clamp_min_(torch.finfo(x.dtype).tiny)
 
 
 class _Unit(torch.autograd.Function):
     @staticmethod
     def forward(ctx: Any, x: Tensor) -> Tensor:
-        largest = x.abs().amax(-1, keepdim=True).clamp_min_(torch.finfo(x.dtype).tiny)
+        largest = _largest(x)
         scaled = x / largest
         ctx.save_for_backward(scaled, largest)
         return unit_rows(scaled)
