@@ -55,7 +55,8 @@ def protocol_report(records: Sequence[Record]) -> str:
         "## OmniVaT minus each method, 95 % intervals of paired differences",
         interval_table(found),
         "Points. t: over sources × seeds (n printed), taken as independent. Grouped: percentile "
-        "bootstrap that draws whole sources, then seeds.",
+        "bootstrap that draws whole sources, then seeds. t of sources: over one mean a source, the "
+        "most cautious of the three.",
         "## Macro-F1 with answered classes counted too (union), calibration, modalities",
         side_table(found),
         "## Every target",
@@ -112,9 +113,11 @@ def interval_table(records: Sequence[Record]) -> str:
             cells += [
                 f"{interval_text(plain)} n={plain.n}",
                 interval_text(bootstrap_interval(found)),
+                interval_text(t_interval([spread(values).mean for values in found.values()])),
             ]
         rows.append([label, *cells])
-    header = ["OmniVaT minus", "ACC, t", "ACC, grouped", "Macro-F1, t", "Macro-F1, grouped"]
+    kinds = ("t", "grouped", "t of sources")
+    header = ["OmniVaT minus", *(f"{METRICS[m]}, {kind}" for m in SCORES for kind in kinds)]
     return markdown(header, rows) if rows else ""
 
 

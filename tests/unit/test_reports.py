@@ -130,6 +130,18 @@ def test_the_lead_is_paired_and_its_n_printed(records):
     assert "+5.5 [5.0, 6.0] n=6" in interval_table(records)
 
 
+def test_the_most_cautious_interval_counts_a_source_once():
+    """Leads of 8 and 3 in every seed: Student's t of two means is 5.5 ± 12.706 x 2.5."""
+    records = [
+        record(method, source, seed, [0.5 + (lead if method == "omnivat" else 0)])
+        for method in ("omnivat", "linear_probe")
+        for source, lead in (("TAG-sim", 0.08), ("OF Real-sim", 0.03))
+        for seed in (0, 1, 2)
+    ]
+    (row,) = (line for line in interval_table(records).splitlines() if "linear_probe" in line)
+    assert row.count("+5.5 [-26.3, 37.3]") == 2
+
+
 def test_a_record_run_again_replaces_the_older(records):
     newer = record("omnivat", "TAG-sim", 0, [1.0, 1.0])
     assert "| TAG-sim | 73.3 / 63.3 |" in protocol_report([*records, newer])  # (1 + .6 + .6) / 3
