@@ -17,6 +17,11 @@ settings.load_profile("ci" if os.environ.get("CI") else "home")
 CLASSES = ("wood", "steel", "plastic", "ceramic", "glass")
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Put tests that start an event loop before those of the browser, whose driver keeps one running."""
+    items.sort(key=lambda item: not item.nodeid.startswith("tests/app/"))
+
+
 @pytest.fixture(scope="session")
 def make_embeddings() -> Callable[..., object]:
     """Return a maker of small, learnable embeddings: classes are directions, domains are shifts."""

@@ -3,16 +3,20 @@
 import { json, refused } from "./api.js";
 import { loading } from "./loading.js";
 import { measuring } from "./measuring.js";
-import { theSet } from "./theset.js";
+import { theSetSoon } from "./theset.js";
 import { ABOUT, glossary, OWN } from "./words.js";
 import { escaped, isSimulated, percent } from "./text.js";
 
 export async function start(root) {
   const wait = root.querySelector(".wait");
   try {
-    const [about, set] = await Promise.all([json("about"), theSet().catch(() => null)]);
+    const late = Promise.withResolvers();
+    const [about, set] = await Promise.all([json("about"), theSetSoon(late.resolve)]);
+    const exact = ({ frames }) => { root.querySelector(".exact").innerHTML = approximations(frames, about.limits); };
     wait.hidden = true;
-    root.querySelector(".facts").innerHTML = page(about, set);
+    root.querySelector(".facts").innerHTML = page(about);
+    exact(set);
+    late.promise.then(exact);
     loading(root.querySelector(".loading"));
     measuring(root.querySelector(".measuring"));
   } catch (error) {
@@ -26,13 +30,13 @@ export async function start(root) {
 const panel = (title, body) => `<section class="panel"><h2>${title}</h2>${body}</section>`;
 const facts = (rows) => `<dl>${rows.filter(([, v]) => v !== undefined && v !== "").map(([k, v]) => `<dt>${k}</dt><dd>${v}</dd>`).join("")}</dl>`;
 
-function page({ head, embeddings, examples, limits }, set) {
+function page({ head, embeddings, examples }) {
   return [
     panel("The set", embeddings.problem ? problem(embeddings) : theData(embeddings, examples)),
     panel("The head", head.problem ? problem(head) : theHead(head)),
     panel("Measured on this machine", '<div class="measuring"></div>'),
     panel("What the figures do not say", ABOUT(embeddings.simulated)),
-    panel("Exact, and not exact", approximations(set?.frames, limits)),
+    panel("Exact, and not exact", '<div class="exact"></div>'),
     panel("Your own head and pairs", `<div class="loading"></div>${OWN}`),
     panel("Words", glossary()),
   ].join("");

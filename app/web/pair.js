@@ -13,17 +13,18 @@ import { sent, slots } from "./slots.js";
 import { Spectra } from "./spectrum.js";
 import { change, state, watch, watchIn } from "./store.js";
 import { escaped, percent } from "./text.js";
-import { theSet } from "./theset.js";
+import { theSetSoon } from "./theset.js";
 
 const VOICES = [["both", "both"], ["vis", "VIS"], ["tac", "TAC"]];
 
 export async function start(root) {
   const $ = (selector) => root.querySelector(selector);
-  const none = { frames: null, sprite: null };
+  const late = Promise.withResolvers();
   const [examples, set, known] = await Promise.all([
-    json("examples").catch(() => []), theSet((step) => { $(".verdict").innerHTML = `<p class="hint">Computing the map${step?.text ? `: ${escaped(step.text)}` : ""}…</p>`; }).catch(() => none), heads().catch(() => []),
+    json("examples").catch(() => []), theSetSoon(late.resolve), heads().catch(() => []),
   ]);
-  pair($, examples, set, known.filter((one) => one.name && !one.problem));
+  const adopt = pair($, examples, set, known.filter((one) => one.name && !one.problem));
+  adopt(await late.promise);
 }
 
 /** A scale for the order bar before the server has said where p was learned. */
@@ -32,7 +33,9 @@ const scale = (answer) => {
   return { orders, meta: { head: { learned_order: answer?.learned } }, stop: (p) => Math.max(0, Math.min(100, Math.round(100 * p))) };
 };
 
-function pair($, examples, set, rivals) {
+/** Returns what takes the set where it comes late. */
+function pair($, examples, first, rivals) {
+  let set = first;
   let answer = null;
   let voice = "both";
   let asking = null;
@@ -40,7 +43,7 @@ function pair($, examples, set, rivals) {
   let live = null; // the newest answer to a camera's picture
   let others = []; // answers of comparison heads
   const attention = new Attention($(".looks"));
-  const onMap = set.frames ? nodeMap($(".on-map"), set.frames, { nodes: false }) : null;
+  let onMap = set.frames ? nodeMap($(".on-map"), set.frames, { nodes: false }) : null;
   $(".on-map").hidden = !onMap;
   const bar = orderBar($(".order-bar"), scale(null));
   const lines = new Lines($(".lines"), (p) => change({ p }));
@@ -63,6 +66,7 @@ function pair($, examples, set, rivals) {
       const truth = set.frames.classes[set.frames.label[+name]];
       return { text: `pair ${name} · ${truth} · ${set.frames.domains[set.frames.domain[+name]]}`, truth };
     }
+    if (kind === "row") return { text: `pair ${name}` };
     const image = sent.get(ref);
     return { text: image ? `${image.name} · ${image.width} × ${image.height}` : ref };
   }
@@ -210,10 +214,29 @@ function pair($, examples, set, rivals) {
     $(".gallery").querySelectorAll("button").forEach((button) => button.setAttribute("aria-pressed", used.has(button.dataset.ref)));
   }
 
-  const offers = shelf(examples, set.frames);
-  $(".gallery").innerHTML = offers.length ? offers.map((one) =>
-    `<button type="button" data-ref="${escaped(one.ref)}" aria-label="${escaped(`${one.truth}, ${one.domain}`)}"><span>${pictures(one)}</span><small><b>${escaped(one.truth)}</b> ${escaped(one.domain)}</small></button>`).join("")
-    : '<p class="hint">No examples are here; upload images, or pin a pair in Explore.</p>';
+  function fillGallery() {
+    const offers = shelf(examples, set.frames);
+    $(".gallery").innerHTML = offers.length ? offers.map((one) =>
+      `<button type="button" data-ref="${escaped(one.ref)}" aria-label="${escaped(`${one.truth}, ${one.domain}`)}"><span>${pictures(one)}</span><small><b>${escaped(one.truth)}</b> ${escaped(one.domain)}</small></button>`).join("")
+      : `<p class="hint">${set.frames ? "No examples are here; upload images, or pin a pair in Explore." : "The set’s pairs come with its map, which is being computed; your own images are answered now."}</p>`;
+    showGallery();
+  }
+
+  /** The set has come after the first answer: its pictures, its pairs to pick, its map. */
+  function adopt(late) {
+    set = late;
+    onMap = nodeMap($(".on-map"), set.frames, { nodes: false });
+    $(".on-map").hidden = false;
+    fillGallery();
+    showSlots(state, set.sprite, set.frames.pairs, (ref) => known(ref).text);
+    if (answer) {
+      showOrder();
+      onMap({ vis: state.vis, tac: state.tac }, state.p);
+    }
+    somePair(examples, set.frames);
+  }
+
+  fillGallery();
   $(".gallery").onclick = (event) => {
     const button = event.target.closest("button");
     if (!button) return;
@@ -248,4 +271,6 @@ function pair($, examples, set, rivals) {
   });
   if (state.vis || state.tac) answerAgain();
   else somePair(examples, set.frames); // which asks in turn
+  if (!state.vis && !state.tac) empty();
+  return adopt;
 }

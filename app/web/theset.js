@@ -1,5 +1,6 @@
 /** The set's frames and thumbnails, fetched once for all tabs. */
 
+import { json } from "./api.js";
 import { fetchFrames, fetchThumbnails } from "./frames.js";
 import { isSimulated } from "./text.js";
 
@@ -16,10 +17,32 @@ export function theSet(onWait = () => {}) {
   return fetching;
 }
 
+const NO_SET = { frames: null, sprite: null };
+
+/** The set; while the server still computes its map NO_SET, and `onLate` gets the set when it is there. */
+export function theSetSoon(onLate) {
+  return new Promise((resolve) => {
+    let late = false;
+    theSet(() => {
+      late = true;
+      resolve(NO_SET);
+    }).then((set) => (late ? onLate(set) : resolve(set)), () => resolve(NO_SET)); // Explore says why
+  });
+}
+
 async function fetchAll() {
-  const tell = (step) => waiting.forEach((told) => told(step));
+  let told = false; // the badge does not wait for the map
+  const tell = (step) => {
+    if (!told) json("about").then(({ embeddings: own }) => sayWhetherSimulated(own.simulated, own.domains ?? [])).catch(() => {});
+    told = true;
+    waiting.forEach((one) => one(step));
+  };
   const [{ frames, coarse }, sprite] = await Promise.all([fetchFrames(tell), fetchThumbnails()]);
-  const simulated = frames.meta.embeddings.simulated || frames.domains.some(isSimulated);
-  document.dispatchEvent(new CustomEvent("omnivat:simulated", { detail: simulated }));
+  sayWhetherSimulated(frames.meta.embeddings.simulated, frames.domains);
   return { frames, coarse, sprite };
+}
+
+function sayWhetherSimulated(stated, domains) {
+  const detail = stated || domains.some(isSimulated);
+  document.dispatchEvent(new CustomEvent("omnivat:simulated", { detail }));
 }

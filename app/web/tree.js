@@ -9,7 +9,7 @@ import { somePair } from "./pick.js";
 import { change, state, watchIn } from "./store.js";
 import { drawTree } from "./treeview.js";
 import { escaped } from "./text.js";
-import { theSet } from "./theset.js";
+import { theSetSoon } from "./theset.js";
 
 const STOPS = Array.from({ length: 101 }, (_, i) => i / 100);
 const scale = {
@@ -93,15 +93,21 @@ export async function start(root) {
   $(".of").onchange = (event) => change({ tree: event.target.value });
   watchIn("tree", ["vis", "tac", "tree", "p"], soon);
   onTheme(() => answers.length && show());
-  const [set, found] = await Promise.all([theSet().catch(() => null), heads().catch(() => known)]);
+  const late = Promise.withResolvers();
+  const [set, found, examples] = await Promise.all([
+    theSetSoon(late.resolve), heads().catch(() => known), state.vis || state.tac ? [] : json("examples").catch(() => []),
+  ]);
   known = found.filter((one) => !one.problem || !one.name);
-  if (set) {
-    $(".of").innerHTML += set.frames.domains.map((name) => `<option value="${escaped(name)}">all of ${escaped(name)}</option>`).join("");
-    if (state.tree && !set.frames.domains.includes(state.tree)) state.tree = "";
-    $(".of").value = state.tree;
-    onMap = nodeMap($(".on-map"), set.frames);
+  if (!set.frames) {
+    somePair(examples, null);
+    soon();
   }
-  if (!state.vis && !state.tac) somePair(await json("examples").catch(() => []), set?.frames);
+  const { frames } = set.frames ? set : await late.promise;
+  $(".of").innerHTML += frames.domains.map((name) => `<option value="${escaped(name)}">all of ${escaped(name)}</option>`).join("");
+  if (state.tree && !frames.domains.includes(state.tree)) state.tree = "";
+  $(".of").value = state.tree;
+  onMap = nodeMap($(".on-map"), frames);
+  somePair(examples, frames);
   soon();
 }
 

@@ -41,6 +41,38 @@ def test_the_tab_of_a_link_opens_even_where_gradio_loses_the_first_clicks(
     page.wait_for_selector(MAP)
 
 
+def test_nothing_but_maps_waits_for_a_map_that_takes_long(
+    new_page: Callable[..., Any], address: str
+) -> None:
+    page = new_page()
+    ready: list[bool] = []
+    step = {"step": {"done": 1, "total": 9, "text": "p = 0.1"}, "ready": False}
+    page.route(
+        "**/omnivat/frames*",
+        lambda route: route.continue_() if ready else route.fulfill(status=202, json=step),
+    )
+    page.goto(f"{address}?view=data", wait_until="commit")
+    page.wait_for_selector(".data .note")
+    assert "16 bits" not in page.locator(".data .exact").inner_text()
+    page.wait_for_selector(".top .badge:visible")
+    open_tab(page, "tree")
+    page.wait_for_selector(".tree .tree-view")
+    open_tab(page, "pair")
+    page.wait_for_selector(".pair .bars table")
+    assert not page.locator(".pair .on-map").is_visible()
+    assert not page.locator(".tree .on-map").is_visible()
+    open_tab(page, "explore")
+    assert "1 of 9" in page.locator(".explore .wait").inner_text()
+    ready.append(True)
+    page.wait_for_selector(MAP)
+    open_tab(page, "pair")
+    page.wait_for_selector(".pair .on-map canvas")
+    open_tab(page, "tree")
+    page.wait_for_selector(".tree .on-map canvas")
+    open_tab(page, "data")
+    page.wait_for_function("document.querySelector('.data .exact').innerText.includes('16 bits')")
+
+
 def test_the_address_of_what_one_visitor_set_draws_the_same_picture_for_another(
     open_page: Callable[..., Any],
 ) -> None:
