@@ -12,11 +12,10 @@ import torch
 from PIL import Image
 from torch import Tensor
 
-from omnivat.encoders import load_encoder
+from omnivat.encoders import load_encoder, onnx_runtime
 from omnivat.encoders.running import PRECISIONS, SIDE, cpu_has_bf16, one_by_one, placed
 
 Run = Callable[[Tensor], Tensor]  # images (N, 3, 224, 224) -> embeddings (N, D), float32
-ONNX = ("onnx", "onnxscript", "onnxruntime")
 CPU = torch.device("cpu")
 
 
@@ -67,16 +66,15 @@ def onnx_ways(network: torch.nn.Module, folder: Path) -> dict[str, Run]:
 
     int8 is calibrated on other pictures. None of both without the packages.
     """
-    if any(find_spec(name) is None for name in ONNX):
+    if any(find_spec(name) is None for name in onnx_runtime.PACKAGES):
         return {}
     file, small = folder / "fp32.onnx", folder / "int8.onnx"
-    example = torch.zeros(1, 3, SIDE, SIDE)
-    torch.onnx.export(network, (example,), file, input_names=["images"], dynamo=True, verbose=False)
-    found = {"ONNX Runtime fp32": _session(file)}
+    onnx_runtime.translate(network, torch.zeros(1, 3, SIDE, SIDE), file)
+    found = {"ONNX Runtime fp32": _each(file)}
     if not any(isinstance(module, torch.nn.Linear) for module in network.modules()):
         quantization = import_module("onnxruntime.quantization")
         quantization.quantize_static(file, small, _calibration(quantization), per_channel=True)
-        found["ONNX Runtime int8"] = _session(small)
+        found["ONNX Runtime int8"] = _each(small)
     return found
 
 
@@ -94,17 +92,9 @@ def _calibration(quantization: Any) -> Any:
     return Reader()
 
 
-def _session(file: Path) -> Run:
-    onnxruntime = import_module("onnxruntime")
-    settings = onnxruntime.SessionOptions()
-    settings.intra_op_num_threads = settings.inter_op_num_threads = 1
-    session = onnxruntime.InferenceSession(file, settings, providers=["CPUExecutionProvider"])
-
-    def run(images: Tensor) -> Tensor:
-        found = [session.run(None, {"images": image[None].numpy()})[0] for image in images]
-        return torch.from_numpy(np.concatenate(found))
-
-    return run
+def _each(file: Path) -> Run:
+    one = onnx_runtime.running(file)
+    return lambda images: torch.cat([one(image) for image in images.split(1)])
 
 
 def pictures(count: int, seed: int) -> Tensor:

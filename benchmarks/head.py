@@ -27,7 +27,7 @@ from omnivat.data.materials import MATERIALS
 from omnivat.lang.bank import LangBank
 from omnivat.model.head import OmniVaT, build_head
 from omnivat.model.settings import HeadSettings
-from omnivat.model.threads import LIGHT, one_thread
+from omnivat.threads import LIGHT, one_thread
 from omnivat.train import TrainSettings
 from omnivat.train.batches import batches
 from omnivat.train.steps import learn, make_optimiser

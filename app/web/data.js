@@ -10,13 +10,12 @@ import { escaped, isSimulated, percent } from "./text.js";
 export async function start(root) {
   const wait = root.querySelector(".wait");
   try {
-    const late = Promise.withResolvers();
-    const [about, set] = await Promise.all([json("about"), theSetSoon(late.resolve)]);
+    const [about, set] = await Promise.all([json("about"), theSetSoon()]);
     const exact = ({ frames }) => { root.querySelector(".exact").innerHTML = approximations(frames, about.limits); };
     wait.hidden = true;
     root.querySelector(".facts").innerHTML = page(about);
     exact(set);
-    late.promise.then(exact);
+    set.later?.then(exact);
     loading(root.querySelector(".loading"));
     measuring(root.querySelector(".measuring"));
   } catch (error) {

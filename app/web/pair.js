@@ -19,12 +19,11 @@ const VOICES = [["both", "both"], ["vis", "VIS"], ["tac", "TAC"]];
 
 export async function start(root) {
   const $ = (selector) => root.querySelector(selector);
-  const late = Promise.withResolvers();
   const [examples, set, known] = await Promise.all([
-    json("examples").catch(() => []), theSetSoon(late.resolve), heads().catch(() => []),
+    json("examples").catch(() => []), theSetSoon(), heads().catch(() => []),
   ]);
   const adopt = pair($, examples, set, known.filter((one) => one.name && !one.problem));
-  adopt(await late.promise);
+  set.later?.then(adopt);
 }
 
 /** A scale for the order bar before the server has said where p was learned. */

@@ -1,5 +1,8 @@
 /** What the visitor chose, shared by all tabs and kept in the address: a link brings it back. */
 
+import { COLOURINGS } from "./palette.js";
+import { STAGES } from "./stages.js";
+
 const DEFAULTS = {
   view: "explore", p: null, stage: "f_hat", map: "pca", colour: "domain",
   domain: "", class: "", modality: "", pin: null, vis: null, tac: null,
@@ -7,10 +10,10 @@ const DEFAULTS = {
   means: "1", tree: "",
 };
 const NUMBERS = new Set(["p", "p2", "pin"]);
-const STAGES = ["raw", "frft", "relu", "f_bar", "f_hat"];
+const KEYS = STAGES.map((stage) => stage.key);
 const CHOICES = { // what else an address may say; anything that is not here is left out
-  view: ["explore", "pair", "tree", "compare", "data"], stage: STAGES, stage2: STAGES,
-  map: ["pca", "umap"], colour: ["domain", "class", "modality", "correctness", "confidence"],
+  view: ["explore", "pair", "tree", "compare", "data"], stage: KEYS, stage2: KEYS,
+  map: ["pca", "umap"], colour: Object.keys(COLOURINGS),
 };
 const listeners = new Set();
 let writing = 0;

@@ -19,14 +19,13 @@ export function theSet(onWait = () => {}) {
 
 const NO_SET = { frames: null, sprite: null };
 
-/** The set; while the server still computes its map NO_SET, and `onLate` gets the set when it is there. */
-export function theSetSoon(onLate) {
+/** The set; while the server still computes its map nulls in its place and, as `later`, a promise of it.
+ * Where there is no map, that promise stays open: Explore says why. */
+export function theSetSoon() {
   return new Promise((resolve) => {
-    let late = false;
-    theSet(() => {
-      late = true;
-      resolve(NO_SET);
-    }).then((set) => (late ? onLate(set) : resolve(set)), () => resolve(NO_SET)); // Explore says why
+    const coming = theSet(() => resolve({ ...NO_SET, later }));
+    const later = new Promise((there) => { coming.then(there, () => {}); });
+    coming.then(resolve, () => resolve({ ...NO_SET, later }));
   });
 }
 

@@ -93,16 +93,15 @@ export async function start(root) {
   $(".of").onchange = (event) => change({ tree: event.target.value });
   watchIn("tree", ["vis", "tac", "tree", "p"], soon);
   onTheme(() => answers.length && show());
-  const late = Promise.withResolvers();
   const [set, found, examples] = await Promise.all([
-    theSetSoon(late.resolve), heads().catch(() => known), state.vis || state.tac ? [] : json("examples").catch(() => []),
+    theSetSoon(), heads().catch(() => known), state.vis || state.tac ? [] : json("examples").catch(() => []),
   ]);
   known = found.filter((one) => !one.problem || !one.name);
   if (!set.frames) {
     somePair(examples, null);
     soon();
   }
-  const { frames } = set.frames ? set : await late.promise;
+  const { frames } = await (set.later ?? set);
   $(".of").innerHTML += frames.domains.map((name) => `<option value="${escaped(name)}">all of ${escaped(name)}</option>`).join("");
   if (state.tree && !frames.domains.includes(state.tree)) state.tree = "";
   $(".of").value = state.tree;

@@ -3,6 +3,7 @@
 import logging
 import warnings
 from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -11,7 +12,7 @@ from torch import Tensor, nn
 
 from omnivat.packages import need
 
-INSTALL = "onnx onnxscript onnxruntime"
+PACKAGES = ("onnx", "onnxscript", "onnxruntime")
 
 
 def in_onnx_runtime(network: nn.Module, example: Tensor) -> Callable[[Tensor], Tensor]:
@@ -22,24 +23,37 @@ def in_onnx_runtime(network: nn.Module, example: Tensor) -> Callable[[Tensor], T
 
     Raises MissingPackageError where a package of ONNX is not installed.
     """
-    for name in ("onnx", "onnxscript"):
-        need(name, purpose="precision fp32-onnx", install=INSTALL)
-    runtime = need("onnxruntime", purpose="precision fp32-onnx", install=INSTALL)
-    settings = runtime.SessionOptions()
-    settings.intra_op_num_threads = settings.inter_op_num_threads = 1
     with TemporaryDirectory() as folder:
         file = Path(folder) / "network.onnx"
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of torch's exporter, about its own parts
-            quiet = logging.getLogger("torch.onnx")
-            before, quiet.level = quiet.level, logging.ERROR
-            try:
-                torch.onnx.export(
-                    network, (example,), file, input_names=["images"], dynamo=True, verbose=False
-                )
-            finally:
-                quiet.level = before
-        session = runtime.InferenceSession(file, settings, providers=["CPUExecutionProvider"])
+        translate(network, example, file)
+        return running(file)
+
+
+def translate(network: nn.Module, example: Tensor, file: Path) -> None:
+    """Write `network` to `file`; its input takes the shape of `example`, one image (1, 3, H, W).
+
+    Raises MissingPackageError where a package of ONNX is not installed.
+    """
+    for name in PACKAGES:
+        need(name, purpose="precision fp32-onnx", install=" ".join(PACKAGES))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of torch's exporter, about its own parts
+        quiet = logging.getLogger("torch.onnx")
+        before, quiet.level = quiet.level, logging.ERROR
+        try:
+            torch.onnx.export(
+                network, (example,), file, input_names=["images"], dynamo=True, verbose=False
+            )
+        finally:
+            quiet.level = before
+
+
+def running(file: Path) -> Callable[[Tensor], Tensor]:
+    """Return what runs the network in `file` on one image (1, 3, H, W), on one thread."""
+    runtime = import_module("onnxruntime")
+    settings = runtime.SessionOptions()
+    settings.intra_op_num_threads = settings.inter_op_num_threads = 1
+    session = runtime.InferenceSession(file, settings, providers=["CPUExecutionProvider"])
 
     def run(image: Tensor) -> Tensor:
         return torch.from_numpy(session.run(None, {"images": image.contiguous().numpy()})[0])

@@ -11,6 +11,7 @@ import numpy as np
 import torch
 from PIL import Image
 
+from omnivat import threads
 from omnivat.errors import SettingsError
 from omnivat.shapes import require_shapes
 
@@ -116,13 +117,8 @@ def one_thread() -> Iterator[None]:
     if getattr(_pinned, "yes", False):
         yield
         return
-    with _lock:
-        before = torch.get_num_threads()
-        torch.set_num_threads(1)
-        try:
-            yield
-        finally:
-            torch.set_num_threads(before)
+    with _lock, threads.one_thread():
+        yield
 
 
 @contextmanager

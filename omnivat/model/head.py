@@ -17,8 +17,8 @@ from omnivat.model.folded import FoldedMFFA, Folds, fold_mffa, fold_tree
 from omnivat.model.mffa import MFFA, MODALITIES
 from omnivat.model.output import HeadOutput, TrainingOutput, joined
 from omnivat.model.settings import HeadSettings
-from omnivat.model.threads import FEW_PAIRS, one_thread
 from omnivat.model.training import class_means, grow, training_pass
+from omnivat.threads import FEW_PAIRS, one_thread
 
 __all__ = ["OmniVaT", "PairCoefficients", "build_head", "class_means", "parameter_count"]
 

@@ -12,9 +12,9 @@ from omnivat.gaps.confusion import macro_f1
 from omnivat.lang.bank import LangBank
 from omnivat.model.head import OmniVaT, build_head
 from omnivat.model.settings import HeadSettings
-from omnivat.model.threads import LIGHT, one_thread
 from omnivat.progress import OnStep, Step, ignore
 from omnivat.seeding import derive_seed
+from omnivat.threads import LIGHT, one_thread
 from omnivat.train.batches import Array, batches, held_out, labels_of
 from omnivat.train.settings import TrainSettings
 from omnivat.train.state import Progress, load_state, run_name, save_state

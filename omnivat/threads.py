@@ -1,4 +1,4 @@
-"""How many threads a call is worth: sharing out little work costs more than it saves."""
+"""How many threads of torch a call gets: sharing out little work costs more than it saves."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -10,8 +10,8 @@ FEW_PAIRS = 4  # and so many pairs are predicted sooner on one
 
 
 @contextmanager
-def one_thread(few: bool) -> Iterator[None]:
-    """Let torch use one thread inside where there is `few` work, else as many as it has."""
+def one_thread(few: bool = True) -> Iterator[None]:
+    """Let torch use one thread inside where there is little work, else as many as it has."""
     before = torch.get_num_threads()
     if not few or before == 1:
         yield
