@@ -46,6 +46,11 @@ class Features:
     tac: Array
     rows: list[dict[str, str]]
 
+    @property
+    def both(self) -> Array:
+        """VIS and TAC of each pair side by side, (N, 2D)."""
+        return np.concatenate([self.vis, self.tac], axis=1)
+
     def column(self, name: str) -> NDArray[np.str_]:
         """Return one column of pairs.csv."""
         return np.array([row[name] for row in self.rows])
@@ -131,8 +136,11 @@ def embedded(files: list[Path]) -> Array:
 
 def print_probe(features: Features) -> None:
     """Print linear-probe accuracy from each domain to each, for VIS, TAC and both."""
-    both = np.concatenate([features.vis, features.tac], axis=1)
-    for name, values in (("VIS + TAC", both), ("VIS", features.vis), ("TAC", features.tac)):
+    for name, values in (
+        ("VIS + TAC", features.both),
+        ("VIS", features.vis),
+        ("TAC", features.tac),
+    ):
         matrix = probe_matrix(
             values,
             materials=features.column("material"),
@@ -144,12 +152,11 @@ def print_probe(features: Features) -> None:
 
 def print_growth(features: Features) -> None:
     """Print what more objects to train on are worth within a domain, VIS and TAC together."""
-    both = np.concatenate([features.vis, features.tac], axis=1)
     print("## Within a domain, by objects trained on (VIS + TAC)\n")
     print("| objects of each class | mean over domains, % |\n| ---: | ---: |")
     for count in (3, 7, 14, 28):
         shares = within_with(
-            both,
+            features.both,
             materials=features.column("material"),
             domains=features.column("domain"),
             splits=features.column("split"),
@@ -172,8 +179,7 @@ def print_other_splits(features: Features) -> None:
     names = features.column("object")
     if set(names) != set(numbers):
         return  # a set of another size: its objects have other numbers
-    both = np.concatenate([features.vis, features.tac], axis=1)
-    number = np.array([numbers[str(name)] for name in names])
+    number, both = np.array([numbers[str(name)] for name in names]), features.both
     materials, domains = features.column("material"), features.column("domain")
     print("## Within a domain, other objects as the test (VIS + TAC)\n")
     print("| objects, along the rotation | mean over domains, % |\n| --- | ---: |")
@@ -190,8 +196,8 @@ def print_other_splits(features: Features) -> None:
 
 def print_strengths(features: Features) -> None:
     """Print how strongly a probe should be held back, by what the training objects alone say."""
-    both = np.concatenate([features.vis, features.tac], axis=1)
-    train, domains = features.column("split") == "train", features.column("domain")
+    both, train = features.both, features.column("split") == "train"
+    domains = features.column("domain")
     print("## C of the probe, by cross-validation over training objects (VIS + TAC)\n")
     print("| C | mean over domains, % |\n| ---: | ---: |")
     for strength in (1e-3, 1e-2, 1e-1, 1.0, 10.0):
@@ -293,7 +299,7 @@ def print_examples(features: Features, folder: Path) -> None:
     own = np.array([index for _, index in known])
     vis = embedded(files)
     tac = embedded([f.with_name(f.name.replace("_vis.", "_tac.")) for f in files])
-    whole = np.concatenate([features.vis, features.tac], axis=1)
+    whole = features.both
     train = features.column("split") == "train"
     probe = fitted(whole[train], features.column("material")[train])
     before, after = probe(whole[own]), probe(np.concatenate([vis, tac], axis=1))
