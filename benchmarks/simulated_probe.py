@@ -1,4 +1,4 @@
-"""The measures behind `benchmarks.simulated`: linear probes and nearest neighbours."""
+"""The measures behind `benchmarks.simulated`: linear probes, three fusions, nearest neighbours."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -6,10 +6,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.simulated_features import Array, Features, Names
 from omnivat.packages import need
 
-Array = NDArray[np.float32]
-Names = NDArray[np.str_]
+Probabilities = Callable[[Array], NDArray[np.float64]]
+FUSIONS = {
+    "concatenation": "both, concatenated",
+    "mean": "both, mean of unit vectors",
+    "product": "both, product of probabilities",
+}
+READINGS = ("VIS", "TAC", *FUSIONS)
+_SCARCE = "ceramic"  # a class that TacQuad lacks
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -25,83 +32,77 @@ class Accuracy:
         return self.right / self.of
 
 
-def accuracy(right: int, of: int) -> Accuracy:
-    """Return the two counts as one value."""
-    return Accuracy(right=int(right), of=int(of))
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Judged:
+    """What probes predict, each trained on the training pairs of one source domain.
+
+    sources      the S domains
+    predictions  reading -> (S, N) class names, "" for pairs that the source is not tested on
+    """
+
+    sources: tuple[str, ...]
+    predictions: dict[str, Names]
 
 
-def fitted(values: Array, materials: Names, strength: float = 1.0) -> Callable[[Array], Names]:
-    """Return a linear probe of (N, D) training values: what material it says of others.
+def fitted(values: Array, materials: Names) -> tuple[Probabilities, Names]:
+    """Return a linear probe of (N, D) training values, and its classes in order.
 
-    Logistic regression as scikit-learn has it; its C is `strength`, by default as there.
+    Logistic regression of scikit-learn with C = 1, on the values as they are.
     """
     linear = need("sklearn.linear_model", purpose="the linear probe", install="scikit-learn")
-    mean, spread = values.mean(0), values.std(0) + 1e-3
-    probe = linear.LogisticRegression(C=strength, max_iter=1000)
-    probe.fit((values - mean) / spread, materials)
-    return lambda others: np.asarray(probe.predict((others - mean) / spread))
+    probe = linear.LogisticRegression(C=1.0, max_iter=3000)
+    probe.fit(values, materials)
+    return lambda others: np.asarray(probe.predict_proba(others)), np.asarray(probe.classes_)
 
 
-def probe_matrix(
-    values: Array, *, materials: Names, domains: Names, splits: Names
-) -> dict[tuple[str, str], Accuracy]:
-    """Train a linear probe on each domain's training objects; return its accuracy on each domain.
+def read_all(
+    vis: Array, tac: Array, train: NDArray[np.bool_], materials: Names
+) -> dict[str, Names]:
+    """Return what probes of every reading predict for all N pairs: reading -> (N,) class names.
 
-    values   (N, D). Standardised with the mean and spread that the probe was trained on.
-    Within a domain the test objects are asked; in another domain all its pairs, none of which was
-    seen. Ceramic is left out where the source or the target has none, as the paper does.
+    vis, tac   (N, D) unit-length embeddings
+    train      (N,) the pairs that the probes are trained on
+    materials  (N,) class names, read for training pairs only
     """
-    names = list(dict.fromkeys(map(str, domains)))
-    result = {}
-    for source in names:
-        known = (domains == source) & (splits == "train")
-        for with_all in (True, False):
-            train = known & (with_all | (materials != "ceramic"))
-            if with_all and "ceramic" not in materials[known]:
-                continue
-            probe = fitted(values[train], materials[train])
-            for target in names:
-                there = domains == target
-                if ("ceramic" in materials[there]) != with_all and "ceramic" in materials[known]:
-                    continue
-                asked = there & ((splits == "test") | (source != target))
-                asked &= np.isin(materials, materials[train])
-                right = probe(values[asked]) == materials[asked]
-                result[source, target] = accuracy(right.sum(), right.size)
-    return {pair: result[pair] for pair in ((s, t) for s in names for t in names)}
+    inputs = {
+        "VIS": vis,
+        "TAC": tac,
+        "concatenation": np.concatenate([vis, tac], axis=1),
+        "mean": (vis + tac) / 2,
+    }
+    shares, classes = {}, materials[:0]
+    for name, values in inputs.items():
+        probe, classes = fitted(values[train], materials[train])
+        shares[name] = probe(values)
+    shares["product"] = shares["VIS"] * shares["TAC"]
+    return {name: np.asarray(classes[shares[name].argmax(1)]) for name in READINGS}
 
 
-def cross_validated(
-    values: Array, *, materials: Names, objects: Names, strength: float, folds: int = 5
-) -> Accuracy:
-    """Return the accuracy on held-out fifths of the objects, probes trained on the other four."""
-    things = dict.fromkeys(zip(map(str, materials), map(str, objects), strict=True))
-    fold_of = {thing: number % folds for number, (_, thing) in enumerate(sorted(things))}
-    fold = np.array([fold_of[str(name)] for name in objects])
-    right = [
-        fitted(values[fold != k], materials[fold != k], strength)(values[fold == k])
-        == materials[fold == k]
-        for k in range(folds)
-    ]
-    return accuracy(sum(int(part.sum()) for part in right), len(values))
+def judged(features: Features) -> Judged:
+    """Return the predictions of probes trained on each domain, for its test pairs and other domains.
 
-
-def within_with(
-    values: Array, *, materials: Names, domains: Names, splits: Names, objects: Names, count: int
-) -> dict[str, Accuracy]:
-    """Return, by domain, the accuracy on its test objects after `count` training objects a class."""
-    few = np.zeros(len(values), dtype=bool)
-    for domain in dict.fromkeys(map(str, domains)):
-        for material in dict.fromkeys(map(str, materials)):
-            mine = (domains == domain) & (materials == material) & (splits == "train")
-            few |= mine & np.isin(objects, list(dict.fromkeys(map(str, objects[mine])))[:count])
-    result = {}
-    for domain in dict.fromkeys(map(str, domains)):
-        here = domains == domain
-        asked = here & (splits == "test")
-        right = fitted(values[here & few], materials[here & few])(values[asked]) == materials[asked]
-        result[domain] = accuracy(right.sum(), right.size)
-    return result
+    Within a domain the test pairs are predicted; in another domain all its pairs, none of which
+    was seen. Ceramic is left out where the source or the target has none, as in the paper.
+    """
+    domains, materials = features.column("domain"), features.column("material")
+    split = features.column("split")
+    sources = tuple(dict.fromkeys(map(str, domains)))
+    scarce = {name for name in sources if _SCARCE in materials[domains == name]}
+    found: dict[str, list[Names]] = {name: [] for name in READINGS}
+    for source in sources:
+        row = {name: np.full(len(materials), "", dtype=materials.dtype) for name in READINGS}
+        for whole in (True, False) if source in scarce else (False,):
+            kept = np.full(len(materials), whole) | (materials != _SCARCE)
+            train = (domains == source) & (split == "train") & kept
+            here = kept & ((domains != source) | (split == "test"))
+            if source in scarce:
+                here &= np.isin(domains, list(scarce)) == whole
+            predicted = read_all(features.vis, features.tac, train, materials)
+            for name in READINGS:
+                row[name][here] = predicted[name][here]
+        for name in READINGS:
+            found[name].append(row[name])
+    return Judged(sources=sources, predictions={n: np.stack(rows) for n, rows in found.items()})
 
 
 def sensor_accuracy(tac: Array, *, domains: Names, splits: Names) -> dict[str, Accuracy]:
@@ -109,8 +110,9 @@ def sensor_accuracy(tac: Array, *, domains: Names, splits: Names) -> dict[str, A
     train, test = splits == "train", splits == "test"
     nearest = domains[train][(tac[test] @ tac[train].T).argmax(1)]
     return {
-        str(name): accuracy(
-            (nearest[domains[test] == name] == name).sum(), (domains[test] == name).sum()
+        str(name): Accuracy(
+            right=int((nearest[domains[test] == name] == name).sum()),
+            of=int((domains[test] == name).sum()),
         )
         for name in dict.fromkeys(domains)
     }

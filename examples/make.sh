@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Make everything in this folder again: pairs, embeddings, thumbnails, head and frames.
-# bash examples/make.sh [FOLDER FOR THE FULL SET]   (about half an hour on two cores)
+# bash examples/make.sh [FOLDER FOR THE FULL SET]   (about an hour on two cores)
 # The first step needs Mitsuba, taxim and jax: python -m pip install ".[simulate]"
 set -euo pipefail
 cd "$(dirname "$0")/.."

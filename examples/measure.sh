@@ -1,29 +1,38 @@
 #!/usr/bin/env bash
-# Measure the method on the examples: protocol and ablations, into docs/.
-# bash examples/measure.sh [FOLDER FOR THE RECORDS]   (about an hour and a half on one core; goes on where it stopped)
+# Measure the method on the examples: every table of the protocol, ablations and cost, into docs/.
+# bash examples/measure.sh [FOLDER FOR THE RECORDS] [PROCESSES]   (goes on where it stopped)
 set -euo pipefail
 cd "$(dirname "$0")/.."
 out=${1:-build/measured}
-light=(--embeddings examples/simulated.safetensors --seeds 0,1,2 --set width=64 --set epochs=60)
-methods=omnivat,nearest_mean,linear_probe,linear_probe_concat,baseline
-python -m omnivat protocol "${light[@]}" --out "$out/protocol" --methods "$methods"
-if [ ! -f "$out/full/runs.jsonl" ]; then # the other methods are the same; the head is run anew
-    mkdir -p "$out/full"
-    grep -v '"method": "omnivat"' "$out/protocol/runs.jsonl" >"$out/full/runs.jsonl"
+export OMP_NUM_THREADS=1
+common=(--embeddings examples/simulated.safetensors --seeds 0,1,2 --jobs "${2:-2}" --set epochs=30)
+full=(python -m omnivat protocol "${common[@]}" --set width=512 --calibrate --out "$out/full")
+light=(python -m omnivat protocol "${common[@]}" --set width=64 --calibrate --out "$out/light")
+ablate=(python -m omnivat ablate "${common[@]}" --set width=64 --out "$out/ablations")
+choice=(--candidate "" --candidate lang=false)
+
+# Every method read from photo, touch and both, all eight sources. Settings, temperatures and fusion are
+# chosen for each source from its own held-out objects; the head chooses with LANG or without.
+"${full[@]}" --methods nearest_mean
+"${full[@]}" --methods omnivat "${choice[@]}"
+"${full[@]}" --methods linear_probe,linear_probe_concat,dtg_alone,cosine_head,baseline,erm_mlp,mffa_alone
+"${full[@]}" --methods linear_probe_sum,ldc_icd,vt_cmc_head,zero_shot,promptstyler
+# One thing switched off at a time.
+"${full[@]}" --methods omnivat_no_lang,omnivat_no_nod,omnivat_no_mma,omnivat_p0
+# The light head; the baselines do not depend on its width.
+if [ ! -f "$out/light/runs.jsonl" ]; then
+    mkdir -p "$out/light"
+    grep -v '"base": "omnivat"' "$out/full/runs.jsonl" >"$out/light/runs.jsonl"
 fi
-python -m omnivat protocol --embeddings examples/simulated.safetensors --seeds 0,1,2 \
-    --out "$out/full" --methods omnivat --set width=512 --set epochs=60
-python -m omnivat ablate "${light[@]}" --out "$out/ablations" \
-    --only components,generation,class_token,modalities,order,projection,fixed_order,levels,expansion,balance
-python -m omnivat ablate --embeddings examples/simulated.safetensors --seeds 0,1,2 \
-    --out "$out/ablations_full" --only components,order --set width=512 --set epochs=60
-cp "$out/protocol/report.md" docs/benchmarks/protocol.md
-cp "$out/full/report.md" docs/benchmarks/protocol_full.md
-cp "$out/ablations/ablations.md" docs/benchmarks/ablations.md
-cp "$out"/ablations/*.svg docs/benchmarks/
-grep -v '^!\[' "$out/ablations_full/ablations.md" >docs/benchmarks/ablations_full.md
-cp "$out/ablations/fixed_order.json" examples/retrained.json
-cp "$out/protocol/runs.jsonl" docs/benchmarks/protocol.jsonl
-grep '"method": "omnivat"' "$out/full/runs.jsonl" >docs/benchmarks/protocol_full.jsonl
+"${light[@]}" --methods omnivat "${choice[@]}"
+# Ablations of the light head on the sources of the paper's tables.
+"${ablate[@]}" --only expansion,details,generation,class_token,modalities,levels,balance,order,fixed_order
+python -m benchmarks.cost
+
+for width in full light; do
+    name=protocol$([ "$width" = full ] && echo _full || true)
+    cp "$out/$width/report.md" "docs/benchmarks/$name.md"
+    cp "$out/$width/runs.jsonl" "examples/records/$name.jsonl"
+done
+cp "$out/ablations/ablations.md" "$out"/ablations/*.svg docs/benchmarks/
 cp "$out/ablations/runs.jsonl" docs/benchmarks/ablations.jsonl
-cp "$out/ablations_full/runs.jsonl" docs/benchmarks/ablations_full.jsonl

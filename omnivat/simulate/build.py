@@ -18,10 +18,11 @@ from omnivat.errors import DataError
 from omnivat.files import replacing, write_text
 from omnivat.progress import OnStep, Step, ignore
 from omnivat.simulate.noise import Array
-from omnivat.simulate.plan import Planned, classes, planned
+from omnivat.simulate.plan import PAIRS, Planned, classes, planned
 from omnivat.tables import load
 
-COLUMNS = ("vis", "tac", "domain", "material", "object", "split", "part")
+_NAMES = ("object", "split", "part", "looks_like", "feels_like")
+COLUMNS = ("vis", "tac", "domain", "material", *_NAMES)
 RENDERERS = {
     "mitsuba": "omnivat.simulate.vision:rendered",
     "plain": "omnivat.simulate.shading:shaded",
@@ -32,7 +33,7 @@ def simulate(
     out: Path,
     *,
     domains: Sequence[str] | None = None,
-    pairs_per_class: int = 40,
+    pairs_per_class: int = PAIRS,
     seed: int = 0,
     size: int = 224,
     workers: int | None = None,
@@ -148,9 +149,7 @@ def _pair(out: Path, pair: Planned) -> Pair:
         tac=_path(out, pair, "tac"),
         domain=simulated(pair.domain),
         material=pair.material,
-        object=pair.object,
-        split=pair.split,
-        part=pair.part,
+        **{name: getattr(pair, name) for name in _NAMES},
     )
 
 
@@ -161,6 +160,7 @@ def _table(plan: Sequence[Planned]) -> str:
     writer.writerow(COLUMNS)
     for pair in plan:
         stem = f"{pair.folder()}/{pair.stem}"
-        names = (simulated(pair.domain), pair.material, pair.object, pair.split, pair.part)
-        writer.writerow((f"{stem}_vis.png", f"{stem}_tac.png", *names))
+        names = [getattr(pair, name) for name in _NAMES]
+        place = (f"{stem}_vis.png", f"{stem}_tac.png", simulated(pair.domain), pair.material)
+        writer.writerow((*place, *names))
     return text.getvalue()

@@ -12,10 +12,10 @@ from PIL import Image
 from omnivat.packages import need
 from omnivat.simulate.contact import Press, pressed_height
 from omnivat.simulate.noise import Array
-from omnivat.simulate.surfaces import Surface
+from omnivat.simulate.things import Thing
 
 CALIBRATIONS = {"Taxim GelSight": "CALIB_GELSIGHT", "Taxim GelSight Mini": "CALIB_GELSIGHT_MINI"}
-DEPTH = (0.6, 1.1)  # mm
+DEPTH = (0.7, 1.4)  # mm
 _PIXEL = 0.0295 * 2  # mm, half of the calibrated resolution of 640 × 480
 _HEIGHT = 240  # pixels: the square cut from the middle of 320 × 240
 _WIDTH = 320
@@ -29,12 +29,12 @@ def _simulator(name: str) -> Any:
     return taxim.Taxim(calib_folder=calibration, backend="jax", device="cpu")
 
 
-def calibrated(surface: Surface, press: Press, name: str, *, size: int) -> Array:
+def calibrated(thing: Thing, press: Press, name: str, *, size: int) -> Array:
     """Return the image (size, size, 3), 0 to 1, that Taxim gives with the calibration `name`.
 
     Raises MissingPackageError without taxim and jax.
     """
-    square = pressed_height(surface, press, field=_WIDTH * _PIXEL, size=_WIDTH)
+    square = pressed_height(thing, press, field=_WIDTH * _PIXEL, size=_WIDTH)
     edge = (_WIDTH - _HEIGHT) // 2
     height = square[edge : edge + _HEIGHT]
     depth = DEPTH[0] + press.depth * (DEPTH[1] - DEPTH[0])

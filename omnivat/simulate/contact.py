@@ -1,20 +1,20 @@
-"""Press a surface into a gel: where they touch, and how the gel then lies."""
+"""Press an object into a gel: where they touch, and how the gel then lies."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.ndimage import gaussian_filter
 
+from omnivat.simulate.heights import contact_height
 from omnivat.simulate.noise import Array, turned
-from omnivat.simulate.surfaces import Surface
+from omnivat.simulate.things import Thing
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Press:
-    """How a sensor meets an object."""
+    """How a sensor meets an object at its touched spot."""
 
-    at: tuple[float, float]  # mm on the object
-    turn: float  # rad about the normal
+    turn: float  # rad about the normal, from the spot's tangent
     lean: tuple[float, float]  # slope of the sensor against the surface, mm a mm
     depth: float  # 0 to 1 of the sensor's range
     shear: tuple[float, float]  # mm that the gel is dragged sideways
@@ -27,12 +27,15 @@ def plane(field: float, size: int) -> tuple[Array, Array]:
     return x, y
 
 
-def pressed_height(surface: Surface, press: Press, *, field: float, size: int) -> Array:
-    """Return the object's height (size, size) in mm as the sensor meets it, highest towards it."""
+def pressed_height(thing: Thing, press: Press, *, field: float, size: int) -> Array:
+    """Return the object's height (size, size) in mm as the sensor meets it, highest towards it.
+
+    That is the solid's own geometry (curves, edges, rims) and the relief of its touch surface.
+    """
     x, y = plane(field, size)
-    u, v = turned(x, y, press.turn)
-    relief = surface.relief(u + press.at[0], v + press.at[1])
-    form = surface.form.height(u, v)  # the sensor aligns itself with the form it is pressed on
+    u, v = turned(x, y, -press.turn)
+    relief = thing.touch.relief(u + thing.spot.uv[0], v + thing.spot.uv[1])
+    form = contact_height(thing.solid, thing.spot, field=field, size=size, turn=press.turn)
     return np.asarray(relief + form + press.lean[0] * x + press.lean[1] * y)
 
 

@@ -10,19 +10,21 @@ from scipy.ndimage import gaussian_filter
 from omnivat.data.tac3d import MARKERS, field_to_rgb
 from omnivat.simulate.contact import Press, draped, indentation, pressed_height
 from omnivat.simulate.noise import Array
-from omnivat.simulate.surfaces import Surface
+from omnivat.simulate.things import Thing
 
 FIELD = 16.0  # mm across the markers
-DEPTH = (0.45, 0.9)  # mm
-# mm that reach full colour: what `robust_scale` gives for the 160 pairs of the shipped set, written
+DEPTH = (0.4, 0.85)  # mm
+_BULGE = 0.45  # mm sideways for a slope of 1: the gel gives way to what is pressed in
+_DRAG = 0.5  # of the drag reaches the markers
+# mm that reach full colour: what `robust_scale` gives for 60 pairs of the shipped set, written
 # down so that an image does not depend on how many others are made.
-SCALE = np.array([0.16, 0.16, 0.83])
+SCALE = np.array([0.14, 0.14, 0.74])
 _GRID = 160  # points on which the gel is draped before it is read at the markers
 
 
-def displacements(surface: Surface, press: Press, *, seed: int) -> Array:
+def displacements(thing: Thing, press: Press, *, seed: int) -> Array:
     """Return the markers' displacements (20, 20, 3) in mm: right, up, and into the sensor."""
-    height = pressed_height(surface, press, field=FIELD, size=_GRID)
+    height = pressed_height(thing, press, field=FIELD, size=_GRID)
     depth = DEPTH[0] + press.depth * (DEPTH[1] - DEPTH[0])
     indent = indentation(height, field=FIELD, depth=depth, dome=0.25)
     sheet = draped(indent, field=FIELD, give=0.8, skin=0.22)
@@ -30,12 +32,11 @@ def displacements(surface: Surface, press: Press, *, seed: int) -> Array:
     down, right = np.gradient(sheet, pixel)
     held = gaussian_filter(sheet, 1.0 / pixel, mode="nearest")
     held = held / max(float(held.max()), 1e-6)
-    field = np.stack(
-        [-0.22 * right + press.shear[0] * held, 0.22 * down + press.shear[1] * held, sheet], axis=-1
-    )
+    drag = [_DRAG * along * held for along in press.shear]
+    field = np.stack([-_BULGE * right + drag[0], _BULGE * down + drag[1], sheet], axis=-1)
     step = _GRID // MARKERS
     read = field[step // 2 :: step, step // 2 :: step]
-    return read + np.random.default_rng(seed).normal(size=read.shape) * 0.006
+    return read + np.random.default_rng(seed).normal(size=read.shape) * 0.004
 
 
 def coloured(displacement: Array, *, size: int) -> Array:
@@ -43,6 +44,6 @@ def coloured(displacement: Array, *, size: int) -> Array:
     return field_to_rgb(displacement, SCALE, side=size).astype(np.float64) / 255.0
 
 
-def felt(surface: Surface, press: Press, *, size: int, seed: int) -> Array:
+def felt(thing: Thing, press: Press, *, size: int, seed: int) -> Array:
     """Return the Tac3D image (size, size, 3), 0 to 1, of one press."""
-    return coloured(displacements(surface, press, seed=seed), size=size)
+    return coloured(displacements(thing, press, seed=seed), size=size)

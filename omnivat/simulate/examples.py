@@ -32,13 +32,21 @@ def write_examples(made: PairSet, folder: Path, *, each: int = 2) -> list[Path]:
         )
     written = []
     for (domain, material), things in classes.items():
-        for pair in spread(things, each):
+        for pair in chosen(things, each):
             for kind, image in (("vis", pair.vis), ("tac", pair.tac)):
                 stem = image.stem.removesuffix(f"_{kind}")
                 file = folder / domain / material / f"{stem}_{kind}.jpg"
                 _write(image, file)
                 written.append(file)
     return written
+
+
+def chosen(things: list[Pair], count: int) -> list[Pair]:
+    """Return `count` of `things`, half of them (rounded down) imitators by sight if there are."""
+    alike = [pair for pair in things if pair.looks_like]
+    plain = [pair for pair in things if not pair.looks_like]
+    few = max(min(count // 2, len(alike)), count - len(plain))
+    return spread(plain, count - few) + spread(alike, few)
 
 
 def spread(things: list[Pair], count: int) -> list[Pair]:

@@ -4,13 +4,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from omnivat.simulate.scenes import Colour, Scene
-from omnivat.simulate.surfaces import Surface
+from omnivat.simulate.noise import Array
+from omnivat.simulate.scenes import OUTDOORS, Colour, Scene
+from omnivat.simulate.shapes import Spot, blocked
+from omnivat.simulate.things import Thing
 
-_WIDEST = 1.75  # width of a curved object, in radii of its curvature
-_ROOM = 42.0  # mm: a narrower object would be hidden by the sensor
-_OFTEN = 0.3  # of the pictures show the sensor
-_LEAST_SHARE = 0.5  # of the view that an object's narrower side takes
+_TRIED = 14  # places of the camera, before one is taken that does not see the contact
+_FACING = 0.2  # least cosine between the line of sight and the contact's normal
+_LEAST = {"hand": 260.0, "rig": 150.0, "": 120.0}  # mm in view: the sensor hides no object
+_DAY = (1.25, 1.3, 1.45)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -18,60 +20,79 @@ class Framing:
     """Where the camera and the light stand for one photograph; angles in rad, lengths in mm."""
 
     scene: Scene
-    view: float
-    size: tuple[float, float]  # of the object, along and across its axis
-    axis: float  # of the object, in its own coordinates: its grain, or the axis of a cylinder
-    corner: float  # share of the object's half-width that is rounded: 0 a card, 1 a disc
-    at: tuple[float, float]  # contact, on the object
-    off: tuple[float, float]  # where the contact lies from the picture's middle
-    tilt: float
-    turn: float  # of the camera about the surface's normal
+    spot: Spot  # the contact, which the camera sees
+    eye: Array  # (3,)
+    target: Array  # (3,) what the camera looks at
+    view: float  # width of the picture at the target
+    lens: float  # field of view
     light: float  # direction of the key light
     height: float  # of the key light
     sun: Colour
     sky: Colour
     ground: str
+    behind: str  # what stands beyond, or ""
+    away: float  # how far beyond the target it stands
     held: bool  # whether the sensor stands on the contact while the picture is taken
+    clutter: int  # other things on the ground
     seed: int
 
 
-def framed(
-    scene: Scene, surface: Surface, *, at: tuple[float, float], part: str, seed: int
-) -> Framing:
-    """Return the framing of one photograph. Outdoors (`part`) is brighter and bluer.
-
-    An object that curves is no wider than its curvature allows, and the camera comes closer to it.
-    """
+def framed(scene: Scene, thing: Thing, *, outdoors: bool, seed: int) -> Framing:
+    """Return the framing of one photograph. Outdoors is brighter and bluer."""
     rng = np.random.default_rng(seed)
+    low, high = thing.solid.vertices.min(0), thing.solid.vertices.max(0)
+    middle, extent = (low + high) / 2, float(np.linalg.norm(high - low))
     view = float(rng.uniform(*scene.view))
-    length = view * float(rng.uniform(*scene.extent))
-    form = surface.form
-    length = min(length, _WIDEST / max(form.along, 1e-9))
-    width = min(length * float(rng.uniform(0.6, 1.0)), _WIDEST / max(form.across, 1e-9))
-    view = min(view, width / _LEAST_SHARE)
-    strength = float(rng.uniform(0.8, 1.2))
-    day = (1.25, 1.3, 1.45) if part == "outdoor" else (1.0, 1.0, 1.0)
-    held = bool(scene.prop) and width > _ROOM and bool(rng.random() < _OFTEN)
-    off = rng.uniform(-1, 1, 2) * view * (0.24 if held else 0.08)
-    grounds = ("paving",) if part == "outdoor" else scene.ground
+    lens = float(np.deg2rad(scene.lens * rng.uniform(0.9, 1.1)))
+    if scene.whole:
+        view, target = view * extent, middle + rng.uniform(-0.04, 0.04, 3) * view * extent
+    else:
+        view = min(view, max(1.6 * extent, _LEAST[scene.prop]))
+        share = float(rng.uniform(0.0, 0.35))
+        target = thing.spot.point * (1 - share) + middle * share
+        target = target + rng.uniform(-0.1, 0.1, 3) * view
+    grounds, behind = OUTDOORS if outdoors else (scene.ground, scene.behind)
+    strength = float(rng.uniform(0.75, 1.25))
     return Framing(
         scene=scene,
+        spot=thing.spot,
+        eye=_camera(scene, thing, target, view / 2 / np.tan(lens / 2), rng),
+        target=target,
         view=view,
-        size=(length, width),
-        axis=surface.axis,
-        corner=float(rng.choice([0.06, 0.25, 1.0], p=[0.5, 0.3, 0.2])),
-        at=at,
-        off=(float(off[0]), float(off[1])),
-        tilt=float(np.deg2rad(rng.uniform(*scene.tilt))),
-        turn=surface.axis + float(rng.uniform(-0.6, 0.6)),
+        lens=lens,
         light=float(rng.uniform(0, 2 * np.pi)),
         height=float(np.deg2rad(rng.uniform(*scene.height))),
         sun=_scaled(scene.sun, strength, (1.0, 1.0, 1.0)),
-        sky=_scaled(scene.sky, 1.0, day),
+        sky=_scaled(scene.sky, 1.0, _DAY if outdoors else (1.0, 1.0, 1.0)),
         ground=str(rng.choice(grounds)),
-        held=held,
+        behind=str(rng.choice(behind)) if behind else "",
+        away=float(rng.uniform(0.7, 2.0)) * max(view, extent),
+        held=bool(rng.random() < scene.seen),
+        clutter=min(int(rng.poisson(scene.clutter)), 2),
         seed=seed,
     )
+
+
+def _camera(
+    scene: Scene, thing: Thing, target: Array, distance: float, rng: np.random.Generator
+) -> Array:
+    """Return a place of the camera from which the contact is seen, if one is found."""
+    spot, best, most = thing.spot, target + np.array([0.0, -distance, distance]), -2.0
+    steep = np.hypot(spot.normal[0], spot.normal[1]) > 0.4
+    ahead = float(np.arctan2(spot.normal[1], spot.normal[0]))
+    for _ in range(_TRIED):
+        turn = ahead + rng.normal(0, 0.6) if steep else rng.uniform(0, 2 * np.pi)
+        rise = np.deg2rad(rng.uniform(*scene.rise))
+        way = np.array([np.cos(turn) * np.cos(rise), np.sin(turn) * np.cos(rise), np.sin(rise)])
+        eye = target + distance * way
+        eye[2] = max(eye[2], 25.0)
+        sight = (eye - spot.point) / np.linalg.norm(eye - spot.point)
+        facing = float(sight @ spot.normal)
+        if facing > most:
+            best, most = eye, facing
+        if facing > _FACING and not blocked(thing.solid, spot.point + 0.3 * spot.normal, eye):
+            return np.asarray(eye)
+    return np.asarray(best)
 
 
 def _scaled(colour: Colour, strength: float, tint: Colour) -> Colour:

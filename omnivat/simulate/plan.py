@@ -1,11 +1,18 @@
-"""Which pairs a simulated set has: names, objects, splits and parts, before anything is drawn."""
+"""Which pairs a simulated set has: names, objects, splits and imitations, before anything is drawn."""
 
 from dataclasses import dataclass
 
 from omnivat.data.domains import DOMAINS, Domain, simulated
 from omnivat.data.materials import MATERIALS
+from omnivat.simulate.looks import IMITATIONS
 
-TEST_SHARE = 0.3  # of the objects
+PAIRS = 60  # of each class of each domain in the shipped set
+TEST_EVERY = 3  # one object of three is a test object
+LOOK_ALIKES = 0.25  # of the objects imitate another class by sight
+FEEL_ALIKES = 0.10  # of the objects of the classes below imitate another class by touch
+# What is smooth feels alike: polished glass, glazed ceramic, polished steel, glossy plastic.
+SMOOTH = ("steel", "plastic", "ceramic", "glass")
+_STEPS = (0.7548776662, 0.4142135624, 0.5698402910)  # of rotations: sight, touch, which class
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -19,6 +26,8 @@ class Planned:
     split: str
     part: str
     stem: str
+    looks_like: str = ""  # the class that the object imitates by sight
+    feels_like: str = ""  # the class that it imitates by touch
 
     def folder(self) -> str:
         """Return where the pair goes, relative to the set."""
@@ -28,8 +37,8 @@ class Planned:
 def planned(domain: Domain, material: str, *, pairs: int) -> list[Planned]:
     """Return the pairs of one class of one domain, each of an object of its own.
 
-    Neighbouring numbers hold a fair mixture of surfaces, so each split of each part gets a run of
-    them: what is asked about is of the same kinds as what was trained on.
+    Neighbouring numbers hold a fair mixture of surfaces and imitations. Each split of each part
+    gets a run of numbers, so train and test objects have the same mixture.
     """
     parts = domain.series or ("",)
     places = [
@@ -38,27 +47,48 @@ def planned(domain: Domain, material: str, *, pairs: int) -> list[Planned]:
     ]
     first = list(DOMAINS).index(domain.name) * 10_000
     numbers = {place: first + rank for rank, place in enumerate(sorted(places))}
-    plan = []
-    for place in places:
-        split, part, index = place
-        name = f"{material}-{index:02d}"
-        plan.append(
-            Planned(
-                domain=domain.name,
-                material=material,
-                object=f"{simulated(domain.name)}/{name}",
-                number=numbers[place],
-                split=split,
-                part=part,
-                stem=name,
-            )
-        )
-    return plan
+    return [_pair(domain, material, place, numbers[place]) for place in places]
+
+
+def _pair(domain: Domain, material: str, place: tuple[str, str, int], number: int) -> Planned:
+    split, part, index = place
+    name = f"{material}-{index:02d}"
+    looks_like, feels_like = imitated(domain, material, number)
+    return Planned(
+        domain=domain.name,
+        material=material,
+        object=f"{simulated(domain.name)}/{name}",
+        number=number,
+        split=split,
+        part=part,
+        stem=name,
+        looks_like=looks_like,
+        feels_like=feels_like,
+    )
+
+
+def imitated(domain: Domain, material: str, number: int) -> tuple[str, str]:
+    """Return the classes that an object imitates by sight and by touch, "" for none.
+
+    No object imitates by both: one modality always tells its class. Only classes of the same
+    domain are imitated. The choice depends on the number alone, along rotations whose steps are
+    unrelated to the one that draws the recipe.
+    """
+    here = classes(domain)
+    looks = [name for name in IMITATIONS.get(material, ()) if name in here]
+    feels = [name for name in SMOOTH if name != material and name in here]
+    start = MATERIALS.index(material) / len(MATERIALS)
+    sight, touch, which = ((number * step + start) % 1.0 for step in _STEPS)
+    if looks and sight < LOOK_ALIKES:
+        return looks[int(which * len(looks))], ""
+    if material in SMOOTH and touch < FEEL_ALIKES / (1.0 - LOOK_ALIKES):
+        return "", feels[int(which * len(feels))]
+    return "", ""
 
 
 def _is_test(turn: int) -> bool:
-    """Spread the test objects evenly: 3 of every 10, the first of them early."""
-    return int((turn + 1) * TEST_SHARE + 0.5) > int(turn * TEST_SHARE + 0.5)
+    """Spread the test objects evenly, the first of them early."""
+    return turn % TEST_EVERY == 1
 
 
 def classes(domain: Domain) -> tuple[str, ...]:

@@ -1,46 +1,124 @@
-"""What else is in the picture: the sensor on the object, and the hand or clamp that holds it."""
+"""What else is in the picture: the sensor with what holds it, and other things on the ground."""
 
 from typing import Any
 
 import numpy as np
 
 from omnivat.simulate.framing import Framing
+from omnivat.simulate.noise import Array
 from omnivat.simulate.scenes import Colour
+from omnivat.simulate.shapes import KINDS, OBJECTS, kind_of, made_of
+from omnivat.simulate.shapes.solid import Solid, placed
 
-_HOUSING = 9.0  # mm, radius of a sensor
-_SKIN = (0.52, 0.30, 0.21)
-_BLACK = (0.025, 0.025, 0.03)
-_GREY = (0.16, 0.16, 0.17)
+_SKINS = ((0.52, 0.30, 0.21), (0.60, 0.38, 0.28), (0.35, 0.19, 0.12), (0.20, 0.10, 0.06))
+_HOUSINGS = ((0.02, 0.02, 0.022), (0.02, 0.02, 0.022), (0.55, 0.55, 0.53), (0.16, 0.16, 0.17))
+_GREY = (0.32, 0.32, 0.34)
+_X, _Y, _Z = np.eye(3)
 
 
 def props(mi: Any, framing: Framing) -> dict[str, Any]:
     """Return Mitsuba shapes for what stands on the contact, or nothing."""
-    rng = np.random.default_rng(framing.seed + 1)
     if not framing.held:
         return {}
-    yaw, lean = float(rng.uniform(0, 360)), float(rng.uniform(-12, 12))
-    stand = mi.ScalarTransform4f().rotate([0, 0, 1], yaw).rotate([1, 0, 0], lean)
-    shapes = {"housing": _rod(mi, stand, length=26.0, radius=_HOUSING, colour=_BLACK)}
-    if framing.scene.prop == "clamp":
-        shapes["arm"] = _rod(mi, stand.translate([0, 0, 26]), 60.0, 5.0, _GREY)
-        return shapes
-    sleeve = stand.translate([0, 6, 30]).rotate([1, 0, 0], -58)
-    shapes["wrist"] = _rod(mi, sleeve, length=30.0, radius=13.0, colour=_SKIN)
-    shapes["sleeve"] = _rod(mi, sleeve.translate([0, 0, 22]), 150.0, 21.0, _BLACK)
-    for finger, (x, y, turn) in enumerate(((9, 4, 20), (-9, 4, -20), (4, -9, 75))):
-        place = stand.translate([x, y, 23]).rotate([0, 0, 1], turn).scale([5.5, 13, 6])
-        shapes[f"finger{finger}"] = {"type": "sphere", "to_world": place, "bsdf": _plastic(_SKIN)}
+    rng = np.random.default_rng(framing.seed + 1)
+    return _hand(mi, framing, rng) if framing.scene.prop == "hand" else _rig(mi, framing, rng)
+
+
+def _hand(mi: Any, framing: Framing, rng: np.random.Generator) -> dict[str, Any]:
+    at, up = framing.spot.point, framing.spot.normal
+    arm = _arm(framing, rng, lift=0.35)
+    side = np.cross(up, arm)
+    skin, sleeve = _SKINS[rng.integers(len(_SKINS))], _dark(rng)
+    shapes = {"housing": _rod(mi, at + 0.3 * up, at + 62 * up, 12.0, _HOUSINGS[0])}
+    palm = at + 44 * up + 30 * arm
+    shapes["palm"] = _ball(mi, palm, (arm, 30.0), (side, 23.0), (up, 15.0), skin)
+    for finger in range(4):
+        middle = at + (20 + 9 * finger) * up + 14 * side + (4 - 3 * finger) * arm
+        shapes[f"finger{finger}"] = _ball(mi, middle, (arm, 26.0), (side, 7.5), (up, 6.5), skin)
+    thumb = at + 34 * up - 15 * side + 4 * arm
+    shapes["thumb"] = _ball(mi, thumb, (arm, 26.0), (side, 8.0), (up, 8.0), skin)
+    shapes["wrist"] = _rod(mi, palm + 10 * arm, palm + 90 * arm, 20.0, skin)
+    shapes["sleeve"] = _rod(mi, palm + 65 * arm, palm + 700 * arm, 33.0, sleeve)
     return shapes
 
 
-def _rod(mi: Any, place: Any, length: float, radius: float, colour: Colour) -> dict[str, Any]:
-    """Return a closed cylinder that stands on `place`."""
+def _rig(mi: Any, framing: Framing, rng: np.random.Generator) -> dict[str, Any]:
+    at, up = framing.spot.point, framing.spot.normal
+    arm = _arm(framing, rng, lift=0.8)
+    colour = _HOUSINGS[rng.integers(len(_HOUSINGS))]
+    top = at + 38 * up
+    elbow = top + 120 * arm
     return {
-        "type": "cylinder", "to_world": place, "p0": [0, 0, 0.2], "p1": [0, 0, length],
-        "radius": radius, "bsdf": {"type": "twosided", "bsdf": _plastic(colour)},
+        "gel": _rod(mi, at + 0.3 * up, at + 7 * up, 10.0, (0.6, 0.6, 0.6)),
+        "housing": _rod(mi, at + 6 * up, top, 13.0, colour),
+        "arm": _rod(mi, top, elbow, 9.0, _GREY),
+        "joint": _ball(mi, elbow, (_X, 14.0), (_Y, 14.0), (_Z, 14.0), _HOUSINGS[0]),
+        "column": _rod(mi, elbow, np.array([elbow[0], elbow[1], 700.0]), 12.0, _GREY),
+    }
+
+
+def _arm(framing: Framing, rng: np.random.Generator, *, lift: float) -> Array:
+    """Return the unit direction in which an arm leaves the sensor: sideways as the camera sees it."""
+    up = framing.spot.normal
+    sight = framing.eye - framing.spot.point
+    sight = sight / np.linalg.norm(sight)
+    aside = np.cross(sight, up) * (1 if rng.random() < 0.7 else -1)
+    aside = aside / max(float(np.linalg.norm(aside)), 1e-6)
+    way = aside + rng.uniform(-0.2, 0.7) * sight + lift * up
+    way[2] = max(float(way[2]), -0.2)
+    return np.asarray(way / np.linalg.norm(way))
+
+
+def _dark(rng: np.random.Generator) -> Colour:
+    red, green, blue = rng.uniform(0.015, 0.12) * rng.uniform(0.6, 1.6, 3)
+    return (float(red), float(green), float(blue))
+
+
+def _rod(mi: Any, start: Array, end: Array, radius: float, colour: Colour) -> dict[str, Any]:
+    """Return a closed cylinder between two points."""
+    return {
+        "type": "cylinder", "p0": start.tolist(), "p1": end.tolist(), "radius": radius,
+        "bsdf": {"type": "twosided", "bsdf": _plastic(colour)},
+    }  # fmt: skip
+
+
+def _ball(
+    mi: Any,
+    middle: Array,
+    one: tuple[Array, float],
+    two: tuple[Array, float],
+    three: tuple[Array, float],
+    colour: Colour,
+) -> dict[str, Any]:
+    """Return an ellipsoid with three axes, each a unit vector and a half length in mm."""
+    matrix = np.eye(4)
+    matrix[:3, :3] = np.stack([way * long for way, long in (one, two, three)], axis=1)
+    matrix[:3, 3] = middle
+    return {
+        "type": "sphere", "to_world": mi.ScalarTransform4f(matrix), "bsdf": _plastic(colour),
     }  # fmt: skip
 
 
 def _plastic(colour: Colour) -> dict[str, Any]:
     reflectance = {"type": "rgb", "value": list(colour)}
     return {"type": "roughplastic", "diffuse_reflectance": reflectance, "alpha": 0.3}
+
+
+def others(framing: Framing, *, extent: float) -> list[tuple[Solid, dict[str, Any]]]:
+    """Return other things on the ground, beyond the object, each with its material."""
+    rng = np.random.default_rng(framing.seed + 2)
+    far = framing.target - framing.eye
+    away = float(np.arctan2(far[1], far[0]))
+    found = []
+    for _ in range(framing.clutter):
+        material = str(rng.choice(list(OBJECTS)))
+        solid = KINDS[kind_of(OBJECTS[material], rng)](rng, made_of(material, rng))
+        turn = away + rng.normal(0, 0.8)
+        reach = 0.55 * extent + rng.uniform(60, 200)
+        middle = framing.target + reach * np.array([np.cos(turn), np.sin(turn), 0.0])
+        middle[2] = 0.0
+        moved = placed(solid, at=middle.tolist(), turn=float(rng.uniform(0, 6.3)))
+        tone = rng.uniform(0.03, 0.7, 3)
+        bsdf = _plastic((float(tone[0]), float(tone[1]), float(tone[2])))
+        found.append((moved, {"type": "twosided", "bsdf": bsdf}))
+    return found

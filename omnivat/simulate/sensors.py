@@ -26,6 +26,8 @@ class Markers:
     radius: float  # mm
     uneven: float = 0.1  # spread of radius and place, share of pitch
     darkness: float = 0.85
+    shift: tuple[float, float] = (0.0, 0.0)  # of the print against the gel's middle, pitches
+    turn: float = 0.0  # of the print, rad
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,6 +43,7 @@ class Sensor:
     lamps: tuple[Lamp, ...]
     gain: float = 1.0  # how strongly slopes colour
     markers: Markers | None = None
+    plain_gels: float = 0.0  # share of its gels that have no markers
     vignette: float = 0.15
     noise: float = 0.012
     blur: float = 0.0  # pixels of 224
@@ -48,27 +51,28 @@ class Sensor:
 
 SENSORS = {
     "GelSight": Sensor(
-        field=16.0, depth=(0.55, 1.0), skin=0.06, give=0.9, dome=0.35,
+        field=16.0, depth=(0.7, 1.4), skin=0.06, give=0.9, dome=0.35,
         base=(0.60, 0.55, 0.62),
         lamps=(
             Lamp(azimuth=-5, colour=(0.75, 0.02, 0.12), spill=0.62),
             Lamp(azimuth=120, colour=(0.03, 0.70, 0.25), spill=0.55),
             Lamp(azimuth=235, colour=(0.10, 0.12, 0.80), spill=0.55),
         ),
-        gain=1.6, markers=Markers(pitch=2.0, radius=0.30, uneven=0.06), vignette=0.20, noise=0.02,
+        gain=1.6, markers=Markers(pitch=2.0, radius=0.28, uneven=0.06), vignette=0.20, noise=0.02,
     ),
     "GelSlim": Sensor(
-        field=20.0, depth=(0.45, 0.9), skin=0.09, give=0.7, dome=0.10,
-        base=(0.40, 0.33, 0.47),
+        field=18.0, depth=(0.7, 1.3), skin=0.09, give=0.7, dome=0.12,
+        base=(0.46, 0.42, 0.52),
         lamps=(
-            Lamp(azimuth=90, colour=(0.42, 0.06, 0.38), spill=0.25),
-            Lamp(azimuth=270, colour=(0.08, 0.42, 0.20), spill=0.25),
+            Lamp(azimuth=75, colour=(0.55, 0.10, 0.30), spill=0.30),
+            Lamp(azimuth=195, colour=(0.06, 0.50, 0.18), spill=0.30),
+            Lamp(azimuth=315, colour=(0.10, 0.16, 0.52), spill=0.25),
         ),
-        gain=1.7, markers=Markers(pitch=1.25, radius=0.16, uneven=0.04, darkness=0.6),
-        vignette=0.30, noise=0.015, blur=0.6,
+        gain=1.5, markers=Markers(pitch=1.5, radius=0.17, uneven=0.04, darkness=0.6),
+        plain_gels=0.4, vignette=0.30, noise=0.015, blur=0.6,
     ),
     "DIGIT": Sensor(
-        field=15.0, depth=(0.6, 1.1), skin=0.08, give=1.2, dome=0.55,
+        field=15.0, depth=(0.7, 1.4), skin=0.08, give=1.2, dome=0.55,
         base=(0.44, 0.50, 0.58),
         lamps=(
             Lamp(azimuth=90, colour=(0.55, 0.10, 0.05), spill=0.55),
@@ -78,7 +82,7 @@ SENSORS = {
         gain=1.5, vignette=0.05, noise=0.018, blur=0.8,
     ),
     "GelSight Mini": Sensor(
-        field=15.5, depth=(0.45, 0.9), skin=0.06, give=0.6, dome=0.25,
+        field=15.5, depth=(0.65, 1.3), skin=0.06, give=0.6, dome=0.25,
         base=(0.52, 0.47, 0.40),
         lamps=(
             Lamp(azimuth=180, colour=(0.50, 0.22, 0.05), spill=0.20),
@@ -88,15 +92,14 @@ SENSORS = {
         gain=1.5, vignette=0.45, noise=0.010,
     ),
     "DuraGel": Sensor(
-        field=18.0, depth=(0.5, 1.0), skin=0.10, give=1.0, dome=0.15,
-        base=(0.62, 0.66, 0.66),
+        field=17.0, depth=(0.7, 1.3), skin=0.09, give=1.0, dome=0.20,
+        base=(0.58, 0.60, 0.60),
         lamps=(
-            Lamp(azimuth=0, colour=(0.10, 0.34, 0.42), spill=0.20),
-            Lamp(azimuth=90, colour=(0.36, 0.36, 0.30), spill=0.15),
-            Lamp(azimuth=180, colour=(0.44, 0.22, 0.16), spill=0.20),
-            Lamp(azimuth=270, colour=(0.20, 0.22, 0.24), spill=0.15),
+            Lamp(azimuth=0, colour=(0.12, 0.40, 0.20), spill=0.30),
+            Lamp(azimuth=120, colour=(0.14, 0.22, 0.50), spill=0.25),
+            Lamp(azimuth=240, colour=(0.50, 0.20, 0.14), spill=0.30),
         ),
-        gain=1.7, markers=Markers(pitch=3.0, radius=0.42, uneven=0.02, darkness=0.5),
-        vignette=0.12, noise=0.014, blur=0.5,
+        gain=1.6, markers=Markers(pitch=3.0, radius=0.36, uneven=0.02, darkness=0.5),
+        plain_gels=0.5, vignette=0.15, noise=0.014, blur=0.5,
     ),
 }  # fmt: skip

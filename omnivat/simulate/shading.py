@@ -1,81 +1,139 @@
-"""A small shader of our own: VIS without a renderer, in numpy.
+"""The built-in shader: VIS without a renderer, in numpy.
 
-Parallel projection, one key light, a two-tone sky that shiny things mirror, glass that shows the
-ground through its relief. It needs nothing installed; Mitsuba (vision.py) makes the real set.
+Points spread over the object are projected, shaded by one key light and a two-tone sky, and the
+nearest in each pixel is kept. It needs nothing installed; Mitsuba (vision.py) makes the real set.
 """
 
 import numpy as np
-from scipy.ndimage import gaussian_filter
+from numpy.typing import NDArray
+from scipy.ndimage import distance_transform_edt
 
-from omnivat.simulate.contact import plane
 from omnivat.simulate.framing import Framing
-from omnivat.simulate.grounds import ground
-from omnivat.simulate.noise import Array, smoothstep, turned
+from omnivat.simulate.grounds import beyond, ground
+from omnivat.simulate.noise import Array, smoothstep
 from omnivat.simulate.surfaces import Surface
+from omnivat.simulate.things import Thing
+
+_POINTS = 12  # for each pixel
 
 
-def shaded(surface: Surface, framing: Framing, *, size: int) -> Array:
-    """Return linear radiance (size, size, 3) of the surface under the framing."""
-    x, y = plane(framing.view, size)
-    x, y = x - framing.off[0], (y - framing.off[1]) / np.cos(framing.tilt)
-    u, v = turned(x, y, framing.turn)
-    along, across = turned(u, v, framing.axis)
-    height = surface.height(u, v)
-    normal = _normals(height, x, y)
-    base = surface.colour(u + framing.at[0], v + framing.at[1])
-    inside = outline(along, across, framing)
-    behind = ground(framing.ground, x, y, seed=framing.seed)
-    level = np.asarray(framing.sky) + np.asarray(framing.sun) * np.sin(framing.height) * 0.3
-    backdrop = behind * level
-    eye = np.array([0.0, -np.sin(framing.tilt), np.cos(framing.tilt)])
-    shown = _reflected(surface, framing, normal, eye, base, x, y)
-    shadow = gaussian_filter(inside, 0.03 * size)[..., None] * 0.45
-    return np.asarray(inside[..., None] * shown + (1 - inside[..., None]) * backdrop * (1 - shadow))
+def shaded(thing: Thing, framing: Framing, *, size: int) -> Array:
+    """Return linear radiance (size, size, 3) of the thing under the framing."""
+    axes = _axes(framing)
+    image = _around(framing, axes, size)
+    points, normals, uv = _scattered(thing, _POINTS * size * size, framing.seed)
+    row, column, depth = _projected(points, framing, axes, size)
+    facing = ((framing.eye - points) * normals).sum(1) > 0
+    inside = facing & (depth > 0) & (row >= 0) & (row < size) & (column >= 0) & (column < size)
+    order = np.flatnonzero(inside)[np.argsort(-depth[inside])]  # the nearest is written last
+    shown = _reflected(thing.sight, framing, points[order], normals[order], uv[order])
+    cell = row[order] * size + column[order]
+    image.reshape(-1, 3)[cell] = shown
+    return _closed(image, np.bincount(cell, minlength=size * size).reshape(size, size) > 0)
 
 
-def outline(u: Array, v: Array, framing: Framing) -> Array:
-    """Return 1 on the object and 0 off it: a rectangle with rounded corners, or a disc."""
-    half_u, half_v = framing.size[0] / 2, framing.size[1] / 2
-    radius = framing.corner * min(half_u, half_v)
-    away_u = np.maximum(np.abs(u) - half_u + radius, 0.0)
-    away_v = np.maximum(np.abs(v) - half_v + radius, 0.0)
-    pixel = framing.view / 224
-    return 1.0 - smoothstep(np.hypot(away_u, away_v) - radius, -pixel, pixel)
+def _axes(framing: Framing) -> Array:
+    """Return right, up and ahead (3, 3) of the camera."""
+    ahead = framing.target - framing.eye
+    ahead = ahead / np.linalg.norm(ahead)
+    right = np.cross(ahead, [0.0, 0.0, 1.0])
+    right = right / max(float(np.linalg.norm(right)), 1e-9)
+    return np.stack([right, np.cross(right, ahead), ahead])
 
 
-def _normals(height: Array, x: Array, y: Array) -> Array:
-    step_x, step_y = float(x[0, 1] - x[0, 0]), float(y[0, 0] - y[1, 0])
-    down, right = np.gradient(height)
-    normal = np.stack([-right / step_x, down / step_y, np.ones_like(height)], axis=-1)
-    return np.asarray(normal / np.linalg.norm(normal, axis=-1, keepdims=True))
+def _scattered(thing: Thing, count: int, seed: int) -> tuple[Array, Array, Array]:
+    """Return points (N, 3), their normals and their uv, even over the solid."""
+    solid, rng = thing.solid, np.random.default_rng(seed)
+    corner = solid.vertices[solid.faces]
+    across = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    area = np.linalg.norm(across, axis=1)
+    face = rng.choice(len(area), size=count, p=area / area.sum())
+    one, two = rng.random((2, count))
+    flip = one + two > 1.0
+    one, two = np.where(flip, 1 - one, one), np.where(flip, 1 - two, two)
+    share = np.stack([1 - one - two, one, two], axis=1)
+    normal = np.einsum("nk,nkd->nd", share, solid.normals()[solid.faces[face]])
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
+    return (
+        np.einsum("nk,nkd->nd", share, corner[face]), normal,
+        np.einsum("nk,nkd->nd", share, solid.uv[solid.faces[face]]),
+    )  # fmt: skip
+
+
+def _projected(points: Array, framing: Framing, axes: Array, size: int) -> tuple[Array, ...]:
+    """Return row, column (whole numbers) and depth (mm) of points (N, 3) in the picture."""
+    x, y, depth = ((points - framing.eye) @ axes.T).T
+    scale = size / 2 / np.tan(framing.lens / 2) / np.maximum(depth, 1e-6)
+    return (
+        np.floor(size / 2 - y * scale).astype(int), np.floor(size / 2 + x * scale).astype(int),
+        depth,
+    )  # fmt: skip
+
+
+def _around(framing: Framing, axes: Array, size: int) -> Array:
+    """Return the picture (size, size, 3) without the object: ground below, what is beyond above."""
+    axis = ((np.arange(size) + 0.5) / size * 2 - 1) * np.tan(framing.lens / 2)
+    right, up = np.meshgrid(axis, -axis)
+    way = right[..., None] * axes[0] + up[..., None] * axes[1] + axes[2]
+    light = np.asarray(framing.sky) + np.asarray(framing.sun) * np.sin(framing.height) * 0.3
+    down = way[..., 2] < -1e-3
+    reach = np.clip(framing.eye[2] / np.maximum(-way[..., 2], 1e-3), 0.0, 20.0 * framing.view)
+    place = framing.eye + reach[..., None] * way
+    under = ground(framing.ground, place[..., 0], place[..., 1], seed=framing.seed)
+    wide = framing.eye + 2.0 * framing.view * way
+    over = (
+        beyond(framing.behind, wide[..., 0], wide[..., 2], seed=framing.seed + 4)
+        if framing.behind
+        else under
+    )
+    return np.asarray(np.where(down[..., None], under, over) * light)
 
 
 def _reflected(
-    surface: Surface, framing: Framing, normal: Array, eye: Array, base: Array, x: Array, y: Array
+    surface: Surface, framing: Framing, points: Array, normal: Array, uv: Array
 ) -> Array:
-    """Return what leaves the surface towards the eye, (H, W, 3)."""
+    """Return what leaves points (N, 3) of the surface towards the eye, (N, 3)."""
+    base = surface.colour(uv[:, 0], uv[:, 1])
+    eye = framing.eye - points
+    eye = eye / np.linalg.norm(eye, axis=1, keepdims=True)
     flat = np.cos(framing.height)
     lamp = np.array(
         [flat * np.cos(framing.light), flat * np.sin(framing.light), np.sin(framing.height)]
     )
     sun, sky = np.asarray(framing.sun), np.asarray(framing.sky)
-    lambert = np.maximum(normal @ lamp, 0.0)[..., None] * sun * 0.45 + sky
-    half = (lamp + eye) / np.linalg.norm(lamp + eye)
+    lambert = np.maximum(normal @ lamp, 0.0)[:, None] * sun * 0.45 + sky
+    half = (lamp + eye) / np.linalg.norm(lamp + eye, axis=1, keepdims=True)
     width = max(surface.roughness, 0.03) + 0.4 * framing.scene.softness
-    facing = np.clip(normal @ half, 1e-3, 1.0)
-    gloss = np.exp(-(1 / facing**2 - 1) / width**2)[..., None] * sun * 0.12 / width**1.2
-    mirror = 2 * (normal @ eye)[..., None] * normal - eye
-    up = smoothstep(mirror[..., 1], -0.4 - surface.roughness, 0.4 + surface.roughness)[..., None]
-    environment = sky * (0.35 + 1.5 * up)
-    fresnel = 0.04 + 0.96 * (1 - np.clip(normal @ eye, 0, 1)[..., None]) ** 5
+    toward = np.clip((normal * half).sum(1), 1e-3, 1.0)
+    gloss = np.exp(-(1 / toward**2 - 1) / width**2)[:, None] * sun * 0.12 / width**1.2
+    facing = np.clip((normal * eye).sum(1), 0.0, 1.0)[:, None]
+    mirror = 2 * facing * normal - eye
+    sharp = 0.4 + surface.roughness
+    environment = sky * (0.35 + 1.5 * smoothstep(mirror[:, 2], -sharp, sharp)[:, None])
+    fresnel = 0.04 + 0.96 * (1 - facing) ** 5
     if surface.gloss == "matte":
         return np.asarray(base * lambert)
     if surface.gloss == "metal":
         return np.asarray(base * (1.4 * environment + 4.0 * gloss + 0.25 * lambert))
     if surface.gloss == "coated":
         return np.asarray(base * lambert + fresnel * environment + gloss)
-    bent = 6.0 * normal[..., :2]
-    behind = ground(framing.ground, x - bent[..., 0], y - bent[..., 1], seed=framing.seed)
-    milky = min(surface.roughness * 2.0, 0.8)
-    through = (1 - milky) * behind * base + milky * 0.55 * base
-    return np.asarray(through * (0.8 * lambert) + fresnel * environment * 2.0 + 1.5 * gloss)
+    return np.asarray(0.5 * base * lambert + 2.0 * fresnel * environment + 1.5 * gloss)
+
+
+def _closed(image: Array, hit: NDArray[np.bool_]) -> Array:
+    """Return the picture with pixels that points missed filled from a neighbour on the object."""
+    near = distance_transform_edt(~hit, return_distances=True, return_indices=True)
+    away, (row, column) = near
+    holes = (~hit) & (away < 1.5) & (_neighbours(hit) >= 5)
+    return np.asarray(np.where(holes[..., None], image[row, column], image))
+
+
+def _neighbours(hit: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Return how many of each pixel's nine, itself included, were hit."""
+    padded = np.pad(hit.astype(np.int64), 1)
+    shifted = [
+        padded[1 + i : padded.shape[0] - 1 + i, 1 + j : padded.shape[1] - 1 + j]
+        for i in (-1, 0, 1)
+        for j in (-1, 0, 1)
+    ]
+    return np.asarray(np.sum(shifted, axis=0))

@@ -7,20 +7,26 @@ face it; what the untouched gel looks like; markers, and the camera's faults.
 import numpy as np
 from scipy.ndimage import gaussian_filter
 
+from omnivat.seeding import derive_seed
 from omnivat.simulate.contact import Press, draped, indentation, plane, pressed_height
-from omnivat.simulate.noise import Array, noise, smoothstep
+from omnivat.simulate.noise import Array, noise, smoothstep, turned
 from omnivat.simulate.sensors import Lamp, Markers, Sensor
-from omnivat.simulate.surfaces import Surface
+from omnivat.simulate.things import Thing
+from omnivat.simulate.wear import blotted, used
 
 
-def touch(surface: Surface, press: Press, sensor: Sensor, *, size: int, seed: int) -> Array:
-    """Return the tactile image (size, size, 3), 0 to 1, of one press. `seed` fixes the noise."""
-    height = pressed_height(surface, press, field=sensor.field, size=size)
+def touch(thing: Thing, press: Press, sensor: Sensor, *, size: int, seed: int) -> Array:
+    """Return the tactile image (size, size, 3), 0 to 1, of one press.
+
+    `seed` fixes the gel that is on the sensor, its wear, and the noise.
+    """
+    sensor = used(sensor, np.random.default_rng(derive_seed(seed, "gel")))
+    height = pressed_height(thing, press, field=sensor.field, size=size)
     low, high = sensor.depth
     depth = low + press.depth * (high - low)
     indent = indentation(height, field=sensor.field, depth=depth, dome=sensor.dome)
     sheet = draped(indent, field=sensor.field, give=sensor.give, skin=sensor.skin)
-    image = untouched(sensor, size=size) + lit(sheet, sensor)
+    image = blotted(untouched(sensor, size=size) + lit(sheet, sensor), sensor, seed=seed)
     if sensor.markers:
         shade = marker_shade(sheet, sensor.markers, sensor.field, press.shear)
         image = image * (1.0 - shade[..., None])
@@ -67,6 +73,8 @@ def marker_shade(sheet: Array, markers: Markers, field: float, shear: tuple[floa
     pushed = smoothstep(gaussian_filter(sheet, 1.5 / pixel, mode="nearest"), 0.0, 0.4)
     u = x + 0.5 * right - shear[0] * pushed
     v = y - 0.5 * down - shear[1] * pushed
+    u, v = turned(u, v, markers.turn)
+    u, v = u - markers.shift[0] * markers.pitch, v - markers.shift[1] * markers.pitch
     jitter = markers.uneven * markers.pitch
     u = u + jitter * noise(u, v, wavelength=2.6 * markers.pitch, seed=11)
     v = v + jitter * noise(u, v, wavelength=2.6 * markers.pitch, seed=12)

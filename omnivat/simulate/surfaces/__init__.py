@@ -1,8 +1,8 @@
 """Procedural surfaces of the five materials: many distinct objects of each, from a seed.
 
 A recipe is a function from a random generator to a `Surface`. Recipes of different materials
-overlap on purpose (ribbed glass and ribbed plastic, cast steel and moulded plastic, laminate with
-the picture of wood), so that neither sight nor touch alone settles every case.
+overlap on purpose (ribbed glass and ribbed plastic, cast steel and moulded plastic), so that neither
+sight nor touch alone settles every case.
 """
 
 from collections.abc import Callable

@@ -171,5 +171,5 @@ def carved(rng: np.random.Generator) -> Surface:
 
 
 RECIPES = {
-    glazed: 1.3, crazed: 1.5, stoneware: 1.6, terracotta: 1.4, thrown: 0.8, tiled: 0.6, carved: 0.4,
+    glazed: 2.0, crazed: 1.3, stoneware: 1.5, terracotta: 1.2, thrown: 0.8, tiled: 0.4, carved: 0.4,
 }  # fmt: skip

@@ -1,4 +1,4 @@
-"""Plastic surfaces: mould grain, leather grain, ribs, dots, gloss, printed layers, wood print."""
+"""Plastic surfaces: mould grain, leather grain, ribs, dots, gloss, printed layers."""
 
 import numpy as np
 
@@ -10,7 +10,6 @@ from omnivat.simulate.surfaces.patterns import (
     orange_peel,
     ribs,
     scratches,
-    streaks,
 )
 
 
@@ -135,20 +134,6 @@ def printed(rng: np.random.Generator) -> Surface:
     )  # fmt: skip
 
 
-def wood_print(rng: np.random.Generator) -> Surface:
-    """Return laminate: a picture of wood over mould grain; the eye alone is deceived."""
-    seed, angle = stream(rng), pick(rng, 0, np.pi)
-    base = (pick(rng, 0.3, 0.6), pick(rng, 0.2, 0.36), pick(rng, 0.1, 0.2))
-    return Surface(
-        recipe="wood print",
-        relief=lambda x, y: 0.014 * grain(x, y, coarsest=0.9, finest=0.25, seed=seed),
-        colour=lambda x, y: tinted(
-            base, 0.22 * streaks(x, y, angle=angle, width=2.5, length=40.0, seed=seed + 8)),
-        gloss="coated", roughness=pick(rng, 0.2, 0.35), angle=angle,
-    )  # fmt: skip
-
-
 RECIPES = {
-    eroded: 1.6, leather_grain: 1.6, ribbed: 1.3, studded: 1.8, glossy: 0.6, printed: 0.7,
-    wood_print: 0.25,
+    eroded: 1.6, leather_grain: 1.3, ribbed: 1.1, studded: 1.2, glossy: 1.3, printed: 0.7,
 }  # fmt: skip

@@ -1,4 +1,4 @@
-"""Steel surfaces: brushed, milled, turned, ground, cast, rusty, chequered, knurled, painted."""
+"""Steel surfaces: brushed, milled, turned, ground, cast, rusty, chequered, knurled."""
 
 import numpy as np
 
@@ -154,29 +154,6 @@ def knurled(rng: np.random.Generator) -> Surface:
     )  # fmt: skip
 
 
-def enamelled(rng: np.random.Generator) -> Surface:
-    """Return painted steel: a soft orange peel under colour, chipped; easily taken for plastic."""
-    seed, base = stream(rng), _steel(rng)
-    paint = rng.uniform(0.03, 0.7, 3)
-    rise, worn = pick(rng, 0.006, 0.014), pick(rng, 1.2, 2.4)
-
-    def chips(x: Array, y: Array) -> Array:
-        return smoothstep(grain(x, y, coarsest=7.0, finest=0.7, seed=seed + 3), worn, worn + 0.15)
-
-    def relief(x: Array, y: Array) -> Array:
-        return rise * orange_peel(x, y, size=1.8, seed=seed) - 0.05 * chips(x, y)
-
-    def colour(x: Array, y: Array) -> Array:
-        even = np.broadcast_to(paint, (*np.shape(x), 3))
-        return mixed(even, 0.6 * tinted(base, 0 * x), chips(x, y))
-
-    return Surface(
-        recipe="enamelled", relief=relief, colour=colour, gloss="coated",
-        roughness=pick(rng, 0.08, 0.2), form=_part(rng),
-    )  # fmt: skip
-
-
 RECIPES = {
-    brushed: 1.8, machined: 2.0, ground: 0.5, cast: 0.5, rusty: 0.7, chequered: 0.9, knurled: 0.9,
-    enamelled: 0.3,
+    brushed: 2.0, machined: 1.5, ground: 1.2, cast: 0.6, rusty: 0.6, chequered: 0.5, knurled: 0.6,
 }  # fmt: skip

@@ -1,9 +1,9 @@
-"""Wooden surfaces: sawn, sanded, planed with rings, weathered, varnished, end grain, painted."""
+"""Wooden surfaces: sawn, sanded, planed with rings, weathered, varnished, end grain."""
 
 import numpy as np
 
 from omnivat.simulate.noise import Array, smoothstep, turned
-from omnivat.simulate.surfaces.base import Form, Surface, mixed, pick, pick_log, stream, tinted
+from omnivat.simulate.surfaces.base import Form, Surface, pick, pick_log, stream, tinted
 from omnivat.simulate.surfaces.patterns import arcs, grain, orange_peel, ribs, streaks
 
 _SPECIES = (  # linear reflectance of early wood; late wood is darker
@@ -159,27 +159,6 @@ def end_grain(rng: np.random.Generator) -> Surface:
     )  # fmt: skip
 
 
-def painted(rng: np.random.Generator) -> Surface:
-    """Return painted boards: brush marks and grain showing through, colour like plastic."""
-    wood, brush = _Grain(rng), stream(rng)
-    paint = np.asarray(rng.uniform(0.08, 0.7, 3))
-    worn = pick(rng, 1.3, 2.2)
-
-    def relief(x: Array, y: Array) -> Array:
-        hairs = streaks(x, y, angle=wood.angle + 0.05, width=0.8, length=30.0, seed=brush)
-        return 0.014 * hairs + 0.025 * wood.rings(x, y) - 0.03 * wood.pores(x, y)
-
-    def colour(x: Array, y: Array) -> Array:
-        chipped = smoothstep(orange_peel(x, y, size=9.0, seed=brush + 9), worn, worn + 0.2)
-        flat = tinted((paint[0], paint[1], paint[2]), 0.05 * wood.fibres(x, y))
-        return mixed(flat, wood.colour(x, y), chipped)
-
-    return Surface(
-        recipe="painted", relief=relief, colour=colour, gloss="coated",
-        roughness=pick(rng, 0.2, 0.4), angle=wood.angle, form=_board(rng),
-    )  # fmt: skip
-
-
 RECIPES = {
-    sawn: 1.6, sanded: 1.6, ringed: 1.6, weathered: 1.4, varnished: 0.7, end_grain: 0.35, painted: 0.25,
+    sawn: 1.3, sanded: 1.8, ringed: 1.6, weathered: 1.2, varnished: 1.2, end_grain: 0.3,
 }  # fmt: skip

@@ -7,14 +7,14 @@ import pytest
 from PIL import Image
 
 from app.examples import find_examples
-from benchmarks.simulated_sheet import LEFT, TILE, TOP, sheet
+from benchmarks.simulated_sheet import GAP, LEFT, TILE, TOP, sheet, two_of
 from omnivat.data.domains import DOMAINS, simulated
-from omnivat.data.pairs import PairSet
+from omnivat.data.pairs import Pair, PairSet
 from omnivat.data.readers import read_pairs
 from omnivat.data.store import load_embeddings
 from omnivat.errors import DataError
 from omnivat.simulate.build import simulate
-from omnivat.simulate.examples import spread, write_examples
+from omnivat.simulate.examples import chosen, spread, write_examples
 from omnivat.simulate.plan import classes
 
 SHIPPED = Path(__file__).parents[3] / "examples"
@@ -55,6 +55,27 @@ def test_examples_are_taken_evenly_and_no_more_than_there_are():
     assert spread(list("ab"), 5) == ["a", "b"]
 
 
+def pair_like(name: str, looks_like: str) -> Pair:
+    file = Path(name)
+    return Pair(vis=file, tac=file, domain="TAG-sim", material="wood", looks_like=looks_like)
+
+
+def test_half_of_the_examples_look_like_another_class_where_there_are_such_objects():
+    plain = [pair_like(f"p{n}", "") for n in range(6)]
+    alike = [pair_like(f"a{n}", "steel") for n in range(3)]
+
+    assert [bool(pair.looks_like) for pair in chosen(plain + alike, 2)] == [False, True]
+    assert not any(pair.looks_like for pair in chosen(plain, 2))
+    assert len(chosen(alike, 2)) == 2
+
+
+def test_the_contact_sheet_shows_an_honest_pair_and_a_look_alike_of_each_class():
+    alike, plain = pair_like("a", "glass"), pair_like("p", "")
+
+    assert two_of([alike, plain]) == [plain, alike]
+    assert two_of([plain, plain, plain]) == [plain, plain]
+
+
 def test_a_set_without_test_objects_has_no_examples(tmp_path):
     only_train = simulate(tmp_path / "set", **SMALL, pairs_per_class=1)
     with pytest.raises(DataError, match="ask for 4 pairs per class"):
@@ -80,7 +101,7 @@ def test_shipped_examples_cover_every_class_and_are_test_pairs_of_the_shipped_fe
 def test_the_contact_sheet_has_a_tile_for_each_class_and_white_where_there_is_none():
     picture = sheet(SHIPPED / "pairs")
     row = list(DOMAINS).index("TQ-DIGIT")
-    middle = TOP + row * TILE + TILE // 2
+    middle = TOP + row * (2 * TILE + GAP) + TILE // 2
     step = (picture.width - LEFT) // 5
 
     ceramic = picture.getpixel((LEFT + 3 * step + TILE // 2, middle))
@@ -89,5 +110,5 @@ def test_the_contact_sheet_has_a_tile_for_each_class_and_white_where_there_is_no
 
 
 def test_a_folder_without_pairs_makes_no_sheet(tmp_path):
-    with pytest.raises(DataError, match="holds no pair"):
+    with pytest.raises(DataError, match="No pairs in"):
         sheet(tmp_path)

@@ -1,24 +1,33 @@
-"""VIS: the mesh is closed, the framing fits the object, the built-in shader and camera behave."""
+"""VIS: the contact is in view, the built-in shader, the textures and the camera behave."""
 
-from collections import Counter
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from omnivat.data.domains import DOMAINS
 from omnivat.errors import MissingPackageError
 from omnivat.simulate import calibrated, vision
 from omnivat.simulate.camera import exposed
 from omnivat.simulate.contact import Press
+from omnivat.simulate.denoising import denoised
 from omnivat.simulate.environment import panorama
-from omnivat.simulate.framing import framed
-from omnivat.simulate.mesh import object_mesh, unresolved_slopes
-from omnivat.simulate.scenes import SCENES
+from omnivat.simulate.framing import Framing, framed
+from omnivat.simulate.grounds import beyond, ground
+from omnivat.simulate.plan import planned
+from omnivat.simulate.scenes import OUTDOORS, SCENES
 from omnivat.simulate.shading import shaded
-from omnivat.simulate.surfaces import Form, Surface, surface
+from omnivat.simulate.surfaces import Surface
+from omnivat.simulate.texture import textured, unresolved_slopes
+from omnivat.simulate.things import Thing, thing
 
 
-def framing_of(domain: str, thing: Surface, seed: int = 3):
-    return framed(SCENES[domain], thing, at=(0.0, 0.0), part="", seed=seed)
+def thing_of(domain: str, material: str = "wood", index: int = 1) -> Thing:
+    return thing(planned(DOMAINS[domain], material, pairs=60)[index], seed=0)
+
+
+def framing_of(domain: str, made: Thing, seed: int = 3) -> Framing:
+    return framed(SCENES[domain], made, outdoors=False, seed=seed)
 
 
 def flat(**changes) -> Surface:
@@ -32,42 +41,51 @@ def flat(**changes) -> Surface:
     return Surface(**(even | changes))
 
 
-def test_the_object_is_a_closed_mesh() -> None:
-    thing = surface("wood", 1, seed=0)
-    mesh = object_mesh(thing, framing_of("TAG", thing))
-    corners = np.round(mesh.vertices, 9)
-    _, same = np.unique(corners, axis=0, return_inverse=True)
-    edges = Counter()
-    for a, b, c in same[mesh.faces.astype(int)]:
-        for edge in ((a, b), (b, c), (c, a)):
-            edges[tuple(sorted(edge))] += 1
+@pytest.mark.parametrize("domain", SCENES)
+def test_the_contact_lies_in_the_picture_and_faces_the_camera(domain: str) -> None:
+    for index in range(4):
+        made = thing_of(domain, "steel", index)
+        framing = framing_of(domain, made, seed=index)
+        ahead = framing.target - framing.eye
+        sight = made.spot.point - framing.eye
+        cos = sight @ ahead / np.linalg.norm(sight) / np.linalg.norm(ahead)
 
-    assert set(edges.values()) == {2}
-    assert mesh.vertices[:, 2].min() > mesh.ground
+        assert np.arccos(min(cos, 1.0)) < 0.75 * framing.lens
+        assert -sight @ made.spot.normal > 0
+        assert framing.eye[2] > 0
 
 
-def test_a_curved_object_is_no_wider_than_its_curvature_allows() -> None:
-    rod = flat(form=Form(across=1 / 12.0))
-    framing = framing_of("TQ-DIGIT", rod)
+def test_whole_objects_fit_into_the_picture_where_a_domain_shows_them_whole() -> None:
+    made = thing_of("OF Real", "ceramic")
+    framing = framing_of("OF Real", made)
+    extent = np.linalg.norm(np.ptp(made.solid.vertices, axis=0))
 
-    assert framing.size[1] < 2 * 12.0
-    assert framing.view <= framing.size[1] / 0.5
+    assert framing.view > extent
 
 
 def test_fine_grooves_widen_the_highlight_across_them_only() -> None:
     grooved = flat(relief=lambda x, y: 0.01 * np.sin(2 * np.pi * y / 0.35))
-    along, across = unresolved_slopes(grooved, framing_of("TAG", grooved))
+    along, across = unresolved_slopes(grooved, np.zeros(2), spacing=0.6)
 
     assert across > 0.05
     assert along < 0.01
 
 
+def test_a_texture_covers_the_solid_and_its_colours_are_the_surface_s() -> None:
+    made = replace(thing_of("OF Real"), sight=flat())
+    texture = textured(made, framing_of("OF Real", made))
+
+    assert texture.uv.min() >= 0.0
+    assert texture.uv.max() <= 1.0
+    assert np.ptp(texture.colour) == 0.0
+    assert not texture.bumps.any()
+
+
 def test_the_key_light_gives_the_same_power_small_or_large() -> None:
-    thing = flat()
-    framing = framing_of("OF 2.0 A", thing)
+    framing = framing_of("OF 2.0 A", thing_of("OF 2.0 A"))
     weight = np.sin((np.arange(64) + 0.5) / 64 * np.pi)[:, None, None]
     small, large = (
-        (panorama(framing, least_softness=width) * weight).sum() for width in (0.2, 0.7)
+        (panorama(framing, least_softness=width) * weight).sum() for width in (0.25, 0.7)
     )
 
     assert small == pytest.approx(large, rel=0.02)
@@ -75,20 +93,44 @@ def test_the_key_light_gives_the_same_power_small_or_large() -> None:
 
 @pytest.mark.parametrize("material", ["wood", "steel", "plastic", "ceramic", "glass"])
 def test_the_built_in_shader_shows_the_object_before_its_ground(material: str) -> None:
-    thing = surface(material, 2, seed=0)
-    framing = framing_of("OF 2.0 B", thing)
-    image = shaded(thing, framing, size=64)
+    made = thing_of("OF 2.0 B", material)
+    framing = framing_of("OF 2.0 B", made)
+    image = shaded(made, framing, size=64)
+    aside = replace(framing, target=framing.target + np.array([0.0, 0.0, 4 * framing.view]))
 
     assert image.shape == (64, 64, 3)
     assert np.isfinite(image).all()
-    assert image[28:36, 28:36].mean() > 2 * image[:4, :4].mean()
+    assert image.max() > 3 * np.quantile(image[:6], 0.5)
+    assert shaded(made, aside, size=64).max() < image.max()
+
+
+def test_every_place_that_a_scene_names_can_be_drawn() -> None:
+    x, y = np.meshgrid(np.linspace(-300, 300, 20), np.linspace(0, 600, 20))
+    names = {name for scene in SCENES.values() for name in scene.ground} | set(OUTDOORS[0])
+    walls = {name for scene in SCENES.values() for name in scene.behind} | set(OUTDOORS[1])
+    colours = [ground(name, x, y, seed=1) for name in names]
+    colours += [beyond(name, x, y, seed=1) for name in walls]
+
+    assert all(colour.shape == (20, 20, 3) for colour in colours)
+    assert all(0.0 <= colour.min() <= colour.max() <= 1.0 for colour in colours)
 
 
 def test_the_camera_opens_up_for_dark_scenes_but_not_all_the_way() -> None:
     scene = SCENES["OF 2.0 A"]
-    dark, bright = (exposed(np.full((16, 16, 3), v), scene, seed=0).mean() for v in (0.05, 0.8))
+    dark, bright = (exposed(np.full((16, 16, 3), v), scene, seed=0).mean() for v in (0.02, 0.8))
 
-    assert 0.25 < dark < bright < 0.95
+    assert 0.1 < dark < bright < 0.98
+
+
+def test_grain_is_taken_out_and_edges_of_colour_stay() -> None:
+    rng = np.random.default_rng(0)
+    colour = np.where(np.arange(48)[None, :, None] < 24, 0.2, 0.8) * np.ones((48, 48, 3))
+    normal = np.broadcast_to([0.0, 0.0, 1.0], (48, 48, 3))
+    noisy = colour * rng.gamma(12.0, 1 / 12.0, (48, 48, 1))
+    clean = denoised(noisy, colour, normal)
+
+    assert np.abs(clean - colour).mean() < 0.35 * np.abs(noisy - colour).mean()
+    assert clean[:, 25].mean() - clean[:, 22].mean() > 0.5
 
 
 def gone(name: str, **said: str) -> None:
@@ -98,13 +140,14 @@ def gone(name: str, **said: str) -> None:
 def test_without_mitsuba_a_render_says_what_is_missing(monkeypatch) -> None:
     vision._mitsuba.cache_clear()
     monkeypatch.setattr(vision, "need", gone)
+    made = thing_of("TAG")
     with pytest.raises(MissingPackageError, match="mitsuba is needed for rendering VIS"):
-        vision.rendered(flat(), framing_of("TAG", flat()), size=32)
+        vision.rendered(made, framing_of("TAG", made), size=32)
 
 
 def test_without_taxim_a_calibrated_touch_says_what_is_missing(monkeypatch) -> None:
-    press = Press(at=(0.0, 0.0), turn=0.0, lean=(0.0, 0.0), depth=0.5, shear=(0.0, 0.0))
+    press = Press(turn=0.0, lean=(0.0, 0.0), depth=0.5, shear=(0.0, 0.0))
     calibrated._simulator.cache_clear()
     monkeypatch.setattr(calibrated, "need", gone)
     with pytest.raises(MissingPackageError, match="taxim is needed for tactile images"):
-        calibrated.calibrated(flat(), press, "Taxim GelSight", size=32)
+        calibrated.calibrated(thing_of("OF 2.0 A"), press, "Taxim GelSight", size=32)

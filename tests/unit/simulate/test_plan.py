@@ -1,26 +1,30 @@
 """The plan: which pairs there are, before anything is drawn."""
 
-from collections import defaultdict
+from collections import Counter, defaultdict
+
+import pytest
 
 from omnivat.data.domains import DOMAINS
-from omnivat.simulate.plan import classes, planned
+from omnivat.data.materials import MATERIALS
+from omnivat.simulate.looks import IMITATIONS
+from omnivat.simulate.plan import PAIRS, classes, planned
 from omnivat.simulate.surfaces import recipe
 
 EVERYTHING = [
     pair
     for domain in DOMAINS.values()
     for material in classes(domain)
-    for pair in planned(domain, material, pairs=40)
+    for pair in planned(domain, material, pairs=PAIRS)
 ]
 
 
-def test_every_class_of_every_domain_has_the_number_asked_for() -> None:
-    counts = defaultdict(int)
-    for pair in EVERYTHING:
-        counts[pair.domain, pair.material] += 1
+def test_every_class_of_every_domain_has_40_training_and_20_test_objects() -> None:
+    counts = Counter((pair.domain, pair.material, pair.split) for pair in EVERYTHING)
 
-    assert set(counts.values()) == {40}
-    assert len(counts) == 4 * 5 + 4 * 4
+    assert len(EVERYTHING) == 2160
+    assert len(counts) == 2 * (4 * 5 + 4 * 4)
+    for (*_, split), count in counts.items():
+        assert abs(count - {"train": 40, "test": 20}[split]) <= 1
 
 
 def test_an_object_is_in_one_domain_one_split_and_one_part_only() -> None:
@@ -42,13 +46,7 @@ def test_tacquad_has_no_ceramic_and_its_parts_have_both_splits() -> None:
         }
 
 
-def test_about_three_objects_of_ten_are_for_testing() -> None:
-    share = sum(pair.split == "test" for pair in EVERYTHING) / len(EVERYTHING)
-
-    assert 0.25 <= share <= 0.35
-
-
-def test_what_is_asked_about_is_of_the_same_kinds_as_what_was_trained_on() -> None:
+def test_test_objects_are_of_the_same_kinds_as_training_objects() -> None:
     kinds = defaultdict(set)
     for pair in EVERYTHING:
         kinds[pair.domain, pair.material, pair.split].add(
@@ -61,3 +59,33 @@ def test_what_is_asked_about_is_of_the_same_kinds_as_what_was_trained_on() -> No
         if split == "test"
     )
     assert unknown <= 3
+
+
+@pytest.mark.parametrize("split", ["train", "test"])
+@pytest.mark.parametrize("material", MATERIALS)
+def test_a_quarter_of_every_split_looks_like_another_class(material: str, split: str) -> None:
+    for domain in DOMAINS.values():
+        mine = [p for p in EVERYTHING if (p.domain, p.material) == (domain.name, material)]
+        alike = [bool(p.looks_like) for p in mine if p.split == split]
+        assert not mine or 0.2 <= sum(alike) / len(alike) <= 0.3, domain.name
+
+
+def test_every_imitation_is_in_both_splits_and_names_another_class_of_its_domain() -> None:
+    seen = Counter((p.material, p.looks_like, p.split) for p in EVERYTHING if p.looks_like)
+
+    for material, others in IMITATIONS.items():
+        for other in others:
+            assert seen[material, other, "train"] > seen[material, other, "test"] > 0
+    for pair in EVERYTHING:
+        there = {*classes(DOMAINS[pair.domain]), ""} - {pair.material}
+        assert {pair.looks_like, pair.feels_like} <= there
+
+
+def test_smooth_classes_feel_alike_and_no_object_imitates_by_both() -> None:
+    assert not any(pair.looks_like and pair.feels_like for pair in EVERYTHING)
+    feels = Counter(pair.material for pair in EVERYTHING if pair.feels_like)
+
+    assert "wood" not in feels
+    for material in ("steel", "plastic", "ceramic", "glass"):
+        of = sum(pair.material == material for pair in EVERYTHING)
+        assert 0.06 <= feels[material] / of <= 0.14, material

@@ -8,13 +8,28 @@ import pytest
 from omnivat.simulate.contact import Press, plane
 from omnivat.simulate.displacement import coloured, displacements
 from omnivat.simulate.sensors import SENSORS, Lamp, Markers
+from omnivat.simulate.shapes import Spot
+from omnivat.simulate.shapes.making import block
 from omnivat.simulate.surfaces import surface
 from omnivat.simulate.tactile import lit, marker_shade, touch, untouched
+from omnivat.simulate.things import Thing
+from omnivat.simulate.wear import used
 
-PRESS = Press(at=(1.0, 2.0), turn=0.4, lean=(0.0, 0.0), depth=0.5, shear=(0.05, 0.0))
+PRESS = Press(turn=0.4, lean=(0.0, 0.0), depth=0.5, shear=(0.05, 0.0))
 RED_FROM_THE_RIGHT = replace(
     SENSORS["DIGIT"], lamps=(Lamp(azimuth=0, colour=(1.0, 0.0, 0.0)),), base=(0.0, 0.0, 0.0)
 )
+
+
+def slab(material: str, number: int) -> Thing:
+    """Return a flat thing of this surface, touched in the middle of its top."""
+    own = surface(material, number, seed=0)
+    spot = Spot(
+        point=np.array([0.0, 0.0, 10.0]), normal=np.array([0.0, 0.0, 1.0]),
+        tangent=np.array([1.0, 0.0, 0.0]), uv=np.array([1.0, 2.0]),
+    )  # fmt: skip
+    solid = block((60.0, 60.0, 20.0), bevel=1.0, name="slab")
+    return Thing(solid=solid, sight=own, touch=own, spot=spot, material=material)
 
 
 def test_a_lamp_on_the_right_lights_the_right_flank_of_a_bump() -> None:
@@ -33,7 +48,7 @@ def test_a_flat_gel_is_unchanged_by_its_lamps() -> None:
 @pytest.mark.parametrize("name", SENSORS)
 def test_every_sensor_gives_an_image_that_its_press_has_changed(name: str) -> None:
     sensor = SENSORS[name]
-    image = touch(surface("plastic", 2, seed=0), PRESS, sensor, size=64, seed=1)
+    image = touch(slab("plastic", 2), PRESS, sensor, size=64, seed=1)
 
     assert image.shape == (64, 64, 3)
     assert image.min() >= 0.0
@@ -41,8 +56,18 @@ def test_every_sensor_gives_an_image_that_its_press_has_changed(name: str) -> No
     assert np.abs(image - untouched(sensor, size=64)).mean() > 0.01
 
 
+def test_gels_of_one_sensor_differ_and_some_have_no_markers() -> None:
+    gels = [used(SENSORS["DuraGel"], np.random.default_rng(seed)) for seed in range(40)]
+    plain = sum(gel.markers is None for gel in gels)
+
+    assert 8 < plain < 32
+    assert len({gel.base for gel in gels}) == 40
+    assert used(SENSORS["DIGIT"], np.random.default_rng(0)).markers is None
+    assert all(used(SENSORS["GelSight"], np.random.default_rng(s)).markers for s in range(9))
+
+
 def test_the_same_seed_gives_the_same_noise_and_another_seed_another() -> None:
-    thing, sensor = surface("glass", 1, seed=0), SENSORS["DIGIT"]
+    thing, sensor = slab("glass", 1), SENSORS["DIGIT"]
     once, again, other = (touch(thing, PRESS, sensor, size=48, seed=s) for s in (4, 4, 5))
 
     np.testing.assert_array_equal(once, again)
@@ -50,7 +75,7 @@ def test_the_same_seed_gives_the_same_noise_and_another_seed_another() -> None:
 
 
 def test_sensors_differ_more_than_presses_of_one_sensor() -> None:
-    thing = surface("steel", 4, seed=0)
+    thing = slab("steel", 4)
     tints = {n: touch(thing, PRESS, s, size=48, seed=0).mean((0, 1)) for n, s in SENSORS.items()}
     deeper = replace(PRESS, depth=1.0)
     for name, sensor in SENSORS.items():
@@ -70,7 +95,7 @@ def test_markers_lie_on_their_lattice_until_shear_drags_them() -> None:
 
 
 def test_tac3d_reads_twenty_by_twenty_vectors_and_grey_means_nothing_moved() -> None:
-    felt = displacements(surface("plastic", 2, seed=0), PRESS, seed=0)
+    felt = displacements(slab("plastic", 2), PRESS, seed=0)
 
     assert felt.shape == (20, 20, 3)
     assert felt[..., 2].max() > 0.2  # mm into the sensor

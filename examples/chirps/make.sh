@@ -1,0 +1,21 @@
+#!/usr/bin/env bash
+# Make everything in this folder again: pictures, embeddings, thumbnails, heads and frames.
+# bash examples/chirps/make.sh [FOLDER FOR THE FULL SET]   (about ten minutes on two cores)
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+full=${1:-build/chirps}
+here=examples/chirps
+set="$here/chirps.safetensors"
+settings="--set width=64 --set theta_init=signed --set lang=false"
+python -m omnivat simulate --set chirps --out "$full" --examples "$here/pairs"
+python -m omnivat embed "$full" --encoder strip --no-flips --out "$set"
+python -m omnivat thumbnails "$full" --embeddings "$set" --tile 32
+# shellcheck disable=SC2086
+python -m omnivat train --embeddings "$set" --source "Chirps A-sim" --out "$here/head" \
+    $settings --set epochs=40 --set order_search=true
+# shellcheck disable=SC2086
+python -m omnivat train --embeddings "$set" --source "Chirps A-sim" --out "$here/every" \
+    $settings --set epochs=2500 --set batch=100 --set order_draw=row
+python -m omnivat sweep --head "$here/head" --embeddings "$set" --out "$here/frames.bin"
+python -m omnivat sweep --head "$here/every" --embeddings "$set" --stops 21 --out "$here/every.bin"
+python -m omnivat sweep --head "$here/head" --embeddings "$set" --retrain 21 --seeds 0 --out "$here/trained.bin"

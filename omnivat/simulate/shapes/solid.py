@@ -1,0 +1,91 @@
+"""Solids: closed triangle meshes at true scale, and the three ways all of them are made."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from omnivat.simulate.noise import Array
+
+Faces = NDArray[np.int64]
+_SHEAR = 0.7  # how far the block's coordinates lean with height
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Solid:
+    """A closed mesh in mm; it stands on z = 0, z points up.
+
+    vertices  (V, 3)
+    faces     (F, 3), anticlockwise seen from outside
+    uv        (V, 2), mm: where each vertex lies on the surface's own pattern
+    """
+
+    vertices: Array
+    faces: Faces
+    uv: Array
+    name: str
+
+    def normals(self) -> Array:
+        """Return unit normals (V, 3), outwards: the mean of the faces that meet, by area."""
+        place = np.round(self.vertices * 1e3).astype(np.int64) + 10**6
+        key = (place[:, 0] << 42) + (place[:, 1] << 21) + place[:, 2]
+        _, same = np.unique(key, return_inverse=True)
+        corner = self.vertices[self.faces]
+        across = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+        meet = same[self.faces].ravel()
+        total = np.stack(
+            [np.bincount(meet, weights=np.repeat(part, 3)) for part in across.T], axis=1
+        )
+        normal = total[same]
+        return np.asarray(normal / np.maximum(np.linalg.norm(normal, axis=1), 1e-12)[:, None])
+
+
+def joined(name: str, *parts: Solid) -> Solid:
+    """Return several solids as one; each keeps its coordinates on the pattern."""
+    starts = np.cumsum([0, *(len(part.vertices) for part in parts)])
+    return Solid(
+        vertices=np.concatenate([part.vertices for part in parts]),
+        faces=np.concatenate([p.faces + s for p, s in zip(parts, starts, strict=False)]),
+        uv=np.concatenate([part.uv for part in parts]),
+        name=name,
+    )
+
+
+def placed(
+    solid: Solid,
+    *,
+    at: Sequence[float] = (0.0, 0.0, 0.0),
+    stretch: Sequence[float] = (1.0, 1.0, 1.0),
+    turn: float = 0.0,
+    roll: float = 0.0,
+) -> Solid:
+    """Return the solid stretched, rolled about x, turned about z (rad), then moved by `at` mm."""
+    x, y, z = (solid.vertices * np.asarray(stretch)).T
+    y, z = y * np.cos(roll) - z * np.sin(roll), y * np.sin(roll) + z * np.cos(roll)
+    x, y = x * np.cos(turn) - y * np.sin(turn), x * np.sin(turn) + y * np.cos(turn)
+    vertices = np.stack([x, y, z], axis=1) + np.asarray(at)
+    return Solid(vertices=vertices, faces=solid.faces, uv=solid.uv, name=solid.name)
+
+
+def grounded(solid: Solid) -> Solid:
+    """Return the solid on z = 0, its middle over the origin."""
+    low, high = solid.vertices.min(0), solid.vertices.max(0)
+    return placed(solid, at=(-(low[0] + high[0]) / 2, -(low[1] + high[1]) / 2, -low[2]))
+
+
+def sawn(solid: Solid) -> Solid:
+    """Return the solid with the pattern of a block that it is cut from, not wrapped round it."""
+    x, y, z = solid.vertices.T
+    uv = np.stack([x + _SHEAR * z, y + _SHEAR * z], axis=1)
+    return Solid(vertices=solid.vertices, faces=solid.faces, uv=uv, name=solid.name)
+
+
+def grid(points: Array, uv: Array, *, name: str) -> Solid:
+    """Return the mesh of points (rows, columns, 3); normals point along columns x rows."""
+    rows, columns = points.shape[:2]
+    index = np.arange(rows * columns).reshape(rows, columns)
+    a, b, c, d = (part.ravel() for part in (
+        index[:-1, :-1], index[:-1, 1:], index[1:, :-1], index[1:, 1:]))  # fmt: skip
+    faces = np.concatenate([np.stack([a, b, d], 1), np.stack([a, d, c], 1)])
+    return Solid(vertices=points.reshape(-1, 3), faces=faces, uv=uv.reshape(-1, 2), name=name)

@@ -1,0 +1,121 @@
+"""Solids are closed, stand on the ground at true scale, and can be touched from outside."""
+
+from collections import Counter
+
+import numpy as np
+import pytest
+
+from omnivat.data.materials import MATERIALS
+from omnivat.simulate.shapes import KINDS, OBJECTS, PARTS, blocked, kind_of, made_of, spot
+from omnivat.simulate.shapes.making import block, outline, turned
+
+
+def made(kind: str, *, material: str = "ceramic", seed: int = 1):
+    rng = np.random.default_rng(seed)
+    return KINDS[kind](rng, made_of(material, rng))
+
+
+def borders(solid) -> Counter:
+    """Count the edges of faces that are open, or passed twice the same way."""
+    _, same = np.unique(np.round(solid.vertices, 2), axis=0, return_inverse=True)
+    edges: Counter = Counter()
+    for a, b, c in same.ravel()[solid.faces]:
+        if len({a, b, c}) == 3:
+            edges.update([(a, b), (b, c), (c, a)])
+    return Counter({e: n for e, n in edges.items() if edges[e[::-1]] != n})
+
+
+@pytest.mark.parametrize("kind", ["bowl", "vase", "plate", "tumbler", "tray", "tile", "board"])
+def test_a_solid_is_closed(kind: str) -> None:
+    assert not borders(made(kind))
+
+
+def test_a_hole_in_a_solid_would_be_seen() -> None:
+    solid = made("tile")
+    opened = type(solid)(
+        vertices=solid.vertices, faces=solid.faces[:200], uv=solid.uv, name=solid.name
+    )
+    assert borders(opened)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_kind_stands_on_the_ground_and_faces_outwards(kind: str) -> None:
+    solid = made(kind)
+    corner = solid.vertices[solid.faces]
+    volume = np.einsum("fd,fd->f", corner[:, 0], np.cross(corner[:, 1], corner[:, 2])).sum() / 6
+
+    assert solid.vertices[:, 2].min() == pytest.approx(0.0, abs=0.1)
+    assert volume > 1000  # mm³; negative if the faces looked inwards
+    assert 60 < np.ptp(solid.vertices, axis=0).max() < 1000
+    assert np.isfinite(solid.normals()).all()
+    assert solid.faces.max() < len(solid.vertices) == len(solid.uv)
+
+
+def test_the_same_stream_makes_the_same_solid() -> None:
+    np.testing.assert_array_equal(made("vase").vertices, made("vase").vertices)
+    assert not np.array_equal(made("vase").vertices, made("vase", seed=2).vertices)
+
+
+def test_a_wall_is_as_thick_as_its_material_makes_it() -> None:
+    steel, wood = (made_of(name, np.random.default_rng(0)) for name in ("steel", "wood"))
+
+    assert steel.wall < 2.0 < 5.0 < wood.wall
+    assert steel.bevel < wood.bevel
+
+
+def test_the_corners_of_a_block_are_rounded_by_its_bevel() -> None:
+    solid = block((40.0, 30.0, 20.0), bevel=4.0, name="block")
+    corner = np.array([20.0, 15.0, 10.0])
+    nearest = np.linalg.norm(solid.vertices - corner, axis=1).min()
+
+    assert nearest == pytest.approx(4.0 * (np.sqrt(3) - 1), rel=0.05)
+
+
+def test_the_pattern_of_a_turned_solid_keeps_millimetres_up_its_wall() -> None:
+    solid = turned([(0, 0, 0), (30, 0, 0), (30, 100, 0), (0, 100, 0)], name="can")
+
+    assert np.ptp(solid.uv[:, 1]) == pytest.approx(30 + 100 + 30)
+
+
+def test_an_outline_keeps_its_ends_and_cuts_its_corners() -> None:
+    line = outline([(0, 0, 0), (10, 0, 2), (10, 10, 0)])
+
+    assert line[0].tolist() == [0, 0]
+    assert line[-1].tolist() == [10, 10]
+    assert np.linalg.norm(line - [10, 0], axis=1).min() > 0.5
+
+
+def test_a_touched_place_lies_on_the_solid_and_has_room_for_a_sensor() -> None:
+    for seed in range(6):
+        cup = made("cup", seed=seed)
+        place = spot(cup, np.random.default_rng(seed))
+        away = np.linalg.norm(cup.vertices - place.point, axis=1).min()
+
+        assert away < 6.0
+        assert np.linalg.norm(place.normal) == pytest.approx(1.0)
+        assert place.tangent @ place.normal == pytest.approx(0.0, abs=1e-9)
+        start = place.point + 0.05 * place.normal
+        assert not blocked(cup, start, start + 60 * place.normal)
+
+
+def test_what_lies_behind_a_wall_is_blocked() -> None:
+    wall = block((2.0, 50.0, 50.0), bevel=0.5, name="wall")
+
+    assert blocked(wall, np.array([-10.0, 1.0, 2.0]), np.array([10.0, 1.0, 2.0]))
+    assert not blocked(wall, np.array([-10.0, 1.0, 2.0]), np.array([-5.0, 1.0, 2.0]))
+
+
+def test_shapes_of_classes_overlap() -> None:
+    for tables in (OBJECTS, PARTS):
+        assert tuple(tables) == MATERIALS
+        for material, weights in tables.items():
+            others = {kind for name in tables if name != material for kind in tables[name]}
+            assert len(set(weights) & others) >= 0.5 * len(weights), material
+            assert set(weights) <= set(KINDS)
+
+
+def test_heavy_kinds_are_drawn_more_often() -> None:
+    rng = np.random.default_rng(0)
+    drawn = Counter(kind_of({"bowl": 9.0, "cup": 1.0}, rng) for _ in range(200))
+
+    assert drawn["bowl"] > 4 * drawn["cup"]

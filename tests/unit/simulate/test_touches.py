@@ -1,0 +1,61 @@
+"""What is pressed: spots in the middle of the gel, and surfaces of the class that a thing feels like."""
+
+import numpy as np
+import pytest
+
+from omnivat.data.domains import DOMAINS
+from omnivat.simulate.contact import plane
+from omnivat.simulate.heights import contact_height
+from omnivat.simulate.plan import Planned, planned
+from omnivat.simulate.shapes import KINDS, made_of
+from omnivat.simulate.surfaces import RECIPES
+from omnivat.simulate.surfaces.skins import SMOOTH
+from omnivat.simulate.touches import touch_surface, touched_spot
+
+STEEL = planned(DOMAINS["TAG"], "steel", pairs=60)
+
+
+@pytest.mark.parametrize("name", ["mug", "fork", "bench", "candlestick", "panel"])
+def test_a_sensor_meets_the_object_first_in_the_middle_of_its_gel(name: str) -> None:
+    beside = 0
+    for seed in range(6):
+        rng = np.random.default_rng(seed)
+        solid = KINDS[name](rng, made_of("wood", rng))
+        height = contact_height(solid, touched_spot(solid, rng), field=14.0, size=36)
+        x, y = plane(14.0, 36)
+        beside += height.max() > height[np.hypot(x, y) < 3.5].max() + 0.1
+
+    assert beside <= 1
+
+
+def smooth_recipes(material: str) -> set[str]:
+    return {maker(np.random.default_rng(0)).recipe for maker in SMOOTH[material]}
+
+
+def feels(pair: Planned) -> str:
+    return touch_surface(pair, seed=0).recipe
+
+
+def test_an_object_that_feels_like_another_class_has_a_smooth_surface_of_that_class() -> None:
+    alike = [pair for pair in STEEL if pair.feels_like]
+
+    assert alike
+    for pair in alike:
+        assert feels(pair) in smooth_recipes(pair.feels_like)
+
+
+def test_all_others_feel_like_what_they_are_whatever_they_look_like() -> None:
+    own = {maker(np.random.default_rng(0)).recipe for maker in RECIPES["steel"]}
+    looks = [pair for pair in STEEL if pair.looks_like]
+
+    assert looks
+    for pair in looks:
+        assert feels(pair) in own
+
+
+def test_the_same_pair_feels_the_same_again_and_another_does_not() -> None:
+    x, y = plane(10.0, 24)
+    once, again, other = (touch_surface(STEEL[i], seed=0).relief(x, y) for i in (2, 2, 3))
+
+    np.testing.assert_array_equal(once, again)
+    assert not np.array_equal(once, other)
