@@ -145,6 +145,24 @@ ABLATIONS = {
             "full": FULL,
         },
     ),
+    "details": Ablation(
+        title="Details that the paper leaves open (ours)",
+        rows={
+            "theta ones": Row(label="θ_e all ones at the start", head={"theta_init": "ones"}),
+            "guide added": Row(label="guide added only (Eq. 5)", head={"guide": "added"}),
+            "guide query": Row(label="guide as query only (Eq. 6)", head={"guide": "query"}),
+            "guide unit": Row(
+                label="guide of length 1 in place of √D", head={"guide_length": "unit"}
+            ),
+            "bank all": Row(
+                label="class tokens of guided pairs in the bank, too", train={"bank_from": "all"}
+            ),
+            "mma guided": Row(
+                label="L_MMA on pairs guided by LANG only", train={"mma_on": "guided"}
+            ),
+            "full": FULL,
+        },
+    ),
     "levels": Ablation(
         title="Depth R of the tree",
         sources=("TAG",),

@@ -1,8 +1,11 @@
-"""A head on disk: a folder of `weights.safetensors`, `settings.json` and `metrics.json`."""
+"""A head on disk: a folder of `weights.safetensors`, `settings.json` and `metrics.json`.
 
-import json
+A calibration stands in `settings.json`; what familiarity needs lies in `familiarity.safetensors`.
+Heads without them load all the same: temperatures are one, familiarity is None.
+"""
+
 import shutil
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from hashlib import sha256
 from pathlib import Path
@@ -11,17 +14,24 @@ from typing import Any
 
 import torch
 from safetensors import SafetensorError
-from safetensors.torch import load_file, save_file
+from safetensors.torch import load_file, save
 
+from omnivat.calibration.familiarity import MODALITIES, Familiarity
 from omnivat.config import settings_dict, settings_from
 from omnivat.data.store import Embeddings
+from omnivat.devices import current
 from omnivat.errors import DataError, SettingsError
-from omnivat.files import write_json
+from omnivat.files import require_writable, write_json, writing
+from omnivat.model.fusion import Calibration, plain
 from omnivat.model.head import OmniVaT
 from omnivat.model.settings import HeadSettings
+from omnivat.orders import LIMIT
+from omnivat.schema import FLOATS, read_object, tensor_table, texts
 
 FORMAT = "omnivat-head-1"
 WEIGHTS, SETTINGS, METRICS = "weights.safetensors", "settings.json", "metrics.json"
+FAMILIARITY = "familiarity.safetensors"
+ENCODER = ("name", "weights_hash", "preprocessing")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,6 +44,7 @@ class Head:
     provenance: dict[str, Any]  # source domain, training settings, seed, LANG bank, versions
     metrics: dict[str, Any] = field(default_factory=dict)
     path: Path | None = None
+    familiarity: Familiarity | None = None
 
     @property
     def source(self) -> str:
@@ -45,7 +56,7 @@ class Head:
 
         Raises DataError naming both sides.
         """
-        wanted = tuple(self.encoder[name] for name in ("name", "weights_hash", "preprocessing"))
+        wanted = tuple(self.encoder[name] for name in ENCODER)
         if key == wanted and width == self.settings.input_width:
             return
         raise DataError(
@@ -67,30 +78,62 @@ def _describe(key: tuple[str, ...], width: int) -> str:
 def save_head(folder: str | Path, head: Head) -> Path:
     """Write a head folder whole or not at all; an older head there is replaced.
 
-    Raises DataError when the folder exists and is something else.
+    Raises DataError when the folder exists and holds anything else.
     """
     target = Path(folder)
-    if target.exists() and any(target.iterdir()) and not (target / SETTINGS).is_file():
-        raise DataError(f"'{target}' exists and is not a head; name a new folder.")
-    target.parent.mkdir(parents=True, exist_ok=True)
-    temporary = Path(mkdtemp(dir=target.parent, prefix=f".{target.name}."))
+    require_head_folder(target)
+    with writing(target):
+        target.parent.mkdir(parents=True, exist_ok=True)
+        temporary = Path(mkdtemp(dir=target.parent, prefix=f".{target.name}."))
+        _fill(temporary, target, head)
+    return target
+
+
+def _fill(temporary: Path, target: Path, head: Head) -> None:
+    """Write a head into a new folder and put that in the place of `target`."""
     try:
         tensors = {name: t.detach().contiguous() for name, t in head.model.state_dict().items()}
-        save_file(tensors, temporary / WEIGHTS, metadata={"format": FORMAT})
+        (temporary / WEIGHTS).write_bytes(save(tensors, metadata={"format": FORMAT}))
         record = {
             "format": FORMAT,
             "head": settings_dict(head.settings),
             "encoder": head.encoder,
             "provenance": head.provenance,
+            "calibration": plain(head.model.calibration),
         }
         write_json(temporary / SETTINGS, record)
         write_json(temporary / METRICS, head.metrics)
+        if head.familiarity is not None:
+            _save_familiarity(temporary / FAMILIARITY, head.familiarity)
         temporary.chmod(0o755)
         (temporary / WEIGHTS).chmod(0o644)
         _swap(temporary, target)
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
-    return target
+
+
+def require_head_folder(folder: str | Path, *, also: Sequence[str] = ()) -> None:
+    """Refuse a place where a head cannot be written without loss, before a head is trained for it.
+
+    folder  need not exist; an older head in it may be replaced
+    also    names of more files that may be there
+
+    Raises DataError naming the file that is no part of a head, WriteError where nothing can be
+    written.
+    """
+    target = Path(folder)
+    if target.exists() and not target.is_dir():
+        raise DataError(f"'{target}' is a file; name a folder for the head.")
+    allowed = {WEIGHTS, SETTINGS, METRICS, FAMILIARITY, *also}
+    foreign = (
+        sorted(p.name for p in target.iterdir() if p.name not in allowed) if target.is_dir() else []
+    )
+    if foreign:
+        raise DataError(
+            f"'{target}' holds '{foreign[0]}', which is no part of a head and would be lost; "
+            "name a new folder, or move that file away."
+        )
+    require_writable(target / SETTINGS)
 
 
 def _swap(new: Path, target: Path) -> None:
@@ -107,6 +150,7 @@ def load_head(folder: str | Path, *, dtype: torch.dtype | None = None) -> Head:
 
     dtype  precision to compute in; as saved (float32) where None
 
+    The model lies on the device that holds now (`omnivat.devices`).
     Raises DataError, naming the file, when something is missing, cut short or does not fit.
     """
     path = Path(folder)
@@ -114,18 +158,27 @@ def load_head(folder: str | Path, *, dtype: torch.dtype | None = None) -> Head:
         raise DataError(
             f"No head at '{path}'. Train one with `python -m omnivat train --out {path}`."
         )
-    record = _read_json(path / SETTINGS)
+    _require(path / SETTINGS)
+    record = read_object(path / SETTINGS)
     if record.get("format") != FORMAT:
         raise DataError(f"'{path / SETTINGS}' is not the settings of a head ('{FORMAT}').")
     try:
         settings = settings_from(HeadSettings, record["head"])
-        encoder, provenance = dict(record["encoder"]), dict(record["provenance"])
-    except (KeyError, TypeError, SettingsError) as error:
-        raise DataError(f"'{path / SETTINGS}' does not describe a head: {error}") from error
+        encoder = texts(record["encoder"], f"{path / SETTINGS} (encoder)")
+        if missing := [name for name in ENCODER if name not in encoder]:
+            raise DataError(f"'{path / SETTINGS}' does not say the encoder's {missing[0]}.")
+        provenance = record["provenance"]
+        if not isinstance(provenance, dict):
+            raise DataError(f"'{path / SETTINGS}' should hold its provenance as an object.")
+    except (KeyError, TypeError, AttributeError, SettingsError) as error:
+        why = f"{error!s:.300}"
+        raise DataError(
+            f"'{path / SETTINGS}' does not describe a head: {why.rstrip('.')}."
+        ) from error
     model = _load_weights(path / WEIGHTS, settings)
-    if dtype is not None:
-        model = model.to(dtype)
-    metrics = _read_json(path / METRICS) if (path / METRICS).is_file() else {}
+    model.calibration = _calibration(path / SETTINGS, record.get("calibration"))
+    model = model.to(device=current(), dtype=dtype)
+    metrics = read_object(path / METRICS) if (path / METRICS).is_file() else {}
     return Head(
         model=model.eval().requires_grad_(False),
         settings=settings,
@@ -133,6 +186,7 @@ def load_head(folder: str | Path, *, dtype: torch.dtype | None = None) -> Head:
         provenance=provenance,
         metrics=metrics,
         path=path,
+        familiarity=_load_familiarity(path / FAMILIARITY, settings.input_width),
     )
 
 
@@ -144,10 +198,58 @@ def head_hash(folder: str | Path) -> str:
     return digest.hexdigest()[:16]
 
 
-def _load_weights(file: Path, settings: HeadSettings) -> OmniVaT:
-    if not file.is_file():
-        raise DataError(f"'{file}' is missing; copy the whole head folder.")
+def _calibration(file: Path, given: Any) -> Calibration:
+    """Return the calibration of a head's settings; temperatures of one for an older head."""
+    if given is None:
+        return Calibration()
     try:
+        temperature = {n: float(given["temperature"][n]) for n in ("fused", "vis", "tac")}
+        share = float(given["share"])
+    except (KeyError, TypeError, ValueError) as error:
+        raise DataError(f"'{file}' holds a calibration that cannot be read: {error!r}.") from error
+    if not all(0 < t < 1e6 for t in temperature.values()) or not 0 <= share <= 1:
+        raise DataError(
+            f"'{file}' holds temperatures {temperature} and share {share}; temperatures are above 0 "
+            "and the share is 0 to 1. Copy the head folder again."
+        )
+    return Calibration(temperature=temperature, share=share)
+
+
+def _save_familiarity(file: Path, found: Familiarity) -> None:
+    tensors = {name: rows.half().contiguous() for name, rows in found.rows.items()}
+    tensors |= {f"{name}_quantiles": q.contiguous() for name, q in found.quantiles.items()}
+    file.write_bytes(save(tensors, metadata={"format": "omnivat-familiarity-1"}))
+    file.chmod(0o644)
+
+
+def _load_familiarity(file: Path, width: int) -> Familiarity | None:
+    """Return what `_save_familiarity` wrote, None where the file is not there."""
+    if not file.is_file():
+        return None
+    try:
+        tensor_table(file, types=FLOATS)
+        tensors = load_file(file)
+    except (SafetensorError, OSError) as error:
+        raise DataError(
+            f"'{file}' cannot be read ({error}); copy the head folder again."
+        ) from error
+    names = [name for name in MODALITIES if name in tensors]
+    fits = names and all(
+        tensors[n].ndim == 2 and tensors[n].shape[1] == width and f"{n}_quantiles" in tensors
+        for n in names
+    )
+    if not fits:
+        raise DataError(f"'{file}' does not fit this head; copy the head folder again.")
+    return Familiarity(
+        rows={name: tensors[name].float() for name in names},
+        quantiles={name: tensors[f"{name}_quantiles"].float() for name in names},
+    )
+
+
+def _load_weights(file: Path, settings: HeadSettings) -> OmniVaT:
+    _require(file)
+    try:
+        tensor_table(file)
         tensors = load_file(file)
     except (SafetensorError, OSError) as error:
         raise DataError(
@@ -171,21 +273,18 @@ def _check_tensors(given: Mapping[str, torch.Tensor], wanted: Mapping[str, torch
             raise ValueError(
                 f"{name} has shape {tuple(given[name].shape)}, wanted {tuple(tensor.shape)}"
             )
-        if given[name].is_floating_point() and not given[name].isfinite().all():
+        if given[name].is_floating_point() != tensor.is_floating_point():
+            raise ValueError(f"{name} is of type {given[name].dtype}, wanted {tensor.dtype}")
+        if not given[name].isfinite().all():
             raise ValueError(f"{name} holds NaN or infinite values")
+        if name.endswith("order") and (given[name].abs() > LIMIT).any():
+            raise ValueError(f"{name} is beyond {LIMIT:g} quarter turns")
     if extra := sorted(set(given) - set(wanted)):
         raise ValueError(f"{extra[0]} is not part of such a head")
 
 
-def _read_json(file: Path) -> dict[str, Any]:
+def _require(file: Path) -> None:
     if not file.is_file():
         raise DataError(
             f"'{file}' is missing; a head folder holds {WEIGHTS}, {SETTINGS}, {METRICS}."
         )
-    try:
-        value = json.loads(file.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise DataError(f"'{file}' is not readable JSON ({error}).") from error
-    if not isinstance(value, dict):
-        raise DataError(f"'{file}' should hold a JSON object.")
-    return value

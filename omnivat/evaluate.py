@@ -12,6 +12,7 @@ from omnivat.data.store import Embeddings
 from omnivat.errors import DataError
 from omnivat.gaps.confusion import accuracy, confusion, macro_f1
 from omnivat.model.head import OmniVaT
+from omnivat.model.output import HeadOutput
 
 CHUNK = 512  # pairs a forward pass: memory stays bounded for any set
 
@@ -23,33 +24,51 @@ def predicted_probabilities(
     order: float | None = None,
     modalities: Sequence[str] = ("vis", "tac"),
 ) -> dict[str, Tensor]:
-    """Return class probabilities (N, K): "fused", and each modality on its own.
+    """Return class probabilities (N, K) by reading (omnivat/model/output.py).
+
+    "fused" uses all that is given, "vis" and "tac" one image with the other absent, and, where both
+    are given, "vis_branch" and "tac_branch" the branches inside the pair.
 
     order       quarter turns; the learned one where None
     modalities  what the head is given: "vis", "tac" or both
 
     Raises DataError where there are no pairs.
     """
-    batches = list(_batches(model, embeddings, order, modalities))
+    return _joined([output.readings for output in _outputs(model, embeddings, order, modalities)])
+
+
+def predicted_logits(
+    model: OmniVaT, embeddings: Embeddings, *, modalities: Sequence[str] = ("vis", "tac")
+) -> dict[str, Tensor]:
+    """Return logits (N, K) before any temperature, as `HeadOutput.reading_logits` names them.
+
+    Raises DataError where there are no pairs.
+    """
+    return _joined(
+        [output.reading_logits for output in _outputs(model, embeddings, None, modalities)]
+    )
+
+
+def _joined(batches: Sequence[dict[str, Tensor]]) -> dict[str, Tensor]:
     if not batches:
         raise DataError("There are no pairs to predict.")
-    return {name: torch.cat([batch[name] for batch in batches]) for name in batches[0]}
+    return {name: torch.cat([batch[name].cpu() for batch in batches]) for name in batches[0]}
 
 
 @torch.inference_mode()
-def _batches(
+def _outputs(
     model: OmniVaT, embeddings: Embeddings, order: float | None, modalities: Sequence[str]
-) -> Iterator[dict[str, Tensor]]:
+) -> Iterator[HeadOutput]:
+    device = model.classifier.device
     for start in range(0, len(embeddings), CHUNK):
         rows = slice(start, start + CHUNK)
         given = {
-            name: torch.from_numpy(np.array(getattr(embeddings, name)[rows]))
+            name: torch.from_numpy(np.array(getattr(embeddings, name)[rows])).to(device)
             if name in modalities
             else None
             for name in ("vis", "tac")
         }
-        output = model(given["vis"], given["tac"], order=order)
-        yield {"fused": output.probabilities, **output.modality_probabilities}
+        yield model(given["vis"], given["tac"], order=order)
 
 
 def label_map(head_classes: Sequence[str], data_classes: Sequence[str]) -> np.ndarray[Any, Any]:
@@ -58,7 +77,7 @@ def label_map(head_classes: Sequence[str], data_classes: Sequence[str]) -> np.nd
 
 
 def trained_modalities(head: Head) -> tuple[str, ...]:
-    """Return what the head learned from, and is asked with unless told otherwise."""
+    """Return the modalities the head was trained with: the default for prediction."""
     return tuple(head.provenance.get("train", {}).get("modalities", "vis+tac").split("+"))
 
 
@@ -69,15 +88,15 @@ def evaluate(
     order: float | None = None,
     modalities: Sequence[str] | None = None,
 ) -> list[dict[str, Any]]:
-    """Return one record for each domain: counts, ACC and macro-F1, fused and by modality.
+    """Return one record for each domain: counts, ACC and macro-F1 of every reading.
 
     order       quarter turns; the learned one where None
     modalities  what the head is given: "vis", "tac" or both; those it was trained with where None
 
     Where the data state a split only its test part counts; of a source without one, "trained_on"
-    says that it is asked about what it learned from. Pairs of classes that the head has not learned
-    are left out and counted. F1 averages the classes present in the domain; the
-    "union" variant also averages classes that were only answered.
+    is true when evaluated on training pairs. Pairs of classes that the head has not learned are left
+    out and counted. F1 averages the classes present in the domain; the "union" variant also averages
+    classes that were only predicted.
 
     Raises DataError when the embeddings are of another encoder.
     """

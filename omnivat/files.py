@@ -2,14 +2,22 @@
 
 import json
 import os
+import stat
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from glob import escape
 from pathlib import Path
 from tempfile import NamedTemporaryFile
-from typing import Any
+from time import time
+from typing import IO, Any
 
-from omnivat.errors import WriteError
+from omnivat.errors import DataError, WriteError
+
+if sys.platform != "win32":  # which has no such locks
+    import fcntl
+
+UNFINISHED_S = 60  # seconds without a byte; younger files may not have their lock yet
 
 
 @contextmanager
@@ -21,14 +29,22 @@ def replacing(path: str | Path) -> Iterator[Path]:
     """
     target = Path(path)
     require_writable(target)
-    try:
+    with writing(target):
         target.parent.mkdir(parents=True, exist_ok=True)
+        sweep_unfinished(target)
         with _temporary(target) as temporary:
             yield temporary
             with temporary.open("rb") as written:
                 os.fsync(written.fileno())
             os.chmod(temporary, 0o644)
             os.replace(temporary, target)
+
+
+@contextmanager
+def writing(target: Path) -> Iterator[None]:
+    """Say in a WriteError, naming `target`, why something could not be written for it."""
+    try:
+        yield
     except WriteError:
         raise
     except OSError as error:
@@ -38,6 +54,31 @@ def replacing(path: str | Path) -> Iterator[Path]:
         ) from error
 
 
+def sweep_unfinished(target: Path) -> None:
+    """Remove what writers of `target` left that were killed; a writer that lives keeps a lock."""
+    for left in target.parent.glob(f".{escape(target.name)}.*.tmp"):
+        try:
+            with left.open("rb") as handle:
+                if time() - os.fstat(handle.fileno()).st_mtime > UNFINISHED_S and locked(handle):
+                    left.unlink(missing_ok=True)
+        except OSError:  # another one swept it, or it is not ours
+            continue
+
+
+def locked(handle: IO[Any]) -> bool | None:
+    """Take the lock on an open file for as long as it is open; False where another has it.
+
+    None where the system has no such locks.
+    """
+    if sys.platform == "win32":
+        return None
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        return False
+    return True
+
+
 @contextmanager
 def _temporary(target: Path) -> Iterator[Path]:
     """Give a new file beside `target` that is gone when the block ends."""
@@ -45,10 +86,11 @@ def _temporary(target: Path) -> Iterator[Path]:
         dir=target.parent, prefix=f".{target.name}.", suffix=".tmp", delete=False
     ) as handle:
         temporary = Path(handle.name)
-    try:
-        yield temporary
-    finally:
-        temporary.unlink(missing_ok=True)
+        locked(handle)
+        try:
+            yield temporary
+        finally:
+            temporary.unlink(missing_ok=True)
 
 
 def require_writable(path: str | Path, suffix: str = "") -> None:
@@ -74,6 +116,34 @@ def require_writable(path: str | Path, suffix: str = "") -> None:
             f"'{target}' cannot be written: nothing may be written in '{folder}'; "
             "choose another folder."
         )
+
+
+def read_whole(path: str | Path, most: int, name: str = "") -> bytes:
+    """Return a file's bytes, `most` of them at the utmost.
+
+    name  what to call it in an error; the path where none is given
+    Raises DataError for what is missing, no regular file (a pipe never ends), or larger.
+    """
+    name = name or str(path)
+    try:
+        with open(path, "rb", opener=_without_waiting) as handle:
+            found = os.fstat(handle.fileno())
+            if not stat.S_ISREG(found.st_mode):
+                raise DataError(f"'{name}' is no regular file but a pipe or device; name a file.")
+            content = handle.read(min(most, found.st_size) + 1)
+    except (OSError, ValueError) as error:  # a name from a table may hold a zero byte
+        if isinstance(error, DataError):
+            raise
+        why = getattr(error, "strerror", None) or str(error)
+        raise DataError(f"'{name}' cannot be read ({why}); check the path.") from error
+    if len(content) > most:
+        raise DataError(f"'{name}' is larger than the {most / 1e6:.3g} MB that are read.")
+    return content
+
+
+def _without_waiting(path: str, flags: int) -> int:
+    """Open without waiting for one who writes to a pipe."""
+    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
 
 
 def write_text(path: str | Path, text: str) -> None:

@@ -7,31 +7,32 @@ import torch
 from torch import Tensor
 
 from omnivat.checkpoint import Head
-from omnivat.errors import SettingsError
+from omnivat.orders import optional_order
 
 PRECISION = torch.float64  # load heads so, and a batch changes no digit that anyone reads
-
-
-def checked_order(order: float | None) -> float | None:
-    """Return the order, or refuse one that is not a finite number of quarter turns."""
-    if order is not None and not abs(order) <= 1e6:
-        raise SettingsError(f"order is {order}; give a finite number of quarter turns up to 1e6.")
-    return order
 
 
 @torch.no_grad()
 def predict_embeddings(
     head: Head, vis: Tensor | None, tac: Tensor | None, *, order: float | None = None
 ) -> list[dict[str, Any]]:
-    """Return one answer a pair, as plain values.
+    """Return one record a pair, as plain values.
 
     vis, tac  (B, input_width) raw embeddings; one of them may be None
     order     quarter turns; the learned one where None
-    return    B records: "prediction", "probabilities" (fused) and "modalities", each a class ->
-              probability map that sums to one
+    return    B records: "prediction", "probabilities" (all that was given), "modalities" ("vis" and
+              "tac", each with the other image absent) and, for a pair, "branches" (inside the
+              pair): class -> probability maps that sum to one; "temperature" by reading; and
+              "familiarity" by modality, where the head has kept its training images
     """
-    output = head.model(vis, tac, order=checked_order(order))
-    fused, alone = output.probabilities, output.modality_probabilities
+    device = head.model.classifier.device
+    given = [None if rows is None else rows.to(device) for rows in (vis, tac)]
+    readings = head.model(*given, order=optional_order(order)).readings
+    found = {name: values.cpu() for name, values in readings.items()}
+    fused = found["fused"]
+    alone = {name: found[name] for name in ("vis", "tac") if name in found}
+    branches = {name: found[f"{name}_branch"] for name in alone if f"{name}_branch" in found}
+    looked = head.familiarity.look(vis, tac) if head.familiarity else None
     return [
         {
             "prediction": head.settings.classes[int(fused[row].argmax())],
@@ -39,6 +40,9 @@ def predict_embeddings(
             "modalities": {
                 name: _named(head.settings.classes, values[row]) for name, values in alone.items()
             },
+            **_branches(head.settings.classes, branches, row),
+            "temperature": dict(head.model.calibration.temperature),
+            "familiarity": looked[row] if looked else {},
             "order": head.model.order if order is None else order,
         }
         for row in range(len(fused))
@@ -47,3 +51,11 @@ def predict_embeddings(
 
 def _named(classes: Sequence[str], values: Tensor) -> dict[str, float]:
     return dict(zip(classes, values.tolist(), strict=True))
+
+
+def _branches(
+    classes: Sequence[str], branches: dict[str, Tensor], row: int
+) -> dict[str, dict[str, dict[str, float]]]:
+    if not branches:
+        return {}
+    return {"branches": {name: _named(classes, values[row]) for name, values in branches.items()}}

@@ -49,6 +49,18 @@ def evidence(
     held = hold_out(source.rows["object"], source.label, FRACTION, seed=seed)
     if not held.any():
         raise DataError("No object of the source can be held out: every class has one object only.")
+    return evidence_of(source, held, seed, shifts=shifts, strength=strength)
+
+
+def evidence_of(
+    source: Embeddings,
+    held: NDArray[np.bool_],
+    seed: int,
+    *,
+    shifts: int = SHIFTS,
+    strength: float = STRENGTH,
+) -> Evidence:
+    """Return the fold that holds out the pairs `held` (N,); imitated sensors are drawn by seed."""
     fit, rest = source.select(~held), source.select(held)
     shifted = {
         f"{kind} {number}": shift(rest, fit, strength, derive_seed(seed, kind, number), kind=kind)

@@ -1,23 +1,65 @@
-"""How many threads of torch a call gets: sharing out little work costs more than it saves."""
+"""Limit torch threads for small jobs. Outside `omnivat.fractional`, only this file sets the number.
 
+`torch.set_num_threads` changes the calling thread, and also the number that threads born later
+start with. A thread born while another runs a small job would keep one thread for life, so that
+second number is put back at once, by a thread of our own.
+"""
+
+import os
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from queue import SimpleQueue
 
 import torch
 
-LIGHT = 128  # widths up to this train sooner on one thread
-FEW_PAIRS = 4  # and so many pairs are predicted sooner on one
+LIGHT = 128  # widths up to this train faster on one thread
+FEW_PAIRS = 4  # and so many pairs are predicted faster on one
+
+_wanted: SimpleQueue[int] = SimpleQueue()  # numbers that threads to come should start with
+_keeper: list[threading.Thread] = []
+_pinned = threading.local()
 
 
 @contextmanager
 def one_thread(few: bool = True) -> Iterator[None]:
-    """Let torch use one thread inside where there is little work, else as many as it has."""
+    """Let torch use one thread inside where there is little work, else as many as before.
+
+    Concerns the calling thread alone.
+    """
     before = torch.get_num_threads()
     if not few or before == 1:
         yield
         return
     torch.set_num_threads(1)
+    _start_others_with(before)
     try:
         yield
     finally:
-        torch.set_num_threads(before)
+        if not getattr(_pinned, "yes", False):
+            torch.set_num_threads(before)
+
+
+def pin_thread() -> None:
+    """Keep the calling thread, a worker beside others, at one thread of arithmetic for good."""
+    before = torch.get_num_threads()
+    torch.set_num_threads(1)
+    _pinned.yes = True
+    if threading.current_thread() is not threading.main_thread():
+        _start_others_with(before)
+
+
+def _start_others_with(count: int) -> None:
+    if not _keeper or not _keeper[0].is_alive():
+        _keeper[:] = [threading.Thread(target=_keep, name="torch threads", daemon=True)]
+        _keeper[0].start()
+    _wanted.put(count)
+
+
+def _keep() -> None:
+    while True:
+        torch.set_num_threads(_wanted.get())
+
+
+if hasattr(os, "register_at_fork"):  # a child has no keeper yet
+    os.register_at_fork(after_in_child=_keeper.clear)

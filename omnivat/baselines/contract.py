@@ -1,11 +1,32 @@
 """What every baseline gets and gives: one source domain in, a function that predicts out."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from typing import Protocol
 
 import torch
 from torch import Tensor
+from torch.nn.functional import normalize
+
+from omnivat.errors import DataError
+
+
+class PromptTower(Protocol):
+    """A text tower that takes learned vectors in the place of words."""
+
+    @property
+    def word_width(self) -> int:
+        """W, the length of a word vector."""
+        ...
+
+    def words(self, text: str) -> Tensor:
+        """Return the word vectors (T, W) of a text, without the marks at its ends."""
+        ...
+
+    def embed_contexts(self, contexts: Tensor, classes: Sequence[str]) -> Tensor:
+        """Return text embeddings (B, K, D) of "CONTEXT CLASS." for contexts (B, T, W)."""
+        ...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -17,7 +38,13 @@ class Source:
     labels              (N,) indices into classes
     objects             N names of the things touched: hold-outs keep them whole
     lang                (K, S, W) text embeddings of each class in S styles, or None
+    why_no_lang         a sentence on why lang is None
     lang_of_images      whether the images' own encoder (its text tower) made `lang`
+    plain               (K, D) text embeddings of "a photo of a CLASS.", or None
+    logit_scale         what that encoder multiplies cosines by, or None where unknown
+    prompts             loads the live text tower, for methods that learn prompts; None without one
+
+    Raises DataError where an embedding is not finite.
     """
 
     vis: Tensor
@@ -29,7 +56,20 @@ class Source:
     tac_flip: Tensor | None = None
     lang: Tensor | None = None
     lang_of_images: bool = False
+    why_no_lang: str = ""
+    plain: Tensor | None = None
+    logit_scale: float | None = None
+    prompts: "Callable[[], PromptTower] | None" = None
     seed: int = 0
+
+    def __post_init__(self) -> None:
+        for name in ("vis", "tac", "vis_flip", "tac_flip", "lang", "plain"):
+            rows = getattr(self, name)
+            if rows is not None and not rows.isfinite().all():
+                raise DataError(
+                    f"{name} has NaN or infinite values; a method can learn nothing from them. Embed "
+                    "the pairs again."
+                )
 
     def __len__(self) -> int:
         return len(self.labels)
@@ -81,26 +121,41 @@ def _drawn(plain: Tensor, flipped: Tensor | None, rows: Tensor) -> Tensor:
 
 
 Predict = Callable[[Tensor, Tensor], dict[str, Tensor]]
+Features = Callable[[Tensor, Tensor], dict[str, Tensor]]
+
+
+def embeddings_themselves(vis: Tensor, tac: Tensor) -> dict[str, Tensor]:
+    """Return unit embeddings by modality and side by side: the features of a method that has none."""
+    unit = {"vis": normalize(vis, dim=-1), "tac": normalize(tac, dim=-1)}
+    return {**unit, "pair": torch.cat((unit["vis"], unit["tac"]), dim=-1)}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Fitted:
     """A fitted method.
 
-    predict     (vis (B, D), tac (B, D)) -> "fused" and, where the method has them, "vis" and
-                "tac": class probabilities (B, K)
+    predict     (vis (B, D), tac (B, D)) -> class probabilities (B, K): "fused" from both images, "vis"
+                and "tac" from one alone, on which the other image has no influence
+    features    (vis, tac) -> what is classified last, (B, W) each: "vis", "tac" and "pair"
     chosen      what source-side evidence chose, by name
     parameters  how many numbers were fitted
     """
 
     predict: Predict
+    features: Features = embeddings_themselves
     chosen: dict[str, float | str] = field(default_factory=dict)
     parameters: int = 0
 
 
 def fused(by_modality: dict[str, Tensor]) -> dict[str, Tensor]:
-    """Add the mean of the modalities' probabilities (N, K) as "fused"."""
+    """Add the mean of the modalities' probabilities (N, K) as "fused": late fusion."""
     return {"fused": torch.stack(list(by_modality.values())).mean(0), **by_modality}
+
+
+def joined(vis: Tensor, tac: Tensor) -> dict[str, Tensor]:
+    """Return features (B, W) by modality, and side by side at unit length as "pair"."""
+    pair = torch.cat((normalize(vis, dim=-1), normalize(tac, dim=-1)), dim=-1)
+    return {"vis": vis, "tac": tac, "pair": pair}
 
 
 @contextmanager

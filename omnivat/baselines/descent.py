@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import torch
 from torch import Tensor, nn
@@ -18,6 +19,7 @@ class Descent:
     weight_decay: float = 5e-4
     method: str = "sgd"
     warmup: float = 0.05  # share of all steps
+    sharpness: float = 0.0  # ρ of sharpness-aware minimisation; 0 leaves it out
 
 
 def descend(module: nn.Module, count: int, how: Descent, loss: Callable[[Tensor], Tensor]) -> None:
@@ -41,11 +43,34 @@ def descend(module: nn.Module, count: int, how: Descent, loss: Callable[[Tensor]
             for group in optimiser.param_groups:
                 group["lr"] = how.lr * rate(step, total, how.warmup)
             optimiser.zero_grad(set_to_none=True)
+            drawn = torch.random.get_rng_state()
             loss(rows).backward()
+            if how.sharpness:
+                _at_the_worst_near(module, how.sharpness, drawn, partial(loss, rows))
             torch.nn.utils.clip_grad_norm_(module.parameters(), 5.0)
             optimiser.step()
             step += 1
     module.eval()
+
+
+def _at_the_worst_near(
+    module: nn.Module, radius: float, drawn: Tensor, loss: Callable[[], Tensor]
+) -> None:
+    """Replace the gradients by those at the highest point of the loss within `radius`, to first order.
+
+    drawn  state of torch's stream before the first pass: both passes draw the same
+    Source: Foret et al., Sharpness-Aware Minimization, ICLR 2021.
+    """
+    weights: list[Tensor] = [p for p in module.parameters() if p.grad is not None]
+    norm = torch.stack([p.grad.norm() for p in weights if p.grad is not None]).norm()
+    steps = [p.grad * (radius / (norm + 1e-12)) for p in weights if p.grad is not None]
+    with torch.no_grad():
+        torch._foreach_add_(weights, steps)
+    module.zero_grad(set_to_none=True)
+    torch.random.set_rng_state(drawn)
+    loss().backward()
+    with torch.no_grad():
+        torch._foreach_sub_(weights, steps)
 
 
 def rate(step: int, total: int, warmup: float) -> float:

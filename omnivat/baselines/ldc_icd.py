@@ -82,7 +82,7 @@ def fit(source: Source) -> Fitted:
         source,
         CANDIDATES,
         lambda part, choice: lambda v, t: _predict(_train(part, *choice), v, t)["fused"],
-        repeats=2,
+        repeats=1,
     )
     model = _train(source, *CANDIDATES[chosen])
     return Fitted(

@@ -3,9 +3,11 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch import Tensor
-from torch.nn.functional import cross_entropy, linear, normalize
+from torch.nn.functional import linear, normalize
 
 from omnivat.baselines.contract import Source
 from omnivat.baselines.evidence import Score, folds
@@ -65,46 +67,79 @@ class Logistic:
         return self.weight.numel() + self.bias.numel()
 
 
-def solve(
-    rows: Tensor, labels: Tensor, classes: int, strength: float, *, start: Tensor | None = None
-) -> tuple[Tensor, Tensor]:
+def solve(rows: Tensor, labels: Tensor, classes: int, strength: float) -> tuple[Tensor, Tensor]:
     """Minimise mean cross-entropy + |W|² / (2 C N): rows (N, D), labels (N,) -> W (K, D), b (K,).
 
     The optimum lies in the span of the rows, so with N < D it is sought there: exact and faster.
-    start    parameters of a neighbouring problem, as this function keeps them, or None
     """
-    weight, bias, _ = _solve(rows, labels, classes, strength, start)
-    return weight, bias
+    problem = Problem.of(rows, labels, classes)
+    return problem.parameters(problem.solved(strength, problem.start()))
 
 
-def _solve(
-    rows: Tensor, labels: Tensor, classes: int, strength: float, start: Tensor | None
-) -> tuple[Tensor, Tensor, Tensor]:
-    count, width = rows.shape
-    basis = torch.linalg.qr(rows.T).Q if count < width else None  # (D, N)
-    inside = rows if basis is None else rows @ basis
-    flat = torch.zeros(classes, inside.shape[1] + 1, dtype=rows.dtype) if start is None else start
-    flat = flat.clone().requires_grad_(True)
-    solver = torch.optim.LBFGS(
-        [flat],
-        max_iter=100,
-        tolerance_grad=1e-6,
-        tolerance_change=1e-10,
-        history_size=20,
-        line_search_fn="strong_wolfe",
-    )
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Problem:
+    """Rows in the basis of their span, for several strengths: the basis is found once.
 
-    def objective() -> Tensor:
-        solver.zero_grad()
-        loss = cross_entropy(linear(inside, flat[:, :-1], flat[:, -1]), labels)
-        loss = loss + flat[:, :-1].square().sum() / (2 * strength * count)
-        loss.backward()
-        return loss
+    inside  (N, R) float64;  labels  (N,);  basis  (D, R), or None where R = D
+    """
 
-    solver.step(objective)
-    found = flat.detach()
-    weight = found[:, :-1] if basis is None else found[:, :-1] @ basis.T
-    return weight, found[:, -1], found
+    inside: NDArray[np.float64]
+    labels: NDArray[np.int64]
+    classes: int
+    basis: Tensor | None
+
+    @classmethod
+    def of(cls, rows: Tensor, labels: Tensor, classes: int) -> "Problem":
+        """Prepare rows (N, D) of float64 and labels (N,)."""
+        count, width = rows.shape
+        basis = torch.linalg.qr(rows.T).Q if count < width else None
+        inside = rows if basis is None else rows @ basis
+        return cls(inside=inside.numpy(), labels=labels.numpy(), classes=classes, basis=basis)
+
+    def start(self) -> NDArray[np.float64]:
+        """Return zero parameters (K, R + 1), flat."""
+        return np.zeros(self.classes * (self.inside.shape[1] + 1))
+
+    def solved(self, strength: float, start: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the parameters that minimise the objective, from those of a neighbouring one."""
+        from scipy.optimize import minimize
+
+        found = minimize(
+            self._objective,
+            start,
+            args=(strength,),
+            jac=True,
+            method="L-BFGS-B",
+            options={"maxiter": 500, "maxcor": 20, "gtol": 1e-8, "ftol": 1e-15},
+        )
+        parameters: NDArray[np.float64] = found.x
+        return parameters
+
+    def _objective(
+        self, flat: NDArray[np.float64], strength: float
+    ) -> tuple[float, NDArray[np.float64]]:
+        """Return the objective and its gradient at flat parameters."""
+        count, both = len(self.labels), flat.reshape(self.classes, -1)
+        weight, bias = both[:, :-1], both[:, -1]
+        logits = self.inside @ weight.T + bias
+        logits -= logits.max(1, keepdims=True)
+        shares = np.exp(logits)
+        totals = shares.sum(1, keepdims=True)
+        own = np.arange(count), self.labels
+        loss = float((np.log(totals[:, 0]) - logits[own]).mean())
+        shares /= totals
+        shares[own] -= 1
+        shares /= count
+        gradient = np.empty_like(both)
+        gradient[:, :-1] = shares.T @ self.inside + weight / (strength * count)
+        gradient[:, -1] = shares.sum(0)
+        return loss + float((weight**2).sum()) / (2 * strength * count), gradient.ravel()
+
+    def parameters(self, flat: NDArray[np.float64]) -> tuple[Tensor, Tensor]:
+        """Return W (K, D) and b (K,) of flat parameters."""
+        both = torch.from_numpy(flat.reshape(self.classes, -1).copy())
+        weight = both[:, :-1] if self.basis is None else both[:, :-1] @ self.basis.T
+        return weight, both[:, -1]
 
 
 def fit_logistic(source: Source, view: View) -> Logistic:
@@ -128,11 +163,10 @@ def _choose(source: Source, view: View) -> tuple[str, float]:
         raw, test = view(part).double(), view(rest).double()
         for kind in SCALINGS:
             scale = scaling(raw, kind)
-            rows, start = scale(raw), None
+            problem = Problem.of(scale(raw), part.labels, len(source.classes))
+            found = problem.start()
             for strength in STRENGTHS:  # each starts where its neighbour ended
-                weight, bias, start = _solve(
-                    rows, part.labels, len(source.classes), strength, start
-                )
-                answer = linear(scale(test), weight, bias).softmax(-1)
+                found = problem.solved(strength, found)
+                answer = linear(scale(test), *problem.parameters(found)).softmax(-1)
                 scores.setdefault((kind, strength), Score()).add(answer, rest.labels)
     return max(scores, key=lambda choice: scores[choice].rank) if scores else ("unit", 1.0)

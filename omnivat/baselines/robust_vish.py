@@ -1,7 +1,7 @@
 """RobustVisH-2: embeddings read as sequences by convolutions and a recurrent net, fused by attention.
 
 Source: the published architecture less its kinaesthetic branch. A fit takes minutes to hours on a
-CPU, so it is not among the default methods.
+CPU, so it is not among the default methods. An absent image is its training mean, zero after scaling.
 """
 
 import torch
@@ -76,6 +76,12 @@ def fit(source: Source, how: Descent = HOW) -> Fitted:
 
     @torch.inference_mode()
     def predict(vis: Tensor, tac: Tensor) -> dict[str, Tensor]:
-        return {"fused": model(scale_vis(vis), scale_tac(tac)).softmax(-1)}
+        seen, touched = scale_vis(vis), scale_tac(tac)
+        given = {
+            "fused": (seen, touched),
+            "vis": (seen, torch.zeros_like(touched)),
+            "tac": (torch.zeros_like(seen), touched),
+        }
+        return {name: model(*rows).softmax(-1) for name, rows in given.items()}
 
     return Fitted(predict=predict, parameters=sum(p.numel() for p in model.parameters()))

@@ -1,5 +1,7 @@
 """VT CMC, its head alone: VIS and TAC of a contact are drawn together, then probed linearly.
 
+Photo only and touch only are probes of one modality's projection.
+
 Source: Yang et al., NeurIPS 2022. There two ResNets are trained so; here the embeddings stay as
 they are and only the projections to 128 numbers learn.
 """
@@ -10,7 +12,7 @@ from torch.nn.functional import cross_entropy, normalize
 
 from omnivat.baselines.contract import Fitted, Source, seeded
 from omnivat.baselines.descent import Descent, descend
-from omnivat.baselines.logistic import fit_logistic
+from omnivat.baselines.logistic import View, fit_logistic
 from omnivat.seeding import derive_seed
 
 WIDTH, TEMPERATURE = 128, 0.07  # as published
@@ -46,13 +48,31 @@ def fit(source: Source) -> Fitted:
         model = Projections(source.width)
         descend(model, len(source), HOW, lambda rows: contrastive_loss(*model(*source.drawn(rows))))
     model.requires_grad_(False)
-    probe = fit_logistic(source, lambda pairs: torch.cat(model(pairs.vis, pairs.tac), dim=-1))
+    probes = {name: fit_logistic(source, view(model, name)) for name in ("fused", "vis", "tac")}
 
     def predict(vis: Tensor, tac: Tensor) -> dict[str, Tensor]:
-        return {"fused": probe.probabilities(torch.cat(model(vis, tac), dim=-1))}
+        rows = features(model, vis, tac)
+        return {
+            "fused": probes["fused"].probabilities(rows["pair"]),
+            "vis": probes["vis"].probabilities(rows["vis"]),
+            "tac": probes["tac"].probabilities(rows["tac"]),
+        }
 
     return Fitted(
         predict=predict,
-        chosen={"C": probe.strength, "scaling": probe.kind},
-        parameters=sum(p.numel() for p in model.parameters()) + probe.parameters,
+        features=lambda vis, tac: features(model, vis, tac),
+        chosen={"C": probes["fused"].strength, "scaling": probes["fused"].kind},
+        parameters=sum(p.numel() for p in model.parameters()) + probes["fused"].parameters,
     )
+
+
+def features(model: Projections, vis: Tensor, tac: Tensor) -> dict[str, Tensor]:
+    """Return the projections (B, 128) by modality, and both side by side as "pair"."""
+    seen, touched = model(vis, tac)
+    return {"vis": seen, "tac": touched, "pair": torch.cat((seen, touched), dim=-1)}
+
+
+def view(model: Projections, name: str) -> View:
+    """Return what a probe is fitted on: the projections of one modality, or of both."""
+    which = "pair" if name == "fused" else name
+    return lambda pairs: features(model, pairs.vis, pairs.tac)[which]

@@ -4,6 +4,7 @@ import argparse
 import logging
 import sys
 from collections.abc import Sequence
+from contextlib import AbstractContextManager, nullcontext
 
 from omnivat import __version__
 from omnivat.cli import (
@@ -12,24 +13,30 @@ from omnivat.cli import (
     evaluate,
     export,
     gaps,
+    imports,
     predict,
     project,
     prompts,
     protocol,
+    reproduce,
     simulate,
     sweep,
     thumbnails,
     train,
 )
-from omnivat.errors import OmniVatError
+from omnivat.devices import computing_on, named
+from omnivat.errors import OmniVatError, printable
+from omnivat.tables import suggestion
 
 COMMANDS = {
     "predict": predict,
     "embed": embed,
+    "import": imports,
     "train": train,
     "evaluate": evaluate,
     "protocol": protocol,
     "ablate": ablate,
+    "reproduce": reproduce,
     "sweep": sweep,
     "gaps": gaps,
     "project": project,
@@ -47,7 +54,7 @@ def parser() -> argparse.ArgumentParser:
         description="See why a model trained on one tactile sensor fails on the next.",
     )
     top.add_argument("--version", action="version", version=f"omnivat {__version__}")
-    commands = top.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    commands = top.add_subparsers(dest="command", metavar="COMMAND")
     for name, module in COMMANDS.items():
         summary = (module.__doc__ or "").splitlines()[0]
         module.add(commands.add_parser(name, help=summary, description=summary))
@@ -55,11 +62,23 @@ def parser() -> argparse.ArgumentParser:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run a command. Return 0 when done, 1 with one sentence on stderr, 2 for wrong usage."""
+    """Run a command. Return 0 when done, 1 with one sentence on stderr, 2 for wrong usage.
+
+    Without a command, print the help.
+    """
     logging.basicConfig(level=logging.WARNING, format="%(levelname)s %(name)s: %(message)s")
-    options = parser().parse_args(arguments)
+    given = sys.argv[1:] if arguments is None else list(arguments)
+    if given and not given[0].startswith("-") and given[0] not in COMMANDS:
+        known = f"There is no command '{printable(given[0])}'.{suggestion(given[0], COMMANDS)}"
+        print(f"omnivat: {known} `omnivat --help` lists them.", file=sys.stderr)
+        return 2
+    options = parser().parse_args(given)
+    if options.command is None:
+        parser().print_help()
+        return 0
     try:
-        COMMANDS[options.command].run(options)
+        with _device(options):
+            COMMANDS[options.command].run(options)
     except OmniVatError as error:
         print(f"omnivat {options.command}: {error}", file=sys.stderr)
         return 1
@@ -73,6 +92,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"omnivat {options.command}: {_what_failed(error)}", file=sys.stderr)
         return 1
     return 0
+
+
+def _device(options: argparse.Namespace) -> AbstractContextManager[None]:
+    """Let the device that a command was given hold for all it does."""
+    name = getattr(options, "device", "cpu")
+    return nullcontext() if name == named() == "cpu" else computing_on(name)
 
 
 def _what_failed(error: OSError) -> str:

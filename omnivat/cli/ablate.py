@@ -40,7 +40,8 @@ def run(options: argparse.Namespace) -> None:
     if not options.tables_only:
         head, training = split_settings(options.set, HeadSettings, TrainSettings)
         sources, seeds = listed(options.sources), numbers(options.seeds)
-        work(planned_rows(tables, sources, seeds, head, training), options)
+        runs = planned_rows(tables, sources, seeds, head, training)
+        work(runs, options, lang=training.get("lang", True))
     layout = {
         name: {
             "title": table.title,

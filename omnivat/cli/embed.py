@@ -1,14 +1,18 @@
 """Embed a set of pairs with a frozen encoder, once.
 
 python -m omnivat embed PAIRS --encoder NAME --out FILE [--precision fp32|bf16|fp32-onnx]
+python -m omnivat embed PAIRS --encoder clip-vit-b16 --tac-encoder my_touch.py:load --out FILE
 """
 
 import argparse
 from pathlib import Path
 
+from omnivat.cli.arguments import whole
 from omnivat.cli.bar import progress_bar
+from omnivat.cli.computing import add_device, add_download
 from omnivat.data.readers import READERS
 from omnivat.encoders.base import DEFAULT_ENCODER, ENCODERS
+from omnivat.encoders.paired import JOINED
 from omnivat.errors import SettingsError
 from omnivat.files import require_writable
 
@@ -16,10 +20,25 @@ from omnivat.files import require_writable
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("pairs", type=Path, help="a folder or CSV of pairs, or a data set's root")
-    parser.add_argument("--encoder", choices=ENCODERS, default=DEFAULT_ENCODER)
+    parser.add_argument(
+        "--encoder",
+        default=DEFAULT_ENCODER,
+        metavar="NAME",
+        help=f"image encoder: {', '.join(ENCODERS)}; hf:NAME_OR_FOLDER for a vision model of "
+        "transformers; module:function or file.py:function for your own (docs/encoders.md)",
+    )
     parser.add_argument("--out", type=Path, required=True, help="the .safetensors file to write")
     parser.add_argument("--weights", type=Path, help="checkpoint of the encoder")
-    parser.add_argument("--reader", choices=["auto", *READERS], default="auto")
+    parser.add_argument(
+        "--tac-encoder", metavar="NAME", help="another encoder for tactile images; named as above"
+    )
+    parser.add_argument("--tac-weights", type=Path, help="checkpoint of --tac-encoder")
+    parser.add_argument(
+        "--reader",
+        choices=["auto", *READERS],
+        default="auto",
+        help="layout of PAIRS; told from the files if left out",
+    )
     parser.add_argument("--strict", action="store_true", help="no merged or unknown materials")
     parser.add_argument(
         "--set",
@@ -29,15 +48,31 @@ def add(parser: argparse.ArgumentParser) -> None:
         help="an option of the reader, such as by_folder=true (docs/data.md lists them)",
     )
     parser.add_argument("--seed", type=int, default=0, help="of balanced subsampling")
-    parser.add_argument("--precision", choices=["fp32", "bf16", "fp32-onnx"], default="fp32")
     parser.add_argument(
-        "--device", default="cpu", help="cpu, cuda, or auto: a GPU if there is one (not run in CI)"
+        "--precision",
+        choices=["fp32", "bf16", "fp32-onnx"],
+        default="fp32",
+        help="how the encoder computes; fp32 if left out",
     )
-    parser.add_argument("--dtype", choices=["float32", "float16"], default="float32")
-    parser.add_argument("--engine", choices=["local", "ray"], default="local")
-    parser.add_argument("--manifest", choices=["csv", "parquet"], default="csv")
+    add_device(parser)
+    add_download(parser)
+    parser.add_argument(
+        "--dtype",
+        choices=["float32", "float16"],
+        default="float32",
+        help="how vectors are stored; float32 if left out",
+    )
+    parser.add_argument(
+        "--engine", choices=["local", "ray"], default="local", help="this machine, or a Ray cluster"
+    )
+    parser.add_argument(
+        "--manifest",
+        choices=["csv", "parquet"],
+        default="csv",
+        help="kind of the list that is written beside the embeddings",
+    )
     parser.add_argument("--no-flips", action="store_true", help="leave out the mirrored copies")
-    parser.add_argument("--workers", type=int, help="threads; all cores if left out")
+    parser.add_argument("--workers", type=whole(1), help="threads; all cores if left out")
 
 
 def run(options: argparse.Namespace) -> None:
@@ -53,6 +88,7 @@ def run(options: argparse.Namespace) -> None:
             f"--out is '{options.out}', and the table beside it would replace '{options.pairs}'; "
             "choose another name."
         )
+    encoder = encoder_name(options.encoder, options.tac_encoder, options.tac_weights)
     found = read_pairs(
         options.pairs,
         reader=options.reader,
@@ -61,13 +97,15 @@ def run(options: argparse.Namespace) -> None:
         **reader_options(options.set),
     )
     print(summary_table(found))
-    with progress_bar(f"embed with {options.encoder}") as show:
+    with progress_bar(f"embed with {encoder}") as show:
         report = embed_pairs(
             found,
-            options.encoder,
+            encoder,
             options.out,
             weights=options.weights,
+            tac_weights=options.tac_weights,
             device=options.device,
+            download=options.download,
             precision=options.precision,
             dtype=options.dtype,
             manifest=options.manifest,
@@ -83,6 +121,15 @@ def run(options: argparse.Namespace) -> None:
         f"{report.embedded} pairs embedded{resumed} in {report.seconds:.0f} s, "
         f"{len(report.skipped)} skipped; written to {report.out}"
     )
+
+
+def encoder_name(vis: str, tac: str | None, tac_weights: Path | None) -> str:
+    """Return the name of one encoder, or of a pair. Raises SettingsError for weights without one."""
+    if tac is not None:
+        return JOINED.join((vis, tac))
+    if tac_weights is not None:
+        raise SettingsError("--tac-weights needs --tac-encoder; without it both use --weights.")
+    return vis
 
 
 def reader_options(texts: list[str]) -> dict[str, str]:

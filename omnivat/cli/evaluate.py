@@ -8,20 +8,19 @@ import json
 import math
 import sys
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
-from omnivat.heads import default_embeddings, default_head
+from omnivat.cli.arguments import add_embeddings, add_head, add_json, add_order
+from omnivat.cli.computing import add_device
 
 
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("--head", type=Path, default=default_head())
-    parser.add_argument("--embeddings", type=Path, default=default_embeddings())
-    parser.add_argument(
-        "--order", type=float, help="fractional order p; the learned one if left out"
-    )
-    parser.add_argument("--json", action="store_true", help="print JSON for programs")
+    add_head(parser)
+    add_embeddings(parser)
+    add_order(parser)
+    add_device(parser)
+    add_json(parser)
 
 
 def run(options: argparse.Namespace) -> None:
@@ -29,9 +28,7 @@ def run(options: argparse.Namespace) -> None:
     from omnivat.checkpoint import load_head
     from omnivat.data.store import load_embeddings
     from omnivat.evaluate import evaluate
-    from omnivat.predict import checked_order
 
-    checked_order(options.order)
     records = evaluate(
         load_head(options.head), load_embeddings(options.embeddings), order=options.order
     )
@@ -43,17 +40,22 @@ def run(options: argparse.Namespace) -> None:
 
 
 def table(records: Sequence[dict[str, Any]]) -> str:
-    """Return ACC and macro-F1 of each domain as aligned text; the source is marked."""
-    lines = [f"{'domain':<18} {'pairs':>6} {'ACC':>6} {'F1':>6} {'VIS ACC':>8} {'TAC ACC':>8}"]
+    """Return ACC and macro-F1 of each domain as aligned text; the source is marked.
+
+    "photo only" and "touch only" are ACC with the other image absent.
+    """
+    lines = [
+        f"{'domain':<18} {'pairs':>6} {'ACC':>6} {'F1':>6} {'photo only':>11} {'touch only':>11}"
+    ]
     for record in records:
         name = record["domain"] + (" (source)" if record["is_source"] else "")
         scores = record["scores"]
         if not scores:
-            lines.append(f"{name:<18} {0:>6}  no pairs of classes that the head knows")
+            lines.append(f"{name:<18} {0:>6}  no pairs of the head's classes")
             continue
         fused = scores["fused"]
         alone = [
-            f"{100 * scores[n]['accuracy']:>8.1f}" if n in scores else f"{'-':>8}"
+            f"{100 * scores[n]['accuracy']:>11.1f}" if n in scores else f"{'-':>11}"
             for n in ("vis", "tac")
         ]
         lines.append(
@@ -69,6 +71,6 @@ def table(records: Sequence[dict[str, Any]]) -> str:
         lines.append(f"{'mean of targets':<18} {'':>6} {100 * mean:>6.1f} {100 * f1:>6.1f}")
     if any(record["trained_on"] for record in records):
         lines.append(
-            "The set states no split: the source's row is of pairs that the head was trained on."
+            "The set states no split: the source's row is measured on the head's training pairs."
         )
     return "\n".join(lines)

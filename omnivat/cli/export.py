@@ -6,6 +6,7 @@ python -m omnivat export --what map|curves|page --out FILE [--order P] [--stage 
 import argparse
 from pathlib import Path
 
+from omnivat.cli.arguments import order
 from omnivat.cli.bar import progress_bar
 from omnivat.errors import SettingsError
 
@@ -15,19 +16,41 @@ COLOURS = ("domain", "class", "modality", "correctness")
 
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("--what", choices=("map", "curves", "page"), default="map")
+    parser.add_argument(
+        "--what",
+        choices=("map", "curves", "page"),
+        default="map",
+        help="the picture to write; the map if left out",
+    )
     parser.add_argument("--out", type=Path, required=True, help=".svg or .png; .html for the page")
-    parser.add_argument("--head", type=Path, help="the project's own if left out")
-    parser.add_argument("--embeddings", type=Path, help="the project's own if left out")
+    parser.add_argument("--head", type=Path, help="head folder; the project's own if left out")
+    parser.add_argument(
+        "--embeddings", type=Path, help="embeddings file; the project's own if left out"
+    )
     parser.add_argument(
         "--frames", type=Path, help="frames that `sweep` wrote, instead of making them"
     )
     parser.add_argument(
-        "--order", type=float, help="p in quarter turns; the learned one if left out"
+        "--order", type=order, help="p, -4 to 4 quarter turns; the learned one if left out"
     )
-    parser.add_argument("--stage", choices=STAGES, default="f_hat")
-    parser.add_argument("--map", choices=("pca", "umap"), default="pca")
-    parser.add_argument("--colour", choices=COLOURS, default="domain")
+    parser.add_argument(
+        "--stage",
+        choices=STAGES,
+        default="f_hat",
+        help="stage of the head that is drawn; f_hat if left out",
+    )
+    parser.add_argument(
+        "--map",
+        choices=("pca", "umap"),
+        default="pca",
+        help="projection of the map; pca if left out",
+    )
+    parser.add_argument(
+        "--colour",
+        choices=COLOURS,
+        default="domain",
+        help="what colours mean; the domain if left out",
+    )
 
 
 def run(options: argparse.Namespace) -> None:

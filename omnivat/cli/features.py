@@ -1,11 +1,13 @@
 """What `gaps` and `project` share: the features of a whole set at one stage and one order."""
 
 import argparse
+import sys
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from omnivat.heads import default_embeddings, default_head
+from omnivat.cli.arguments import add_embeddings, add_head, add_order
+from omnivat.cli.computing import add_device
+from omnivat.errors import SettingsError
 
 if TYPE_CHECKING:
     from torch import Tensor
@@ -13,6 +15,8 @@ if TYPE_CHECKING:
     from omnivat.data.store import Embeddings
 
 STAGES = ("raw", "frft", "relu", "f_bar", "f_hat")
+LARGE = 50_000  # pairs from which the cost is told first
+SECONDS_A_PAIR = 6e-5  # one stage at one order, measured on two cores at width 512
 STILL = ("raw", "frft")  # the same at every order
 
 
@@ -34,16 +38,36 @@ class StageFeatures:
 
 def add_stage(parser: argparse.ArgumentParser) -> None:
     """Declare which features are meant."""
-    parser.add_argument("--head", type=Path, default=default_head(), help="not read at stage raw")
-    parser.add_argument("--embeddings", type=Path, default=default_embeddings())
+    add_head(parser, note="; not read at stage raw")
+    add_embeddings(parser)
     parser.add_argument(
         "--stage",
         choices=STAGES,
         default="f_hat",
         help="raw embedding, raw DFrFT, F after ReLU, after FrATT, after DTG (default)",
     )
+    add_order(parser)
+    add_device(parser)
     parser.add_argument(
-        "--order", type=float, help="fractional order p; the learned one if left out"
+        "--sample",
+        type=int,
+        default=0,
+        metavar="N",
+        help="use N pairs drawn at random; all of them if left out",
+    )
+
+
+def size_warning(pairs: int, width: int) -> str:
+    """Return how much memory and time a large set will take, roughly; "" for a small one.
+
+    Seven copies of single-precision rows are held at most; a stage costs what `docs/scale.md` has.
+    """
+    if pairs <= LARGE:
+        return ""
+    memory, minutes = 7 * 2 * 4 * pairs * width / 1e9, pairs * SECONDS_A_PAIR / 60
+    return (
+        f"{pairs:,} pairs of width {width}: about {memory:.1f} GB and {max(1, minutes):.0f} min or "
+        "more; --sample 20000 takes a random part"
     )
 
 
@@ -53,13 +77,17 @@ def stage_features(options: argparse.Namespace) -> StageFeatures:
     import torch
 
     from omnivat.data.store import load_embeddings
-    from omnivat.predict import checked_order
+    from omnivat.devices import current
 
-    checked_order(options.order)
-    embeddings = load_embeddings(options.embeddings)
+    if options.sample < 0:
+        raise SettingsError(f"--sample is {options.sample}; give a number of pairs, or 0 for all.")
+    embeddings = load_embeddings(options.embeddings).sampled(options.sample)
+    if told := size_warning(len(embeddings), embeddings.width):
+        print(told, file=sys.stderr, flush=True)
+    device = current()
     if options.stage == "raw":
         rows = {
-            name: torch.from_numpy(np.array(getattr(embeddings, name), dtype=np.float32))
+            name: torch.from_numpy(np.array(getattr(embeddings, name), dtype=np.float32)).to(device)
             for name in ("vis", "tac")
         }
         return StageFeatures(embeddings=embeddings, rows=rows, order=None)

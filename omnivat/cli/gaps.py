@@ -7,10 +7,14 @@ import argparse
 import json
 import sys
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from omnivat.cli.arguments import add_json
 from omnivat.cli.features import StageFeatures, add_stage, stage_features
 from omnivat.gaps import GAPS
+
+if TYPE_CHECKING:
+    from torch import Tensor
 
 
 def add(parser: argparse.ArgumentParser) -> None:
@@ -19,7 +23,7 @@ def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--measure", choices=list(GAPS), default="centroid", help="centroid if left out"
     )
-    parser.add_argument("--json", action="store_true", help="print JSON for programs")
+    add_json(parser)
 
 
 def run(options: argparse.Namespace) -> None:
@@ -38,6 +42,11 @@ def run(options: argparse.Namespace) -> None:
         print()
         return
     print(f"{options.measure} at {options.stage}: {found.about}\n")
+    if "standard_error" in record:
+        print(
+            f"estimated by random features, as the set is large; standard error of the gap over all "
+            f"pairs ± {record['standard_error']:.2g}\n"
+        )
     print("between VIS and TAC")
     for name, value in record["modality_gap"].items():
         print(f"  {name:<18} {value:.4f}")
@@ -71,7 +80,20 @@ def gaps_of(found: StageFeatures, measure: str) -> dict[str, Any]:
         for (a, b), value in pairwise_gaps(sets, gap).items():
             table[a][b] = table[b][a] = float(value)
         domain_gap[modality] = table
-    return {"modality_gap": modality_gap, "domain_gap": domain_gap}
+    return {
+        "modality_gap": modality_gap,
+        "domain_gap": domain_gap,
+        **error_of(measure, units["vis"], units["tac"]),
+    }
+
+
+def error_of(measure: str, vis: "Tensor", tac: "Tensor") -> dict[str, float]:
+    """Return the standard error of the gap over all pairs where the measure is an estimate."""
+    from omnivat.gaps.mmd import MOST_ROWS, mmd_rbf_estimate
+
+    if measure != "mmd_rbf" or len(vis) + len(tac) <= MOST_ROWS:
+        return {}
+    return {"standard_error": float(mmd_rbf_estimate(vis, tac).error)}
 
 
 def matrix(table: Mapping[str, Mapping[str, float]]) -> str:

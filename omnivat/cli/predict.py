@@ -12,10 +12,12 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from omnivat.cli.arguments import add_head, add_json, add_order
+from omnivat.cli.computing import add_device, add_download
 from omnivat.errors import DataError, SettingsError
-from omnivat.heads import default_head
 
 MISSING = "-"
+WORDS = {"vis": "photo only", "tac": "touch only"}
 
 
 def add(parser: argparse.ArgumentParser) -> None:
@@ -27,12 +29,15 @@ def add(parser: argparse.ArgumentParser) -> None:
         help="a photo and a tactile image, once or many times; '-' for one that is missing",
     )
     parser.add_argument("--pairs", help="a folder or CSV of pairs, instead of single images")
-    parser.add_argument("--head", type=Path, default=default_head(), help="head folder")
-    parser.add_argument(
-        "--order", type=float, help="fractional order p; the learned one if left out"
-    )
+    add_head(parser)
+    add_order(parser)
     parser.add_argument("--weights", type=Path, help="checkpoint of the encoder")
-    parser.add_argument("--json", action="store_true", help="print JSON for programs")
+    parser.add_argument(
+        "--tac-weights", type=Path, help="checkpoint of the encoder of tactile images, if another"
+    )
+    add_device(parser)
+    add_download(parser)
+    add_json(parser)
     parser.add_argument("--no-cache", action="store_true", help="encode anew")
 
 
@@ -42,13 +47,20 @@ def run(options: argparse.Namespace) -> None:
     import torch
 
     from omnivat.checkpoint import load_head
+    from omnivat.devices import current, precise
     from omnivat.encoders import load_encoder
     from omnivat.encoders.cache import default_cache, embed_pair
-    from omnivat.predict import PRECISION, checked_order, predict_embeddings
+    from omnivat.predict import predict_embeddings
 
-    checked_order(options.order)
-    head = load_head(options.head, dtype=PRECISION)
-    encoder = load_encoder(head.encoder["name"], weights=options.weights)
+    head = load_head(options.head, dtype=precise(current()))
+    encoder = load_encoder(
+        head.encoder["name"],
+        weights=options.weights,
+        tac_weights=options.tac_weights,
+        device=options.device,
+        download=options.download,
+        weights_hash=head.encoder["weights_hash"],
+    )
     head.require(
         (encoder.name, encoder.weights_hash, encoder.preprocessing),
         encoder.width,
@@ -98,13 +110,20 @@ def _pairs(options: argparse.Namespace) -> list[tuple[Path | None, Path | None, 
 
 
 def _readable(answer: dict[str, Any], source: str) -> str:
-    columns = {"fused": answer["probabilities"], **answer["modalities"]}
+    alone = {WORDS[name]: column for name, column in answer["modalities"].items()}
+    columns = {"both": answer["probabilities"], **alone} if len(alone) > 1 else alone
     lines = [
         f"{answer['vis'] or 'no VIS'} + {answer['tac'] or 'no TAC'}: {answer['prediction']}"
         f"  (order p = {answer['order']:.3f}, head trained on {source})",
-        "  " + " ".join(f"{name:>9}" for name in ("class", *columns)),
+        "  " + f"{'class':>9} " + " ".join(f"{name:>10}" for name in columns),
     ]
     for name in answer["probabilities"]:
-        values = " ".join(f"{column[name]:9.3f}" for column in columns.values())
+        values = " ".join(f"{column[name]:10.3f}" for column in columns.values())
         lines.append(f"  {name:>9} {values}")
+    for name, found in answer["familiarity"].items():
+        what = {"vis": "photo", "tac": "touch"}[name]
+        lines.append(
+            f"  {what}: {found['words']} (nearest training image: cosine {found['cosine']:.3f}, "
+            f"quantile {found['quantile']:.2f} of the training images' own)"
+        )
     return "\n".join(lines)

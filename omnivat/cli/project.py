@@ -6,11 +6,16 @@ python -m omnivat project --out MAP.csv [--stage S] [--order P] [--method umap|p
 import argparse
 import csv
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from omnivat.cli.arguments import add_seed
 from omnivat.cli.features import StageFeatures, add_stage, stage_features
 from omnivat.errors import SettingsError
 from omnivat.files import replacing, require_writable
 from omnivat.projection import PROJECTIONS
+
+if TYPE_CHECKING:
+    from omnivat.projection.quality import Quality
 
 COLUMNS = ("x", "y", "modality", "domain", "class", "pair", "name")
 NEIGHBOURS = 15
@@ -20,8 +25,13 @@ LEAST = 2 * NEIGHBOURS + 1  # points below which faithfulness has no value
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     add_stage(parser)
-    parser.add_argument("--method", choices=list(PROJECTIONS), default="umap")
-    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument(
+        "--method",
+        choices=list(PROJECTIONS),
+        default="umap",
+        help="how points are laid out; umap if left out",
+    )
+    add_seed(parser, of="the layout")
     parser.add_argument("--out", type=Path, required=True, help="the CSV to write")
 
 
@@ -33,7 +43,8 @@ def run(options: argparse.Namespace) -> None:
     import torch
 
     from omnivat.gaps.unit import unit
-    from omnivat.projection.quality import recall, trustworthiness
+    from omnivat.projection.quality import quality
+    from omnivat.projection.torch_umap import MOST_ROWS
     from omnivat.tables import load
 
     found = stage_features(options)
@@ -48,12 +59,27 @@ def run(options: argparse.Namespace) -> None:
         writer.writerows(_rows(found, flat.tolist()))
     print(f"{options.method} of {options.stage}: {found.about}")
     if len(points) >= LEAST:
-        print(
-            f"trustworthiness {trustworthiness(points, flat, k=NEIGHBOURS):.4f}, "
-            f"recall {recall(points, flat, k=NEIGHBOURS):.4f} at {NEIGHBOURS} neighbours "
-            "(1 is a faithful map)"
-        )
+        print(faithfulness(quality(points, flat, k=NEIGHBOURS)))
+    if options.method == "umap" and len(points) > MOST_ROWS:
+        print(f"{MOST_ROWS:,} points were laid out; the rest lie between their neighbours")
     print(f"{len(points)} points written to {options.out}")
+
+
+def faithfulness(found: "Quality") -> str:
+    """Return the line that says how faithful a map is, with intervals where rows were drawn."""
+    drawn = found.trustworthiness_error > 0
+    trust, recall = (
+        f"{value:.4f}" + (f" ± {error:.4f}" if drawn else "")
+        for value, error in (
+            (found.trustworthiness, found.trustworthiness_error),
+            (found.recall, found.recall_error),
+        )
+    )
+    of = f", from {found.rows:,} points drawn at random" if drawn else ""
+    return (
+        f"trustworthiness {trust}, recall {recall} at {NEIGHBOURS} neighbours (1 is a faithful "
+        f"map){of}"
+    )
 
 
 def _rows(found: StageFeatures, flat: list[list[float]]) -> list[list[str]]:

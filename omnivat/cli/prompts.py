@@ -8,14 +8,25 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from omnivat.cli.computing import add_device, add_download
 from omnivat.data.materials import MATERIALS
 from omnivat.errors import SettingsError
 from omnivat.files import require_writable
 
 if TYPE_CHECKING:
+    from omnivat.encoders.clip_text import ClipText
     from omnivat.lang.bank import LangBank
 
-TEXT_ENCODERS = ("minilm", "clip-vit-b16", "clip-vit-l14")
+TEXT_ENCODERS = (
+    "minilm",
+    "clip-vit-b32",
+    "clip-vit-b16",
+    "clip-vit-l14",
+    "clip-vit-l14-336",
+    "clip-rn50",
+    "clip-rn101",
+    "clip",
+)
 METHODS = ("phrases", "promptstyler")
 
 
@@ -23,8 +34,15 @@ def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("--out", type=Path, required=True, help="the .safetensors file to write")
     parser.add_argument("--classes", default=",".join(MATERIALS), help="names, with commas")
-    parser.add_argument("--encoder", choices=TEXT_ENCODERS, default="minilm")
+    parser.add_argument(
+        "--encoder",
+        choices=TEXT_ENCODERS,
+        default="minilm",
+        help="text encoder; minilm if left out",
+    )
     parser.add_argument("--weights", type=Path, help="checkpoint of a CLIP encoder")
+    add_device(parser)
+    add_download(parser)
     parser.add_argument(
         "--method",
         choices=METHODS,
@@ -59,15 +77,15 @@ def _phrases(options: argparse.Namespace, classes: tuple[str, ...]) -> "LangBank
     from omnivat.lang.prompts import STYLES, prompts_for
 
     texts = [text for name in classes for text in prompts_for(name)]
-    if options.encoder == "minilm":
+    clip = None if options.encoder == "minilm" else _clip(options)
+    if clip is None:
         values, origin = minilm.embed_texts(texts), minilm.ORIGIN
     else:
-        from omnivat.encoders import text_encoder
-
-        values = np.asarray(text_encoder(options.encoder, weights=options.weights)(texts))
-        origin = f"{options.encoder}, fixed style phrases, not PromptStyler"
+        values = clip.embed_texts(texts).cpu().numpy()
+        origin = f"{clip.name}, fixed style phrases, not PromptStyler"
     shaped = values.astype(np.float32).reshape(len(classes), len(STYLES), -1)
-    return LangBank(embeddings=shaped, classes=classes, origin=origin)
+    bank = LangBank(embeddings=shaped, classes=classes, origin=origin)
+    return bank if clip is None else _of_clip(bank, clip)
 
 
 def _learned(options: argparse.Namespace, classes: tuple[str, ...]) -> "LangBank":
@@ -80,11 +98,10 @@ def _learned(options: argparse.Namespace, classes: tuple[str, ...]) -> "LangBank
     if options.styles < 1 or options.steps < 1:
         raise SettingsError("--styles and --steps must be 1 or more.")
     from omnivat.cli.bar import progress_bar
-    from omnivat.encoders.clip_text import load_text_encoder
     from omnivat.lang.clip_words import ClipWords
     from omnivat.lang.promptstyler import learn_styles, styled_bank
 
-    clip = load_text_encoder(options.encoder, weights=options.weights)
+    clip = _clip(options)
     origin = f"{clip.name} (weights {clip.weights_hash[:12]})"
     tower = ClipWords(clip.network, clip.tokenizer, origin=origin)
     with progress_bar("learn styles") as show:
@@ -97,4 +114,33 @@ def _learned(options: argparse.Namespace, classes: tuple[str, ...]) -> "LangBank
             on_step=show,
         )
     how = f" of {options.steps} steps, seed {options.seed}"
-    return styled_bank(tower, classes, words, how=how)
+    return _of_clip(styled_bank(tower, classes, words, how=how), clip)
+
+
+def _clip(options: argparse.Namespace) -> "ClipText":
+    from omnivat.encoders.clip_text import load_text_encoder
+
+    return load_text_encoder(
+        options.encoder,
+        weights=options.weights,
+        device=options.device,
+        download=options.download,
+    )
+
+
+def _of_clip(bank: "LangBank", clip: "ClipText") -> "LangBank":
+    """Return the bank with the plain prompts, the tower's hash and the model's logit scale."""
+    from dataclasses import replace
+
+    from omnivat.encoders.places import remember
+    from omnivat.lang.bank import PLAIN
+
+    remember(clip.weights_hash, clip.place)
+    plain = clip.embed_texts([PLAIN.format(name) for name in bank.classes])
+    return replace(
+        bank,
+        plain=plain.cpu().numpy(),
+        encoder=clip.name,
+        text_hash=clip.weights_hash,
+        logit_scale=clip.logit_scale,
+    )

@@ -5,11 +5,12 @@ python -m omnivat protocol --embeddings FILE --out DIR --methods a,b,c --seeds 0
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from omnivat.cli.arguments import add_embeddings, whole
 from omnivat.cli.bar import progress_bar
+from omnivat.cli.computing import add_device
 from omnivat.errors import DataError, SettingsError
-from omnivat.heads import default_embeddings
 
 if TYPE_CHECKING:
     from omnivat.protocol.run import Run
@@ -21,14 +22,17 @@ def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     add_running(parser)
     parser.add_argument(
-        "--methods", default="", metavar="a,b,c", help="all that are quick if left out"
+        "--methods", default="", metavar="a,b,c", help="methods by name; all fast ones if left out"
     )
     parser.add_argument(
-        "--sources", default="", metavar="A,B", help="all that the set has if left out"
+        "--sources",
+        default="",
+        metavar="A,B",
+        help="domains to train on; all that the set has if left out",
     )
     parser.add_argument(
         "--folds",
-        type=int,
+        type=whole(0),
         default=0,
         help="source-side evidence instead: this many folds of held-out objects, no target",
     )
@@ -40,15 +44,32 @@ def add(parser: argparse.ArgumentParser) -> None:
         help="a setting of the head or of its training, such as width=64 or selection=source-val",
     )
 
+    parser.add_argument(
+        "--calibrate",
+        action="store_true",
+        help="fit temperatures and a learned fusion to held-out objects, too; twice the time",
+    )
+    parser.add_argument(
+        "--candidate",
+        action="append",
+        default=[],
+        metavar="key=value,...",
+        help="settings of the head to choose among, for each source on its held-out objects; give "
+        "two or more, '' for the settings as they are",
+    )
+
 
 def add_running(parser: argparse.ArgumentParser) -> None:
     """Declare what `protocol` and `ablate` share."""
-    parser.add_argument("--embeddings", type=Path, default=default_embeddings())
+    add_embeddings(parser)
     parser.add_argument("--lang", type=Path, help="LANG bank; the project's own if left out")
     parser.add_argument("--out", type=Path, required=True, help="folder for records and tables")
-    parser.add_argument("--seeds", default="0,1,2", metavar="0,1,2")
-    parser.add_argument("--jobs", type=int, default=1, help="processes side by side")
-    parser.add_argument("--engine", default="local", choices=("local", "ray"))
+    parser.add_argument("--seeds", default="0,1,2", metavar="0,1,2", help="one run for each seed")
+    parser.add_argument("--jobs", type=whole(1), default=1, help="processes side by side")
+    add_device(parser)
+    parser.add_argument(
+        "--engine", default="local", choices=("local", "ray"), help="this machine, or a Ray cluster"
+    )
     parser.add_argument("--tables-only", action="store_true", help="rebuild tables, run nothing")
 
 
@@ -68,7 +89,12 @@ def run(options: argparse.Namespace) -> None:
     if not options.tables_only:
         set_of_pairs = load_embeddings(options.embeddings)
         head, training = split_settings(options.set, HeadSettings, TrainSettings)
-        methods = methods_named(listed(options.methods) or DEFAULT_METHODS, head, training)
+        methods = methods_named(
+            listed(options.methods) or DEFAULT_METHODS,
+            head,
+            training,
+            candidates_of(options.candidate),
+        )
         sources = listed(options.sources) or available(set_of_pairs)
         if not sources:
             raise DataError(
@@ -76,24 +102,42 @@ def run(options: argparse.Namespace) -> None:
                 "from."
             )
         folds = tuple(range(options.folds)) or (None,)
-        work(planned(methods, sources, numbers(options.seeds), folds), options)
+        seeds = numbers(options.seeds)
+        runs = planned(methods, sources, seeds, folds, calibrate=options.calibrate)
+        work(runs, options, lang=training.get("lang", True))
     found = records.read(options.out / RUNS)
     print(write_evidence(found, options.out) if options.folds else write_report(found, options.out))
 
 
-def work(runs: "list[Run]", options: argparse.Namespace) -> None:
-    """Do the runs with a bar."""
+def candidates_of(texts: list[str]) -> dict[str, dict[str, dict[str, Any]]]:
+    """Return candidates by name: "key=value,key=value" -> settings of the head and of training.
+
+    Raises SettingsError for a setting that does not exist, or for a single candidate.
+    """
+    from omnivat.cli.train import split_settings
+    from omnivat.model.settings import HeadSettings
+    from omnivat.train import TrainSettings
+
+    if len(texts) == 1:
+        raise SettingsError("One --candidate leaves nothing to choose; give two or more.")
+    found = {}
+    for text in texts:
+        head, training = split_settings(list(listed(text)), HeadSettings, TrainSettings)
+        found[text or "as set"] = {"head": head, "train": training}
+    return found
+
+
+def work(runs: "list[Run]", options: argparse.Namespace, *, lang: bool = True) -> None:
+    """Do the runs with a progress bar; without LANG, no method gets text."""
     from omnivat.lang.bank import DEFAULT_BANK
     from omnivat.protocol.engine import run_all
 
-    if options.jobs < 1:
-        raise SettingsError(f"--jobs is {options.jobs}; choose 1 or more.")
     with progress_bar(f"{len(runs)} runs") as show:
         done = run_all(
             runs,
             options.out / RUNS,
             embeddings=options.embeddings,
-            bank=options.lang or DEFAULT_BANK,
+            bank=(options.lang or DEFAULT_BANK) if lang else None,
             jobs=options.jobs,
             engine=options.engine,
             on_step=show,

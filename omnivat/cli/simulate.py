@@ -1,43 +1,91 @@
-"""Simulate the eight visual-tactile domains.
+"""Simulate the eight visual-tactile domains, or a set of chirps.
 
-python -m omnivat simulate --out DIR [--pairs-per-class 40] [--seed 0] [--examples DIR]
+python -m omnivat simulate --out DIR [--pairs-per-class 60] [--seed 0] [--examples DIR]
+python -m omnivat simulate --set chirps --out DIR [--order 0.35] [--strength 2] [--shift 1]
+
+Chirps are made-up signals whose class can be read at one fractional order only (docs/order.md).
 """
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from omnivat.cli.arguments import add_seed, whole
 from omnivat.cli.bar import progress_bar
+from omnivat.errors import SettingsError
+
+if TYPE_CHECKING:
+    from omnivat.data.pairs import PairSet
+
+CHIRP_OPTIONS = ("order", "strength", "shift")
+SENSOR_OPTIONS = ("domains", "workers")
 
 
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("--out", type=Path, required=True, help="folder for the pairs")
+    parser.add_argument(
+        "--set",
+        choices=["sensors", "chirps"],
+        default="sensors",
+        help="which set to make; sensors if left out",
+    )
     parser.add_argument("--domains", help="only these, with commas")
-    parser.add_argument("--pairs-per-class", type=int, default=40)
-    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--pairs-per-class", type=int, help="60 for sensors, 40 for chirps")
+    add_seed(parser)
     parser.add_argument("--examples", type=Path, help="copy a few test pairs here, as JPEG")
-    parser.add_argument("--examples-per-class", type=int, default=2, metavar="N")
-    parser.add_argument("--workers", type=int, help="processes; all cores if left out")
+    parser.add_argument(
+        "--examples-per-class",
+        type=int,
+        default=2,
+        metavar="N",
+        help="pairs of each class and domain to copy to --examples",
+    )
+    parser.add_argument("--workers", type=whole(1), help="processes; all cores if left out")
+    parser.add_argument("--order", type=float, help="chirps: p*, the order of the signal; 0.35")
+    parser.add_argument("--strength", type=float, help="chirps: interference over signal; 2")
+    parser.add_argument("--shift", type=float, help="chirps: difference between domains, 0 to 1")
 
 
 def run(options: argparse.Namespace) -> None:
-    """Render and press every surface; files that are there already are kept."""
+    """Write a set of pairs; rendered files that are there already are kept."""
     from omnivat.data.pairs import summary_table
-    from omnivat.simulate.build import simulate
     from omnivat.simulate.examples import write_examples
 
-    domains = [name.strip() for name in options.domains.split(",")] if options.domains else None
-    with progress_bar("simulate") as show:
-        made = simulate(
-            options.out,
-            domains=domains,
-            pairs_per_class=options.pairs_per_class,
-            seed=options.seed,
-            workers=options.workers,
-            on_step=show,
-        )
+    others = SENSOR_OPTIONS if options.set == "chirps" else CHIRP_OPTIONS
+    for name in others:
+        if getattr(options, name) is not None:
+            raise SettingsError(f"--{name} does not apply to --set {options.set}; leave it out.")
+    made = _chirps(options) if options.set == "chirps" else _sensors(options)
     print(summary_table(made))
     if options.examples:
         files = write_examples(made, options.examples, each=options.examples_per_class)
         size = sum(file.stat().st_size for file in files) / 1e6
         print(f"{len(files) // 2} example pairs in '{options.examples}', {size:.1f} MB")
+
+
+def _sensors(options: argparse.Namespace) -> "PairSet":
+    from omnivat.simulate.build import simulate
+
+    domains = [name.strip() for name in options.domains.split(",")] if options.domains else None
+    count = {} if options.pairs_per_class is None else {"pairs_per_class": options.pairs_per_class}
+    with progress_bar("simulate") as show:
+        return simulate(
+            options.out,
+            domains=domains,
+            seed=options.seed,
+            workers=options.workers,
+            on_step=show,
+            **count,
+        )
+
+
+def _chirps(options: argparse.Namespace) -> "PairSet":
+    from omnivat.simulate.chirps import ChirpSettings
+    from omnivat.simulate.chirps.pictures import write_chirps
+
+    names = (*CHIRP_OPTIONS, "pairs_per_class")
+    given = {name: value for name in names if (value := getattr(options, name)) is not None}
+    settings = ChirpSettings(seed=options.seed, **given)
+    with progress_bar("simulate chirps") as show:
+        return write_chirps(options.out, settings, on_step=show)

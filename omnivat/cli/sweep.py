@@ -2,8 +2,11 @@
 
     python -m omnivat sweep --head DIR --embeddings FILE --out FRAMES
     python -m omnivat sweep --csv CURVES --stages raw,f_hat --measures mmd_rbf,ece --orders 0,0.5,1
+    python -m omnivat sweep --retrain 21 --out FRAMES [--source DOMAIN] [--seeds 0,1,2] [--jobs 2]
 
 --out writes the frames file for the page; without it nothing is mapped, only measured.
+--retrain trains a head at each order, with the settings of --head, in place of moving p of one head.
+Heads that a stopped run finished are used again.
 """
 
 import argparse
@@ -12,10 +15,13 @@ from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from omnivat.cli.arguments import add_embeddings, add_head
 from omnivat.cli.bar import progress_bar
+from omnivat.cli.computing import add_device
+from omnivat.cli.sweep_retrain import add_retrain, check_retrain, retrained
 from omnivat.errors import SettingsError
 from omnivat.files import require_writable
-from omnivat.heads import default_embeddings, default_head
+from omnivat.orders import checked_order
 
 if TYPE_CHECKING:
     from omnivat.checkpoint import Head
@@ -27,12 +33,13 @@ MOST_STOPS = 1001
 
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("--head", type=Path, default=default_head())
-    parser.add_argument("--embeddings", type=Path, default=default_embeddings())
+    add_head(parser)
+    add_embeddings(parser)
     parser.add_argument("--out", type=Path, help="the frames file for the page, maps and all")
     parser.add_argument("--json", type=Path, help="the curves over p as JSON")
     parser.add_argument("--csv", type=Path, help="the curves over p as a table, a column each")
     parser.add_argument("--stops", type=int, help="that many orders from 0 to 1; 101 if left out")
+    add_device(parser)
     parser.add_argument("--orders", help="these orders instead, such as 0,0.25,1.5")
     parser.add_argument(
         "--stages",
@@ -43,19 +50,24 @@ def add(parser: argparse.ArgumentParser) -> None:
         "--measures",
         help="of docs/gaps.md, with commas between, or 'all'; the quick ones if left out",
     )
+    add_retrain(parser)
 
 
 def run(options: argparse.Namespace) -> None:
     """Measure, write what was asked for, print the ends of the curves."""
     if all(path is None for path in (options.out, options.json, options.csv)):
         raise SettingsError("Nothing is to be written; give --out, --json or --csv.")
-    orders = orders_of(options.orders, options.stops)
     for path in (options.out, options.json, options.csv):
         if path is not None:
             require_writable(path)
+    check_retrain(options)
+    stops = options.retrain if options.retrain is not None else options.stops
+    orders = orders_of(options.orders, stops)
     from omnivat.checkpoint import head_hash, load_head
     from omnivat.data.store import load_embeddings
     from omnivat.frames import write_frames
+    from omnivat.frames.kinds import kind_of
+    from omnivat.frames.stops import with_learned
     from omnivat.gaps.measures import ANSWER_MEASURES, STAGE_MEASURES
     from omnivat.sweep import MEASURES, STAGES
     from omnivat.sweep.export import write_curves_csv, write_curves_json
@@ -70,11 +82,18 @@ def run(options: argparse.Namespace) -> None:
         "source": head.source,
         "order": head.model.order,
         "simulated": head.provenance.get("simulated", False),
+        "kind": kind_of(head),
     }
-    if options.out:
-        frames = _frames(head, embeddings, orders, stages, measures, provenance)
+    if options.retrain is not None:
+        frames = retrained(options, head, embeddings, orders, stages, measures)
         write_frames(options.out, frames)
         curves: Mapping[str, Sequence[float | None]] = frames.curves
+    elif options.out:
+        if options.orders is None and options.stops is None:
+            orders = list(with_learned(orders, head.model.order))
+        frames = _frames(head, embeddings, orders, stages, measures, provenance)
+        write_frames(options.out, frames)
+        curves = frames.curves
     else:
         curves = _curves(head, embeddings, orders, stages, measures)
     if options.json:
@@ -144,11 +163,11 @@ def orders_of(text: str | None, stops: int | None) -> list[float]:
     except ValueError:
         raise SettingsError(f"--orders is '{text}'; write numbers such as 0,0.25,1.5.") from None
     rising = all(before < after for before, after in pairwise(orders))
-    if not rising or not all(abs(order) <= 1e6 for order in orders) or len(orders) > MOST_STOPS:
+    if not rising or len(orders) > MOST_STOPS:
         raise SettingsError(
-            f"--orders is '{text}'; write 1 to {MOST_STOPS} finite numbers, each above the last."
+            f"--orders is '{text}'; write 1 to {MOST_STOPS} numbers, each above the last."
         )
-    return orders
+    return [checked_order(order, name="An order of --orders") for order in orders]
 
 
 def names_of(text: str, known: Sequence[str], kind: str) -> tuple[str, ...]:

@@ -7,16 +7,16 @@ import argparse
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from omnivat.cli.arguments import add_embeddings
 from omnivat.cli.bar import progress_bar
 from omnivat.errors import DataError, SettingsError
 from omnivat.files import require_writable
-from omnivat.heads import default_embeddings
 
 
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("pairs", type=Path, help="the folder or CSV of pairs that was embedded")
-    parser.add_argument("--embeddings", type=Path, default=default_embeddings())
+    add_embeddings(parser)
     parser.add_argument("--out", type=Path, help="a .webp; beside the embeddings if left out")
     parser.add_argument("--tile", type=int, default=64, help="pixels a side of one thumbnail")
 

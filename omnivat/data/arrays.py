@@ -5,6 +5,7 @@ block after block. The format: 8 bytes with the length of a JSON table, the tabl
 """
 
 import json
+import mmap
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 from safetensors import safe_open
 
+from omnivat.schema import tensor_table
+
 NAMES = {"F32": "<f4", "F16": "<f2", "I64": "<i8", "U8": "|u1"}
+MOST_COLUMNS = 64
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -66,15 +70,22 @@ def read_arrays(path: Path) -> tuple[dict[str, NDArray[Any]], dict[str, str]]:
     """Return named arrays, mapped and not read, and the metadata.
 
     An array may be written to; that changes memory, never the file.
-    Raises SafetensorError when the file is damaged or cut short, KeyError for an unknown type.
+    Raises DataError for a header that cannot be, SafetensorError when the file is cut short.
     """
-    with safe_open(path, framework="numpy") as handle:  # checks offsets, shapes and file size
-        metadata = handle.metadata() or {}
-    with path.open("rb") as raw:
-        length = int.from_bytes(raw.read(8), "little")
-        table: dict[str, Any] = json.loads(raw.read(length))
-    table.pop("__metadata__", None)
-    return {name: _mapped(path, 8 + length, entry) for name, entry in table.items()}, metadata
+    table, metadata, start = tensor_table(path, types=tuple(NAMES), most=MOST_COLUMNS)
+    with safe_open(path, framework="numpy"):  # checks offsets, shapes and file size
+        pass
+    return {name: _mapped(path, start, entry) for name, entry in table.items()}, metadata
+
+
+def released(array: NDArray[Any]) -> None:
+    """Give a mapped array's pages back to the system; they are read again when they are needed.
+
+    What was written to the array since it was mapped is lost: for arrays that nobody wrote to.
+    """
+    mapped = getattr(array, "_mmap", None)
+    if mapped is not None and hasattr(mapped, "madvise"):
+        mapped.madvise(mmap.MADV_DONTNEED)
 
 
 def _mapped(path: Path, start: int, entry: Mapping[str, Any]) -> NDArray[Any]:

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omnivat.errors import DataError
+from omnivat.seeding import derive_seed
 
 Array = NDArray[np.float32]
 
@@ -23,6 +24,7 @@ class Header:
     simulated: bool = False
     origin: str = ""
     precision: str = "fp32"  # how the encoder computed
+    text_hash: str = ""  # of the text tower in the encoder's checkpoint, where it has one
 
     @property
     def key(self) -> tuple[str, str, str]:
@@ -37,7 +39,8 @@ class Embeddings:
     vis, tac            (N, D) as the encoder gave them, any length
     vis_flip, tac_flip  (N, D) of the mirrored images, or None where they were not made
     domain, label       (N,) indices into header.domains and header.classes
-    rows                column name -> N texts: vis, tac (file names), object, split, part
+    rows                column name -> N texts: vis, tac (file names), object, split, part,
+                        looks_like, feels_like (classes that a pair imitates, "" where none)
     """
 
     header: Header
@@ -70,6 +73,19 @@ class Embeddings:
             tac_flip=None if self.tac_flip is None else _rows(self.tac_flip, index),
             rows={name: [column[i] for i in index] for name, column in self.rows.items()},
         )
+
+    def sampled(self, count: int, *, seed: int = 0) -> "Embeddings":
+        """Return `count` pairs drawn at random, in their order; all of them where there are no more.
+
+        The header's origin says how many of how many. Names of domains and classes stay.
+        """
+        if not 0 < count < len(self):
+            return self
+        random = np.random.default_rng(derive_seed(seed, "sample", count))
+        drawn = self.select(np.sort(random.choice(len(self), count, replace=False)))
+        told = f"{count:,} of {len(self):,} pairs, drawn at random"
+        origin = f"{self.header.origin}; {told}" if self.header.origin else told
+        return replace(drawn, header=replace(self.header, origin=origin))
 
     def in_domain(self, name: str, *, split: str = "", part: str = "") -> "Embeddings":
         """Return the pairs of one domain, of one split or part where named.

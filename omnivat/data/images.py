@@ -5,24 +5,36 @@ What is decided here, so that the same picture gives the same pixels whatever fi
 - transparency is laid on white, so colours hidden under it never matter;
 - 16-bit values keep their upper 8 bits, grey and colour alike; floating values must be in [0, 1];
 - the EXIF rotation is applied, colour profiles are not;
-- of an animation the first frame is taken.
+- of an animation the first frame is taken;
+- a picture whose shorter side is over 2,047 pixels, or that has over 6 megapixels, is made smaller
+  by a whole factor: encoders take 224.
+
+The header is read first. What is too large, or of a kind that is not taken, is refused there.
 """
 
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from importlib import import_module
 from io import BytesIO
 from pathlib import Path
-from typing import IO, Any
 
-import numpy as np
-from numpy.typing import NDArray
 from PIL import Image
 
+from omnivat.data.image_files import Content, ImageFile, OddFileError, image_file
 from omnivat.errors import DataError
+from omnivat.files import read_whole
 
 MAX_PIXELS = 64_000_000  # read from the header, before a single pixel is decoded
+MAX_FILE_BYTES = 300_000_000
 MIN_SIDE = 8
-FORMATS = ("PNG", "JPEG", "BMP", "GIF", "TIFF", "WEBP", "PPM", "QOI", "JPEG2000", "AVIF")
+SHORT_SIDE = 1024  # a reduced picture is no smaller
+STRIP_PIXELS = 1_000_000
+MOST_PIXELS = 6_000_000  # a picture is reduced until it has no more
+COMMON = ("PNG", "JPEG", "WEBP", "GIF", "BMP", "TIFF")
+FORMATS = (*COMMON, "PPM", "QOI", "JPEG2000", "AVIF")
 REMEDY = "save it as PNG or JPEG and try again"
 
+_MODULES = {"JPEG2000": "Jpeg2KImagePlugin", "WEBP": "WebPImagePlugin"}
 _UPRIGHT = {  # EXIF orientation -> what turns the stored pixels upright
     2: Image.Transpose.FLIP_LEFT_RIGHT,
     3: Image.Transpose.ROTATE_180,
@@ -35,32 +47,94 @@ _UPRIGHT = {  # EXIF orientation -> what turns the stored pixels upright
 _ORIENTATION = 0x0112
 
 
-def read_image(source: str | Path | bytes | Image.Image, name: str = "") -> Image.Image:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Limits:
+    """What is taken: kinds of files, and the bytes that decoding one may hold."""
+
+    kinds: tuple[str, ...] = FORMATS
+    cost: int = 260_000_000
+    pixels: int = MAX_PIXELS  # of kinds that cannot be decoded smaller, as JPEG can
+    variants: bool = True  # slow variants of a kind, such as run lengths in a BMP
+
+
+OWN = Limits()  # a person's own files, on the command line
+VISITORS = Limits(
+    kinds=COMMON, cost=64_000_000, pixels=24_000_000, variants=False
+)  # what comes over a network
+
+
+def read_image(
+    source: str | Path | bytes | Image.Image,
+    name: str = "",
+    *,
+    limits: Limits = OWN,
+    reduced: bool = True,
+) -> Image.Image:
     """Return the image in `source`, a path, a file's bytes or an open image, as upright RGB.
 
-    name    what to call it in an error; the path where none is given
+    name     what to call it in an error; the path where none is given
+    limits   which kinds are taken, and how much memory decoding may hold
+    reduced  whether a large picture is made smaller; False keeps every pixel
 
     Raises DataError, naming the file and the remedy, when it is missing, empty, cut short, not an
-    image, over 64 megapixels, under 8 pixels on a side, or of values without a known range.
+    image, over the limits, under 8 pixels on a side, or of values without a known range.
     """
     if isinstance(source, Image.Image):
-        return _rgb(source, name or "the image")
+        return _rgb(source, name or "the image", reduced=reduced)
     name = name or ("the image" if isinstance(source, bytes) else str(source))
-    with BytesIO(read_bytes(source, name)) as handle:
-        return _rgb(_open(handle, name), name)
+    content = read_bytes(source, name)
+    found = examined(content, name, limits=limits, reduced=reduced)
+    with BytesIO(content) as handle:
+        image = _open(handle, found, name)
+        seen = replace(found, width=image.width, height=image.height)
+        _check_cost(seen, name, limits, reduced=reduced)
+        return _rgb(image, name, reduced=reduced)
+
+
+def examined(
+    content: Content, name: str, *, limits: Limits = OWN, reduced: bool = True
+) -> ImageFile:
+    """Return what a file's header says, where the file is one that is taken.
+
+    Raises DataError as `read_image` does; no pixel is decoded.
+    """
+    try:
+        found = image_file(content)
+    except OddFileError as error:
+        raise DataError(f"'{name}' {error}; {REMEDY}.") from error
+    if found is None:
+        raise DataError(f"'{name}' is not an image of a known kind; {REMEDY}.")
+    if found.kind not in limits.kinds or not (found.usual or limits.variants):
+        raise DataError(f"'{name}' is a {found.kind} file of a kind not taken here; {REMEDY}.")
+    if found.pixels:
+        _check_size(found.width, found.height, name)
+        _check_cost(found, name, limits, reduced=reduced)
+    return found
+
+
+def factor(width: int, height: int) -> int:
+    """Return by what whole number a picture's sides are divided.
+
+    >>> factor(2000, 3000), factor(3000, 4000), factor(100, 640_000)
+    (1, 2, 4)
+    """
+    short = min(width, height)
+    found = max(1, short // SHORT_SIDE)
+    while width * height > MOST_PIXELS * found**2 and short // (found + 1) >= MIN_SIDE:
+        found += 1
+    return found
+
+
+def draft_scale(width: int, height: int) -> int:
+    """Return by how much a JPEG is made smaller while it is decoded: 1, 2, 4 or 8."""
+    wanted = factor(width, height)
+    return max(scale for scale in (1, 2, 4, 8) if scale <= wanted)
 
 
 def read_bytes(source: str | Path | bytes, name: str = "") -> bytes:
     """Return a file's bytes; raises DataError when it is missing, unreadable or empty."""
     name = name or str(source)
-    if isinstance(source, bytes):
-        content = source
-    else:
-        try:
-            content = Path(source).read_bytes()
-        except (OSError, ValueError) as error:  # a name from a table may hold a zero byte
-            why = getattr(error, "strerror", None) or str(error)
-            raise DataError(f"'{name}' cannot be read ({why}); check the path.") from error
+    content = source if isinstance(source, bytes) else read_whole(source, MAX_FILE_BYTES, name)
     if not content:
         raise DataError(f"'{name}' is empty (0 bytes); copy or save the image again.")
     return content
@@ -75,44 +149,41 @@ def central_square(image: Image.Image, side: int) -> Image.Image:
     return image.crop((left, top, left + side, top + side))
 
 
-def _open(handle: IO[bytes], name: str) -> Image.Image:
+def _open(handle: BytesIO, found: ImageFile, name: str) -> Image.Image:
     """Read the header only.
 
     `Image.open` would warn of large images, and silencing a warning is not safe beside threads;
     its own table of readers gives the size without the warning.
     """
-    Image.init()
-    start = handle.read(16)
-    for kind in FORMATS:
-        opener, accepts = Image.OPEN.get(kind, (None, None))
-        if opener is None or accepts is None or accepts(start) is not True:
-            continue
-        handle.seek(0)
-        try:
-            return opener(handle, "")
-        except Exception as error:  # a reader given bad bytes may raise anything
-            raise DataError(f"'{name}' is a damaged {kind} file; {REMEDY}.") from error
-    raise DataError(f"'{name}' is not an image of a known kind; {REMEDY}.")
-
-
-def _rgb(image: Image.Image, name: str) -> Image.Image:
-    _check_size(image, name)
+    kind = found.kind
     try:
+        import_module(f"PIL.{_MODULES.get(kind, kind.capitalize() + 'ImagePlugin')}")
+        opener, _ = Image.OPEN[kind]
+        return opener(handle, "")
+    except Exception as error:  # a reader given bad bytes may raise anything
+        raise DataError(f"'{name}' is a damaged {kind} file; {REMEDY}.") from error
+
+
+def _rgb(image: Image.Image, name: str, *, reduced: bool) -> Image.Image:
+    _check_size(*image.size, name)
+    try:
+        if reduced:
+            scale = draft_scale(*image.size)
+            image.draft(None, (image.width // scale, image.height // scale))  # only JPEG does
         image.load()
         turn = _UPRIGHT.get(_turn(image))
-        upright = image if turn is None else image.transpose(turn)
     except Exception as error:  # a decoder given bad bytes may raise anything
         raise DataError(f"'{name}' is cut short or damaged; {REMEDY}.") from error
     try:
-        return _eight_bit_rgb(upright, name)
+        seen = _eight_bit_rgb(image, name, factor(*image.size) if reduced else 1)
     except ValueError as error:
         if isinstance(error, DataError):
             raise
         raise DataError(f"'{name}' has colours of kind {image.mode}; {REMEDY}.") from error
+    return seen if turn is None else seen.transpose(turn)
 
 
-def _check_size(image: Image.Image, name: str) -> None:
-    width, height = image.size
+def _check_size(width: int, height: int, name: str) -> None:
     if width * height > MAX_PIXELS:
         raise DataError(
             f"'{name}' is {width} × {height} pixels, more than the {MAX_PIXELS // 10**6} megapixels "
@@ -125,6 +196,17 @@ def _check_size(image: Image.Image, name: str) -> None:
         )
 
 
+def _check_cost(found: ImageFile, name: str, limits: Limits, *, reduced: bool) -> None:
+    width, height = found.width, found.height
+    large = found.kind != "JPEG" and found.pixels > limits.pixels
+    if large or found.cost(draft_scale(width, height) if reduced else 1) > limits.cost:
+        most = min(limits.pixels, limits.cost / found.bytes_a_pixel) / 1e6
+        raise DataError(
+            f"'{name}' is {width} × {height} pixels; a {found.kind} file of its kind is read up to "
+            f"{most:.0f} megapixels here. Scale it down, or save it as JPEG."
+        )
+
+
 def _turn(image: Image.Image) -> int:
     try:
         return int(image.getexif().get(_ORIENTATION, 1))
@@ -132,30 +214,65 @@ def _turn(image: Image.Image) -> int:
         return 1
 
 
-def _eight_bit_rgb(image: Image.Image, name: str) -> Image.Image:
-    if image.mode.startswith("I"):
-        image = Image.fromarray(_upper_byte(np.asarray(image), name))
-    elif image.mode == "F":
-        image = Image.fromarray(_from_unit_range(np.asarray(image), name))
-    if image.has_transparency_data:
-        seen = image.convert("RGBA")
-        image = Image.alpha_composite(Image.new("RGBA", seen.size, "white"), seen)
-    return image.convert("RGB") if image.mode != "RGB" else image.copy()
+def _eight_bit_rgb(image: Image.Image, name: str, smaller: int) -> Image.Image:
+    """Return the picture as RGB, its sides divided by `smaller`, going strip by strip."""
+    upper = _levels(image, name)
+    width, height = image.size
+    out = Image.new("RGB", (-(-width // smaller), -(-height // smaller)))
+    step = smaller * max(1, STRIP_PIXELS // (width * smaller))
+    for top in range(0, height, step):
+        strip = image.crop((0, top, width, min(height, top + step)))
+        rgb = _on_white(strip if upper is None else upper(strip))
+        out.paste(rgb.reduce(smaller) if smaller > 1 else rgb, (0, top // smaller))
+    return out
 
 
-def _upper_byte(values: NDArray[Any], name: str) -> NDArray[np.uint8]:
-    low, high = int(values.min()), int(values.max())
+def _on_white(strip: Image.Image) -> Image.Image:
+    if strip.has_transparency_data:
+        seen = strip.convert("RGBA")
+        strip = Image.alpha_composite(Image.new("RGBA", seen.size, "white"), seen)
+    return strip.convert("RGB")
+
+
+def _levels(image: Image.Image, name: str) -> Callable[[Image.Image], Image.Image] | None:
+    """Return what makes 8 bits of the picture's wider values; None where it has 8."""
+    if not (image.mode.startswith("I") or image.mode == "F"):
+        return None
+    low, high = _extremes(image)
+    if image.mode == "F":
+        if not (low >= 0 and high <= 1):  # also true of NaN
+            raise DataError(
+                f"'{name}' holds floating values from {low:g} to {high:g}, expected 0 to 1; "
+                "save it as 8- or 16-bit PNG."
+            )
+        return _from_unit_range
     if low < 0 or high > 65535:
-        raise DataError(f"'{name}' holds values from {low} to {high}; save it as 8- or 16-bit PNG.")
-    return (values.astype(np.uint32) >> 8).astype(np.uint8)
-
-
-def _from_unit_range(values: NDArray[Any], name: str) -> NDArray[np.uint8]:
-    low, high = float(values.min()), float(values.max())
-    if not (low >= 0 and high <= 1):  # also true of NaN
         raise DataError(
-            f"'{name}' holds floating values from {low:g} to {high:g}, expected 0 to 1; "
-            "save it as 8- or 16-bit PNG."
+            f"'{name}' holds values from {int(low)} to {int(high)}; save it as 8- or 16-bit PNG."
         )
-    scaled: NDArray[np.uint8] = np.rint(values * 255).astype(np.uint8)
-    return scaled
+    return _upper_byte
+
+
+def _extremes(image: Image.Image) -> tuple[float, float]:
+    import numpy as np
+
+    lows, highs = [], []
+    step = max(1, STRIP_PIXELS // image.width)
+    for top in range(0, image.height, step):
+        box = (0, top, image.width, min(image.height, top + step))
+        values = np.asarray(image.crop(box))
+        lows.append(values.min())
+        highs.append(values.max())
+    return float(np.min(lows)), float(np.max(highs))
+
+
+def _upper_byte(strip: Image.Image) -> Image.Image:
+    import numpy as np
+
+    return Image.fromarray((np.asarray(strip).astype(np.uint32) >> 8).astype(np.uint8))
+
+
+def _from_unit_range(strip: Image.Image) -> Image.Image:
+    import numpy as np
+
+    return Image.fromarray(np.rint(np.asarray(strip) * 255).astype(np.uint8))

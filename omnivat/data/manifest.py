@@ -9,7 +9,8 @@ from omnivat.files import replacing
 from omnivat.packages import need
 
 MANIFESTS = ("csv", "parquet")
-COLUMNS = ("domain", "material", "vis", "tac", "object", "split", "part")
+_EARLIER = ("domain", "material", "vis", "tac", "object", "split", "part")
+COLUMNS = (*_EARLIER, "looks_like", "feels_like")
 
 
 def write_manifest(path: Path, columns: Mapping[str, Sequence[str]], kind: str = "csv") -> Path:
@@ -44,7 +45,7 @@ def require_own(place: Path) -> None:
         return
     with place.open("rb") as handle:
         first = handle.readline(4096).decode("utf-8", "replace").strip()
-    if first != ",".join(COLUMNS):
+    if first not in (",".join(COLUMNS), ",".join(_EARLIER)):
         raise WriteError(
             f"'{place}' is another table and would be replaced by that of the embeddings; "
             "choose another name for the embeddings, or move the table."

@@ -19,6 +19,8 @@ class Pair:
     object: str = ""
     split: str = ""  # "train", "val", "test" or "" where the source states none
     part: str = ""  # TacQuad: "indoor" or "outdoor"
+    looks_like: str = ""  # the class that the object imitates by sight, "" where none
+    feels_like: str = ""  # the class that it imitates by touch, "" where none
     tac_crop: int = 0  # central square to cut before resizing, pixels; 0 cuts nothing
 
 

@@ -15,16 +15,21 @@ import numpy as np
 from numpy.typing import NDArray
 from safetensors import SafetensorError
 
-from omnivat.data.arrays import Column, column, read_arrays, write_arrays
+from omnivat.data.arrays import MOST_COLUMNS, Column, column, read_arrays, released, write_arrays
+from omnivat.data.domains import require_domain_names
 from omnivat.data.embeddings import Array, Embeddings, Header
 from omnivat.data.manifest import write_manifest
 from omnivat.errors import DataError, SettingsError
 from omnivat.files import replacing
+from omnivat.schema import columns_in, json_in, name_list
 
 FORMAT = "omnivat-embeddings-1"
-ROW_NAMES = ("vis", "tac", "object", "split", "part")
+ROW_NAMES = ("vis", "tac", "object", "split", "part", "looks_like", "feels_like")
+_LATER = ("looks_like", "feels_like")  # older files lack these columns
 VECTORS = ("vis", "tac", "vis_flip", "tac_flip")
 DTYPES = {"float32": "F32", "float16": "F16"}
+RELEASED_BYTES = 256_000_000  # of an array that is not kept in memory after a look at it
+MOST_NAMES = 65_536  # domains or classes
 
 __all__ = ["FORMAT", "ROW_NAMES", "Embeddings", "Header", "load_embeddings", "save_embeddings"]
 
@@ -69,9 +74,12 @@ def write_columns(
 ) -> None:
     """Write a set of embeddings whose vectors come block by block, whole or not at all.
 
-    Raises DataError when a value is not finite or too large for float16.
+    Raises DataError when a value is not finite or too large for float16, or a domain is called
+    "all".
     """
-    text = json.dumps(dict(rows), ensure_ascii=False).encode()
+    require_domain_names(header.domains)
+    rows = _completed(rows, len(label))
+    text = json.dumps(rows, ensure_ascii=False).encode()
     columns = {
         name: replace(vector, blocks=_checked(path, name, vector))
         for name, vector in vectors.items()
@@ -92,11 +100,36 @@ def write_columns(
         write_manifest(Path(path), names, manifest)
 
 
+def _completed(rows: Mapping[str, Sequence[str]], count: int) -> dict[str, list[str]]:
+    """Return the columns, with empty texts for those that older files lack."""
+    complete = {name: list(column) for name, column in rows.items()}
+    for name in _LATER:
+        complete.setdefault(name, [""] * count)
+    return complete
+
+
+def _written(path: str | Path, rows: Mapping[str, Sequence[str]]) -> bytes:
+    try:
+        return json.dumps(dict(rows), ensure_ascii=False).encode()
+    except UnicodeEncodeError as error:
+        raise DataError(
+            f"'{path}' was not written: the name {error.object[max(0, error.start - 20) : error.end + 20]!a} "
+            "holds bytes that are no text (UTF-8); rename that file."
+        ) from error
+
+
 def vector_type(dtype: str) -> str:
     """Return what the format calls "float32" or "float16"; raises SettingsError for another."""
     if dtype not in DTYPES:
         raise SettingsError(f"dtype is '{dtype}'; choose {' or '.join(DTYPES)}.")
     return DTYPES[dtype]
+
+
+def _finite(whole: NDArray[Any], block: NDArray[Any]) -> bool:
+    good = bool(np.isfinite(block).all())
+    if whole.nbytes > RELEASED_BYTES:
+        released(whole)
+    return good
 
 
 def _blocks(array: NDArray[Any], size: int = 4096) -> Iterator[NDArray[Any]]:
@@ -122,6 +155,7 @@ def _metadata(header: Header, count: int, width: int) -> dict[str, str]:
         "weights_hash": header.weights_hash,
         "preprocessing": header.preprocessing,
         "precision": header.precision,
+        **({"text_hash": header.text_hash} if header.text_hash else {}),
         "domains": json.dumps(header.domains),
         "classes": json.dumps(header.classes),
         "simulated": json.dumps(header.simulated),
@@ -150,11 +184,11 @@ def load_embeddings(path: str | Path) -> Embeddings:
                 f"'{file}' is not a set of embeddings (format '{metadata.get('format', 'none')}', "
                 f"wanted '{FORMAT}'). Make one with `python -m omnivat embed`."
             )
-        rows = json.loads(arrays["rows"].tobytes())
+        rows = columns_in(_bytes(arrays["rows"]), f"{file} (rows)", MOST_COLUMNS)
         vectors = {name: _single(arrays[name]) for name in VECTORS if name in arrays}
         embeddings = Embeddings(
             header=_header(metadata),
-            rows=rows,
+            rows=_completed(rows, len(arrays["label"])),
             domain=arrays["domain"],
             label=arrays["label"],
             **vectors,
@@ -170,7 +204,15 @@ def load_embeddings(path: str | Path) -> Embeddings:
     return embeddings
 
 
+def _bytes(array: NDArray[Any]) -> bytes:
+    if array.dtype != np.uint8 or array.ndim != 1:
+        raise DataError("'rows' should be the bytes of a JSON object; make the file again.")
+    return array.tobytes()
+
+
 def _single(array: NDArray[Any]) -> Array:
+    if array.dtype not in (np.float32, np.float16):
+        raise DataError(f"The embeddings are of type {array.dtype}, wanted float32 or float16.")
     return array if array.dtype == np.float32 else array.astype(np.float32)
 
 
@@ -179,15 +221,17 @@ def _header(metadata: dict[str, str]) -> Header:
         encoder=metadata["encoder"],
         weights_hash=metadata["weights_hash"],
         preprocessing=metadata["preprocessing"],
-        domains=tuple(json.loads(metadata["domains"])),
-        classes=tuple(json.loads(metadata["classes"])),
-        simulated=json.loads(metadata["simulated"]),
+        domains=name_list(json_in(metadata["domains"].encode(), "domains"), "domains", MOST_NAMES),
+        classes=name_list(json_in(metadata["classes"].encode(), "classes"), "classes", MOST_NAMES),
+        simulated=json_in(metadata["simulated"].encode(), "simulated") is True,
         origin=metadata["origin"],
         precision=metadata.get("precision", "fp32"),
+        text_hash=metadata.get("text_hash", ""),
     )
 
 
 def _check(file: Path, embeddings: Embeddings) -> None:
+    require_domain_names(embeddings.header.domains)
     count, width = embeddings.vis.shape if embeddings.vis.ndim == 2 else (-1, -1)
     flips = [a for a in (embeddings.vis_flip, embeddings.tac_flip) if a is not None]
     shapes_agree = (
@@ -196,7 +240,8 @@ def _check(file: Path, embeddings: Embeddings) -> None:
         and embeddings.domain.shape == embeddings.label.shape == (count,)
         and all(len(embeddings.rows.get(name, ())) == count for name in ROW_NAMES)
     )
-    if not shapes_agree:
+    whole = embeddings.domain.dtype == embeddings.label.dtype == np.int64
+    if not shapes_agree or not whole:
         raise DataError(f"'{file}' holds arrays of differing lengths; make it again.")
     for name, index, names in (
         ("domain", embeddings.domain, embeddings.header.domains),
@@ -205,5 +250,7 @@ def _check(file: Path, embeddings: Embeddings) -> None:
         if count and not (index.min() >= 0 and index.max() < len(names)):
             raise DataError(f"'{file}' has a {name} index without a name; make it again.")
     for vectors in (embeddings.vis, embeddings.tac, *flips):
-        if not all(np.isfinite(block).all() for block in _blocks(vectors)):
+        finite = all(_finite(vectors, block) for block in _blocks(vectors))
+        released(vectors)  # looked at and not written to
+        if not finite:
             raise DataError(f"'{file}' holds NaN or infinite embeddings; embed the pairs again.")

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from omnivat.data.pairs import Pair, Skipped
 from omnivat.encoders import Encoder, load_encoder
 from omnivat.encoders.cache import EmbeddingCache, embed_views
+from omnivat.encoders.paired import for_modality
 from omnivat.errors import DataError
 
 CHUNK = 128  # pairs in one part file: what an interruption can cost at most
@@ -22,11 +23,13 @@ Array = NDArray[np.float32]
 class Job:
     """How to embed; plain values, so that it can be sent to another machine."""
 
-    encoder: str
+    encoder: str  # two, "VIS | TAC", for one each
     weights: Path | None = None
+    tac_weights: Path | None = None
     device: str = "cpu"
     precision: str = "fp32"
     flips: bool = True
+    download: str = "ask"
 
     @property
     def views(self) -> tuple[bool, ...]:
@@ -41,7 +44,12 @@ class Job:
     def load(self) -> Encoder:
         """Load the encoder of this job."""
         return load_encoder(
-            self.encoder, weights=self.weights, device=self.device, precision=self.precision
+            self.encoder,
+            weights=self.weights,
+            tac_weights=self.tac_weights,
+            device=self.device,
+            precision=self.precision,
+            download=self.download,
         )
 
 
@@ -86,8 +94,10 @@ def embed_one(
 ) -> list[Array] | Skipped:
     """Return a pair's vectors (D,) in the order of `job.columns`, or why it has none."""
     try:
-        vis = embed_views(encoder, pair.vis, cache, flips=job.views)
-        tac = embed_views(encoder, pair.tac, cache, flips=job.views, crop=pair.tac_crop)
+        vis = embed_views(for_modality(encoder, "vis"), pair.vis, cache, flips=job.views)
+        tac = embed_views(
+            for_modality(encoder, "tac"), pair.tac, cache, flips=job.views, crop=pair.tac_crop
+        )
     except DataError as error:
         return Skipped(what=f"{pair.vis} + {pair.tac}", why=str(error))
     return [*vis, *tac]

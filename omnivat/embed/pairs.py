@@ -42,8 +42,10 @@ def embed_pairs(
     out: str | Path,
     *,
     weights: Path | None = None,
+    tac_weights: Path | None = None,
     device: str = "cpu",
     precision: str = "fp32",
+    download: str = "ask",
     engine: str = "local",
     flips: bool = True,
     workers: int | None = None,
@@ -53,7 +55,11 @@ def embed_pairs(
 ) -> EmbedReport:
     """Embed `pairs` with the encoder of that name and write the set of embeddings to `out`.
 
+    encoder_name    as `load_encoder` takes it; "VIS | TAC" names one for each modality
     weights     a checkpoint in place of the default one
+    tac_weights the same for the encoder of tactile images, where it is another
+    device      "cpu", "cuda" or "auto"
+    download    "ask", "yes" or "no": whether missing weights may be fetched from the hub
     precision   "fp32", "bf16" where the CPU has it, or "fp32-onnx" for the default encoder
     engine      "local", or "ray" for a cluster; both write the same file
     flips       also embed the mirrored images, which training draws from
@@ -78,25 +84,32 @@ def embed_pairs(
         )
     run = load(ENGINES, engine, kind="engine")
     job = Job(
-        encoder=encoder_name, weights=weights, device=device, precision=precision, flips=flips
+        encoder=encoder_name,
+        weights=weights,
+        tac_weights=tac_weights,
+        device=device,
+        precision=precision,
+        flips=flips,
+        download=download,
     )
     begun = time.monotonic()
     encoder = job.load()
     parts = Parts(out)
-    chunks = list(chunks_of(pairs.pairs, encoder, job))
-    waiting = [chunk for chunk in chunks if parts.read(chunk) is None]
-    resumed = len(pairs.pairs) - sum(len(chunk.pairs) for chunk in waiting)
-    if resumed:
-        _log.info("%d pairs were embedded by an earlier run", resumed)
-    on_pairs = _progress(len(pairs.pairs), resumed, on_step)
-    for chunk, content in run(
-        waiting, job, encoder, workers=workers or usable_cores(), on_pairs=on_pairs
-    ):
-        parts.write(chunk, content)
-    finished = [part for chunk in chunks if (part := parts.read(chunk)) is not None]
-    _require_all(finished, len(chunks), pairs, parts)
-    header = merge(out, finished, pairs, encoder, job, dtype=dtype, manifest=manifest)
-    parts.remove()
+    with parts.claimed():
+        chunks = list(chunks_of(pairs.pairs, encoder, job))
+        waiting = [chunk for chunk in chunks if parts.read(chunk) is None]
+        resumed = len(pairs.pairs) - sum(len(chunk.pairs) for chunk in waiting)
+        if resumed:
+            _log.info("%d pairs were embedded by an earlier run", resumed)
+        on_pairs = _progress(len(pairs.pairs), resumed, on_step)
+        for chunk, content in run(
+            waiting, job, encoder, workers=workers or usable_cores(), on_pairs=on_pairs
+        ):
+            parts.write(chunk, content)
+        finished = [part for chunk in chunks if (part := parts.read(chunk)) is not None]
+        _require_all(finished, len(chunks), pairs, parts)
+        header = merge(out, finished, pairs, encoder, job, dtype=dtype, manifest=manifest)
+        parts.remove()
     return EmbedReport(
         out=out,
         header=header,

@@ -3,6 +3,7 @@
 import json
 import os
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -17,7 +18,10 @@ from omnivat.data.pairs import Pair, PairSet, Skipped
 from omnivat.data.store import ROW_NAMES, Header, vector_type, write_columns
 from omnivat.embed.job import Array, Chunk, Job
 from omnivat.encoders import Encoder
-from omnivat.files import replacing
+from omnivat.errors import WriteError
+from omnivat.files import locked, replacing, writing
+
+IN_USE = "in-use"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -46,6 +50,24 @@ class Parts:
 
     def __init__(self, out: Path) -> None:
         self.folder = out.with_name(out.name + ".parts")
+
+    @contextmanager
+    def claimed(self) -> Iterator[None]:
+        """Keep the parts to this process; raises WriteError where another one is making them."""
+        with writing(self.folder):
+            self.folder.mkdir(parents=True, exist_ok=True)
+            handle = (self.folder / IN_USE).open("a")
+        with handle:
+            if locked(handle) is False:
+                raise WriteError(
+                    f"'{self.folder}' belongs to another embed that is still running; wait for it, "
+                    "or name another file to write."
+                )
+            try:
+                yield
+            finally:
+                (self.folder / IN_USE).unlink(missing_ok=True)
+                self._remove_if_empty()
 
     def _file(self, chunk: Chunk) -> Path:
         return self.folder / f"part-{chunk.index:07d}.safetensors"
@@ -76,6 +98,9 @@ class Parts:
         for pattern in ("part-*.safetensors", ".part-*.tmp"):
             for file in self.folder.glob(pattern):
                 file.unlink(missing_ok=True)
+        self._remove_if_empty()
+
+    def _remove_if_empty(self) -> None:
         if self.folder.is_dir() and not any(self.folder.iterdir()):
             self.folder.rmdir()
 
@@ -97,6 +122,7 @@ def merge(
         weights_hash=encoder.weights_hash,
         preprocessing=encoder.preprocessing,
         precision=encoder.precision,
+        text_hash=getattr(encoder, "text_hash", ""),
         domains=found.domains(),
         classes=found.materials(),
         simulated=source.simulated,

@@ -4,8 +4,6 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
-from omnivat.tables import load
-
 if TYPE_CHECKING:
     import numpy as np
     import torch
@@ -14,20 +12,27 @@ if TYPE_CHECKING:
 DEFAULT_ENCODER = "efficientnet-lite0"
 ENCODERS = {
     "efficientnet-lite0": "omnivat.encoders.efficientnet:load_lite0",
-    "clip-rn50": "omnivat.encoders.clip_resnet:load_rn50",
-    "clip-vit-b16": "omnivat.encoders.clip_vit:load_vit_b16",
-    "clip-vit-l14": "omnivat.encoders.clip_vit:load_vit_l14",
+    "clip-vit-b32": "omnivat.encoders.clip:load_vit_b32",
+    "clip-vit-b16": "omnivat.encoders.clip:load_vit_b16",
+    "clip-vit-l14": "omnivat.encoders.clip:load_vit_l14",
+    "clip-vit-l14-336": "omnivat.encoders.clip:load_vit_l14_336",
+    "clip-rn50": "omnivat.encoders.clip:load_rn50",
+    "clip-rn101": "omnivat.encoders.clip:load_rn101",
+    "clip": "omnivat.encoders.clip:load_any",
+    "strip": "omnivat.encoders.strip:load_strip",
 }
 
 
 class Encoder(Protocol):
     """An image encoder with frozen weights.
 
-    name            its entry in ENCODERS
+    name            what `load_encoder` loads it by
     width           D, the length of an embedding
     preprocessing   what happens to an image first, for people and for the header of a file
     weights_hash    tells two sets of weights apart
     precision       "fp32", "bf16" or "fp32-onnx": how it computes; embeddings are float32
+
+    An encoder with a text tower beside it also has `text_hash`, which tells those apart.
     """
 
     @property
@@ -42,11 +47,11 @@ class Encoder(Protocol):
     def precision(self) -> str: ...
 
     def preprocess(self, image: "Image.Image") -> "torch.Tensor":
-        """Return an RGB image as the (3, H, W) float32 tensor that `embed` takes."""
+        """Return an RGB image as the (C, H, W) float32 tensor that `embed` takes."""
         ...
 
     def embed(self, images: "torch.Tensor") -> "torch.Tensor":
-        """Return the embeddings (B, D), float32, of preprocessed images (B, 3, H, W).
+        """Return the embeddings (B, D), float32, of preprocessed images (B, C, H, W).
 
         An image has the same embedding, to the last bit, alone and in any batch.
         """
@@ -54,22 +59,63 @@ class Encoder(Protocol):
 
 
 def load_encoder(
-    name: str, *, weights: Path | None = None, device: str = "cpu", precision: str = "fp32"
+    name: str,
+    *,
+    weights: Path | None = None,
+    tac_weights: Path | None = None,
+    device: str = "cpu",
+    precision: str = "fp32",
+    download: str = "ask",
+    weights_hash: str = "",
 ) -> Encoder:
     """Load the encoder called `name`.
 
-    weights     a checkpoint to use in place of the one found by default
-    device      "cpu", "cuda" or "auto"
-    precision   "fp32"; for less time "bf16", whose embeddings differ a little, or, for the default
-                encoder on a CPU, "fp32-onnx", whose last digits differ
+    name            a key of ENCODERS; `hf:NAME_OR_FOLDER` for a vision model of transformers;
+                    `module:function` or `file.py:function` for one's own; the name of an entry point
+                    of the group "omnivat.encoders"; or two of these, "VIS | TAC", one for each
+    weights         a checkpoint to use in place of the one found by default
+    tac_weights     the same for the second of two
+    device          "cpu", "cuda" or "auto"
+    precision       "fp32"; for less time "bf16", whose embeddings differ a little, or, for the
+                    default encoder on a CPU, "fp32-onnx", whose last digits differ
+    download        "ask", "yes" or "no": whether missing weights may be fetched from the hub
+    weights_hash    of the weights that are wanted, where known: without `weights`, they are read
+                    where weights of that hash were read last
 
     Raises MissingNameError for an unknown name, SettingsError for a precision or device that is not
-    there, and DataError, saying what to fetch, when a checkpoint is missing.
+    there, and DataError when a checkpoint is missing, which names the command that fetches it, or
+    when the encoder does not keep the contract.
     """
-    loader = load(ENCODERS, name, kind="encoder")
-    from omnivat.devices import device_from
+    from omnivat.encoders.paired import JOINED, PairEncoder
 
-    encoder: Encoder = loader(weights=weights, device=device_from(device), precision=precision)
+    if JOINED in name:
+        vis, _, tac = name.partition(JOINED)
+        of_vis, _, of_tac = weights_hash.partition(JOINED)
+        settings = {"device": device, "precision": precision, "download": download}
+        return PairEncoder(
+            _load_one(vis, weights, of_vis, settings), _load_one(tac, tac_weights, of_tac, settings)
+        )
+    settings = {"device": device, "precision": precision, "download": download}
+    return _load_one(name, weights, weights_hash, settings)
+
+
+def _load_one(
+    name: str, weights: Path | None, weights_hash: str, settings: dict[str, Any]
+) -> Encoder:
+    from omnivat.devices import device_from
+    from omnivat.encoders.checked import checked
+    from omnivat.encoders.names import accepted, loader_of
+    from omnivat.encoders.places import recall, remember
+
+    place = weights or (recall(weights_hash) if weights_hash else None)
+    loader = loader_of(name, ENCODERS)
+    wanted = {**settings, "device": device_from(settings["device"]), "weights": place}
+    found = loader(**accepted(loader, name, wanted))
+    encoder = found if name in ENCODERS else checked(found, name)
+    if weights is not None:
+        remember(encoder.weights_hash, weights)
+    elif name.startswith("hf:") and Path(name.removeprefix("hf:")).is_dir():
+        remember(encoder.weights_hash, Path(name.removeprefix("hf:")))
     return encoder
 
 

@@ -20,6 +20,7 @@ from PIL import Image
 
 from omnivat.data.images import central_square, read_bytes, read_image
 from omnivat.encoders.base import Encoder
+from omnivat.encoders.paired import for_modality
 from omnivat.files import cache_folder, replacing
 
 if TYPE_CHECKING:
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float32]
 Source = str | Path | bytes | Image.Image
+READING = "2"  # of how images are read; entries of another reading are not used
 DIGEST = 16  # bytes of checksum before an entry's values
 
 
@@ -129,7 +131,7 @@ def embed_views(
 
     @lru_cache(maxsize=1)
     def pixels() -> "torch.Tensor":
-        return encoder.preprocess(central_square(read_image(content, name), crop))
+        return encoder.preprocess(central_square(read_image(content, name, reduced=not crop), crop))
 
     def compute(flip: bool) -> Array:
         seen = pixels().flip(-1) if flip else pixels()
@@ -157,10 +159,14 @@ def embed_pair(
     Raises DataError as `read_image` does.
     """
     return (
-        None if vis is None else embed_image(encoder, vis, cache, name=_name(vis, "VIS")),
+        None
+        if vis is None
+        else embed_image(for_modality(encoder, "vis"), vis, cache, name=_name(vis, "VIS")),
         None
         if tac is None
-        else embed_image(encoder, tac, cache, crop=tac_crop, name=_name(tac, "TAC")),
+        else embed_image(
+            for_modality(encoder, "tac"), tac, cache, crop=tac_crop, name=_name(tac, "TAC")
+        ),
     )
 
 
@@ -172,7 +178,13 @@ def _keys(
     encoder: Encoder, source: bytes | Image.Image, crop: int, flips: Sequence[bool]
 ) -> list[str]:
     content = blake2b(source if isinstance(source, bytes) else _pixel_bytes(source)).hexdigest()
-    made_by = (encoder.name, encoder.weights_hash, encoder.precision, encoder.preprocessing)
+    made_by = (
+        READING,
+        encoder.name,
+        encoder.weights_hash,
+        encoder.precision,
+        encoder.preprocessing,
+    )
     texts = ("\x1f".join((*made_by, content, str(crop), str(flip))) for flip in flips)
     return [blake2b(text.encode(), digest_size=20).hexdigest() for text in texts]
 

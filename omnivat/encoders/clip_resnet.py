@@ -1,4 +1,4 @@
-"""CLIP RN50: the image tower, read from the state dict that was published with the paper.
+"""CLIP's ResNets: the image tower under the names that OpenAI published.
 
 Radford et al., "Learning Transferable Visual Models From Natural Language Supervision", 2021,
 section 2.4: a ResNet with a stem of three convolutions, average pooling before each convolution
@@ -6,23 +6,20 @@ that would have a stride, and attention in place of the last average.
 Every size is read off the weights, so a tower of other depth or width works too.
 """
 
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 import torch
 from PIL import Image
 from torch import Tensor, nn
 from torch.nn.functional import avg_pool2d, conv2d, linear, relu, scaled_dot_product_attention
 
-from omnivat.encoders.checkpoints import Checkpoint, find, pick, read_state
-from omnivat.encoders.clip_vit import MEAN, PREPROCESSING, STD
-from omnivat.encoders.running import one_by_one, pixels, placed, precision_type, state_hash
+from omnivat.encoders.clip_shapes import ImageShape
+from omnivat.encoders.running import one_by_one, pixels, placed, precision_type, resized
 from omnivat.errors import DataError
 
-RN50 = Checkpoint(
-    name="clip-rn50",
-    fetch="curl -L --create-dirs -o {folder}/RN50.pt https://openaipublic.azureedge.net/clip/models/"
-    "afeb0e10f9e5a86da6080e35cf09123aca3b358a0c3e3b6c78a7b63bc04b6762/RN50.pt",
-)
+if TYPE_CHECKING:
+    from omnivat.encoders.clip import Clip
+
 HEAD_WIDTH = 64  # channels of one attention head
 NORM_EPS = 1e-5
 STRIDES = (1, 2, 2, 2)  # of the four stages
@@ -30,7 +27,7 @@ State = dict[str, Tensor]
 
 
 class Tower(nn.Module):
-    """(B, 3, 224, 224) -> (B, D)."""
+    """(B, 3, side, side) -> (B, D)."""
 
     def __init__(self, state: State) -> None:
         super().__init__()
@@ -122,38 +119,29 @@ def _count(state: State, prefix: str) -> int:
 
 
 class ClipResNet:
-    """CLIP RN50 as an `Encoder`."""
+    """The image tower of a CLIP ResNet as an `Encoder`."""
 
-    name = RN50.name
-    preprocessing = PREPROCESSING
-
-    def __init__(self, place: Path, device: torch.device, precision: str) -> None:
-        state = _visual(place)
+    def __init__(
+        self, clip: "Clip", shape: ImageShape, device: torch.device, precision: str
+    ) -> None:
         try:
-            tower = Tower(state)
+            tower = Tower(clip.weights.image)
         except KeyError as error:
-            raise DataError(f"'{place}' lacks the weight {error} of {RN50.name}.") from error
-        self.width = int(state["attnpool.c_proj.weight"].shape[0])
-        self.weights_hash = state_hash(state)
+            raise DataError(f"'{clip.file}' lacks the weight {error} of {clip.name}.") from error
+        self.name = clip.name
+        self.width = shape.embed
+        self.weights_hash, self.text_hash = clip.image_hash, clip.text_hash
         self.precision = precision
+        self.side, self.mean, self.std = shape.side, clip.settings.mean, clip.settings.std
+        self.preprocessing = resized(self.side, self.mean, self.std)
         self._type = precision_type(precision, device)
         self._network = placed(tower, device, self._type)
         self._device = device
 
     def preprocess(self, image: Image.Image) -> Tensor:
-        """Return an RGB image as (3, 224, 224)."""
-        return pixels(image, MEAN, STD)
+        """Return an RGB image as (3, side, side)."""
+        return pixels(image, self.mean, self.std, self.side)
 
     def embed(self, images: Tensor) -> Tensor:
-        """Return the embeddings (B, D) of preprocessed images (B, 3, 224, 224)."""
+        """Return the embeddings (B, D) of preprocessed images (B, 3, side, side)."""
         return one_by_one(self._network, images.to(self._device, self._type))
-
-
-def _visual(place: Path) -> State:
-    state = pick(read_state(place, RN50.name), ("visual.",))
-    return {key.removeprefix("visual."): value for key, value in state.items()}
-
-
-def load_rn50(*, weights: Path | None, device: torch.device, precision: str) -> ClipResNet:
-    """Load CLIP RN50 (D = 1024) from a `.pt` or `.safetensors` file, or a folder with one."""
-    return ClipResNet(find(RN50, weights), device, precision)

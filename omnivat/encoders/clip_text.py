@@ -1,37 +1,40 @@
-"""CLIP's text tower, through `transformers`: sentences into the space of the ViT image towers."""
+"""CLIP's text tower, through `transformers`: sentences into the space of the image towers."""
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import torch
 from torch import Tensor
 
-from omnivat.encoders.checkpoints import find, pick, read_state
-from omnivat.encoders.clip_vit import PURPOSE, VIT_B16, VIT_L14, fill, read_config
-from omnivat.encoders.running import one_thread, state_hash
+from omnivat.encoders.clip import CHECKPOINTS, Clip, open_clip
+from omnivat.encoders.clip_shapes import count, heads
+from omnivat.encoders.clip_tokenizer import load_tokenizer
+from omnivat.encoders.clip_vit import PURPOSE, filled, mlp_width, require_stated
 from omnivat.errors import DataError, MissingNameError
 from omnivat.packages import need
 from omnivat.tables import suggestion
-
-CHECKPOINTS = {checkpoint.name: checkpoint for checkpoint in (VIT_B16, VIT_L14)}
+from omnivat.threads import one_thread
 
 
 class ClipText:
-    """The text tower that belongs to a CLIP ViT. `network` and `tokenizer` are open to learners."""
+    """The text tower of a CLIP. `network` and `tokenizer` are open to learners.
 
-    def __init__(self, name: str, folder: Path, device: torch.device) -> None:
-        transformers = need("transformers", purpose=PURPOSE)
-        config = read_config(folder, name)
-        state = pick(read_state(folder, name), ("text_model.", "text_projection."))
-        self.network = transformers.CLIPTextModelWithProjection(config.text_config)
-        fill(self.network, state, folder, name)
-        self.network.eval().to(device)
-        _require_tokenizer(folder, name)
-        self.tokenizer = transformers.CLIPTokenizer.from_pretrained(folder)
-        self.name = name
-        self.width = int(config.projection_dim)
-        self.weights_hash = state_hash(self.network.state_dict())
-        self._longest = int(config.text_config.max_position_embeddings)
+    weights_hash    tells text towers apart; an image tower of the same file has it as `text_hash`
+    logit_scale     what the model multiplies cosines by; None where the checkpoint has none
+    """
+
+    def __init__(self, clip: Clip, device: torch.device) -> None:
+        self.network = _network(clip).to(device)
+        self._longest = int(self.network.config.max_position_embeddings)
+        self.tokenizer = load_tokenizer(
+            clip.place, longest=self._longest, vocabulary=int(self.network.config.vocab_size)
+        )
+        self.name, self.place = clip.name, clip.place
+        self.width = int(self.network.config.projection_dim)
+        self.weights_hash = clip.text_hash
+        scale = clip.weights.logit_scale
+        self.logit_scale = None if scale is None else float(torch.tensor(scale).exp())
         self._device = device
 
     def embed_texts(self, texts: Sequence[str]) -> Tensor:
@@ -47,20 +50,43 @@ class ClipText:
         return embeds.float()
 
 
-def _require_tokenizer(folder: Path, name: str) -> None:
-    """`transformers` makes an empty tokenizer, and says nothing, when its files are missing."""
-    choices = (("tokenizer.json",), ("vocab.json", "merges.txt"))
-    if not any(all((folder / file).is_file() for file in files) for files in choices):
-        raise DataError(
-            f"'{folder}' has no tokenizer (tokenizer.json, or vocab.json and merges.txt); "
-            f"fetch {name} again."
-        )
+def _network(clip: Clip) -> Any:
+    """Return the tower of `transformers` with the checkpoint's weights."""
+    transformers = need("transformers", purpose=PURPOSE)
+    state, stated = clip.weights.text, clip.settings.text
+    try:
+        vocabulary, width = state["text_model.embeddings.token_embedding.weight"].shape
+        longest = len(state["text_model.embeddings.position_embedding.weight"])
+        embed = len(state["text_projection.weight"])
+    except KeyError as error:
+        raise DataError(f"'{clip.file}' lacks the weight {error} of {clip.name}.") from error
+    layers = count(state, "text_model.encoder.layers.")
+    require_stated(stated, {"width": width, "layers": layers}, clip)
+    config = transformers.CLIPTextConfig(
+        vocab_size=vocabulary,
+        hidden_size=width,
+        num_hidden_layers=layers,
+        num_attention_heads=heads(width, stated.get("heads"), clip.file),
+        intermediate_size=mlp_width(state, "text_model.encoder.layers.0.", clip),
+        max_position_embeddings=longest,
+        projection_dim=embed,
+        hidden_act=clip.settings.activation,
+        layer_norm_eps=clip.settings.eps,
+        bos_token_id=vocabulary - 2,
+        eos_token_id=stated.get("eos", vocabulary - 1),  # the last token in every published CLIP
+    )
+    with torch.device("meta"):
+        network = transformers.CLIPTextModelWithProjection(config)
+    return filled(network, state, clip)
 
 
-def load_text_encoder(name: str, *, weights: Path | None = None, device: str = "cpu") -> ClipText:
+def load_text_encoder(
+    name: str, *, weights: Path | None = None, device: str = "cpu", download: str = "ask"
+) -> ClipText:
     """Load the text tower that belongs to the image encoder called `name`.
 
-    Raises MissingNameError for an encoder without one, DataError when a checkpoint is missing.
+    Raises MissingNameError for an encoder without one, DataError when a checkpoint is missing or
+    holds an image tower alone.
     """
     if name not in CHECKPOINTS:
         raise MissingNameError(
@@ -69,4 +95,9 @@ def load_text_encoder(name: str, *, weights: Path | None = None, device: str = "
         )
     from omnivat.devices import device_from
 
-    return ClipText(name, find(CHECKPOINTS[name], weights), device_from(device))
+    clip = open_clip(name, weights, download=download)
+    if not clip.weights.text:
+        raise DataError(
+            f"'{clip.file}' has an image tower and no text tower; name the whole model."
+        )
+    return ClipText(clip, device_from(device))

@@ -1,62 +1,49 @@
-"""CLIP ViT-B/16 and ViT-L/14: the image tower through `transformers`.
+"""CLIP's ViTs: the image tower through `transformers`, sizes read off the weights.
 
 Radford et al., "Learning Transferable Visual Models From Natural Language Supervision", 2021.
 """
 
-from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import torch
 from PIL import Image
 from torch import Tensor
 
-from omnivat.encoders.checkpoints import Checkpoint, find, pick, read_state
-from omnivat.encoders.running import one_by_one, pixels, placed, precision_type, state_hash
+from omnivat.encoders.clip_names import State
+from omnivat.encoders.clip_shapes import ImageShape, heads
+from omnivat.encoders.running import one_by_one, pixels, placed, precision_type, resized
 from omnivat.errors import DataError
 from omnivat.packages import need
 
-MEAN = torch.tensor((0.48145466, 0.4578275, 0.40821073))
-STD = torch.tensor((0.26862954, 0.26130258, 0.27577711))
-PREPROCESSING = "resize 224x224 bicubic, RGB, CLIP mean and std"
-PURPOSE = "CLIP's ViT encoders"
+if TYPE_CHECKING:
+    from omnivat.encoders.clip import Clip
 
-VIT_B16 = Checkpoint(
-    name="clip-vit-b16",
-    hub="openai/clip-vit-base-patch16",
-    fetch="hf download openai/clip-vit-base-patch16 --local-dir {folder}",
-)
-VIT_L14 = Checkpoint(
-    name="clip-vit-l14",
-    hub="openai/clip-vit-large-patch14",
-    fetch="hf download openai/clip-vit-large-patch14 --local-dir {folder}",
-)
+PURPOSE = "CLIP's ViT encoders"
 
 
 class ClipVit:
     """The image tower of a CLIP ViT as an `Encoder`."""
 
-    preprocessing = PREPROCESSING
-
-    def __init__(self, name: str, folder: Path, device: torch.device, precision: str) -> None:
-        transformers = need("transformers", purpose=PURPOSE)
-        config = read_config(folder, name)
-        state = pick(read_state(folder, name), ("vision_model.", "visual_projection."))
-        network = transformers.CLIPVisionModelWithProjection(config.vision_config)
-        fill(network, state, folder, name)
-        self.name = name
-        self.width = int(config.projection_dim)
-        self.weights_hash = state_hash(network.state_dict())
+    def __init__(
+        self, clip: "Clip", shape: ImageShape, device: torch.device, precision: str
+    ) -> None:
+        network = _network(clip, shape)
+        self.name = clip.name
+        self.width = shape.embed
+        self.weights_hash, self.text_hash = clip.image_hash, clip.text_hash
         self.precision = precision
+        self.side, self.mean, self.std = shape.side, clip.settings.mean, clip.settings.std
+        self.preprocessing = resized(self.side, self.mean, self.std)
         self._type = precision_type(precision, device)
         self._network = placed(network, device, self._type)
         self._device = device
 
     def preprocess(self, image: Image.Image) -> Tensor:
-        """Return an RGB image as (3, 224, 224)."""
-        return pixels(image, MEAN, STD)
+        """Return an RGB image as (3, side, side)."""
+        return pixels(image, self.mean, self.std, self.side)
 
     def embed(self, images: Tensor) -> Tensor:
-        """Return the projected embeddings (B, D) of preprocessed images (B, 3, 224, 224)."""
+        """Return the projected embeddings (B, D) of preprocessed images (B, 3, side, side)."""
         return one_by_one(self._tower, images.to(self._device, self._type))
 
     def _tower(self, images: Tensor) -> Tensor:
@@ -64,45 +51,67 @@ class ClipVit:
         return embeds
 
 
-def load_vit_b16(*, weights: Path | None, device: torch.device, precision: str) -> ClipVit:
-    """Load CLIP ViT-B/16 (D = 512)."""
-    return ClipVit(VIT_B16.name, find(VIT_B16, weights), device, precision)
-
-
-def load_vit_l14(*, weights: Path | None, device: torch.device, precision: str) -> ClipVit:
-    """Load CLIP ViT-L/14 (D = 768)."""
-    return ClipVit(VIT_L14.name, find(VIT_L14, weights), device, precision)
-
-
-def read_config(folder: Path, name: str) -> Any:
-    """Return the settings of a CLIP model; raises DataError when the folder has none."""
+def _network(clip: "Clip", shape: ImageShape) -> Any:
+    """Return the tower of `transformers` with the checkpoint's weights."""
     transformers = need("transformers", purpose=PURPOSE)
-    if not (folder / "config.json").is_file():
-        raise DataError(
-            f"'{folder}' has no config.json; name the folder of a {name} checkpoint as "
-            "`transformers` saves it."
-        )
-    try:
-        config = transformers.CLIPConfig.from_pretrained(folder)
-    except Exception as error:  # a file that is not JSON, or of another model
-        raise DataError(
-            f"'{folder}/config.json' is not of a CLIP model; fetch {name} again."
-        ) from error
-    # The towers are built alone, and take the width of their projection from their own part.
-    config.vision_config.projection_dim = config.projection_dim
-    config.text_config.projection_dim = config.projection_dim
-    return config
+    state, stated = clip.weights.image, clip.settings.image
+    sizes = {"width": shape.width, "layers": shape.layers[0], "patch": shape.patch}
+    require_stated(stated, sizes | {"side": shape.side}, clip)
+    config = transformers.CLIPVisionConfig(
+        hidden_size=shape.width,
+        num_hidden_layers=shape.layers[0],
+        num_attention_heads=heads(shape.width, stated.get("heads"), clip.file),
+        intermediate_size=mlp_width(state, "vision_model.encoder.layers.0.", clip),
+        patch_size=shape.patch,
+        image_size=shape.side,
+        projection_dim=shape.embed,
+        hidden_act=clip.settings.activation,
+        layer_norm_eps=clip.settings.eps,
+    )
+    with torch.device("meta"):
+        network = transformers.CLIPVisionModelWithProjection(config)
+    return filled(network, state, clip)
 
 
-def fill(network: torch.nn.Module, state: dict[str, Tensor], folder: Path, name: str) -> None:
-    """Give `network` its weights; raises DataError when some are missing or of another shape."""
-    try:
-        missing, _ = network.load_state_dict(state, strict=False)
-    except RuntimeError as error:
+def mlp_width(state: State, layer: str, clip: "Clip") -> int:
+    """Return the hidden width of the perceptron in `layer`; raises DataError without one."""
+    weight = state.get(f"{layer}mlp.fc1.weight")
+    if weight is None:
+        raise DataError(f"'{clip.file}' lacks the weight {layer}mlp.fc1.weight of {clip.name}.")
+    return len(weight)
+
+
+def require_stated(stated: Any, found: dict[str, int], clip: "Clip") -> None:
+    """Refuse weights whose sizes are not those of the settings beside them. Raises DataError."""
+    for name, size in found.items():
+        if stated.get(name, size) != size:
+            raise DataError(
+                f"'{clip.file}' has {name} {size}, and the config.json beside it states "
+                f"{stated[name]}; put the weights and the settings of one model there."
+            )
+
+
+def filled(network: Any, state: State, clip: "Clip") -> Any:
+    """Return `network`, built on meta, with its weights.
+
+    Buffers that no checkpoint holds (places 0, 1, 2, ...) are made here.
+    Raises DataError when weights are missing or of another shape.
+    """
+    wanted = network.state_dict()
+    if missing := sorted(set(wanted) - set(state)):
         raise DataError(
-            f"'{folder}' holds weights of other shapes than its config.json says; fetch {name} again."
-        ) from error
-    if missing:
-        raise DataError(
-            f"'{folder}' lacks {len(missing)} weights of {name}, such as {missing[0]}; fetch it again."
+            f"'{clip.file}' lacks {len(missing)} weights of {clip.name}, such as {missing[0]}; "
+            "fetch it again."
         )
+    for key, tensor in wanted.items():
+        if state[key].shape != tensor.shape:
+            raise DataError(
+                f"'{clip.file}' has {key} of shape {tuple(state[key].shape)}, wanted "
+                f"{tuple(tensor.shape)}; fetch it again."
+            )
+    network.load_state_dict({key: state[key] for key in wanted}, assign=True)
+    for module in network.modules():
+        for name, buffer in list(module.named_buffers(recurse=False)):
+            if buffer.is_meta and name == "position_ids":
+                module.register_buffer(name, torch.arange(buffer.shape[-1])[None], persistent=False)
+    return network.eval().requires_grad_(False)

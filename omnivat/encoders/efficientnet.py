@@ -26,8 +26,8 @@ from omnivat.errors import DataError
 from omnivat.packages import need
 
 NAME, WIDTH = "efficientnet-lite0", 1280
-MEAN = torch.full((3,), 127 / 255)
-STD = torch.full((3,), 128 / 255)
+MEAN = (127 / 255,) * 3
+STD = (128 / 255,) * 3
 STAGES = (  # (repeats, kernel, stride of the first block, expansion, channels out)
     (1, 3, 1, 1, 16),
     (2, 3, 2, 6, 24),

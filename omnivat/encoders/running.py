@@ -1,7 +1,6 @@
 """What encoders share: pixels to tensors, hashing weights, and running a network image by image."""
 
-import threading
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from hashlib import blake2b
@@ -11,27 +10,42 @@ import numpy as np
 import torch
 from PIL import Image
 
-from omnivat import threads
 from omnivat.errors import SettingsError
 from omnivat.shapes import require_shapes
+from omnivat.threads import one_thread, pin_thread
 
 M = TypeVar("M", bound=torch.nn.Module)
-SIDE = 224  # pixels; the paper and the encoders here all use 224 x 224
+SIDE = 224  # pixels, as in the paper; another size only where the weights need it
+CLIP_MEAN = (0.48145466, 0.4578275, 0.40821073)
+CLIP_STD = (0.26862954, 0.26130258, 0.27577711)
 ONNX = "fp32-onnx"
 PRECISIONS = {"fp32": torch.float32, "bf16": torch.bfloat16, ONNX: torch.float32}
 
-_pinned = threading.local()
-_lock = threading.Lock()
 
+def pixels(
+    image: Image.Image, mean: Sequence[float], std: Sequence[float], side: int = SIDE
+) -> torch.Tensor:
+    """Return an RGB image as (3, side, side) float32: resized directly, then (0..1 - mean) / std.
 
-def pixels(image: Image.Image, mean: torch.Tensor, std: torch.Tensor) -> torch.Tensor:
-    """Return an RGB image as (3, 224, 224) float32: resized directly, then (0..1 - mean) / std.
-
+    mean, std   of red, green and blue
     The aspect ratio is not kept, as the paper resizes (METHOD A44).
     """
-    resized = image.convert("RGB").resize((SIDE, SIDE), Image.Resampling.BICUBIC)
-    values = torch.from_numpy(np.array(resized)).permute(2, 0, 1).to(torch.float32)
-    return (values / 255 - mean[:, None, None]) / std[:, None, None]
+    small = image.convert("RGB").resize((side, side), Image.Resampling.BICUBIC)
+    values = torch.from_numpy(np.array(small)).permute(2, 0, 1).to(torch.float32)
+    return (values / 255 - torch.tensor(mean)[:, None, None]) / torch.tensor(std)[:, None, None]
+
+
+def resized(side: int, mean: Sequence[float], std: Sequence[float]) -> str:
+    """Return in words what `pixels` does, for the header of a file.
+
+    >>> resized(224, (0.5, 0.5, 0.5), (0.5, 0.5, 0.5))
+    'resize 224x224 bicubic, RGB, mean 0.5 0.5 0.5, std 0.5 0.5 0.5'
+    """
+    size = f"resize {side}x{side} bicubic, RGB"
+    if (tuple(mean), tuple(std)) == (CLIP_MEAN, CLIP_STD):
+        return f"{size}, CLIP mean and std"
+    numbers = [" ".join(f"{value:.6g}" for value in values) for values in (mean, std)]
+    return f"{size}, mean {numbers[0]}, std {numbers[1]}"
 
 
 def state_hash(state: Mapping[str, torch.Tensor]) -> str:
@@ -102,35 +116,14 @@ def _alone(image: torch.Tensor) -> torch.Tensor:
     return image[None].clone(memory_format=torch.channels_last)
 
 
-def pin_thread() -> None:
-    """Keep the calling thread, a worker beside others, at one thread of arithmetic for good."""
-    torch.set_num_threads(1)
-    _pinned.yes = True
-
-
-@contextmanager
-def one_thread() -> Iterator[None]:
-    """Compute on one thread inside the block, then on as many as before.
-
-    The number is the process's own, so callers that are not pinned take turns.
-    """
-    if getattr(_pinned, "yes", False):
-        yield
-        return
-    with _lock, threads.one_thread():
-        yield
-
-
 @contextmanager
 def pinned_workers(count: int) -> Iterator[ThreadPoolExecutor]:
     """Give a pool of `count` threads that compute on one thread each.
 
     When the block is left early, work that has not begun is dropped.
     """
-    before = torch.get_num_threads()
     pool = ThreadPoolExecutor(count, "embed", initializer=pin_thread)
     try:
         yield pool
     finally:
         pool.shutdown(cancel_futures=True)
-        torch.set_num_threads(before)

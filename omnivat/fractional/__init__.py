@@ -7,9 +7,8 @@ cost; `project` fuses a linear map with that. The mathematics: docs/fractional.m
 
 from omnivat.fractional.basis import Basis, basis
 from omnivat.fractional.coefficients import Coefficients
-from omnivat.fractional.module import FractionalTransform
-from omnivat.fractional.projecting import project
-from omnivat.fractional.transform import coefficients, dfrft, synthesise
+from omnivat.fractional.layer import FractionalTransform
+from omnivat.fractional.transform import coefficients, dfrft, project, synthesise
 
 __all__ = [
     "Basis",

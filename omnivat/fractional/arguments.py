@@ -7,9 +7,10 @@ from typing import Any
 
 import torch
 from torch import Tensor
+from torch.autograd.forward_ad import unpack_dual
 
 from omnivat.errors import SettingsError, ShapeError
-from omnivat.fractional.plans import splits
+from omnivat.fractional.build import splits
 from omnivat.fractional.splits import Split
 
 _KEPT = (torch.float32, torch.float64, torch.complex64, torch.complex128)
@@ -32,12 +33,25 @@ def axis_from_end(x: Tensor, dim: int) -> int:
     return dim - len(shape) if dim >= 0 else dim
 
 
+def under_transform(*tensors: Tensor) -> bool:
+    """True inside `torch.func` transforms (vmap, jvp, grad) and where a tensor carries a tangent.
+
+    Values cannot be read there, and work has to pass through nodes of the graph.
+    """
+    if torch._C._are_functorch_transforms_active():
+        return True
+    return any(unpack_dual(tensor).tangent is not None for tensor in tensors)
+
+
 def checked_order(order: float | Tensor | Any, device: torch.device) -> Tensor:
     """The order as float64 on `device`, in the graph if it was.
 
-    An order that already lies on an accelerator is not read back: there NaN gives NaN rows.
+    A Python int is reduced modulo 4 exactly, however large it is. An order that already lies on an
+    accelerator, or under a `torch.func` transform, is not read back: there NaN gives NaN rows.
     Raises SettingsError for NaN, infinite or complex orders.
     """
+    if isinstance(order, int):
+        order %= 4
     if isinstance(order, int | float) and abs(order) < 1e300:
         return torch.full((), order, dtype=torch.float64, device=device)
     try:
@@ -48,7 +62,8 @@ def checked_order(order: float | Tensor | Any, device: torch.device) -> Tensor:
         ) from error
     if found.is_complex():
         raise SettingsError(f"The order is complex ({found.dtype}), expected real quarter turns.")
-    if found.device.type == "cpu" and not bool(torch.isfinite(found).all()):
+    readable = found.device.type == "cpu" and not under_transform()
+    if readable and not bool(torch.isfinite(found).all()):
         raise SettingsError(
             f"The order holds NaN or infinity ({_shortened(found)}), expected finite quarter turns."
         )
@@ -68,6 +83,7 @@ def split_for(values: Tensor) -> Split:
 
 def full_precision(device: torch.device) -> AbstractContextManager[object]:
     """Autocast off: in bfloat16 the transform would be wrong in its third digit."""
-    if torch.is_autocast_enabled(device.type):
-        return torch.autocast(device.type, enabled=False)
+    kind = device.type
+    if torch.amp.is_autocast_available(kind) and torch.is_autocast_enabled(kind):
+        return torch.autocast(kind, enabled=False)
     return nullcontext()

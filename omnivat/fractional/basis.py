@@ -8,8 +8,8 @@ import torch
 from torch import Tensor
 
 from omnivat.errors import ShapeError
-from omnivat.fractional.plans import splits
-from omnivat.fractional.rows import restore_rows
+from omnivat.fractional.batches import restore_rows
+from omnivat.fractional.build import splits
 
 
 class Basis(NamedTuple):

@@ -38,11 +38,15 @@ class Coefficients:
         return self.shape[0]
 
     def __getitem__(self, index: Any) -> Coefficients:
-        """Choose along the leading axes only; the transformed axis stays whole."""
+        """Choose along the leading axes only; the transformed axis stays whole and in its place.
+
+        Raises ShapeError for several tensors or lists at once where axes follow the transformed one.
+        """
         parts = index if isinstance(index, tuple) else (index,)
         if not any(part is Ellipsis for part in parts):
             parts = (*parts, Ellipsis)
-        return replace(self, values=self.values[(*parts, slice(None))])
+        dim = -1 if self.dim == -1 else -1 - _axes_left(parts, self.shape, after=-1 - self.dim)
+        return replace(self, values=self.values[(*parts, slice(None))], dim=dim)
 
     def to(self, *args: Any, **kwargs: Any) -> Coefficients:
         """The same coefficients on another device or in another precision (as Tensor.to)."""
@@ -65,3 +69,44 @@ class Coefficients:
                 "they need one length, one axis and one centring."
             )
         return replace(parts[0], values=torch.cat([part.values for part in parts]))
+
+
+def _axes_left(parts: tuple[Any, ...], shape: torch.Size, *, after: int) -> int:
+    """Return how many of the last `after` leading axes an index keeps, new ones among them.
+
+    parts  an index of the leading axes `shape` with one Ellipsis
+    """
+    tables = [part for part in parts if isinstance(part, Tensor | list)]
+    if len(tables) > 1:
+        raise ShapeError(
+            f"The index holds {len(tables)} tensors or lists, expected one at most where axes follow "
+            "the transformed one: index one axis after the other."
+        )
+    used = sum(_consumed(part) for part in parts)
+    axis, kept = 0, 0
+    for part in parts:
+        step = len(shape) - used if part is Ellipsis else _consumed(part)
+        inside = min(max(axis + step - (len(shape) - after), 0), step)  # how many lie behind it
+        if part is Ellipsis:
+            kept += inside
+        elif part is None:
+            kept += axis > len(shape) - after
+        elif isinstance(part, slice):
+            kept += inside
+        elif isinstance(part, Tensor | list) and inside:
+            if inside < step:
+                raise ShapeError("One mask cannot span axes on both sides of the transformed one.")
+            kept += 1 if _is_mask(part) else torch.as_tensor(part).dim()
+        axis += step
+    return kept
+
+
+def _consumed(part: Any) -> int:
+    """Return how many axes one part of an index, not an Ellipsis, stands for."""
+    if part is None or part is Ellipsis:
+        return 0
+    return torch.as_tensor(part).dim() if _is_mask(part) else 1
+
+
+def _is_mask(part: Any) -> bool:
+    return isinstance(part, Tensor | list) and torch.as_tensor(part).dtype == torch.bool

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from omnivat.fractional.doubled import (
+from omnivat.fractional.double_double import (
     SQRT2,
     Array,
     Pair,

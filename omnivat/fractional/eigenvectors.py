@@ -1,7 +1,13 @@
-"""Eigenvectors of a parity block: LAPACK, then one correction with a doubled residual.
+"""Eigenvectors of a parity block, whole or by halves: LAPACK, then one correction.
 
 LAPACK leaves an error of about eps/gap (3e-14 at N = 1024). One step of first-order perturbation
 theory squares that error away, provided that its residual is known beyond float64.
+
+For N = 4M a block falls into halves once more. The reversal with alternating signs Q,
+(Qv)_j = (-1)^j v_{n-1-j}, anticommutes with a parity block T of S. So T maps Q = +1 to Q = -1 and
+back: T = [[0, Bᵀ], [B, 0]]. A singular triplet B w = σ u, Bᵀ u = σ w is two eigenvectors (w, u)/√2
+and (w, -u)/√2 with eigenvalues σ and -σ, and the one sample in the middle makes one side larger by
+the null vector of B. Derivation: docs/fractional.md.
 """
 
 from __future__ import annotations
@@ -15,7 +21,15 @@ from importlib import import_module
 import numpy as np
 
 from omnivat.fractional.commuting import Tridiagonal
-from omnivat.fractional.doubled import Array, Pair, add, exact_product, excess_norm
+from omnivat.fractional.double_double import (
+    SQRT2,
+    Array,
+    Pair,
+    add,
+    exact_product,
+    excess_norm,
+    multiply,
+)
 
 _COLUMNS = 128  # doubled arithmetic makes dozens of passes; so many columns stay in the cache
 
@@ -97,3 +111,83 @@ def refined_spectrum(block: Tridiagonal) -> Array:
     shift = (x * off).sum(0)
     mixing = (x.T @ (off - x * shift)) * inverse_gaps(rough.values + shift)
     return np.asarray(x + (x @ mixing - x * excess))
+
+
+@dataclass(frozen=True)
+class QuarterFactor:
+    """Singular vectors of one parity block, by falling σ, in columns of unit length.
+
+    large (m+1, m+1): m vectors and last the null vector; rows are samples, the middle one last.
+    small (m, m): their partners.
+    middle_is_plus: whether `large` lives where Q = +1.
+    """
+
+    large: Array
+    small: Array
+    middle_is_plus: bool
+
+
+def alternating(size: int) -> Array:
+    """1, -1, 1, …"""
+    signs = np.ones(size)
+    signs[1::2] = -1.0
+    return signs
+
+
+def _rough(block: Tridiagonal) -> tuple[Array, QuarterFactor]:
+    """Singular values (m) and vectors from LAPACK's eigenvectors of the whole block."""
+    m = len(block) // 2
+    spectrum = lapack_spectrum(block)
+    vectors = spectrum.vectors[:, : m + 1]
+    top, middle = vectors[:m], np.sqrt(2.0) * vectors[m : m + 1, :m]
+    mirrored = alternating(m)[:, None] * vectors[:m:-1]
+    plus, minus = (top + mirrored)[:, :m], (top - mirrored)[:, :m]
+    null = np.append(np.sqrt(2.0) * top[:, m], vectors[m, m])[:, None]
+    large, small = (plus, minus) if m % 2 == 0 else (minus, plus)
+    large = np.hstack([np.vstack([large, middle]), null])
+    return spectrum.values[:m], QuarterFactor(large, small, m % 2 == 0)
+
+
+def _to_small(block: Tridiagonal, large: Array) -> Pair:
+    """B times vectors of the large side (m+1, c): T's leading block, and √2 from the middle."""
+    y = block.times(large[:-1])
+    middle = multiply(Pair(large[-1:], 0 * large[-1:]), SQRT2)
+    y.high[-1:], y.low[-1:] = add(y.part(slice(-1, None)), middle)
+    return y
+
+
+def _to_large(block: Tridiagonal, small: Array) -> Pair:
+    """Bᵀ times vectors of the small side (m, c)."""
+    y = block.times(small)
+    middle = multiply(Pair(small[-1:], 0 * small[-1:]), SQRT2)
+    return Pair(np.vstack([y.high, middle.high]), np.vstack([y.low, middle.low]))
+
+
+def refined_quarter(block: Tridiagonal) -> QuarterFactor:
+    """Singular vectors of a parity block of size n = 2m + 1 ≥ 3, right to an ulp or two."""
+    values, rough = _rough(block)
+    leading = block.leading(len(values))
+    w, u, null = rough.large[:, :-1], rough.small, rough.large[:, -1:]
+    off_w, off_u = np.empty_like(w), np.empty_like(u)
+    excess_w, excess_u = np.empty_like(values), np.empty_like(values)
+    for columns in blocks_of_columns(len(values)):
+        some_w, some_u, sigma = w[:, columns], u[:, columns], values[columns]
+        off_u[:, columns] = residual(_to_small(leading, some_w), sigma, some_u)
+        off_w[:, columns] = residual(_to_large(leading, some_u), sigma, some_w)
+        excess_w[columns], excess_u[columns] = excess_norm(some_w), excess_norm(some_u)
+    shift = 0.5 * ((u * off_u).sum(0) + (w * off_w).sum(0))
+    sigma = values + shift
+    off_u -= u * shift
+    off_w -= w * shift
+    # First-order mixing with the other eigenvectors (w, u), with their mirrors (w, -u), with null.
+    with_w, with_u = w.T @ off_w, u.T @ off_u
+    same = 0.5 * (with_w + with_u) * inverse_gaps(sigma)
+    sums = sigma[None, :] + sigma[:, None]
+    np.fill_diagonal(sums, np.inf)  # the diagonal would only rescale w against u: `excess` does it
+    mirror = 0.5 * (with_w - with_u) / sums
+    new_w = w + (w @ (same + mirror) + null * ((null.T @ off_w) / sigma) - w * excess_w)
+    new_u = u + (u @ (same - mirror) - u * excess_u)
+    leak = _to_small(leading, null)
+    away = w @ ((u.T @ (leak.high + leak.low)) / sigma[:, None])
+    new_null = null - (away + null * excess_norm(null))
+    return QuarterFactor(np.hstack([new_w, new_null]), new_u, rough.middle_is_plus)

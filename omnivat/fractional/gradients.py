@@ -13,8 +13,9 @@ import torch
 from torch import Tensor
 from torch.autograd import Function
 
+from omnivat.fractional.arguments import under_transform
+from omnivat.fractional.batches import analyse_rows, restore_rows, synthesise_rows, turned_back
 from omnivat.fractional.phases import smooth_phases
-from omnivat.fractional.rows import analyse_rows, restore_rows, synthesise_rows, turned_back
 from omnivat.fractional.splits import Split
 
 
@@ -40,7 +41,10 @@ def synthesise(values: Tensor, order: Tensor, split: Split, planar: bool) -> Ten
 
 
 def _wants_gradient(*tensors: Tensor) -> bool:
-    return torch.is_grad_enabled() and any(tensor.requires_grad for tensor in tensors)
+    """Whether the work must be a node of the graph: for gradients, tangents or `torch.func`."""
+    if torch.is_grad_enabled() and any(tensor.requires_grad for tensor in tensors):
+        return True
+    return under_transform(*tensors)
 
 
 class _Analyse(Function):
@@ -56,6 +60,14 @@ class _Analyse(Function):
     def backward(ctx: Any, grad: Tensor) -> tuple[Tensor, None]:
         return restore(grad, ctx.split), None
 
+    @staticmethod
+    def jvp(ctx: Any, tangent: Tensor, _: None) -> Tensor:
+        return analyse(tangent, ctx.split)
+
+    @staticmethod
+    def vmap(info: Any, in_dims: tuple[int, None], x: Tensor, split: Split) -> tuple[Tensor, int]:
+        return analyse(x.movedim(in_dims[0], 0), split), 0
+
 
 class _Restore(Function):
     @staticmethod
@@ -70,6 +82,14 @@ class _Restore(Function):
     def backward(ctx: Any, grad: Tensor) -> tuple[Tensor, None]:
         return analyse(grad, ctx.split), None
 
+    @staticmethod
+    def jvp(ctx: Any, tangent: Tensor, _: None) -> Tensor:
+        return restore(tangent, ctx.split)
+
+    @staticmethod
+    def vmap(info: Any, in_dims: tuple[int, None], z: Tensor, split: Split) -> tuple[Tensor, int]:
+        return restore(z.movedim(in_dims[0], 0), split), 0
+
 
 class _Synthesise(Function):
     @staticmethod
@@ -80,6 +100,7 @@ class _Synthesise(Function):
     def setup_context(ctx: Any, inputs: tuple[Any, ...], output: Tensor) -> None:
         values, order, ctx.split, ctx.planar = inputs
         ctx.save_for_backward(values, order)
+        ctx.save_for_forward(values, order)
 
     @staticmethod
     def backward(ctx: Any, grad: Tensor) -> tuple[Tensor, Tensor, None, None]:
@@ -90,11 +111,44 @@ class _Synthesise(Function):
             found = turned_back(ctx.split, values, order, grad, planar=ctx.planar)
         return *found, None, None
 
+    @staticmethod
+    def jvp(ctx: Any, values_t: Tensor, order_t: Tensor, *_: None) -> Tensor:
+        values, order = ctx.saved_tensors
+        indices = ctx.split.indices
+        kind = values.dtype.to_complex()
+        slope = torch.complex(torch.zeros_like(indices), indices * (-math.pi / 2))
+        change = values_t + (order_t[..., None] * slope).to(kind) * values
+        found = restore(smooth_phases(order, indices).to(kind) * change, ctx.split)
+        return torch.stack([found.real, found.imag]) if ctx.planar else found
+
+    @staticmethod
+    def vmap(
+        info: Any,
+        in_dims: tuple[int | None, ...],
+        values: Tensor,
+        order: Tensor,
+        split: Split,
+        planar: bool,
+    ) -> tuple[Tensor, int]:
+        apart, own = in_dims[0] is not None, in_dims[1] is not None
+        lead = max(values.dim() - 1 - apart, order.dim() - own)
+        if in_dims[0] is not None:
+            values = _padded(values.movedim(in_dims[0], 0), lead + 2)
+        if in_dims[1] is not None:
+            order = _padded(order.movedim(in_dims[1], 0), lead + 1)
+        return synthesise(values, order, split, planar), 1 if planar else 0
+
+
+def _padded(batched: Tensor, axes: int) -> Tensor:
+    """Axes of length 1 put behind the first, until there are `axes`: the others broadcast."""
+    missing = (1,) * (axes - batched.dim())
+    return batched.reshape(batched.shape[0], *missing, *batched.shape[1:])
+
 
 def _differentiable_back(
     split: Split, values: Tensor, order: Tensor, grad: Tensor, planar: bool
 ) -> tuple[Tensor, Tensor]:
-    """`rows.turned_back` in operations that can be differentiated again."""
+    """`batches.turned_back` in operations that can be differentiated again."""
     grad = torch.complex(grad[0], grad[1]) if planar else grad
     back = smooth_phases(order, split.indices).to(grad.dtype).conj() * analyse(grad, split)
     to_values = back if values.is_complex() else back.real

@@ -14,7 +14,7 @@ def turned_quarters(order: Tensor, indices: Tensor) -> Tensor:
     """k·p modulo 4, in (-8, 8), error below 2e-16: order (..., 1), indices (N,), both float64."""
     order = torch.fmod(order, 4.0)
     coarse = torch.round(order * _GRID) / _GRID
-    return torch.fmod(coarse * indices, 4.0).addcmul_(order - coarse, indices)
+    return torch.addcmul(torch.fmod(coarse * indices, 4.0), order - coarse, indices)
 
 
 def phases(order: Tensor, indices: Tensor) -> Tensor:
@@ -26,7 +26,7 @@ def phases(order: Tensor, indices: Tensor) -> Tensor:
     turns = turned_quarters(order[..., None], indices)
     quarter = torch.round(turns)
     angle = (turns - quarter) * (-math.pi / 2)
-    quarter = quarter.remainder_(4.0)
+    quarter = quarter.remainder(4.0)
     # q quarter turns have cosine |q - 2| - 1 and sine 1 - |q - 1|, without rounding
     whole = torch.complex((quarter - 2.0).abs_().sub_(1.0), (quarter - 1.0).abs_().sub_(1.0))
     return torch.complex(torch.cos(angle), torch.sin(angle)).mul_(whole)

@@ -3,14 +3,26 @@
 Every split offers the same two maps on rows, V orthogonal and real:
 `analyse(x, out)` is out = x V on (R, N), `restore(z, out)` is out = z Vᵀ on (..., N), z used up.
 Columns of V stand in the order of `indices`, which differs between the splits.
+
+The quarter split, for N = 4M: four blocks of N/4 and butterflies, a quarter of the work of V.
+Samples j, N/2-j, N/2+j and N-j make one butterfly (parity and Q), coefficients k and their mirror
+images one more. j = 0 and the middle j = M are their own partners and are treated apart. The signs
+(-1)^j are hidden in the blocks of Q = -1, which makes every butterfly one fused multiply-add.
 """
 
 from __future__ import annotations
 
 from typing import Protocol
 
+import numpy as np
 import torch
 from torch import Tensor
+
+from omnivat.fractional.double_double import Array
+from omnivat.fractional.eigenvectors import QuarterFactor, alternating
+
+_FEW_ROWS = 32
+_FEW_ROWS_UP_TO = 1024  # N; beyond it the products are dear enough
 
 
 class Split(Protocol):
@@ -64,3 +76,157 @@ class HalfSplit:
         out[..., :half] = even
         out[..., 1 : paired + 1] += odd
         out[..., size - paired :] = (even[..., 1 : paired + 1] - odd).flip(-1)
+
+
+class _Parity:
+    """The two blocks of one parity: where their coefficients lie, and their weights.
+
+    Coefficients of a parity stand as [σ > 0 by falling σ | null vector | their mirror images].
+    """
+
+    def __init__(self, factor: QuarterFactor, start: int, first: int, like: Tensor) -> None:
+        pairs = len(factor.small)
+        self.null = start + pairs
+        self.low = slice(start, self.null)
+        self.high = slice(self.null + 1, self.null + 1 + pairs)
+        self.plus_is_large = factor.middle_is_plus
+        # In restore the large side takes the null vector too: it stands next to either half.
+        large = (
+            slice(start, self.null + 1) if self.plus_is_large else slice(self.null, self.high.stop)
+        )
+        self.large = large
+        self.sides = (large, self.high) if self.plus_is_large else (self.low, large)
+        # samples that this parity has in [0, M) and, for the large side, the middle one after it
+        self.first = first
+        width = pairs + first
+        scale = np.full((pairs + 1, 1), 2.0**-1.5)
+        if first == 0:
+            scale[0] = 0.5  # sample 0 has no mirror image
+        scale[-1] = 0.5
+        wide = factor.large * scale
+        wide[:, -1] *= np.sqrt(2.0)  # the null vector has no mirror image
+        narrow = factor.small * scale[:-1]
+        minus = -alternating(width)[first:, None]
+        if self.plus_is_large:
+            narrow = narrow * minus
+        else:
+            wide[:-1] *= minus
+        self._place(wide, narrow, width, like)
+
+    def _place(self, wide: Array, narrow: Array, width: int, like: Tensor) -> None:
+        """Weights padded with zeros to M samples and M coefficients: odd widths multiply slower."""
+        pairs, first = len(narrow), self.first
+
+        def tensor(block: Array) -> Tensor:
+            return torch.from_numpy(np.ascontiguousarray(block)).to(like)
+
+        restore_wide = np.zeros((pairs + 1, width))  # (coefficients, samples)
+        restore_narrow = np.zeros((pairs, width))
+        order = np.arange(pairs + 1) if self.plus_is_large else np.roll(np.arange(pairs + 1), 1)
+        restore_wide[:, first:] = wide.T[order, :-1]
+        restore_narrow[:, first:] = narrow.T
+        analyse_wide = np.zeros((pairs + 1, width))  # (samples, coefficients)
+        analyse_narrow = np.zeros((pairs, width))
+        analyse_wide[:, :pairs] = wide[:, :-1]
+        analyse_narrow[:, :pairs] = narrow
+        self.middle = tensor(wide[-1, order])  # one sample from all coefficients of the large side
+        self.to_null = tensor(wide[:, -1])  # one coefficient from all samples of the large side
+        weights = (tensor(restore_wide), tensor(restore_narrow))
+        self.restoring = weights if self.plus_is_large else weights[::-1]
+        weights = (tensor(analyse_wide), tensor(analyse_narrow))
+        self.analysing = weights if self.plus_is_large else weights[::-1]
+
+
+class QuarterSplit:
+    """Four blocks of N/4 for N divisible by 4, N ≥ 8."""
+
+    def __init__(self, even: QuarterFactor, odd: QuarterFactor, like: Tensor) -> None:
+        self.quarter = len(even.small)
+        m = self.quarter
+        self.parities = (_Parity(even, 0, 0, like), _Parity(odd, 2 * m + 1, 1, like))
+        self.signs = torch.from_numpy(alternating(m)).to(like)
+        self.flipped = self.signs.flip(-1)
+        evens = np.concatenate([np.arange(m), [m], 2 * m - np.arange(m)]) * 2
+        odds = np.concatenate([np.arange(m - 1), [m - 1], 2 * m - 2 - np.arange(m - 1)]) * 2 + 1
+        indices = np.concatenate([evens, odds]).astype(np.float64)
+        self.indices = torch.from_numpy(indices).to(like.device)
+
+        self._halves: HalfSplit | None = None
+
+    def _for_few_rows(self, rows: int) -> HalfSplit | None:
+        """The half split where calls cost more than products: its 9 operations instead of 30."""
+        if rows > _FEW_ROWS or self.quarter > _FEW_ROWS_UP_TO // 4:
+            return None
+        if self._halves is None:
+            like, half = self.signs, 2 * self.quarter
+            samples = like.new_empty(2 * half, 2 * half)
+            self._restore(torch.eye(2 * half).to(like), samples)
+            even, odd = samples[: half + 1, : half + 1].T, samples[half + 1 :, 1:half].T
+            self._halves = HalfSplit(even.contiguous(), odd.contiguous(), self.indices)
+        return self._halves
+
+    def analyse(self, x: Tensor, out: Tensor) -> None:
+        halves = self._for_few_rows(len(x))
+        if halves is not None:
+            return halves.analyse(x, out)
+        return self._analyse(x, out)
+
+    def restore(self, z: Tensor, out: Tensor) -> None:
+        halves = self._for_few_rows(z.numel() // z.shape[-1])
+        if halves is not None:
+            return halves.restore(z, out)
+        return self._restore(z, out)
+
+    def _analyse(self, x: Tensor, out: Tensor) -> None:
+        m, rows = self.quarter, len(x)
+        signs, flipped = self.signs, self.flipped[: m - 1]
+        near, far = x[:, :m], x[:, 2 * m : 3 * m]
+        near_mirrored, far_mirrored = x[:, 3 * m + 1 :], x[:, m + 1 : 2 * m]
+        # samples by side: even plus, even minus, odd plus, odd minus; the last column is j = M
+        sides = x.new_empty(4, rows, m + 1)
+        torch.addcmul(near, far, signs, out=sides[0, :, :m])
+        torch.addcmul(far, near, signs, value=-1, out=sides[1, :, :m])
+        mirrored = x.new_empty(2, rows, m - 1)
+        torch.addcmul(near_mirrored, far_mirrored, flipped, out=mirrored[0])
+        torch.addcmul(far_mirrored, near_mirrored, flipped, value=-1, out=mirrored[1])
+        mirrored = mirrored.flip(-1)
+        torch.sub(sides[:2, :, 1:m], mirrored, out=sides[2:, :, 1:m])
+        sides[:2, :, 1:m] += mirrored
+        product = x.new_empty(2, rows, m)
+        for number, parity in enumerate(self.parities):
+            first, pairs = parity.first, m - parity.first
+            middle_sign = 1 - 2 * number
+            large = sides[2 * number + (0 if parity.plus_is_large else 1), :, first:]
+            torch.add(x[:, m], x[:, 3 * m], alpha=middle_sign, out=large[:, -1])
+            for side, weights in enumerate(parity.analysing):
+                samples = sides[2 * number + side, :, first : first + len(weights)]
+                torch.mm(samples, weights, out=product[side])
+            torch.add(product[0, :, :pairs], product[1, :, :pairs], out=out[:, parity.low])
+            torch.sub(product[0, :, :pairs], product[1, :, :pairs], out=out[:, parity.high])
+            out[:, parity.null] = large @ parity.to_null
+
+    def _restore(self, z: Tensor, out: Tensor) -> None:
+        m = self.quarter
+        leading = out.shape[:-1]
+        z = z.flatten(0, -2)
+        sides = z.new_empty(4, len(z), m)
+        middles = []
+        for number, parity in enumerate(self.parities):
+            low, high = z[:, parity.low], z[:, parity.high]
+            low += high
+            torch.add(low, high, alpha=-2, out=high)  # now low + high and low - high, in place
+            for side, weights in enumerate(parity.restoring):
+                torch.mm(z[:, parity.sides[side]], weights, out=sides[2 * number + side])
+            middles.append((z[:, parity.large] @ parity.middle).view(leading))
+        sides = sides.view(4, *leading, m)
+        mirrored = torch.sub(sides[:2], sides[2:]).flip(-1)
+        sides[:2] += sides[2:]
+        plus, minus = sides[0], sides[1]
+        torch.addcmul(plus, minus, self.signs, value=-1, out=out[..., :m])
+        torch.addcmul(minus, plus, self.signs, out=out[..., 2 * m : 3 * m])
+        plus, minus = mirrored[..., : m - 1]
+        signs = self.flipped[: m - 1]
+        torch.addcmul(plus, minus, signs, value=-1, out=out[..., 3 * m + 1 :])
+        torch.addcmul(minus, plus, signs, out=out[..., m + 1 : 2 * m])
+        torch.add(middles[0], middles[1], out=out[..., m])
+        torch.sub(middles[0], middles[1], out=out[..., 3 * m])

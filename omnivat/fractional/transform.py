@@ -1,4 +1,4 @@
-"""The transform: `dfrft`, and its two halves `coefficients` and `synthesise`."""
+"""The transform: `dfrft`, its two halves `coefficients` and `synthesise`, and `project`."""
 
 from __future__ import annotations
 
@@ -14,10 +14,11 @@ from omnivat.fractional.arguments import (
     split_for,
     working_precision,
 )
+from omnivat.fractional.batches import leading_shape, synthesise_rows
 from omnivat.fractional.coefficients import Coefficients
-from omnivat.fractional.pieces import leading_shape
-from omnivat.fractional.quarter_turns import quarter_turn, whole_turns
-from omnivat.fractional.rows import synthesise_rows
+from omnivat.fractional.phases import smooth_phases
+from omnivat.fractional.whole_orders import fft_is_exact, quarter_turn, whole_turns
+from omnivat.shapes import require_shapes
 
 
 def coefficients(x: Tensor, dim: int = -1, *, centered: bool = False) -> Coefficients:
@@ -90,17 +91,18 @@ def dfrft(
 
     Unitary, additive in the order, differentiable in x and in the order any number of times. Orders
     0, 1, 2, 3 (mod 4) take the identity, the FFT, the reversal and the inverse FFT when no gradient
-    is wanted. To move the order over the same x, keep `coefficients(x)` and call `synthesise`.
+    is wanted (the FFT where no prime factor of N exceeds 13: beyond, libraries lose digits). To move the order over the same x, keep `coefficients(x)` and call `synthesise`.
 
     Source: Candan, Kutay, Ozaktas, "The discrete fractional Fourier transform", 2000.
     """
     wants_gradient = torch.is_grad_enabled() and (
         x.requires_grad or (isinstance(order, Tensor) and order.requires_grad)
     )
-    turns = None if wants_gradient else whole_turns(order)
-    if turns is None:
-        return synthesise(coefficients(x, dim, centered=centered), order, planar=planar)
     dim = axis_from_end(x, dim)
+    turns = None if wants_gradient else whole_turns(order)
+    by_fft = turns in (1, 3)
+    if turns is None or (by_fft and not fft_is_exact(x.shape[dim])):
+        return synthesise(coefficients(x, dim, centered=centered), order, planar=planar)
     result = quarter_turn(working_precision(x), turns, dim, centered=centered)
     return torch.stack([result.real, result.imag]) if planar else result
 
@@ -117,3 +119,33 @@ def _check_out(
             f"out has shape {tuple(out.shape)} and {out.dtype}, expected contiguous "
             f"{wanted[0]} and {wanted[1]}."
         )
+
+
+def project(coefficients: Coefficients, order: float | Tensor, directions: Tensor) -> Tensor:
+    """Sums Σ_n F_p(x)_n directions[d, n] for every vector, complex (..., D).
+
+    order: as in `synthesise`. directions (D, N), real or complex, not conjugated: a real map a of
+    the real part plus b of the imaginary part is the real part of the result for a - ib.
+
+    F_p is symmetric, so the sum is Σ_k λ_k^p c_k (Vᵀ directions)_k: one product with (N, 2D)
+    weights. A picture of 20,000 vectors costs a tenth of the transform. Differentiable in all three.
+    """
+    values = coefficients.values
+    require_shapes(values=(values, "... N"), directions=(directions, "D N"))
+    p = checked_order(order, values.device)
+    directions = working_precision(directions).to(values.device)
+    real, wide = values.dtype.to_real(), values.dtype.to_complex()
+    directions = directions.to(wide if directions.is_complex() else real)
+    if coefficients.centered:
+        directions = torch.fft.ifftshift(directions, -1)
+    split = split_for(values)
+    with full_precision(values.device):
+        turned = gradients.analyse(directions, split)
+        one_row = p.dim() > 0 and p.shape[-1] == 1 and values.dim() > 1
+        p = p[..., 0] if one_row else p
+        weights = smooth_phases(p, split.indices).to(wide)[..., None, :] * turned
+        if p.dim() and not one_row:
+            return torch.einsum("...n,...dn->...d", values.to(wide), weights)
+        if values.is_complex():
+            return values @ weights.mT
+        return torch.complex(values @ weights.real.mT, values @ weights.imag.mT)

@@ -111,6 +111,22 @@ def read_frames(path: str | Path) -> FrameSet:
     return frames
 
 
+def frames_header(path: str | Path) -> dict[str, Any]:
+    """Return the JSON of a frames file without reading its arrays.
+
+    Raises DataError, naming the file, when it is missing or of another kind.
+    """
+    file = Path(path)
+    if not file.is_file():
+        raise DataError(f"No frames file at '{file}'. Build one with `python -m omnivat sweep`.")
+    with file.open("rb") as handle:
+        start = handle.read(len(MAGIC) + 4)
+        length = int.from_bytes(start[len(MAGIC) :], "little")
+        if length > file.stat().st_size:
+            raise DataError(f"'{file}' is cut short or damaged; build it again.")
+        return _record(file, start + handle.read(length))[0]
+
+
 def _record(file: Path, content: bytes) -> tuple[dict[str, Any], int]:
     if content[: len(MAGIC)] != MAGIC:
         raise DataError(f"'{file}' is not a frames file: it does not start with OVFRAMES.")

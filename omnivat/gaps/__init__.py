@@ -1,7 +1,8 @@
 """Measures of how far sets of features lie apart: one measure a file, listed here by name.
 
-`GAPS` compares two sets, (N, D) and (M, D); `MARGINS` and `SCORES` also need labels or answers.
-Nothing is imported before `omnivat.tables.load` asks for it.
+Each entry of `GAPS` compares two sets of unit rows, (N, D) and (M, D), and returns a scalar. An entry
+here is all that a new gap needs: `omnivat gaps`, `omnivat sweep` and the page list it from here.
+`omnivat.tables.load` imports a measure on first use.
 """
 
 GAPS = {
@@ -10,16 +11,4 @@ GAPS = {
     "mmd_rbf": "omnivat.gaps.mmd:mmd_rbf",
     "frechet": "omnivat.gaps.frechet:frechet",
     "proxy_a": "omnivat.gaps.proxy_a:proxy_a",
-}
-
-MARGINS = {
-    "within": "omnivat.gaps.cosine_margin:cosine_margin",
-    "cross_domain": "omnivat.gaps.cosine_margin:cross_domain_margin",
-    "cross_modal": "omnivat.gaps.cosine_margin:cross_modal_margin",
-}
-
-SCORES = {
-    "accuracy": "omnivat.gaps.confusion:accuracy",
-    "macro_f1": "omnivat.gaps.confusion:macro_f1",
-    "ece": "omnivat.gaps.calibration:ece",
 }

@@ -1,5 +1,6 @@
-"""Expected calibration error: how far confidence is from accuracy."""
+"""How far confidence can be trusted: calibration error, log-likelihood, risk against coverage."""
 
+import torch
 from torch import Tensor
 
 from omnivat.shapes import require_shapes
@@ -23,3 +24,36 @@ def ece(probabilities: Tensor, labels: Tensor, *, bins: int = 15) -> Tensor:
     surplus = (answer == labels).to(confidence.dtype) - confidence
     by_bin = confidence.new_zeros(bins).index_add_(0, place, surplus)
     return by_bin.abs().sum() / len(labels)
+
+
+def nll(probabilities: Tensor, labels: Tensor) -> Tensor:
+    """Mean negative log probability of the true class, in nats.
+
+    probabilities  (N, K);  labels  (N,)
+    return         () >= 0; NaN for no pairs
+    """
+    require_shapes(probabilities=(probabilities, "N K"), labels=(labels, "N"))
+    own = probabilities.gather(1, labels[:, None])[:, 0]
+    return -own.clamp_min(1e-12).log().mean()
+
+
+def risk_coverage(probabilities: Tensor, labels: Tensor) -> Tensor:
+    """Return (N,): the error rate of the n most confident pairs, n = 1 .. N.
+
+    probabilities  (N, K); confidence is a row's largest entry. Pairs of equal confidence count in
+                   their order
+    labels         (N,)
+    Source: Geifman and El-Yaniv, NeurIPS 2017.
+    """
+    require_shapes(probabilities=(probabilities, "N K"), labels=(labels, "N"))
+    confidence, predicted = probabilities.max(1)
+    order = confidence.argsort(descending=True, stable=True)
+    wrong = (predicted != labels)[order].to(confidence.dtype)
+    count = torch.arange(1, len(labels) + 1, dtype=confidence.dtype)
+    risk: Tensor = wrong.cumsum(0) / count
+    return risk
+
+
+def aurc(probabilities: Tensor, labels: Tensor) -> Tensor:
+    """Area under the risk-coverage curve: its mean over coverage. () in [0, 1]; NaN for no pairs."""
+    return risk_coverage(probabilities, labels).mean()

@@ -1,12 +1,17 @@
 """Maximum mean discrepancy (MMD) of two sets of features, linear and Gaussian kernel."""
 
+from dataclasses import dataclass
+
 import torch
 from torch import Tensor
 
 from omnivat.gaps.unit import require_rows, unit
+from omnivat.seeding import derive_seed
 from omnivat.shapes import require_shapes
 
-BLOCK = 1024  # rows of a kernel matrix held at once
+BLOCK, ACROSS = 1024, 16_384  # rows and columns of a kernel matrix held at once
+MOST_ROWS = 40_000  # of both sets, up to which the kernel is summed over all pairs of rows
+GROUPS, FEATURES = 16, 32  # of random Fourier features, beyond
 
 
 def mmd_linear(a: Tensor, b: Tensor, *, unbiased: bool = False) -> Tensor:
@@ -42,22 +47,74 @@ def mmd_rbf(a: Tensor, b: Tensor, *, gamma: float | None = None) -> Tensor:
             both sets together, which needs no kernel matrix and is the same for (b, a)
     return  () in [0, 2]; 0 for equal sets. Unlike the linear kernel it sees more than the mean
 
-    Costs O((N + M)² D) and holds BLOCK rows of the kernel at once.
+    Costs O((N + M)² D) up to MOST_ROWS rows of both together, and holds BLOCK² numbers of the kernel
+    at once. Beyond, it is estimated by `mmd_rbf_estimate`, at a cost of O((N + M) D).
     Raises ShapeError for an empty set or differing widths.
     Source: Gretton et al., JMLR 13:723-773, 2012.
     """
     require_shapes(a=(a, "N D"), b=(b, "M D"))
     require_rows(1, a=a, b=b)
+    if len(a) + len(b) > MOST_ROWS:
+        return mmd_rbf_estimate(a, b, gamma=gamma).value
+    width = _width(a, b, gamma)
     a, b = unit(a), unit(b)
-    width = torch.as_tensor(gamma, dtype=a.dtype) if gamma is not None else _gamma(a, b)
     same = _mean_kernel(a, a, width) + _mean_kernel(b, b, width)
     return (same - 2 * _mean_kernel(a, b, width)).clamp_min(0)
 
 
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """A value () and its standard error ()."""
+
+    value: Tensor
+    error: Tensor
+
+
+def mmd_rbf_estimate(
+    a: Tensor, b: Tensor, *, gamma: float | None = None, seed: int = 0
+) -> Estimate:
+    """Estimate `mmd_rbf` by random Fourier features, with its standard error.
+
+    a, b    (N, D), (M, D) features, any length
+    return  the mean over GROUPS of FEATURES each; every group is an unbiased estimate, so their
+            spread gives the error. The same seed gives the same value
+
+    Costs O((N + M) D GROUPS FEATURES) and holds BLOCK rows of features at once.
+    Source: Rahimi and Recht, NeurIPS 2007; Sutherland and Schneider, UAI 2015.
+    """
+    require_shapes(a=(a, "N D"), b=(b, "M D"))
+    require_rows(1, a=a, b=b)
+    width = _width(a, b, gamma)
+    generator = torch.Generator().manual_seed(derive_seed(seed, "mmd features"))
+    drawn = torch.randn(a.shape[1], GROUPS * FEATURES, generator=generator, dtype=a.dtype)
+    waves = drawn.to(a.device) * (2 * width).sqrt()
+    apart = _mean_waves(a, waves) - _mean_waves(b, waves)  # (2, GROUPS * FEATURES)
+    each = apart.square().sum(0).view(GROUPS, FEATURES).mean(1)
+    return Estimate(each.mean(), each.std() / GROUPS**0.5)
+
+
+def _mean_waves(rows: Tensor, waves: Tensor) -> Tensor:
+    """Return the mean cosine and sine of unit rows (N, D) along waves (D, F): (2, F)."""
+    total = torch.zeros(2, waves.shape[1], dtype=torch.float64, device=rows.device)
+    for some in rows.split(BLOCK):
+        phase = unit(some) @ waves
+        total += torch.stack([phase.cos().sum(0), phase.sin().sum(0)])
+    return (total / len(rows)).to(rows.dtype)
+
+
+def _width(a: Tensor, b: Tensor, gamma: float | None) -> Tensor:
+    """Return gamma, or the one that `mmd_rbf` takes where none is given."""
+    return _gamma(a, b) if gamma is None else torch.as_tensor(gamma, dtype=a.dtype)
+
+
 def _gamma(a: Tensor, b: Tensor) -> Tensor:
+    """One over the mean squared distance of two unit rows of both sets."""
     count = len(a) + len(b)
-    lengths = a.square().sum() + b.square().sum()
-    mean = (a.sum(0) + b.sum(0)) / count
+    lengths, summed = a.new_zeros(()), a.new_zeros(a.shape[1])
+    for part in (*a.split(ACROSS), *b.split(ACROSS)):
+        rows = unit(part)
+        lengths, summed = lengths + rows.square().sum(), summed + rows.sum(0)
+    mean = summed / count
     distance = 2 * (lengths / count - mean.square().sum())
     tiny = torch.finfo(a.dtype).eps
     return torch.where(distance > tiny, 1 / distance.clamp_min(tiny), torch.ones_like(distance))
@@ -66,8 +123,9 @@ def _gamma(a: Tensor, b: Tensor) -> Tensor:
 def _mean_kernel(x: Tensor, y: Tensor, gamma: Tensor) -> Tensor:
     total = x.new_zeros(())
     squares = y.square().sum(1)
-    for start in range(0, len(x), BLOCK):
-        rows = x[start : start + BLOCK]
-        distance = rows.square().sum(1, keepdim=True) + squares - 2 * rows @ y.T
-        total = total + (-gamma * distance.clamp_min(0)).exp().sum()
+    for rows in x.split(BLOCK):
+        own = rows.square().sum(1, keepdim=True)
+        for others, theirs in zip(y.split(ACROSS), squares.split(ACROSS), strict=True):
+            distance = own + theirs - 2 * rows @ others.T
+            total = total + (-gamma * distance.clamp_min(0)).exp().sum()
     return total / (len(x) * len(y))

@@ -1,29 +1,43 @@
 """The LANG bank: text embeddings of every class in many styles, made once and read in training."""
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from hashlib import sha256
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 from safetensors import SafetensorError, safe_open
-from safetensors.numpy import save_file
+from safetensors.numpy import save
 
+from omnivat.data.embeddings import Header
 from omnivat.errors import DataError
 from omnivat.files import replacing
 
 FORMAT = "omnivat-lang-1"
+Array = NDArray[np.float32]
+PLAIN = "a photo of a {}."  # the prompt of CLIP's own zero-shot examples
 DEFAULT_BANK = Path(__file__).parent / "minilm.safetensors"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LangBank:
-    """Text embeddings (K, S, D): K classes in S styles. `origin` says who made them, and how."""
+    """Text embeddings (K, S, D): K classes in S styles.
 
-    embeddings: NDArray[np.float32]
+    origin      who made them, and how, for people
+    plain       (K, D) embeddings of `PLAIN` prompts, for zero-shot prediction; None where not made
+    encoder     the image encoder whose text tower made them, or ""
+    text_hash   tells text towers apart; "" where unknown or no CLIP
+    logit_scale what that model multiplies cosines by, or None
+    """
+
+    embeddings: Array
     classes: tuple[str, ...]
     origin: str
+    plain: Array | None = None
+    encoder: str = ""
+    text_hash: str = ""
+    logit_scale: float | None = None
 
     @property
     def width(self) -> int:
@@ -33,7 +47,8 @@ class LangBank:
     @property
     def hash(self) -> str:
         """Short name of the content, kept in every checkpoint trained with it."""
-        names = json.dumps([self.classes, self.origin]).encode()
+        tower = [self.text_hash] if self.text_hash else []
+        names = json.dumps([self.classes, self.origin, *tower]).encode()
         return sha256(names + self.embeddings.tobytes()).hexdigest()[:16]
 
     def for_classes(self, classes: tuple[str, ...]) -> "LangBank":
@@ -44,13 +59,30 @@ class LangBank:
         missing = [name for name in classes if name not in self.classes]
         if missing:
             raise DataError(
-                f"The LANG bank has no text for {', '.join(missing)}; it knows "
+                f"The LANG bank has no text for {', '.join(missing)}; it has "
                 f"{', '.join(self.classes)}. Make one with `python -m omnivat prompts --classes "
                 f"{','.join(classes)} --out FILE` and pass it as --lang FILE, or train with "
                 "--set lang=false."
             )
         rows = [self.classes.index(name) for name in classes]
-        return LangBank(embeddings=self.embeddings[rows], classes=classes, origin=self.origin)
+        plain = None if self.plain is None else self.plain[rows]
+        return replace(self, embeddings=self.embeddings[rows], plain=plain, classes=classes)
+
+    def is_of(self, header: Header) -> bool:
+        """True when the text tower of the images' own checkpoint made these texts.
+
+        Raises DataError when both are of one encoder and their checkpoints differ.
+        """
+        if not self.text_hash or not header.text_hash:
+            return False
+        if self.encoder == header.encoder and self.text_hash != header.text_hash:
+            raise DataError(
+                f"The LANG bank was made by another checkpoint of {self.encoder} (text tower "
+                f"{self.text_hash}) than the images' (text tower {header.text_hash}); make it again "
+                f"with `python -m omnivat prompts --encoder {self.encoder} --weights FILE`, FILE "
+                "being the checkpoint of the images."
+            )
+        return self.text_hash == header.text_hash
 
 
 def save_bank(path: str | Path, bank: LangBank) -> None:
@@ -60,8 +92,15 @@ def save_bank(path: str | Path, bank: LangBank) -> None:
         "classes": json.dumps(bank.classes),
         "origin": bank.origin,
     }
+    if bank.text_hash:
+        metadata |= {"encoder": bank.encoder, "text_hash": bank.text_hash}
+    if bank.logit_scale is not None:
+        metadata["logit_scale"] = repr(bank.logit_scale)
+    arrays = {"embeddings": bank.embeddings.astype(np.float16)}
+    if bank.plain is not None:
+        arrays["plain"] = bank.plain.astype(np.float16)
     with replacing(path) as temporary:
-        save_file({"embeddings": bank.embeddings.astype(np.float16)}, temporary, metadata=metadata)
+        temporary.write_bytes(save(arrays, metadata=metadata))
 
 
 def load_bank(path: str | Path = DEFAULT_BANK) -> LangBank:
@@ -79,12 +118,24 @@ def load_bank(path: str | Path = DEFAULT_BANK) -> LangBank:
                 raise DataError(
                     f"'{file}' is not a LANG bank. Make one with `python -m omnivat prompts`."
                 )
-            embeddings = handle.get_tensor("embeddings").astype(np.float32)
-    except (SafetensorError, OSError) as error:
+            names = set(handle.keys())
+            arrays = {name: handle.get_tensor(name).astype(np.float32) for name in names}
+            embeddings, plain = arrays["embeddings"], arrays.get("plain")
+    except (SafetensorError, OSError, KeyError) as error:
         raise DataError(
             f"'{file}' cannot be read as a LANG bank ({error}); make it again."
         ) from error
     classes = tuple(json.loads(metadata["classes"]))
-    if embeddings.ndim != 3 or len(embeddings) != len(classes):
+    shaped = embeddings.ndim == 3 and len(embeddings) == len(classes)
+    if not shaped or (plain is not None and plain.shape != embeddings[:, 0].shape):
         raise DataError(f"'{file}' names {len(classes)} classes and holds {embeddings.shape}.")
-    return LangBank(embeddings=embeddings, classes=classes, origin=metadata["origin"])
+    scale = metadata.get("logit_scale")
+    return LangBank(
+        embeddings=embeddings,
+        classes=classes,
+        origin=metadata["origin"],
+        plain=plain,
+        encoder=metadata.get("encoder", ""),
+        text_hash=metadata.get("text_hash", ""),
+        logit_scale=None if scale is None else float(scale),
+    )

@@ -27,6 +27,7 @@ def joint_loss(
     layers: list[Tensor],
     logits: dict[str, Tensor],
     labels: Tensor,
+    aligned: Tensor | None = None,
     mma_weight: float = 10.0,
     nod_weight: float = 1.0,
 ) -> Losses:
@@ -36,11 +37,14 @@ def joint_loss(
     layers    the tree's levels (B, n, D)
     logits    (B, K) of "vis", "tac" or both; CE is their mean
     labels    (B,)
+    aligned   (B,) bool: pairs that MMA acts on; all where None
     Source: paper, Eq. 12.
     """
     zero = layers[0].new_zeros(())
-    aligned = "lang" in features and mma_weight > 0
-    mma = mma_loss(**{n: features[n] for n in MODALITIES if n in features}) if aligned else zero
+    mma = zero
+    if "lang" in features and mma_weight > 0:
+        given = {n: features[n] for n in MODALITIES if n in features}
+        mma = mma_loss(**{n: x if aligned is None else x[aligned] for n, x in given.items()})
     nod = nod_loss(layers) if nod_weight > 0 else zero
     ce = torch.stack([cross_entropy(values, labels) for values in logits.values()]).mean()
     return Losses(mma_weight * mma + nod_weight * nod + ce, mma, nod, ce)

@@ -9,6 +9,37 @@ from omnivat.model.closed.growing import grown_nodes
 from omnivat.model.settings import HeadSettings
 
 
+def parents(arrangement: str, count: int) -> list[int]:
+    """Return the node that each of `count` nodes grows from; -1 for none.
+
+    arrangement  "tree", "series", "parallel", or one whose nodes do not grow from one another
+
+    >>> parents("tree", 7)
+    [-1, 0, 0, 1, 1, 2, 2]
+    """
+    if arrangement == "tree":
+        return [-1, *((node - 1) // 2 for node in range(1, count))]
+    if arrangement == "series":
+        return list(range(-1, count - 1))
+    if arrangement == "parallel":
+        return [-1, *([0] * (count - 1))]
+    return [-1] * count
+
+
+def groups(arrangement: str, count: int) -> list[range]:
+    """Return the groups of nodes that NOD keeps apart: the levels of a tree.
+
+    >>> groups("tree", 7)
+    [range(0, 1), range(1, 3), range(3, 7)]
+    """
+    if arrangement == "tree":
+        levels = (count + 1).bit_length() - 1
+        return [range(2**level - 1, 2 ** (level + 1) - 1) for level in range(levels)]
+    if arrangement == "parallel":
+        return [range(1), range(1, count)]
+    return [range(count)]
+
+
 class Grown(NamedTuple):
     """Nodes and how NOD looks at them."""
 
@@ -56,24 +87,14 @@ class DTG(nn.Module):
             arrangement=settings.generation,
         )
 
-    def parent(self, node: int) -> int:
-        """Return the node that `node` (from 1) grows from."""
-        if self.arrangement == "series":
-            return node - 1
-        return (node - 1) // 2 if self.arrangement == "tree" else 0
-
     def grow(self, root: Tensor) -> Grown:
         """Grow all nodes from root (B, D)."""
         if not len(self.weight):
             return Grown(root[:, None], [root[:, None]])
-        parents = [self.parent(node) for node in range(1, len(self.weight) + 1)]
-        nodes = grown_nodes(root, self.weight, self.bias, parents)
-        if self.arrangement == "series":
-            return Grown(nodes, [nodes[:, :1], nodes])
-        sizes = [2**level for level in range(self.levels)]
-        if self.arrangement == "parallel":
-            sizes = [1, len(parents)]
-        return Grown(nodes, list(torch.split(nodes, sizes, dim=1)))
+        count = len(self.weight) + 1
+        nodes = grown_nodes(root, self.weight, self.bias, parents(self.arrangement, count)[1:])
+        found = [nodes[:, group.start : group.stop] for group in groups(self.arrangement, count)]
+        return Grown(nodes, [nodes[:, :1], *found] if self.arrangement == "series" else found)
 
     def layers(self, root: Tensor) -> list[Tensor]:
         """Return the groups that NOD looks at, the root (B, 1, D) first; in a tree, its levels."""
@@ -92,8 +113,8 @@ class DTG(nn.Module):
         weights, biases = self.weight.to(dtype), self.bias.to(dtype)
         eye = torch.eye(weights.shape[-1], dtype=weights.dtype, device=weights.device)
         matrices, offsets = [eye], [torch.zeros_like(eye[0])]
-        for node, (weight, bias) in enumerate(zip(weights, biases, strict=True), start=1):
-            parent = self.parent(node)
+        own = parents(self.arrangement, len(weights) + 1)[1:]
+        for parent, weight, bias in zip(own, weights, biases, strict=True):
             matrices.append(weight @ matrices[parent])
             offsets.append(weight @ offsets[parent] + bias)
         return torch.stack(matrices).mean(0), torch.stack(offsets).mean(0)

@@ -14,6 +14,7 @@ from omnivat.model import factored
 from omnivat.model.closed.lengths import unit
 from omnivat.model.dtg import DTG
 from omnivat.model.folded import FoldedMFFA, Folds, fold_mffa, fold_tree
+from omnivat.model.fusion import Calibration
 from omnivat.model.mffa import MFFA, MODALITIES
 from omnivat.model.output import HeadOutput, TrainingOutput, joined
 from omnivat.model.settings import HeadSettings
@@ -67,6 +68,7 @@ class OmniVaT(nn.Module):
         self.dtg = DTG.from_settings(settings)
         self.classifier = nn.Parameter(torch.empty(len(settings.classes), width))
         nn.init.normal_(self.classifier, std=width**-0.5)
+        self.calibration = Calibration()  # see omnivat.calibration
         self._folds = Folds()
 
     @property
@@ -182,11 +184,17 @@ class OmniVaT(nn.Module):
         root = found.sum(0)
         mean = self._mean(found, root, fold) if self.settings.tree_at_inference else None
         f_hat = found if mean is None else found + mean
+        alone = f_hat if len(names) == 1 else self._alone(found, fold)
+        logits = self.classify(torch.stack((f_hat, alone)), fold=fold)
         grown = grow(self, found, root) if nodes else None
         if len(relu) == 1:  # |F| or Re F alone: nothing is left of the imaginary part
             relu = torch.cat((relu, torch.zeros_like(relu)))
         return HeadOutput(
-            logits=dict(zip(names, self.classify(f_hat, fold=fold), strict=True)),
+            logits=dict(zip(names, logits[0], strict=True)),
+            alone=dict(zip(names, logits[1], strict=True)),
+            pair=self.classify(f_hat.sum(0), fold=fold),
+            fusion=self.settings.fusion,
+            calibration=self.calibration,
             frft=_by_name(names, parts),
             relu=_by_name(names, relu),
             f_bar=dict(zip(names, found, strict=True)),
@@ -218,6 +226,15 @@ class OmniVaT(nn.Module):
             return root / len(found)  # points lie evenly between the features
         return linear(root, *(self._fold_tree() if fold else self.dtg.fold()))
 
+    def _alone(self, found: Tensor, fold: bool) -> Tensor:
+        """Return F-hat (M, B, D) of each modality with the other image absent: T is its own F-bar."""
+        if not self.settings.tree_at_inference:
+            return found
+        means = [self._mean(rows[None], rows, fold) for rows in found]
+        return (
+            found if means[0] is None else found + torch.stack([m for m in means if m is not None])
+        )
+
     def _fold(self, names: tuple[str, ...]) -> FoldedMFFA:
         folded: FoldedMFFA = self._folds.get(names, lambda: fold_mffa(self.mffa, names))
         return folded
@@ -235,6 +252,7 @@ class OmniVaT(nn.Module):
         *,
         lang_on: Tensor | None = None,
         token_on: Tensor | None = None,
+        order: Tensor | None = None,
     ) -> TrainingOutput:
         """Run one batch with LANG and class tokens, as the losses need it.
 
@@ -244,9 +262,12 @@ class OmniVaT(nn.Module):
         lang_on   (B,) bool: pairs whose VIS and TAC are guided by LANG; all where None
         token_on  (B,) bool: pairs that see their own class's token; others see the
                   class-agnostic one, as in prediction, where labels are not known
+        order     () or (B,) float64: orders in place of the learned one; no gradient reaches them
         """
         given = {n: e for n, e in (("vis", vis), ("tac", tac)) if e is not None}
-        return training_pass(self, given, lang, labels, lang_on=lang_on, token_on=token_on)
+        return training_pass(
+            self, given, lang, labels, lang_on=lang_on, token_on=token_on, order=order
+        )
 
     @property
     def length(self) -> float:
@@ -295,8 +316,9 @@ def _by_name(names: tuple[str, ...], channels: Tensor) -> dict[str, Tensor]:
 
 
 def _rows(order: float | Tensor, rows: slice) -> float | Tensor:
-    """Return the orders of some pairs, where each has its own."""
-    return order[rows] if isinstance(order, Tensor) and order.ndim == 1 else order
+    """Return the orders of some pairs, where each has its own; one order serves all."""
+    apart = isinstance(order, Tensor) and order.ndim == 1 and len(order) > 1
+    return order[rows] if apart and isinstance(order, Tensor) else order
 
 
 def build_head(settings: HeadSettings, *, seed: int = 0) -> OmniVaT:

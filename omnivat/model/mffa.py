@@ -163,7 +163,7 @@ class MFFA(nn.Module):
         """Return F-bar (M, B, D) of several modalities; equals `attend` on each.
 
         own     from `expand`
-        guide   (B, D) F-bar of LANG, which asks in the place of tokens where guided (B,) is true
+        guide   (B, D) F-bar of LANG: replaces token queries where guided (B,) is true
         token   (M, B, D) or (M, 1, D) class tokens; the class-agnostic ones where None
         """
         if not self.class_token:
@@ -262,9 +262,15 @@ def _halved(tokens: Tensor) -> Tensor:
 
 
 def _theta(settings: HeadSettings) -> Tensor:
-    """Return θ_e (E,) at the start of training."""
+    """Return θ_e (E,) at the start of training.
+
+    Equal numbers have equal gradients and stay equal, so E tokens would be E copies of one: E = 4
+    would equal E = 1. "spread" sets them evenly from 0.5 to 1.5, which breaks the symmetry.
+    """
     count = settings.expansion
-    if settings.theta_init == "ones":
+    if settings.theta_init == "spread" and count > 1:
+        return torch.linspace(0.5, 1.5, count)
+    if settings.theta_init in ("spread", "ones"):
         return torch.ones(count)
     if settings.theta_init == "signed":
         return torch.tensor([1.0, -1.0]).repeat((count + 1) // 2)[:count]

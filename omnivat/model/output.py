@@ -1,4 +1,12 @@
-"""What the head answers: predictions and every stage on the way to them."""
+"""The head's output: class probabilities of every reading, and every stage on the way to them.
+
+A reading says which images a prediction is made from:
+
+fused       both images
+vis, tac    the photo alone, the touch alone: the other image is absent
+vis_branch, tac_branch  one branch inside a pair. DTG grows from T = F-bar of VIS plus F-bar of TAC, so
+            a branch has the other image in it and is no single-modality reading
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -6,13 +14,20 @@ from dataclasses import dataclass, field
 import torch
 from torch import Tensor
 
+from omnivat.model.fusion import Calibration, fuse, tempered
+
+READINGS = ("fused", "vis", "tac", "vis_branch", "tac_branch")
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HeadOutput:
     """Predictions for B pairs, and the features behind them, by modality ("vis", "tac").
 
     Only modalities that were given are there.
-    logits     (B, K) of the cosine classifier
+    logits     (B, K) of the cosine classifier, one branch each
+    alone      (B, K) the same with the other image absent: equal to a call with this one alone
+    pair       (B, K) of the sum of both F-hat
+    fusion     how branches become one prediction, and what was fitted on held-out source pairs
     frft       (B, 2, D) Re and Im of the transformed embedding
     relu       (B, 2, D) F: after θ_e and ReLU, mean over the E tokens
     f_bar      (B, D) after FrATT;  f_hat  (B, D) after DTG
@@ -21,6 +36,8 @@ class HeadOutput:
     """
 
     logits: dict[str, Tensor]
+    alone: dict[str, Tensor]
+    pair: Tensor
     frft: dict[str, Tensor]
     relu: dict[str, Tensor]
     f_bar: dict[str, Tensor]
@@ -28,15 +45,45 @@ class HeadOutput:
     attention: dict[str, Tensor] = field(default_factory=dict)
     nodes: Tensor | None = None
 
+    fusion: str = "mean"
+    calibration: Calibration = field(default_factory=Calibration)
+
     @property
-    def modality_probabilities(self) -> dict[str, Tensor]:
-        """Class probabilities (B, K) of each modality alone."""
-        return {name: torch.softmax(values, dim=-1) for name, values in self.logits.items()}
+    def branch_probabilities(self) -> dict[str, Tensor]:
+        """Class probabilities (B, K) of each branch; inside a pair they depend on both images."""
+        temperature = self.calibration.temperature["fused"]
+        return {name: tempered(values, temperature) for name, values in self.logits.items()}
+
+    @property
+    def alone_probabilities(self) -> dict[str, Tensor]:
+        """Class probabilities (B, K) of each image with the other one absent."""
+        own = self.calibration.temperature
+        return {name: tempered(values, own[name]) for name, values in self.alone.items()}
 
     @property
     def probabilities(self) -> Tensor:
-        """Fused class probabilities (B, K): the mean of the modalities' softmaxes."""
-        return torch.stack(list(self.modality_probabilities.values())).mean(0)
+        """Class probabilities (B, K) from all that was given."""
+        if len(self.logits) == 1:
+            return next(iter(self.alone_probabilities.values()))
+        return fuse(self.fusion, self.logits, self.pair, self.calibration)
+
+    @property
+    def reading_logits(self) -> dict[str, Tensor]:
+        """Logits (B, K) before any temperature: "vis", "tac" and, of a pair, "vis_branch",
+        "tac_branch" and "pair", the summed features.
+        """
+        if len(self.logits) == 1:
+            return dict(self.alone)
+        branches = {f"{name}_branch": values for name, values in self.logits.items()}
+        return {**self.alone, **branches, "pair": self.pair}
+
+    @property
+    def readings(self) -> dict[str, Tensor]:
+        """Class probabilities (B, K) by reading; branches only where both images were given."""
+        found = {"fused": self.probabilities, **self.alone_probabilities}
+        if len(self.logits) > 1:
+            found |= {f"{name}_branch": p for name, p in self.branch_probabilities.items()}
+        return found
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -60,6 +107,10 @@ def joined(outputs: Sequence[HeadOutput]) -> HeadOutput:
     nodes = [output.nodes for output in outputs if output.nodes is not None]
     return HeadOutput(
         logits=cat("logits"),
+        alone=cat("alone"),
+        pair=torch.cat([output.pair for output in outputs]),
+        fusion=first.fusion,
+        calibration=first.calibration,
         frft=cat("frft"),
         relu=cat("relu"),
         f_bar=cat("f_bar"),

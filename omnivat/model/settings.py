@@ -3,10 +3,14 @@
 from dataclasses import dataclass, replace
 
 from omnivat.errors import SettingsError
+from omnivat.model.fusion import FUSIONS
+from omnivat.orders import checked_order
 
 ATTENTION_SCALES = ("inside", "outside")
 FEATURE_SCALES = ("unit", "literal")
-THETA_INITS = ("ones", "signed", "normal")
+THETA_INITS = ("spread", "ones", "signed", "normal")
+GUIDES = ("both", "added", "query")
+GUIDE_LENGTHS = ("embedding", "unit")
 TREE_INITS = ("orthogonal", "default", "identity")
 GENERATIONS = ("tree", "series", "parallel", "interpolation", "none")
 COMPLEX_TO_REAL = ("tokens", "hermitian", "magnitude", "real")
@@ -31,13 +35,16 @@ class HeadSettings:
     tree_at_inference: bool = True  # off is the paper's Alg. 2 to the letter
     attention_scale: str = "inside"  # of the softmax; "outside" is Eq. 4 as printed
     feature_scale: str = "unit"  # "literal" uses embeddings and features as they come
-    theta_init: str = "ones"
+    theta_init: str = "spread"  # equal numbers would stay equal: E tokens would be one
     tree_init: str = "orthogonal"
     logit_scale: float = 10.0  # of the cosine classifier
     generation: str = "tree"  # of nodes; series and parallel hold as many matrices, the rest none
     mffa: bool = True  # off: the tree grows from the embeddings themselves
     complex_to_real: str = "tokens"  # Re and Im as tokens, |F|, Re alone, or complex attention
     order_per_modality: bool = False  # a p each for LANG, VIS and TAC
+    guide: str = "both"  # F-bar of LANG in training: added to embeddings (Eq. 5), query (Eq. 6)
+    guide_length: str = "embedding"  # of that F-bar: √D as embeddings have it, or 1 as printed
+    fusion: str = "mean"  # of the VIS and TAC branches when predicting (model/fusion.py)
 
     def __post_init__(self) -> None:
         for name, low, high in (
@@ -58,14 +65,21 @@ class HeadSettings:
             ("tree_init", TREE_INITS),
             ("generation", GENERATIONS),
             ("complex_to_real", COMPLEX_TO_REAL),
+            ("fusion", FUSIONS),
+            ("guide", GUIDES),
+            ("guide_length", GUIDE_LENGTHS),
         ):
             value = getattr(self, name)
             if value not in allowed:
                 raise SettingsError(f"{name} is '{value}'; choose one of {', '.join(allowed)}.")
         if len(self.classes) < 2 or len(set(self.classes)) < len(self.classes):
             raise SettingsError(f"classes are {self.classes}; give two or more different names.")
-        if not abs(self.order) <= 1e6:
-            raise SettingsError(f"order is {self.order}; give a finite number of quarter turns.")
+        checked_order(self.order)
+
+    @property
+    def guides_by_default(self) -> bool:
+        """Whether LANG guides as the closed form of training has it."""
+        return self.guide == "both" and self.guide_length == "embedding"
 
     @property
     def edges(self) -> int:

@@ -24,28 +24,33 @@ def training_pass(
     *,
     lang_on: Tensor | None,
     token_on: Tensor | None,
+    order: Tensor | None = None,
 ) -> TrainingOutput:
     """Run one batch; see `OmniVaT.training_pass`. given: "vis", "tac" or both, (B, input_width)."""
     names = tuple(given)
     lang_on = torch.ones_like(labels, dtype=torch.bool) if lang_on is None else lang_on
     if not model.settings.mffa:
         return _without_mffa(model, given, lang, lang_on)
-    if model.mffa.has_closed_form and not model.mffa.as_printed:
-        return _closed(model, given, lang, labels, lang_on, token_on)
+    closed = model.mffa.has_closed_form and model.settings.guides_by_default
+    if closed and not model.mffa.as_printed:
+        return _closed(model, given, lang, labels, lang_on, token_on, order)
     features: dict[str, Tensor] = {}
     tokens: dict[str, Tensor] = {}
     embedding = model.embedded(given)
     guide = None
     if lang is not None:
         text = model.embedded({"lang": lang})
-        own = model.mffa.expand(("lang",), model.mffa.parts(("lang",), text))
+        own = model.mffa.expand(("lang",), model.mffa.parts(("lang",), text, order))
         token = _class_tokens(model, ("lang",), own, labels, token_on, tokens)
         features["lang"] = model.mffa.features(("lang",), own, token=token)[0]
-        guide = model.length * features["lang"]
-        embedding = embedding + guide * lang_on[:, None]
-    own = model.mffa.expand(names, model.mffa.parts(names, embedding))
+        length = model.length if model.settings.guide_length == "embedding" else 1.0
+        guide = length * features["lang"]
+        if model.settings.guide != "query":
+            embedding = embedding + guide * lang_on[:, None]
+    own = model.mffa.expand(names, model.mffa.parts(names, embedding, order))
     token = _class_tokens(model, names, own, labels, token_on, tokens)
-    found = model.mffa.features(names, own, guide=guide, guided=lang_on, token=token)
+    query = None if model.settings.guide == "added" else guide
+    found = model.mffa.features(names, own, guide=query, guided=lang_on, token=token)
     features |= dict(zip(names, found, strict=True))
     root = found.sum(0)
     if guide is not None:
@@ -60,6 +65,7 @@ def _closed(
     labels: Tensor,
     lang_on: Tensor,
     token_on: Tensor | None,
+    order: Tensor | None,
 ) -> TrainingOutput:
     """The same with gradients in closed form: half the time of a step of the light head."""
     mffa, names = model.mffa, tuple(given) if lang is None else ("lang", *given)
@@ -72,7 +78,7 @@ def _closed(
     found, tokens = closed_features(
         model.embedded(given),
         text,
-        mffa.orders(names),
+        mffa.orders(names) if order is None else order.reshape(1, -1),
         mffa.thetas(names),
         mffa.fratt.closed_weights,
         Pass(
@@ -131,7 +137,7 @@ def grow(model: OmniVaT, found: Tensor, root: Tensor) -> Grown | None:
         return None
     if model.settings.generation == "interpolation":
         points = interpolated(list(found), model.settings.levels)
-        return Grown(points, [root[:, None]])  # on one line: NOD has no say
+        return Grown(points, [root[:, None]])  # on one line: NOD does not apply
     return model.dtg.grow(root)
 
 

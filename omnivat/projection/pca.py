@@ -8,6 +8,8 @@ from torch import Tensor
 from omnivat.errors import ShapeError
 from omnivat.shapes import require_shapes
 
+BLOCK = 65_536  # rows centred at once
+
 
 @dataclass(frozen=True, slots=True)
 class Basis:
@@ -41,14 +43,19 @@ def basis(points: Tensor) -> Basis:
             f"points has shape {(rows, width)}; a map needs 1 row and 2 columns or more."
         )
     mean = points.mean(0)
-    centred = points - mean
-    axes = _from_gram(centred) if 2 <= rows < width else _from_covariance(centred)
+    axes = _from_gram(points - mean) if 2 <= rows < width else _from_covariance(points, mean)
     largest = axes.gather(0, axes.abs().argmax(0, keepdim=True))
     return Basis(mean, (axes * torch.where(largest < 0, -1, 1)).to(points.dtype))
 
 
-def _from_covariance(centred: Tensor) -> Tensor:
-    vectors: Tensor = torch.linalg.eigh((centred.T @ centred).double()).eigenvectors
+def _from_covariance(points: Tensor, mean: Tensor) -> Tensor:
+    """Exact for any number of rows: BLOCK of them are held apart from the mean at once."""
+    width = points.shape[1]
+    products = torch.zeros(width, width, dtype=torch.float64, device=points.device)
+    for rows in points.split(BLOCK):
+        centred = rows - mean
+        products += (centred.T @ centred).double()
+    vectors: Tensor = torch.linalg.eigh(products).eigenvectors
     return vectors[:, -2:].flip(1)
 
 

@@ -13,6 +13,7 @@ from torch import Tensor
 from omnivat.projection import pca
 from omnivat.projection.fuzzy import Graph, fuzzy_graph
 from omnivat.projection.neighbours import nearest
+from omnivat.projection.place import place
 from omnivat.projection.spectral import spectral_map
 from omnivat.seeding import derive_seed
 
@@ -20,6 +21,8 @@ A, B = 1.5769, 0.8951  # the curve 1 / (1 + A d^2B) that fits min_dist = 0.1, sp
 NEGATIVES = 5  # pushes for each pull, as in umap-learn
 REPELLERS = 16
 STEPS, RATE = 200, 0.5
+MOST_ROWS = 12_000  # that are laid out themselves
+PLACED = 8192  # rows placed at once
 PULL_LIMIT = 4.0  # umap-learn's bound on each part of one force
 
 
@@ -40,12 +43,36 @@ def project(
     rate        share of its force over its degree that a row moves by in the first step; it falls
                 to 0 in a straight line
     start       (N, 2) a map to start from, such as that of a neighbouring order
+
+    Of more than MOST_ROWS rows a sample is laid out, drawn by the seed alone, and every other row
+    is placed between its nearest neighbours in the sample.
     """
     if len(points) < 4:
         return pca.project(points)
+    if len(points) > MOST_ROWS:
+        chosen = sample_of(len(points), seed).to(points.device)
+        first = None if start is None else start[chosen]
+        flat = project(
+            points[chosen], seed=seed, neighbours=neighbours, steps=steps, rate=rate, start=first
+        )
+        return _spread(points, chosen, flat)
     graph = fuzzy_graph(nearest(points, min(neighbours, len(points)) - 1))
     start = spectral_map(graph, seed=seed) if start is None else start
     return descend(graph, start, steps=steps, rate=rate, seed=seed)
+
+
+def sample_of(rows: int, seed: int) -> Tensor:
+    """Return the MOST_ROWS rows of `rows` that are laid out, ascending."""
+    generator = torch.Generator().manual_seed(derive_seed(seed, "umap sample"))
+    return torch.randperm(rows, generator=generator)[:MOST_ROWS].sort().values
+
+
+def _spread(points: Tensor, chosen: Tensor, flat: Tensor) -> Tensor:
+    """Return the map of all points: `flat` for the chosen ones, places between them for the rest."""
+    known = points[chosen]
+    whole = torch.cat([place(some, known, flat) for some in points.split(PLACED)])
+    whole[chosen] = flat
+    return whole
 
 
 def descend(graph: Graph, start: Tensor, *, steps: int, rate: float, seed: int) -> Tensor:

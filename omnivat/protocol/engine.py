@@ -2,11 +2,10 @@
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import replace
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
-
-import torch
 
 from omnivat.data.store import Embeddings, load_embeddings
 from omnivat.lang.bank import LangBank, load_bank
@@ -14,8 +13,9 @@ from omnivat.packages import need
 from omnivat.progress import OnStep, Step, ignore
 from omnivat.protocol import records
 from omnivat.protocol.methods import Method
-from omnivat.protocol.run import Run, execute, resolved
+from omnivat.protocol.run import Run, choice_of, execute, resolved
 from omnivat.protocol.settings import task
+from omnivat.threads import one_thread, pin_thread
 
 ENGINES = ("local", "ray")
 
@@ -25,10 +25,12 @@ def planned(
     sources: Sequence[str],
     seeds: Sequence[int],
     folds: Sequence[int | None] = (None,),
+    *,
+    calibrate: bool = False,
 ) -> list[Run]:
     """Return every combination, methods innermost: a first table row is there early."""
     return [
-        Run(method=method, source=source, seed=seed, fold=fold)
+        Run(method=method, source=source, seed=seed, fold=fold, calibrate=calibrate)
         for fold in folds
         for seed in seeds
         for source in sources
@@ -58,12 +60,44 @@ def run_all(
     records.mend(out)
     known = {record["key"] for record in records.read(out)}
     waiting = [run for run in runs if _key(run, pairs, texts, shared) not in known]
-    for done, record in enumerate(_results(waiting, embeddings, bank, jobs, engine), start=1):
-        line = shared | record
-        records.append(out, {"key": records.key(line), **line})
-        text = f"{record['label']}, {record['source']}, seed {record['seed']}"
-        on_step(Step(done=done, total=len(waiting), text=text))
-    return len(waiting)
+    first, done = min((run.seed for run in runs), default=0), 0
+    for part in stages(waiting, first):
+        found = {record["key"]: record for record in records.read(out)}
+        priors = [
+            None if run.seed == first else found.get(_key(at(run, first), pairs, texts, shared))
+            for run in part
+        ]
+        part = [with_choice(run, prior) for run, prior in zip(part, priors, strict=True)]
+        for record in _results(part, embeddings, bank, jobs, engine):
+            done += 1
+            line = shared | record
+            records.append(out, {"key": records.key(line), **line})
+            text = f"{record['label']}, {record['source']}, seed {record['seed']}"
+            on_step(Step(done=done, total=len(waiting), text=text))
+    return done
+
+
+def stages(runs: Sequence[Run], first: int) -> list[list[Run]]:
+    """Return runs in two stages where any chooses or calibrates: the first seed decides for all."""
+    if not any(chooses(run) for run in runs):
+        return [list(runs)]
+    parts = [[run for run in runs if (run.seed == first) == early] for early in (True, False)]
+    return [part for part in parts if part]
+
+
+def chooses(run: Run) -> bool:
+    """Whether a run looks at held-out objects of its source before it trains."""
+    return run.calibrate or bool(run.method.candidates)
+
+
+def at(run: Run, seed: int) -> Run:
+    """Return the same run at another seed."""
+    return replace(run, seed=seed)
+
+
+def with_choice(run: Run, record: dict[str, Any] | None) -> Run:
+    """Give a run what the record of the first seed chose."""
+    return replace(run, prior=choice_of(record)) if record and chooses(run) else run
 
 
 def _key(run: Run, pairs: Embeddings, bank: LangBank | None, shared: dict[str, Any]) -> str:
@@ -73,7 +107,7 @@ def _key(run: Run, pairs: Embeddings, bank: LangBank | None, shared: dict[str, A
         | {
             "method": run.method.name,
             "base": run.method.base,
-            "settings": resolved(run.method, found, bank),
+            "settings": resolved(run, found, bank),
             "source": pairs.header.domains[int(found.train.domain[0])],
             "part": found.setting.source.part,
             "seed": run.seed,
@@ -95,14 +129,10 @@ def _results(
 def _one_by_one(
     runs: Sequence[Run], embeddings: Path, bank: Path | None
 ) -> Iterator[dict[str, Any]]:
-    threads = torch.get_num_threads()
-    torch.set_num_threads(1)  # as in a worker: the number of threads changes the last bits
-    try:
+    with one_thread():  # as in a worker: the number of threads changes the last bits
         pairs, texts = _opened(embeddings, bank)
         for run in runs:
             yield execute(run, pairs, texts)
-    finally:
-        torch.set_num_threads(threads)
 
 
 def _in_processes(
@@ -123,7 +153,7 @@ _OPEN: dict[str, tuple[Embeddings, LangBank | None]] = {}  # of a worker process
 
 
 def _prepare(embeddings: Path, bank: Path | None) -> None:
-    torch.set_num_threads(1)
+    pin_thread()
     _OPEN["files"] = _opened(embeddings, bank)
 
 

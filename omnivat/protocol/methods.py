@@ -1,15 +1,33 @@
-"""What is compared: the head with its settings, or a baseline by name."""
+"""What is compared: the head with its settings, a part of it, or a baseline by name."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from omnivat.baselines import BASELINES, LABELS
+from omnivat.baselines import BASELINES, LABELS, OPTIONAL
 from omnivat.errors import MissingNameError, SettingsError
 from omnivat.tables import suggestion
 
 HEAD = "omnivat"
-DEFAULT_METHODS = (HEAD, *(name for name in BASELINES if name != "robust_vish"))
+# Parts of the head as rows of their own: what they change, their label and a note.
+VARIANTS: dict[str, tuple[str, dict[str, Any], dict[str, Any]]] = {
+    "mffa_alone": ("MFFA alone", {"generation": "none"}, {}),
+    "dtg_alone": ("DTG alone", {"mffa": False}, {}),
+    "cosine_head": (
+        "Cosine head, neither MFFA nor tree",
+        {"mffa": False, "generation": "none"},
+        {"nod_weight": 0.0},
+    ),
+}
+# The head with one thing switched off: shown beside it, and no rival in the headline.
+ABLATED: dict[str, tuple[str, dict[str, Any], dict[str, Any]]] = {
+    "omnivat_no_lang": ("OmniVaT without LANG", {}, {"lang": False}),
+    "omnivat_no_mma": ("OmniVaT without L_MMA", {}, {"mma_weight": 0.0}),
+    "omnivat_no_nod": ("OmniVaT without L_NOD", {}, {"nod_weight": 0.0}),
+    "omnivat_no_token": ("OmniVaT without class token", {"class_token": False}, {}),
+    "omnivat_p0": ("OmniVaT, p = 0 fixed", {"order": 0.0, "learn_order": False}, {}),
+}
+DEFAULT_METHODS = (HEAD, *VARIANTS, *(name for name in BASELINES if name not in OPTIONAL))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -21,6 +39,9 @@ class Method:
     head        settings of the head that differ from the defaults
     train       settings of training that differ from the defaults
     modalities  what is given when predicting
+    candidates  settings to choose among on held-out objects of the source, by name:
+                {"head": {...}, "train": {...}} over `head` and `train`; none to choose nothing
+    ablated     the head with one thing switched off: no rival of the head
     """
 
     name: str
@@ -28,38 +49,56 @@ class Method:
     head: Mapping[str, Any] = field(default_factory=dict)
     train: Mapping[str, Any] = field(default_factory=dict)
     modalities: tuple[str, ...] = ("vis", "tac")
+    candidates: Mapping[str, Mapping[str, Mapping[str, Any]]] = field(default_factory=dict)
     label: str = ""
     note: str = ""
+    ablated: bool = False
 
     def __post_init__(self) -> None:
         if self.base != HEAD and self.base not in BASELINES:
-            known = ", ".join((HEAD, *BASELINES))
-            hint = suggestion(self.base, (HEAD, *BASELINES))
+            known = ", ".join((HEAD, *VARIANTS, *ABLATED, *BASELINES))
+            hint = suggestion(self.base, (HEAD, *VARIANTS, *ABLATED, *BASELINES))
             raise MissingNameError(f"No method is called '{self.base}'; there are {known}.{hint}")
         if self.base != HEAD and (self.head or self.train):
             raise SettingsError(
-                f"'{self.base}' takes no settings: it tunes itself on the source. Settings are "
+                f"'{self.base}' takes no settings: it chooses its own on the source. Settings are "
                 f"for {HEAD}."
             )
 
 
 def methods_named(
-    names: Sequence[str], head: Mapping[str, Any], train: Mapping[str, Any]
+    names: Sequence[str],
+    head: Mapping[str, Any],
+    train: Mapping[str, Any],
+    candidates: Mapping[str, Mapping[str, Mapping[str, Any]]] | None = None,
 ) -> list[Method]:
-    """Return the methods; settings go to the head alone.
+    """Return the methods; settings and candidates go to the head and its variants.
 
     Raises MissingNameError, with the nearest name, for a method that is not there.
     """
     if len(set(names)) < len(names):
         raise SettingsError(f"A method is named twice in {', '.join(names)}.")
-    return [
-        Method(name=name, head=head, train=train, label="OmniVaT")
-        if name == HEAD
-        else Method(
+    return [_named(name, head, train, candidates or {}) for name in names]
+
+
+def _named(
+    name: str,
+    head: Mapping[str, Any],
+    train: Mapping[str, Any],
+    candidates: Mapping[str, Mapping[str, Mapping[str, Any]]],
+) -> Method:
+    if name == HEAD:
+        return Method(name=name, head=head, train=train, candidates=candidates, label="OmniVaT")
+    if name in VARIANTS or name in ABLATED:
+        label, own_head, own_train = (VARIANTS | ABLATED)[name]
+        return Method(
             name=name,
-            base=name,
-            label=LABELS[name].name if name in LABELS else name,
-            note=LABELS[name].note if name in LABELS else "",
+            head={**head, **own_head},
+            train={**train, **own_train},
+            candidates=candidates,
+            label=label,
+            ablated=name in ABLATED,
         )
-        for name in names
-    ]
+    label = LABELS[name].name if name in LABELS else name
+    note = LABELS[name].note if name in LABELS else ""
+    return Method(name=name, base=name, label=label, note=note)

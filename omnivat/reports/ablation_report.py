@@ -82,7 +82,7 @@ def ablation_table(
     records: Sequence[Record], name: str, table: Mapping[str, Any], sources: Sequence[str]
 ) -> str:
     """Return one ablation: a row a variant, ours and the printed figures for each source."""
-    why = not_comparable(records[0]["data"])
+    why = not_comparable(records[0]["data"], ablations=True)
     printed = f"printed, ViT-B/16{f' {MARK}' if why else ''}"
     rows = []
     for row, (method, label, _) in table["rows"].items():

@@ -9,34 +9,65 @@ from typing import Any
 from omnivat.data.domains import paper_name
 
 FILE = Path(__file__).with_name("paper.json")
-BACKBONE = "ViT-B/16"  # the one whose ablations the paper prints
+BACKBONE = "ViT-B/16"  # the one whose ablations and single targets the paper prints
+# the project's name of an encoder -> the paper's name of its backbone
+BACKBONES = {"clip-vit-b16": BACKBONE, "clip-rn50": "ResNet-50", "clip-vit-l14": "ViT-L/14"}
 MARK = "*not comparable*"
 
 
 @cache
 def paper() -> dict[str, Any]:
-    """Return the printed figures: {"main": {backbone: {method: {source: [ACC, F1]}}}, ...}."""
+    """Return the printed figures.
+
+    main       backbone -> method -> source -> [ACC, F1], and "average"
+    targets    backbone -> source -> method -> target -> [ACC, F1], and "average"
+    margins    method -> target or "[A; B]" -> cosine margin from TAG
+    cost       method -> what -> figure
+    ablations  table -> row -> source -> [ACC, F1]
+    """
     found: dict[str, Any] = json.loads(FILE.read_text(encoding="utf-8"))
     return found
 
 
-def not_comparable(data: Mapping[str, Any]) -> str:
-    """Return why printed figures cannot be compared with figures on these data, or nothing."""
+def backbone(data: Mapping[str, Any]) -> str:
+    """Return the printed backbone that belongs to these data's encoder, ViT-B/16 for others."""
+    return BACKBONES.get(data["encoder"], BACKBONE)
+
+
+def not_comparable(data: Mapping[str, Any], *, ablations: bool = False) -> str:
+    """Return why printed figures cannot be compared with figures on these data, or nothing.
+
+    ablations  ask for tables that are printed for ViT-B/16 alone
+    """
     if data["simulated"]:
         return "other data: ours are simulated"
-    if "vit-b/16" not in data["encoder"].lower().replace("_", "-"):
+    if data["encoder"] not in BACKBONES:
         return f"other encoder: ours is {data['encoder']}"
+    if ablations and backbone(data) != BACKBONE:
+        return f"printed for {BACKBONE} only: ours is {backbone(data)}"
     return ""
 
 
-def paper_rows(sources: Sequence[str], why: str) -> list[list[str]]:
-    """Return the main table's printed rows for the sources, each marked when `why` is given."""
+def paper_rows(sources: Sequence[str], data: Mapping[str, Any]) -> list[list[str]]:
+    """Return the main table's printed rows for the sources, marked where they do not compare."""
+    why, name = not_comparable(data), backbone(data)
     mark = f" {MARK} ({why})" if why else ""
     rows = []
-    for method, printed in paper()["main"][BACKBONE].items():
+    for method, printed in paper()["main"][name].items():
         cells = [_cell(printed.get(paper_name(source))) for source in sources]
-        rows.append([f"printed: {method}, {BACKBONE}{mark}", *cells, _cell(printed.get("average"))])
+        rows.append([f"printed: {method}, {name}{mark}", *cells, _cell(printed.get("average"))])
     return rows
+
+
+def target_rows(source: str, targets: Sequence[str], data: Mapping[str, Any]) -> list[list[str]]:
+    """Return every method's printed figures of one source on single targets; none if not printed."""
+    why = not_comparable(data, ablations=True)
+    mark = f" {MARK}" if why else ""
+    printed = paper()["targets"][BACKBONE].get(paper_name(source), {})
+    return [
+        [f"{method}{mark}", *(_cell(row.get(paper_name(target))) for target in targets)]
+        for method, row in printed.items()
+    ]
 
 
 def ablation_cell(table: str, row: str, source: str) -> str:

@@ -29,7 +29,8 @@ class AtOrder:
     index          place of the order in the list that was asked for
     features       stage -> modality -> (N, W); only stages that were asked for and that move,
                    and at the first order visited also those that do not
-    probabilities  "fused", "vis", "tac" -> (N, K); empty when no answers were asked for
+    probabilities  reading -> (N, K): "fused", "vis" and "tac" alone, "vis_branch" and "tac_branch"
+                   inside the pair; empty when no answers were asked for
     """
 
     index: int
@@ -116,10 +117,7 @@ def _pass(
             for modality, rows in stage_features(output, stage).items():
                 features.setdefault((stage, modality), []).append(rows)
         if answers:
-            for name, rows in {
-                "fused": output.probabilities,
-                **output.modality_probabilities,
-            }.items():
+            for name, rows in output.readings.items():
                 probabilities.setdefault(name, []).append(rows)
     joined: dict[str, dict[str, Tensor]] = {stage: {} for stage in stages}
     for (stage, modality), parts in features.items():

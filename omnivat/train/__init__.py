@@ -1,7 +1,19 @@
-"""Training: settings, batches, steps, a state that can be taken up again, and the loop."""
+"""Training: settings, batches, steps, the search for an order, and a state that can be resumed."""
 
-from omnivat.train.loop import Trained, train
+from omnivat.train.loop import Trained
 from omnivat.train.settings import MODALITIES, SELECTIONS, TrainSettings
 from omnivat.train.state import STATE
+from omnivat.train.training import SEARCH, train
+from omnivat.train.watch import TrainingCancelled, Watch
 
-__all__ = ["MODALITIES", "SELECTIONS", "STATE", "TrainSettings", "Trained", "train"]
+__all__ = [
+    "MODALITIES",
+    "SEARCH",
+    "SELECTIONS",
+    "STATE",
+    "TrainSettings",
+    "Trained",
+    "TrainingCancelled",
+    "Watch",
+    "train",
+]

@@ -29,6 +29,17 @@ class Batch:
     labels: Tensor
     lang_on: Tensor
     token_on: Tensor
+    order: Tensor | None = None  # (B,) where orders are drawn
+
+    def to(self, device: torch.device) -> "Batch":
+        """Return the batch on a device; the same one where it lies there."""
+        if self.labels.device == device:
+            return self
+        moved: dict[str, Any] = {}
+        for name in self.__slots__:
+            value = getattr(self, name)
+            moved[name] = None if value is None else value.to(device)
+        return Batch(**moved)
 
 
 def labels_of(source: Embeddings, head: HeadSettings) -> Array:
@@ -79,6 +90,7 @@ def batches(
     images = {n: _mirrored(source, n, shuffled, random) for n in settings.given}
     texts = _styled(bank, truth, random) if bank is not None and settings.lang else None
     answers = torch.from_numpy(truth)
+    orders = _orders(count, settings, random)
     for start in range(0, count, settings.batch):
         rows = slice(start, start + settings.batch)
         given = {name: torch.from_numpy(drawn.rows(rows)) for name, drawn in images.items()}
@@ -89,7 +101,18 @@ def batches(
             labels=answers[rows],
             lang_on=lang_on[rows],
             token_on=token_on[rows],
+            order=None if orders is None else orders[rows],
         )
+
+
+def _orders(count: int, settings: TrainSettings, random: np.random.Generator) -> Tensor | None:
+    """Draw an order for each pair (N,), the same within a batch or not; None where p is one."""
+    if settings.order_draw == "none":
+        return None
+    drawn = random.uniform(settings.order_low, settings.order_high, count)
+    if settings.order_draw == "batch":
+        drawn = drawn[np.arange(count) // settings.batch * settings.batch]
+    return torch.from_numpy(drawn)
 
 
 @dataclass(frozen=True, slots=True)

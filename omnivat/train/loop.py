@@ -1,24 +1,26 @@
-"""Train a head on one domain's embeddings. Nothing here ever sees another domain."""
+"""One training: epochs of steps on one domain's embeddings, from a seed to the last weights."""
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import torch
 
 from omnivat.data.store import Embeddings
+from omnivat.devices import current
 from omnivat.evaluate import predicted_probabilities
 from omnivat.gaps.confusion import macro_f1
 from omnivat.lang.bank import LangBank
 from omnivat.model.head import OmniVaT, build_head
 from omnivat.model.settings import HeadSettings
-from omnivat.progress import OnStep, Step, ignore
 from omnivat.seeding import derive_seed
-from omnivat.threads import LIGHT, one_thread
-from omnivat.train.batches import Array, batches, held_out, labels_of
+from omnivat.train.batches import Array, Batch, batches, held_out, labels_of
 from omnivat.train.settings import TrainSettings
 from omnivat.train.state import Progress, load_state, run_name, save_state
 from omnivat.train.steps import learn, make_optimiser, set_rate
+from omnivat.train.watch import Watch
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,70 +30,38 @@ class Trained:
     model: OmniVaT
     epochs: list[dict[str, float]] = field(default_factory=list)
     chosen_epoch: int = 0
+    search: dict[str, Any] = field(default_factory=dict)  # of the order; see `order_search`
 
 
-def train(
+def train_once(
     source: Embeddings,
     head: HeadSettings,
     settings: TrainSettings,
     *,
-    bank: LangBank | None = None,
-    seed: int = 0,
-    resume: Path | None = None,
-    on_step: OnStep = ignore,
-) -> Trained:
-    """Train a head on the pairs of one source domain.
-
-    source  training pairs of one domain; their labels index header.classes, of which head.classes
-            must be the ones present
-    bank    LANG for those classes, or None to train without text
-    seed    everything random derives from it: same seed, same machine, same weights
-    resume  file for the state after each epoch; where it exists already, training goes on from it
-            to the same weights, to the bit. Removed at the end
-
-    Raises DataError when there is nothing to learn or `resume` is of another training,
-    OmniVatError when the loss is not finite.
-    """
-    with one_thread(head.width <= LIGHT):
-        return _train(source, head, settings, bank, seed, resume, on_step)
-
-
-def _train(
-    source: Embeddings,
-    head: HeadSettings,
-    settings: TrainSettings,
     bank: LangBank | None,
     seed: int,
     resume: Path | None,
-    on_step: OnStep,
+    watch: Watch,
 ) -> Trained:
+    """Train from the start that `head` states; arguments and errors are those of `train`."""
     labels = labels_of(source, head)
     fit, held = held_out(source, labels, settings, seed)
-    model = build_head(head, seed=derive_seed(seed, "weights")).train()
+    model = build_head(head, seed=derive_seed(seed, "weights")).train().to(current())
     optimiser = make_optimiser(model, settings)
     run = run_name(source, head, settings, bank, seed) if resume else ""
     progress = load_state(resume, run, model, optimiser) if resume else Progress()
-    steps = math.ceil(len(fit) / settings.batch)
+    steps = steps_of(len(fit), settings)
     for epoch in range(len(progress.epochs), settings.epochs):
-        sums: dict[str, float] = {}
         stream = derive_seed(seed, "epoch", epoch)
-        for step, batch in enumerate(batches(source, labels, fit, bank, settings, stream)):
-            set_rate(optimiser, settings, (epoch * steps + step) / steps, 1 / steps)
-            losses = learn(model, optimiser, batch, settings)
-            for name, value in losses.items():
-                sums[name] = sums.get(name, 0.0) + value / steps
-            done = epoch * steps + step + 1
-            on_step(
-                Step(done=done, total=steps * settings.epochs, text=f"loss {losses['loss']:.3f}")
-            )
-        record = {"epoch": float(epoch), **sums, **_orders(model)}
+        drawn = batches(source, labels, fit, bank, settings, stream)
+        record = _epoch(model, optimiser, drawn, settings, epoch, steps, watch)
         if len(held):
-            score = _source_score(model, source.select(held), labels[held], settings)
-            record["source_val_macro_f1"] = score
-            if score > progress.best_score:
-                progress.best_score, progress.best_epoch = score, epoch
-                progress.best = {n: t.clone() for n, t in model.state_dict().items()}
+            record["source_val_macro_f1"] = _source_score(
+                model, source.select(held), labels[held], settings
+            )
+            progress.keep_best(record["source_val_macro_f1"], epoch, model)
         progress.epochs.append(record)
+        watch.on_epoch(record, model)
         if resume:
             save_state(resume, run, model, optimiser, progress)
     if progress.best:
@@ -99,7 +69,34 @@ def _train(
     if resume:
         resume.unlink(missing_ok=True)
     chosen = progress.best_epoch if progress.best else settings.epochs - 1
-    return Trained(model=model.eval(), epochs=progress.epochs, chosen_epoch=chosen)
+    return Trained(model=model.eval().cpu(), epochs=progress.epochs, chosen_epoch=chosen)
+
+
+def steps_of(pairs: int, settings: TrainSettings) -> int:
+    """Return how many steps an epoch over so many pairs has."""
+    return math.ceil(pairs / settings.batch)
+
+
+def _epoch(
+    model: OmniVaT,
+    optimiser: torch.optim.SGD,
+    drawn: Iterable[Batch],
+    settings: TrainSettings,
+    epoch: int,
+    steps: int,
+    watch: Watch,
+) -> dict[str, float]:
+    """Take the steps of one epoch; return its mean losses and where p is."""
+    sums: dict[str, float] = {}
+    device = model.classifier.device
+    for step, batch in enumerate(on_host.to(device) for on_host in drawn):
+        set_rate(optimiser, settings, (epoch * steps + step) / steps, 1 / steps)
+        losses = learn(model, optimiser, batch, settings)
+        for name, value in losses.items():
+            sums[name] = sums.get(name, 0.0) + value / steps
+        done = epoch * steps + step + 1
+        watch.step(done, steps * settings.epochs, f"loss {losses['loss']:.3f}")
+    return {"epoch": float(epoch), **sums, **_orders(model)}
 
 
 def _orders(model: OmniVaT) -> dict[str, float]:

@@ -6,11 +6,33 @@ from omnivat.errors import SettingsError
 
 SELECTIONS = ("last", "source-val")
 MODALITIES = ("vis+tac", "vis", "tac")
+PAIRS = ("unguided", "guided", "all")  # by whether LANG guides them in a step
+ORDER_DRAWS = ("none", "batch", "row")
+# every number of TrainSettings and its range; NaN lies in none
+RANGES: dict[str, tuple[float, float]] = {
+    "epochs": (1, 100_000),
+    "batch": (1, 65_536),
+    "lr": (0.0, 100.0),
+    "momentum": (0.0, 0.9999),
+    "weight_decay": (0.0, 100.0),
+    "warmup_epochs": (0.0, 100_000),
+    "clip": (1e-6, 1e6),
+    "order_lr_scale": (0.0, 1000.0),
+    "order_clip": (0.0, 1e12),
+    "mma_weight": (0.0, 1e6),
+    "nod_weight": (0.0, 1e6),
+    "lang_drop": (0.0, 1.0),
+    "class_token_drop": (0.0, 1.0),
+    "val_fraction": (0.0, 0.9),
+    "order_stops": (2, 1001),
+    "order_low": (-4.0, 4.0),
+    "order_high": (-4.0, 4.0),
+}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrainSettings:
-    """How a head is trained; reasons in docs/method.md."""
+    """How a head is trained; reasons in docs/method.md, those for the order in docs/order.md."""
 
     epochs: int = 20
     batch: int = 16
@@ -26,27 +48,41 @@ class TrainSettings:
     lang: bool = True
     lang_drop: float = 0.5  # share of pairs that train without LANG, as they are predicted
     class_token_drop: float = 0.5  # share that see no label in their class token
+    bank_from: str = "unguided"  # pairs whose tokens enter the bank of class tokens
+    mma_on: str = "all"  # pairs that L_MMA acts on
     selection: str = "last"
     val_fraction: float = 0.2  # of the source's objects, for "source-val"
-    modalities: str = "vis+tac"  # what the head learns from, and is then asked with
+    modalities: str = "vis+tac"  # the training input, and the default input in prediction
+    order_search: bool = False  # find p by short trainings on a grid, then by the gradient
+    order_stops: int = 21  # of that grid, from 0 to 1
+    order_draw: str = "none"  # draw p at random in training: one p a "batch", or one a "row"
+    order_low: float = 0.0  # range of the draw
+    order_high: float = 1.0
 
     def __post_init__(self) -> None:
-        for name, allowed in (("selection", SELECTIONS), ("modalities", MODALITIES)):
+        for name, allowed in (
+            ("selection", SELECTIONS),
+            ("modalities", MODALITIES),
+            ("bank_from", PAIRS),
+            ("mma_on", PAIRS),
+            ("order_draw", ORDER_DRAWS),
+        ):
             value = getattr(self, name)
             if value not in allowed:
                 raise SettingsError(f"{name} is '{value}'; choose one of {', '.join(allowed)}.")
-        for name, low, high in (
-            ("epochs", 1, 100_000),
-            ("batch", 1, 65_536),
-            ("lr", 0.0, 100.0),
-            ("mma_weight", 0.0, 1e6),
-            ("nod_weight", 0.0, 1e6),
-            ("lang_drop", 0.0, 1.0),
-            ("class_token_drop", 0.0, 1.0),
-            ("val_fraction", 0.0, 0.9),
-        ):
+        for name, (low, high) in RANGES.items():
             if not low <= getattr(self, name) <= high:
-                raise SettingsError(f"{name} is {getattr(self, name)}; choose {low} to {high}.")
+                raise SettingsError(f"{name} is {getattr(self, name)}; choose {low:g} to {high:g}.")
+        if self.order_low > self.order_high:
+            raise SettingsError(
+                f"order_low is {self.order_low} and order_high {self.order_high}; "
+                "give the smaller one first."
+            )
+        if self.order_search and self.order_draw != "none":
+            raise SettingsError(
+                "order_search and order_draw exclude each other: one finds a p, "
+                "the other trains for all. Choose one."
+            )
 
     @property
     def given(self) -> tuple[str, ...]:

@@ -9,7 +9,7 @@ from typing import Any
 
 import torch
 from safetensors import SafetensorError, safe_open
-from safetensors.torch import save_file
+from safetensors.torch import save
 from torch import Tensor
 
 from omnivat.config import settings_dict
@@ -33,6 +33,12 @@ class Progress:
     best_score: float = -1.0  # on the held-out part of the source
     best_epoch: int = -1
     best: dict[str, Tensor] = field(default_factory=dict)  # weights of that epoch
+
+    def keep_best(self, score: float, epoch: int, model: OmniVaT) -> None:
+        """Keep the weights of `model` where its score is the best so far."""
+        if score > self.best_score:
+            self.best_score, self.best_epoch = score, epoch
+            self.best = {name: tensor.clone() for name, tensor in model.state_dict().items()}
 
 
 def run_name(
@@ -68,9 +74,8 @@ def save_state(
         "best": json.dumps([progress.best_score, progress.best_epoch]),
     }
     with replacing(path) as temporary:
-        save_file(
-            {n: t.detach().contiguous() for n, t in tensors.items()}, temporary, metadata=metadata
-        )
+        plain = {n: t.detach().contiguous() for n, t in tensors.items()}
+        temporary.write_bytes(save(plain, metadata=metadata))
 
 
 def load_state(path: Path, run: str, model: OmniVaT, optimiser: torch.optim.Optimizer) -> Progress:

@@ -4,6 +4,7 @@ import math
 from typing import Any
 
 import torch
+from torch import Tensor
 
 from omnivat.errors import OmniVatError
 from omnivat.losses.total import joint_loss
@@ -40,6 +41,18 @@ def set_rate(
         group["lr"] = settings.lr * group["scale"] * share
 
 
+def pairs_of(kind: str, batch: Batch) -> Tensor | None:
+    """Return a mask (B,) of the pairs of a kind: "guided" by LANG, "unguided"; None for all.
+
+    All pairs of a batch without LANG are unguided. Where a batch has no pair of the kind, all count,
+    so that a training that always guides still fills its bank.
+    """
+    if kind == "all" or batch.lang is None:
+        return None
+    mask = batch.lang_on if kind == "guided" else ~batch.lang_on
+    return mask if bool(mask.any()) and not bool(mask.all()) else None
+
+
 def learn(
     model: OmniVaT, optimiser: torch.optim.SGD, batch: Batch, settings: TrainSettings
 ) -> dict[str, float]:
@@ -55,9 +68,12 @@ def learn(
         batch.labels,
         lang_on=batch.lang_on,
         token_on=batch.token_on,
+        order=batch.order,
     )
+    aligned = pairs_of(settings.mma_on, batch)
     losses = joint_loss(
         features=output.features,
+        aligned=aligned,
         layers=output.layers,
         logits=output.logits,
         labels=batch.labels,
@@ -86,7 +102,9 @@ def learn(
         held = float(bool((order.grad.abs() > settings.order_clip).any()))
         order.grad.clamp_(-settings.order_clip, settings.order_clip)
     optimiser.step()
-    model.mffa.update_bank({n: t.detach() for n, t in output.tokens.items()}, batch.labels)
+    own = pairs_of(settings.bank_from, batch)
+    tokens = {n: t.detach() if own is None else t.detach()[own] for n, t in output.tokens.items()}
+    model.mffa.update_bank(tokens, batch.labels if own is None else batch.labels[own])
     return {
         "loss": total,
         "mma": mma,

@@ -35,6 +35,7 @@ def test_the_tables_and_figures_of_the_paper_are_all_there():
         "fixed_order",
         "projection",
         "levels",
+        "details",
         "expansion",
         "balance",
     }

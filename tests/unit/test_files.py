@@ -133,3 +133,67 @@ def test_an_error_of_the_system_is_one_sentence(monkeypatch, capsys):
         "omnivat evaluate: 'x.bin': No space left on device. Check the path, its rights and the "
         "free space.\n"
     )
+
+
+def test_what_a_killed_writer_left_is_swept_by_the_next_and_a_living_one_is_let_be(tmp_path):
+    import os
+    import time
+
+    file = tmp_path / "a[1].txt"
+    left = tmp_path / ".a[1].txt.dead.tmp"
+    young = tmp_path / ".a[1].txt.new.tmp"
+    other = tmp_path / ".b.txt.dead.tmp"
+    for one in (left, young, other):
+        one.write_text("half")
+    old = time.time() - 1000
+    for one in (left, other):
+        os.utime(one, (old, old))
+    with replacing(file) as alive:
+        os.utime(alive, (old, old))
+        write_text(file, "second writer")
+        assert alive.is_file()
+        alive.write_text("first writer")
+    assert file.read_text() == "first writer"
+    assert sorted(p.name for p in tmp_path.iterdir()) == [young.name, other.name, "a[1].txt"]
+
+
+def test_a_full_disk_while_a_head_is_saved_is_a_sentence(tmp_path, head_folder, monkeypatch):
+    from pathlib import Path
+
+    from omnivat.checkpoint import load_head, save_head
+
+    head = load_head(head_folder)
+
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_bytes", full)
+    with pytest.raises(WriteError, match="head' was not written .No space left"):
+        save_head(tmp_path / "head", head)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_two_embeds_to_one_file_do_not_take_one_anothers_parts(tmp_path):
+    from omnivat.embed.parts import Parts
+
+    first, second = Parts(tmp_path / "a.safetensors"), Parts(tmp_path / "a.safetensors")
+    with (
+        first.claimed(),
+        pytest.raises(WriteError, match="another embed that is still running"),
+        second.claimed(),
+    ):
+        pass
+    with second.claimed():
+        pass
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_pipe_in_place_of_a_table_is_refused_at_once(tmp_path):
+    import os
+
+    from omnivat.data.readers.lists import read_text
+    from omnivat.errors import DataError
+
+    os.mkfifo(tmp_path / "table.csv")
+    with pytest.raises(DataError, match="pipe or device"):
+        read_text(tmp_path / "table.csv")

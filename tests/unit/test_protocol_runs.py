@@ -6,6 +6,8 @@ import types
 
 import pytest
 
+from omnivat.cli import main
+from omnivat.data.packing import unpacked
 from omnivat.data.store import load_embeddings, save_embeddings
 from omnivat.errors import DataError, MissingNameError, MissingPackageError, SettingsError
 from omnivat.lang.bank import DEFAULT_BANK, load_bank
@@ -48,7 +50,11 @@ def test_a_record_tells_what_was_resolved_and_every_target(file, runs, tmp_path)
     assert record["source"] == "TAG-sim"
     assert set(record["targets"]) == {"OF Real-sim", "OF 2.0 A-sim"}
     scores = record["targets"]["OF Real-sim"]["scores"]["fused"]
-    assert set(scores) == {"accuracy", "macro_f1", "macro_f1_union", "ece"}
+    measures = {"ece", "nll", "aurc"}
+    raw = {f"{name}_raw" for name in measures}
+    assert set(scores) == {"accuracy", "macro_f1", "macro_f1_union"} | measures | raw
+    readings = {"fused", "vis", "tac", "vis_branch", "tac_branch"}
+    assert set(record["targets"]["OF Real-sim"]["scores"]) == readings
     assert record["settings"]["head"]["width"] == 16
     assert record["settings"]["train"]["lr"] == 0.05
     assert record["versions"]["torch"]
@@ -56,6 +62,122 @@ def test_a_record_tells_what_was_resolved_and_every_target(file, runs, tmp_path)
     assert record["lang"]["hash"] == load_bank().hash
     accuracies = [t["scores"]["fused"]["accuracy"] for t in record["targets"].values()]
     assert target_mean(record) == pytest.approx(sum(accuracies) / 2)
+
+
+def recomputed(target, name):
+    """Return ACC from the predictions that a record keeps."""
+    pairs = list(zip(target["answers"][name], target["truth"], strict=True))
+    return sum(a == b for a, b in pairs) / len(pairs)
+
+
+def test_figures_can_be_recomputed_from_the_predictions_in_the_record(file):
+    for name in NAMES:
+        method = methods_named([name], *(QUICK.values() if name == "omnivat" else ({}, {})))[0]
+        record = execute(
+            Run(method=method, source="TAG", seed=0), load_embeddings(file), load_bank()
+        )
+        for target in record["targets"].values():
+            assert len(unpacked(target["objects"])) == target["pairs"] == len(target["truth"])
+            for reading, found in target["scores"].items():
+                assert recomputed(target, reading) == pytest.approx(found["accuracy"])
+            for fusion, found in target["fusions"].items():
+                assert recomputed(target, f"fusion:{fusion}") == pytest.approx(found["accuracy"])
+            assert target["fusions"]["mean"]["accuracy"] == target["scores"]["fused"]["accuracy"]
+            assert set(target["margins"]) == {"vis", "tac", "pair"}
+
+
+@pytest.mark.parametrize("name", ["omnivat", "dtg_alone", "cosine_head", "linear_probe_sum"])
+def test_photo_only_in_a_record_is_the_method_given_the_photo_alone(file, name):
+    """Other touches leave "vis" as it is and change "fused": no branch is passed off as alone."""
+    pairs = load_embeddings(file)
+    (method,) = methods_named([name], QUICK["head"], QUICK["train"])
+    run = Run(method=method, source="TAG", seed=0)
+    before = execute(run, pairs, load_bank())["targets"]["OF Real-sim"]
+    pairs.tac[pairs.domain == 1] = pairs.tac[pairs.domain == 1][::-1] * 3
+    after = execute(run, pairs, load_bank())["targets"]["OF Real-sim"]
+    assert before["scores"]["vis"] == after["scores"]["vis"]
+    assert before["margins"]["vis"] == after["margins"]["vis"]
+    assert before["scores"]["fused"] != after["scores"]["fused"]
+    if name in ("omnivat", "dtg_alone"):
+        assert before["scores"]["vis_branch"] != after["scores"]["vis_branch"]
+
+
+def test_calibration_changes_confidence_and_no_prediction(file):
+    records_ = []
+    for calibrate in (False, True):
+        head = QUICK["head"] | {"fusion": "mean"}  # stated, so it is not chosen
+        (method,) = methods_named(["omnivat"], head, {"epochs": 5})
+        run = Run(method=method, source="TAG", seed=0, calibrate=calibrate)
+        records_.append(execute(run, load_embeddings(file), load_bank()))
+    plain, calibrated = records_
+    assert plain["temperature"] == {"vis": 1.0, "tac": 1.0, "fused": 1.0}
+    assert calibrated["temperature"]["fused"] != 1
+    for name, target in plain["targets"].items():
+        other = calibrated["targets"][name]
+        assert other["answers"]["fused"] == target["answers"]["fused"]
+        own, same = other["scores"]["fused"], target["scores"]["fused"]
+        assert own["nll_raw"] == pytest.approx(same["nll_raw"])
+        assert own["nll"] != pytest.approx(own["nll_raw"])
+
+
+def test_the_head_chooses_among_candidates_on_held_out_objects(file):
+    """A rate of zero learns nothing: the other candidate has the lower held-out log loss."""
+    candidates = {name: {"train": {"lr": lr}} for name, lr in (("still", 0.0), ("moving", 0.05))}
+    (method,) = methods_named(["omnivat"], QUICK["head"], {"epochs": 5}, candidates)
+    record = execute(Run(method=method, source="TAG", seed=0), load_embeddings(file), load_bank())
+    assert record["chosen"]["settings"] == "moving"
+    losses = record["chosen"]["held-out log loss"]
+    assert losses["moving"] < losses["still"]
+    assert record["settings"]["candidates"] == candidates
+
+
+def test_the_first_seed_chooses_for_all_seeds_of_a_source(file, tmp_path):
+    candidates = {name: {"train": {"lr": lr}} for name, lr in (("still", 0.0), ("moving", 0.05))}
+    methods = methods_named(["omnivat", "nearest_mean"], QUICK["head"], {"epochs": 3}, candidates)
+    runs_ = planned(methods, ("TAG",), (0, 1), calibrate=True)
+    assert done(file, runs_, tmp_path / "runs.jsonl") == 4
+    for name in ("omnivat", "nearest_mean"):
+        first, second = (r for r in records.read(tmp_path / "runs.jsonl") if r["method"] == name)
+        assert first["temperature"] == second["temperature"]
+        assert first["chosen"]["fusion"] == second["chosen"]["fusion"]
+        assert first["targets"] != second["targets"] or name == "nearest_mean"
+
+
+def test_the_chosen_fusion_is_the_fused_reading(file):
+    (method,) = methods_named(["linear_probe"], {}, {})
+    run = Run(method=method, source="TAG", seed=0, calibrate=True)
+    record = execute(run, load_embeddings(file), None)
+    chosen = record["chosen"]["fusion"]
+    for target in record["targets"].values():
+        assert target["answers"]["fused"] == target["answers"][f"fusion:{chosen}"]
+
+
+def test_methods_that_need_no_text_run_where_the_bank_lacks_the_classes(make_embeddings, tmp_path):
+    pairs = make_embeddings(domains=("A", "B"), classes=("felt", "cork"), split=True)
+    runs_ = [
+        Run(method=m, source="A", seed=0)
+        for m in methods_named(
+            ["nearest_mean", "linear_probe", "zero_shot", "omnivat"], QUICK["head"], QUICK["train"]
+        )
+    ]
+    found = {r.method.name: execute(r, pairs, load_bank()) for r in runs_}
+    assert "targets" in found["nearest_mean"] and "targets" in found["linear_probe"]
+    assert "no text for felt, cork" in found["zero_shot"]["skipped"]
+    assert "no text for felt, cork" in found["omnivat"]["skipped"]
+    (method,) = methods_named(["omnivat"], QUICK["head"], {"epochs": 1, "lang": False})
+    assert "targets" in execute(Run(method=method, source="A", seed=0), pairs, None)
+
+
+def test_the_command_without_lang_runs_on_classes_that_no_bank_has(make_embeddings, tmp_path):
+    pairs = make_embeddings(domains=("A", "B"), classes=("felt", "cork"), split=True)
+    save_embeddings(tmp_path / "own.safetensors", pairs)
+    given = ["--embeddings", str(tmp_path / "own.safetensors"), "--out", str(tmp_path / "out")]
+    names = "omnivat,nearest_mean,baseline,zero_shot"
+    sets = ["--set", "lang=false", "--set", "width=16", "--set", "epochs=1"]
+    assert main(["protocol", *given, "--methods", names, "--seeds", "0", *sets]) == 0
+    done_ = {r["method"]: r for r in records.read(tmp_path / "out" / "runs.jsonl")}
+    assert all("targets" in done_[name] for name in ("omnivat", "nearest_mean", "baseline"))
+    assert done_["zero_shot"]["skipped"].endswith("No LANG bank is used.")
 
 
 def test_what_is_done_is_not_done_again_and_a_torn_line_is_mended(file, runs, tmp_path):
@@ -112,7 +234,7 @@ def test_an_unknown_method_is_refused_with_the_nearest():
 
 
 def test_a_baseline_takes_no_settings():
-    with pytest.raises(SettingsError, match="tunes itself on the source"):
+    with pytest.raises(SettingsError, match="chooses its own on the source"):
         Method(name="x", base="erm_mlp", train={"lr": 1.0})
 
 

@@ -8,7 +8,15 @@ import numpy as np
 import pytest
 
 from omnivat.ablations import ABLATIONS, method_name
+from omnivat.encoders import ENCODERS
 from omnivat.reports.ablation_report import write_ablations
+from omnivat.reports.bootstrap import (
+    complete_rows,
+    draws_for,
+    percentile,
+    resampled,
+    simultaneous,
+)
 from omnivat.reports.evidence_report import evidence_report
 from omnivat.reports.intervals import (
     Interval,
@@ -18,7 +26,7 @@ from omnivat.reports.intervals import (
     spread,
     t_interval,
 )
-from omnivat.reports.paper import not_comparable, paper
+from omnivat.reports.paper import BACKBONES, MARK, not_comparable, paper, paper_rows
 from omnivat.reports.plot import line_plot
 from omnivat.reports.protocol_report import interval_table, main_table, protocol_report
 from omnivat.reports.reading import by_run, by_seed, changed_settings
@@ -122,8 +130,34 @@ def test_printed_figures_are_marked_where_the_data_differ(records):
     table = main_table(records)
     assert "printed: OmniVaT, ViT-B/16 *not comparable* (other data: ours are simulated)" in table
     assert "57.3 / 54.0" in table
-    assert not_comparable({"simulated": False, "encoder": "clip-vit-b/16"}) == ""
-    assert "other encoder" in not_comparable({"simulated": False, "encoder": "clip-rn50"})
+    assert "other encoder" in not_comparable({"simulated": False, "encoder": "efficientnet-lite0"})
+
+
+@pytest.mark.parametrize("encoder", BACKBONES)
+def test_real_results_of_the_papers_encoders_are_comparable(encoder):
+    """By the names that the project gives its encoders, not by names made up here."""
+    assert encoder in ENCODERS
+    data = {"simulated": False, "encoder": encoder}
+    assert not_comparable(data) == ""
+    assert (not_comparable(data, ablations=True) == "") == (encoder == "clip-vit-b16")
+    rows = paper_rows(["TAG"], data)
+    assert all(MARK not in row[0] and BACKBONES[encoder] in row[0] for row in rows)
+    assert ["printed: OmniVaT, ViT-B/16", "56.2 / 53.7"] in [r[:2] for r in rows] or (
+        encoder != "clip-vit-b16"
+    )
+
+
+def test_printed_single_targets_average_to_the_main_table():
+    """All 48 rows of the eight tables: their mean is their average, and that is the main table's."""
+    main, tables = paper()["main"]["ViT-B/16"], paper()["targets"]["ViT-B/16"]
+    assert len(tables) == 8
+    for source, methods in tables.items():
+        assert len(methods) == 6
+        for method, printed in methods.items():
+            assert printed["average"] == main[method][source]
+            for metric in (0, 1):
+                values = [pair[metric] for name, pair in printed.items() if name != "average"]
+                assert printed["average"][metric] == pytest.approx(np.mean(values), abs=0.06)
 
 
 def test_the_lead_is_paired_and_its_n_printed(records):
@@ -265,3 +299,94 @@ def test_ablation_tables_stand_beside_the_printed_figures(tmp_path):
     assert "58.3 / 57.7" in line
     assert "printed, ViT-B/16 *not comparable*" in text
     assert (tmp_path / "order.svg").read_text().count("<circle") == 14
+
+
+def answered_record(method, source, seed, share, *, reading_shares=None):
+    """Return a record with kept predictions: of 40 objects of two classes, a share is right."""
+    truth = "0" * 20 + "1" * 20
+
+    def answers(right):
+        count = round(20 * right)
+        return ("0" * count + "1" * (20 - count)) + ("1" * count + "0" * (20 - count))
+
+    readings = {"fused": share, "vis": share, "tac": 0.5} | (reading_shares or {})
+    scores = {
+        n: {"accuracy": v, "macro_f1": v, "macro_f1_union": v, **dict.fromkeys(MEASURES, 0.1)}
+        for n, v in readings.items()
+    }
+    target = {
+        "part": "",
+        "pairs": 40,
+        "scores": scores,
+        "fusions": {"mean": {"accuracy": share, "macro_f1": share}},
+        "margins": {"vis": 0.1, "tac": None, "pair": 0.2},
+        "truth": truth,
+        "objects": "0-39",
+        "answers": {n: answers(v) for n, v in readings.items()},
+    }
+    found = record(method, source, seed, [], targets={"t": target}, classes=["a", "b"])
+    return found | {"chosen": {}, "temperature": {"fused": 1.5}, "settings": {"calibrate": True}}
+
+
+MEASURES = ("ece", "nll", "aurc", "ece_raw", "nll_raw", "aurc_raw")
+
+
+def grid(method, share, **changes):
+    return [
+        answered_record(method, source, seed, share, **changes)
+        for source in ("A", "B", "C")
+        for seed in (0, 1)
+    ]
+
+
+def test_the_headline_names_the_best_other_row_whichever_modality_it_uses():
+    found = grid("omnivat", 0.8) + grid("linear_probe", 0.6, reading_shares={"vis": 0.9})
+    text = protocol_report(found)
+    assert "OmniVaT 80.0; best of 3 other rows: linear_probe, photo only, 90.0" in text
+    assert "Difference -10.0" in text
+
+
+def test_resampled_metrics_are_those_of_the_records():
+    found = grid("omnivat", 0.75)
+    drawn = draws_for(found, draws=200)
+    values = resampled(found, ("omnivat", "fused"), drawn)
+    assert values["accuracy"].value == pytest.approx(0.75)
+    assert values["macro_f1"].value == pytest.approx(0.75)
+    assert values["accuracy"].draws.mean() == pytest.approx(0.75, abs=0.02)
+
+
+def test_test_objects_that_are_reused_count_once():
+    """Six runs that share 40 objects are as uncertain as one: sd of a mean of 40 at 0.75."""
+    found = grid("omnivat", 0.75)
+    draws = resampled(found, ("omnivat", "fused"), draws_for(found, draws=2000))["accuracy"].draws
+    assert draws.std() == pytest.approx((0.75 * 0.25 / 40) ** 0.5, rel=0.1)
+
+
+def test_simultaneous_intervals_are_wider_than_single_ones_and_grow_with_the_rows():
+    found = grid("omnivat", 0.8)
+    for number in range(12):
+        found += grid(f"other {number}", 0.5 + 0.02 * number)
+    drawn = draws_for(found, draws=500)
+    rows = complete_rows(found, ("fused", "tac"))
+    values = {row: resampled(found, row, drawn)["accuracy"] for row in rows}
+    ours = values.pop(("omnivat", "fused"))
+    others = {row: v for row, v in values.items() if row[0] != "omnivat"}
+    one = ("other 3", "fused")
+    many, few = simultaneous(ours, others)[one], simultaneous(ours, {one: others[one]})[one]
+    alone = percentile(ours, others[one])
+    assert many.mean == few.mean == pytest.approx(0.25)
+    assert many.high - many.low >= few.high - few.low
+    assert few.high - few.low == pytest.approx(alone.high - alone.low, rel=0.15)
+
+
+def test_a_row_without_every_source_and_seed_is_in_no_comparison():
+    found = grid("omnivat", 0.8) + grid("slow", 0.9)[:1]
+    assert ("slow", "fused") not in complete_rows(found, ("fused",))
+    assert ("omnivat", "fused") in complete_rows(found, ("fused",))
+
+
+def test_side_tables_show_confidence_margins_and_fusions():
+    text = protocol_report(grid("omnivat", 0.8))
+    assert "10.0 → 10.0 | 0.10 → 0.10 | 10.0 → 10.0 | 1.50" in text
+    assert "20.0 / 10.0 / –" in text
+    assert "| OmniVaT | 80.0 / 80.0 |" in text

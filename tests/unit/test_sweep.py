@@ -96,7 +96,8 @@ def test_every_curve_is_what_the_head_and_the_measure_answer():
             "accuracy/all": accuracy(labels, answers),
             "accuracy/D2": accuracy(labels[2::3], answers[2::3]),
             "macro_f1/all": macro_f1(labels, answers),
-            "accuracy:vis/all": accuracy(labels, out.logits["vis"].argmax(1)),
+            "accuracy:vis/all": accuracy(labels, out.alone["vis"].argmax(1)),
+            "accuracy:vis_branch/all": accuracy(labels, out.logits["vis"].argmax(1)),
         }
         for name, value in wanted.items():
             assert found.curves[name][place] == pytest.approx(value.item(), abs=1e-6), name

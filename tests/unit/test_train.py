@@ -2,6 +2,7 @@
 
 import itertools
 from dataclasses import replace
+from typing import get_type_hints
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from omnivat.evaluate import predicted_probabilities
 from omnivat.lang.bank import LangBank, load_bank
 from omnivat.model.settings import HeadSettings
 from omnivat.train import TrainSettings, train
+from omnivat.train.batches import batches
 
 CLASSES = ("wood", "steel", "plastic", "ceramic", "glass")
 
@@ -294,7 +296,7 @@ def test_a_loss_that_is_not_finite_stops_with_a_sentence(source):
     [
         ({"selection": "target"}, "choose one of last, source-val"),
         ({"modalities": "audio"}, r"choose one of vis\+tac, vis, tac"),
-        ({"lr": -1.0}, "lr is -1.0; choose 0.0 to 100.0"),
+        ({"lr": -1.0}, "lr is -1.0; choose 0 to 100"),
     ],
 )
 def test_impossible_settings_are_refused(change, sentence):
@@ -357,3 +359,46 @@ def test_training_leaves_the_number_of_threads_as_it_was(source):
         assert torch.get_num_threads() == 2
     finally:
         torch.set_num_threads(before)
+
+
+NUMBERS = [name for name, kind in get_type_hints(TrainSettings).items() if kind in (int, float)]
+
+
+@pytest.mark.parametrize("name", NUMBERS)
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), -5.0])
+def test_every_number_of_the_settings_has_a_range(name, value):
+    """Reads the fields themselves, so a new one without a range fails here."""
+    with pytest.raises(SettingsError, match=f"{name} is .*; choose"):
+        TrainSettings(**{name: value})
+
+
+def test_a_search_and_a_random_order_exclude_each_other():
+    with pytest.raises(SettingsError, match="order_search and order_draw exclude each other"):
+        TrainSettings(order_search=True, order_draw="batch")
+    with pytest.raises(SettingsError, match="give the smaller one first"):
+        TrainSettings(order_low=0.5, order_high=0.2)
+
+
+@pytest.mark.parametrize(("draw", "different"), [("batch", 1), ("row", 8)])
+def test_orders_are_drawn_for_each_batch_or_each_row_within_their_range(source, draw, different):
+    settings = TrainSettings(order_draw=draw, order_low=0.2, order_high=0.4, batch=8)
+    labels = np.asarray(source.label)
+    drawn = list(batches(source, labels, np.arange(len(source)), None, settings, 3))
+    assert all(len(batch.order.unique()) == different for batch in drawn)
+    orders = torch.cat([batch.order for batch in drawn])
+    assert orders.min() >= 0.2 and orders.max() <= 0.4 and len(orders.unique()) > 5
+
+
+def test_a_head_of_drawn_orders_keeps_its_own_order_and_predicts_at_others(source):
+    settings = TrainSettings(epochs=60, order_draw="row", lang=False)
+    trained = train(source, head(order=0.5), settings)
+    assert trained.model.order == 0.5
+    fixed = train(source, head(order=0.5), replace(settings, order_draw="none"))
+    at = [scored(one.model, source, 0.1) for one in (trained, fixed)]
+    assert at[0] > 0.9 and at[0] > at[1] + 0.1
+
+
+def scored(model, pairs, order):
+    """Accuracy with p moved to another order."""
+    shares = predicted_probabilities(model, pairs, order=order)["fused"]
+    return float((shares.argmax(-1).numpy() == pairs.label).mean())

@@ -1,24 +1,40 @@
 """Readers of pairs: one file a data set, one table, one door."""
 
 from collections.abc import Callable
+from importlib import import_module
 from inspect import Parameter, signature
 from pathlib import Path
 from typing import Any
 
+from omnivat.data.domains import require_domain_names
 from omnivat.data.pairs import PairSet
 from omnivat.data.readers.names import exists, show
-from omnivat.data.readers.recognise import recognise
 from omnivat.errors import DataError, SettingsError
 from omnivat.tables import load, suggestion
 
+# Tried in this order where the layout is not named. A reader's module holds `read` and `recognises`.
 READERS = {
-    "folder": "omnivat.data.readers.folder:read",
     "csv": "omnivat.data.readers.table:read",
-    "touch_and_go": "omnivat.data.readers.touch_and_go:read",
-    "objectfolder_real": "omnivat.data.readers.objectfolder_real:read",
-    "objectfolder_2": "omnivat.data.readers.objectfolder_2:read",
     "tacquad": "omnivat.data.readers.tacquad:read",
+    "objectfolder_2": "omnivat.data.readers.objectfolder_2:read",
+    "objectfolder_real": "omnivat.data.readers.objectfolder_real:read",
+    "touch_and_go": "omnivat.data.readers.touch_and_go:read",
+    "folder": "omnivat.data.readers.folder:read",
 }
+
+
+def recognised(source: Path) -> str:
+    """Return the name of the first reader that recognises `source`, a folder or a CSV file.
+
+    Raises DataError for a file that is not a CSV.
+    """
+    for name, target in READERS.items():
+        if import_module(target.split(":")[0]).recognises(source):
+            return name
+    raise DataError(
+        f"'{show(source)}' is a file, but pairs come from a folder or a CSV. "
+        "Give the folder it lies in, or a .csv with the columns vis, tac, domain, material."
+    )
 
 
 def read_pairs(
@@ -34,14 +50,15 @@ def read_pairs(
              be the text "true" or "false", as it comes from a command line
 
     Raises DataError when there is nothing at `source`, it is of another layout, or it holds no
-    pairs; SettingsError for an option that the reader does not have.
+    pairs or a domain that is called "all"; SettingsError for an option that the reader does not have.
     """
     path = Path(source)
     if not exists(path):
         raise DataError(f"There is no folder or file at '{show(path)}'. Check the path.")
-    name = recognise(path) if reader == "auto" else reader
+    name = recognised(path) if reader == "auto" else reader
     read = load(READERS, name, kind="reader")
     found: PairSet = read(path, strict=strict, seed=seed, **_checked(name, read, options))
+    require_domain_names(found.domains())
     return found
 
 

@@ -22,6 +22,11 @@ HALF = re.compile(r"(?P<name>.*)_(?P<half>vis|tac)", re.IGNORECASE | re.DOTALL)
 LAYOUT = "<domain>/<class>/<name>_vis.png beside <name>_tac.png"
 
 
+def recognises(source: Path) -> bool:
+    """Tell whether this is a folder: of the readers, this one takes any."""
+    return source.is_dir()
+
+
 def read(source: Path, *, strict: bool = False, seed: int = 0) -> PairSet:
     """Return the pairs of a plain folder.
 

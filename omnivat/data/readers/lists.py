@@ -8,15 +8,15 @@ from typing import Any
 
 from omnivat.data.readers.names import show
 from omnivat.errors import DataError
+from omnivat.files import read_whole
 from omnivat.tables import suggestion
+
+MOST_TEXT = 1_000_000_000  # bytes of a table or list; a million pairs take 200 MB
 
 
 def read_text(file: Path) -> str:
     """Return a file as text, whatever bytes are in it; raises DataError when it cannot be read."""
-    try:
-        return file.read_bytes().decode("utf-8-sig", errors="replace")
-    except OSError as error:
-        raise DataError(f"'{show(file)}' cannot be read: {error.strerror}.") from error
+    return read_whole(file, MOST_TEXT, show(file)).decode("utf-8-sig", errors="replace")
 
 
 def read_lines(file: Path) -> list[str]:

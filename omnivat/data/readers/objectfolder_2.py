@@ -28,6 +28,11 @@ TEST_OBJECTS = 5  # of each class, in A and in B: the paper's 500 test pairs a c
 SPLITS = ("paper", "release")
 
 
+def recognises(source: Path) -> bool:
+    """Tell whether a folder has the layout of the ObjectFolder benchmark's release."""
+    return is_file(source / "label.json") and (source / "touch").is_dir()
+
+
 def read(
     source: Path,
     *,

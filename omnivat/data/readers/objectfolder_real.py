@@ -27,6 +27,11 @@ CHOICES = ("middle", "last", "all")
 PREFERRED = ("hand", "third")  # words in the names of the cameras' folders, best first
 
 
+def recognises(source: Path) -> bool:
+    """Tell whether a folder holds objects with tactile data."""
+    return any((folder / "tactile_data").is_dir() for folder in folders_in(source))
+
+
 def read(
     source: Path,
     *,

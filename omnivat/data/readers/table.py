@@ -9,14 +9,21 @@ from pathlib import Path
 from omnivat.data.domains import is_simulated
 from omnivat.data.materials import MATERIALS, class_key
 from omnivat.data.pairs import Pair, PairSet, Skipped
+from omnivat.data.readers.lists import MOST_TEXT
 from omnivat.data.readers.names import is_file, is_text, show
 from omnivat.errors import DataError
+from omnivat.files import read_whole
 from omnivat.tables import suggestion
 
 NEEDED = ("vis", "tac", "domain", "material")
-OPTIONAL = ("object", "split", "part")
+OPTIONAL = ("object", "split", "part", "looks_like", "feels_like")
 SPLITS = ("train", "val", "test")
 Row = dict[str, str]
+
+
+def recognises(source: Path) -> bool:
+    """Tell whether this is a CSV, or a folder with one called pairs.csv."""
+    return source.suffix.lower() == ".csv" if is_file(source) else is_file(source / "pairs.csv")
 
 
 def read(source: Path, *, strict: bool = False, seed: int = 0) -> PairSet:
@@ -79,13 +86,11 @@ def _rows(file: Path) -> Iterator[tuple[int, Row]]:
 
 def _text(file: Path) -> str:
     try:
-        return file.read_bytes().decode("utf-8-sig")
+        return read_whole(file, MOST_TEXT, show(file)).decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise DataError(
             f"'{show(file)}' is not UTF-8 text (byte {error.start}). Save it as 'CSV UTF-8'."
         ) from error
-    except OSError as error:
-        raise DataError(f"'{show(file)}' cannot be read: {error.strerror}.") from error
 
 
 def _check_header(file: Path, header: list[str]) -> None:
@@ -145,6 +150,8 @@ def _pair(folder: Path, row: Row) -> Pair:
         object=row.get("object", ""),
         split=row.get("split", "").lower(),
         part=row.get("part", "").lower(),
+        looks_like=class_key(row.get("looks_like", "")),
+        feels_like=class_key(row.get("feels_like", "")),
     )
 
 

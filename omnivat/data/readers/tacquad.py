@@ -60,6 +60,11 @@ class Contact:
     folder: Path
 
 
+def recognises(source: Path) -> bool:
+    """Tell whether a folder holds TacQuad's contact lists."""
+    return is_file(source / "contact_indoor.csv") or is_file(source / "contact_outdoor.csv")
+
+
 def read(
     source: Path,
     *,

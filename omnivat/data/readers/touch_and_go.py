@@ -33,6 +33,12 @@ class Frame:
     split: str
 
 
+def recognises(source: Path) -> bool:
+    """Tell whether a folder holds clips with GelSight frames."""
+    clips = folders_in(source / "dataset") or folders_in(source)
+    return any((clip / "gelsight_frame").is_dir() for clip in clips)
+
+
 def read(
     source: Path,
     *,

@@ -64,7 +64,7 @@ def closed_features(
     """Return F-bar of all modalities.
 
     embedding  (M, B, D) of VIS and TAC, of length `given.length`;  lang  (1, B, D) or None
-    order      () or (M, 1);  theta  (M, E): LANG first where there is LANG
+    order      () or (M, 1) or (1, B);  theta  (M, E): LANG first where there is LANG
     weights    those of FrATT in the order of `Weights`
     """
     features, tokens = _Features.apply(given, embedding, lang, order, theta, *weights)  # type: ignore[no-untyped-call]
@@ -115,7 +115,7 @@ class _Features(torch.autograd.Function):
             for some in _stage_back(given, to_lang, stages[0], own):
                 (ways if isinstance(some, AttentionBack) else turns).insert(0, some)  # type: ignore[arg-type]
         by_order = [some.order for some in turns]
-        shared = len(ctx.order_shape) == 0
+        shared = len(ctx.order_shape) == 0 or ctx.order_shape[0] == 1  # by all modalities
         to_order = torch.stack(by_order).sum(0) if shared else torch.cat(by_order)
         to_theta = theta_back(torch.cat([way.tokens for way in ways]), theta, rank, given.channels)
         return (

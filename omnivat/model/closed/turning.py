@@ -18,7 +18,7 @@ class Turn(NamedTuple):
 
     vectors: Tensor  # V (D, D)
     slope: Tensor  # π k / 2 of every column (D,), float64
-    planes: Tensor  # (O, 1, 2, D) Re and Im of exp(-iπpk/2); O = 1, or one order a modality
+    planes: Tensor  # (O, R, 2, D) Re and Im of exp(-iπpk/2) for orders (O, R), see `turn_of`
 
 
 class Turned(NamedTuple):
@@ -32,7 +32,7 @@ class TurnedBack(NamedTuple):
     """Gradients of a transform."""
 
     embedding: Tensor  # (M, B, D)
-    order: Tensor  # (O,) float64
+    order: Tensor  # (O, R) float64
 
 
 @lru_cache(maxsize=8)
@@ -42,10 +42,14 @@ def _eigenbasis(width: int, dtype: torch.dtype, device: torch.device) -> Basis:
 
 
 def turn_of(order: Tensor, like: Tensor) -> Turn:
-    """Return the transform of order () or (M, 1) for embeddings like (..., D)."""
+    """Return the transform for embeddings like (..., D).
+
+    order  () for all; (M, 1) one for each modality; (1, B) one for each row
+    """
     vectors, indices = _eigenbasis(like.shape[-1], like.dtype, like.device)
-    planes = torch.view_as_real(phases(order.detach().reshape(-1), indices))  # (O, D, 2)
-    planes = planes.movedim(-1, 1)[:, None].to(like.dtype, memory_format=torch.contiguous_format)
+    orders = order.detach().reshape(order.shape or (1, 1))  # (O, R)
+    planes = torch.view_as_real(phases(orders.reshape(-1), indices)).unflatten(0, orders.shape)
+    planes = planes.movedim(-1, 2).to(like.dtype, memory_format=torch.contiguous_format)
     return Turn(vectors, indices * (torch.pi / 2), planes)
 
 
@@ -62,11 +66,11 @@ def turned_back(grad: Tensor, inner: Tensor, turn: Turn) -> TurnedBack:
     """
     count = grad.shape[2]
     within = grad @ turn.vectors
-    to_planes = (within * inner).sum(1)  # (M, C, D)
-    to_planes = to_planes.sum_to_size(len(turn.planes), count, to_planes.shape[-1])
-    real, imaginary = turn.planes[:, 0].unbind(1)
-    by_order = to_planes[:, 0] * imaginary
+    orders, rows = turn.planes.shape[:2]
+    to_planes = (within * inner).sum_to_size(orders, rows, count, within.shape[-1])
+    real, imaginary = turn.planes.unbind(2)
+    by_order = to_planes[:, :, 0] * imaginary
     if count == 2:
-        by_order = by_order - to_planes[:, 1] * real
+        by_order = by_order - to_planes[:, :, 1] * real
     embedding = (within * turn.planes[:, :, :count]).sum(2) @ turn.vectors.T
     return TurnedBack(embedding, by_order.double() @ turn.slope)

@@ -1,9 +1,11 @@
 """Every baseline learns a source, repeats itself, and says when it cannot run."""
 
+from dataclasses import replace
+
 import pytest
 import torch
 
-from omnivat.baselines import BASELINES, LABELS
+from omnivat.baselines import BASELINES, LABELS, OPTIONAL
 from omnivat.baselines.contract import Source
 from omnivat.baselines.descent import Descent, rate
 from omnivat.baselines.robust_vish import fit as fit_robust_vish
@@ -11,7 +13,8 @@ from omnivat.baselines.vt_cmc_head import contrastive_loss
 from omnivat.errors import DataError
 from omnivat.tables import load
 
-QUICK = [n for n in BASELINES if n not in ("robust_vish", "promptstyler", "zero_shot")]
+# The optional methods have a file of their own, test_contract.py.
+QUICK = [n for n in BASELINES if n not in (*OPTIONAL, "promptstyler", "zero_shot")]
 CLASSES = ("wood", "steel", "plastic", "ceramic", "glass")
 
 
@@ -52,6 +55,40 @@ def test_it_learns_its_source_and_gives_probabilities(name, source, fitted):
         torch.testing.assert_close(values.sum(-1), torch.ones(len(source)))
     assert right(fitted[name], source) > 0.9
     assert fitted[name].parameters > 0
+
+
+def depends_on_the_other_image(predict, source, name):
+    """True when a reading of one modality changes with the other modality's images."""
+    other = "tac" if name == "vis" else "vis"
+    pairs = {"vis": source.vis, "tac": source.tac}
+    changed = pairs | {other: pairs[other].flip(0) * 2 + 1}
+    return not torch.equal(predict(*pairs.values())[name], predict(*changed.values())[name])
+
+
+@pytest.mark.parametrize("name", QUICK)
+@pytest.mark.parametrize("modality", ["vis", "tac"])
+def test_a_reading_of_one_modality_does_not_see_the_other_image(name, modality, source, fitted):
+    assert not depends_on_the_other_image(fitted[name].predict, source, modality)
+
+
+def test_the_check_on_single_readings_finds_one_that_uses_both(source, fitted):
+    def passed_off(vis, tac):
+        return {"vis": fitted["erm_mlp"].predict(vis, tac)["fused"]}
+
+    assert depends_on_the_other_image(passed_off, source, "vis")
+
+
+@pytest.mark.parametrize("name", QUICK)
+def test_features_have_a_row_a_pair_for_each_modality_and_the_pair(name, source, fitted):
+    found = fitted[name].features(source.vis, source.tac)
+    assert set(found) == {"vis", "tac", "pair"}
+    assert all(len(rows) == len(source) and rows.ndim == 2 for rows in found.values())
+
+
+def test_a_method_of_text_names_the_true_reason_where_the_bank_lacks_the_classes(source):
+    bare = replace(source, lang=None, why_no_lang="The LANG bank has no text for felt.")
+    with pytest.raises(DataError, match="Zero-shot prediction needs .* no text for felt"):
+        load(BASELINES, "zero_shot", kind="baseline")(bare)
 
 
 @pytest.mark.parametrize("name", QUICK)
@@ -100,7 +137,7 @@ def test_methods_that_live_on_text_answer_images_of_the_same_space(name, make_em
     pairs = make_embeddings(domains=("TAG-sim",), per_class=8)
     means = torch.stack([torch.from_numpy(pairs.vis[pairs.label == k]).mean(0) for k in range(5)])
     texts = means[:, None] + 0.1 * torch.randn(5, 6, pairs.width)
-    source = as_source(pairs, lang=texts, lang_of_images=True)
+    source = as_source(pairs, lang=texts, lang_of_images=True, plain=means)
     assert right(load(BASELINES, name, kind="baseline")(source), source) > 0.8
 
 

@@ -17,8 +17,41 @@ def test_every_command_explains_itself(command, capsys):
 
 def test_wrong_usage_exits_with_2():
     with pytest.raises(SystemExit) as stop:
-        main(["fly"])
+        main(["predict", "--fly"])
     assert stop.value.code == 2
+
+
+def test_no_command_prints_the_help(capsys):
+    assert main([]) == 0
+    assert "predict" in capsys.readouterr().out
+
+
+def test_a_misspelt_command_gets_the_nearest_one(capsys):
+    assert main(["trian"]) == 2
+    assert "There is no command 'trian'. Did you mean 'train'?" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_argument_has_a_help_text(command):
+    options = parser()._subparsers._group_actions[0].choices[command]._actions
+    assert [action.dest for action in options if not action.help] == []
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["predict", "a", "b", "--order", "nan"], "order is nan; give a number of quarter turns"),
+        (["gaps", "--order", "7"], "from -4 to 4. The transform has period 4, so use 3."),
+        (["simulate", "--out", "x", "--workers", "-1"], "-1; give a whole number, 1 or more"),
+        (["protocol", "--out", "x", "--folds", "-1"], "-1; give a whole number, 0 or more"),
+        (["protocol", "--out", "x", "--jobs", "two"], "'two'; give a whole number, 1 or more"),
+    ],
+)
+def test_an_argument_out_of_range_is_refused_with_the_range(arguments, sentence, capsys):
+    with pytest.raises(SystemExit) as stop:
+        main(arguments)
+    assert stop.value.code == 2
+    assert sentence in " ".join(capsys.readouterr().err.split())
 
 
 @pytest.mark.parametrize(
@@ -28,7 +61,6 @@ def test_wrong_usage_exits_with_2():
         (["predict", "one.png"], "Got 1 images; give VIS and TAC"),
         (["predict", "a", "b", "--pairs", "c"], "Give either images or --pairs, not both"),
         (["predict", "a", "b", "--head", "nowhere"], "No head at 'nowhere'. Train one with"),
-        (["predict", "a", "b", "--order", "nan"], "order is nan; give a finite number"),
         (["evaluate", "--head", "nowhere"], "No head at 'nowhere'"),
         (["train", "--embeddings", "none", "--source", "x", "--out", "y"], "No embeddings file at"),
         (["embed", "nowhere", "--out", "x.safetensors"], "There is no folder or file at 'nowhere'"),
@@ -114,7 +146,7 @@ def test_evaluate_says_so_where_the_source_was_trained_on(
     )
     given = ["--head", str(head_folder), "--embeddings", str(tmp_path / "set.safetensors")]
     assert main(["evaluate", *given]) == 0
-    assert ("that the head was trained on" in capsys.readouterr().out) is not stated
+    assert ("measured on the head's training pairs" in capsys.readouterr().out) is not stated
 
 
 def test_a_head_refuses_embeddings_of_another_encoder(

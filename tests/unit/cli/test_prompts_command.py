@@ -28,10 +28,17 @@ def test_styles_are_learned_through_clip_and_the_bank_says_so(tmp_path, monkeypa
             rows = torch.stack([torch.randn(4, generator=r) for r in random])
             return rows if word is None else rows + word
 
+    monkeypatch.setenv("OMNIVAT_CACHE", str(tmp_path / "cache"))
     clip = SimpleNamespace(
-        network=None, tokenizer=None, name="clip-vit-b16", weights_hash="0123456789abcdef"
+        network=None,
+        tokenizer=None,
+        name="clip-vit-b16",
+        weights_hash="0123456789abcdef",
+        logit_scale=12.5,
+        place=tmp_path,
+        embed_texts=lambda texts: torch.ones(len(texts), 4),
     )
-    monkeypatch.setattr("omnivat.encoders.clip_text.load_text_encoder", lambda name, weights: clip)
+    monkeypatch.setattr("omnivat.encoders.clip_text.load_text_encoder", lambda name, **_: clip)
     monkeypatch.setattr("omnivat.lang.clip_words.ClipWords", Words)
     out = tmp_path / "bank.safetensors"
     command = ["prompts", "--out", str(out), "--encoder", "clip-vit-b16", "--styles", "3"]
@@ -43,3 +50,5 @@ def test_styles_are_learned_through_clip_and_the_bank_says_so(tmp_path, monkeypa
         "through clip-vit-b16 (weights 0123456789ab)"
     )
     assert "15 texts by PromptStyler" in capsys.readouterr().out
+    assert (bank.encoder, bank.text_hash) == ("clip-vit-b16", "0123456789abcdef")
+    assert bank.logit_scale == 12.5 and bank.plain.shape == (5, 4)

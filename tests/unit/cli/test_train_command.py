@@ -92,3 +92,32 @@ def test_repeats_leave_their_scores_beside_those_of_the_head_that_is_kept(file, 
     assert kept["seeds"][0]["target_accuracy"] == kept["target_accuracy"]
     assert kept["seeds"][1] == other["seeds"][0]
     assert set(kept["seeds"][1]["domains"]) == {d["domain"] for d in kept["domains"]}
+
+
+def test_a_folder_that_holds_something_else_is_refused_before_the_first_step(
+    file, tmp_path, monkeypatch, capsys
+):
+    from omnivat.train import loop
+
+    (tmp_path / "head").mkdir()
+    (tmp_path / "head" / "thesis.txt").write_text("years of work")
+    monkeypatch.setattr(loop, "learn", None)  # any step would fail otherwise
+    assert main(command(file, tmp_path / "head")) == 1
+    assert "holds 'thesis.txt', which is no part of a head" in capsys.readouterr().err
+    assert (tmp_path / "head" / "thesis.txt").read_text() == "years of work"
+
+
+def test_training_again_does_not_delete_a_file_beside_the_head(file, tmp_path, capsys):
+    assert main(command(file, tmp_path / "head", "--no-calibration")) == 0
+    (tmp_path / "head" / "notes.md").write_text("mine")
+    assert main(command(file, tmp_path / "head", "--no-calibration")) == 1
+    assert "notes.md" in capsys.readouterr().err
+    assert (tmp_path / "head" / "notes.md").read_text() == "mine"
+
+
+def test_the_search_for_an_order_is_kept_in_the_head_folder(file, tmp_path):
+    more = ("--set", "order_search=true", "--set", "order_stops=2", "--set", "lang=false")
+    assert main(command(file, tmp_path / "head", *more)) == 0
+    search = load_head(tmp_path / "head").metrics["order_search"]
+    assert len(search["orders"]) == len(search["score"]) == len(search["spread"])
+    assert search["found"] == load_head(tmp_path / "head").model.order

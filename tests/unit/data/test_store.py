@@ -14,6 +14,7 @@ import pytest
 from safetensors import safe_open
 from safetensors.numpy import save_file
 
+from omnivat.data import store
 from omnivat.data.arrays import Column, column, read_arrays, write_arrays
 from omnivat.data.store import Embeddings, load_embeddings, save_embeddings
 from omnivat.errors import DataError, SettingsError
@@ -89,6 +90,21 @@ def test_values_that_are_not_finite_are_not_written(
     assert sorted(path.name for path in tmp_path.iterdir()) == ["set.csv", "set.safetensors"]
 
 
+def test_a_domain_with_the_name_of_the_total_is_neither_written_nor_read(
+    embeddings: Embeddings, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, header = tmp_path / "set.safetensors", embeddings.header
+    named = replace(embeddings, header=replace(header, domains=("all", *header.domains[1:])))
+    with pytest.raises(DataError, match="A domain is called 'all'.*rename the domain"):
+        save_embeddings(path, named)
+    assert list(tmp_path.iterdir()) == []
+    with monkeypatch.context() as older:
+        older.setattr(store, "require_domain_names", lambda names: None)
+        save_embeddings(path, named)
+    with pytest.raises(DataError, match="A domain is called 'all'.*rename the domain"):
+        load_embeddings(path)
+
+
 def test_a_value_too_large_for_half_precision_is_not_written(
     embeddings: Embeddings, tmp_path: Path
 ) -> None:
@@ -160,6 +176,38 @@ def test_the_manifest_names_every_pair(embeddings: Embeddings, tmp_path: Path) -
     assert [row["material"] for row in rows] == [
         embeddings.header.classes[label] for label in embeddings.label
     ]
+
+
+def test_the_classes_that_pairs_imitate_are_kept(embeddings: Embeddings, tmp_path: Path) -> None:
+    looks = ["wood", *embeddings.rows["looks_like"][1:]]
+    imitating = replace(embeddings, rows=embeddings.rows | {"looks_like": looks})
+    save_embeddings(tmp_path / "set.safetensors", imitating)
+    loaded = load_embeddings(tmp_path / "set.safetensors")
+    assert loaded.rows["looks_like"] == looks
+    assert loaded.select(np.array([0, 1])).rows["looks_like"] == looks[:2]
+    with (tmp_path / "set.csv").open(newline="", encoding="utf-8") as handle:
+        assert next(csv.DictReader(handle))["looks_like"] == "wood"
+
+
+def test_a_file_without_those_columns_is_read_with_empty_ones(
+    embeddings: Embeddings, tmp_path: Path
+) -> None:
+    file = tmp_path / "older.safetensors"
+    save_embeddings(file, embeddings)
+    arrays, metadata = read_arrays(file)
+    rows = json.loads(arrays["rows"].tobytes())
+    del rows["looks_like"], rows["feels_like"]
+    text = np.frombuffer(json.dumps(rows).encode(), dtype=np.uint8)
+    save_file({**arrays, "rows": text}, file, metadata=metadata)
+    loaded = load_embeddings(file)
+    assert loaded.rows["looks_like"] == loaded.rows["feels_like"] == [""] * len(loaded)
+
+
+def test_a_manifest_of_an_older_version_is_replaced(embeddings: Embeddings, tmp_path: Path) -> None:
+    manifest = tmp_path / "set.csv"
+    manifest.write_text("domain,material,vis,tac,object,split,part\n")
+    save_embeddings(tmp_path / "set.safetensors", embeddings)
+    assert "looks_like" in manifest.read_text()
 
 
 def test_the_parquet_manifest_says_the_same_as_the_csv(

@@ -1,210 +1,204 @@
-"""CLIP towers with small random weights of the published names, and what a missing one says."""
+"""CLIP in every layout: the same embeddings, its name checked, damage refused in one sentence."""
 
+import json
+import pickle
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 import torch
-from safetensors.torch import save_file
+from safetensors.torch import load_file, save_file
 from torch import Tensor, nn
 
 from omnivat.encoders import load_encoder, text_encoder
+from omnivat.encoders.archives import read_script
 from omnivat.encoders.checkpoints import Checkpoint, find
 from omnivat.encoders.clip_resnet import AttentionPool, Bottleneck
+from omnivat.encoders.clip_shapes import PUBLISHED, ImageShape, require_name
+from omnivat.encoders.clip_text import load_text_encoder
 from omnivat.errors import DataError, MissingNameError
 
-transformers = pytest.importorskip("transformers")
+pytest.importorskip("transformers")
+
+LAYOUTS = (
+    "transformers folder",
+    "bare safetensors",
+    "OpenAI state dict",
+    "OpenAI TorchScript",
+    "open_clip folder",
+    "open_clip training checkpoint",
+)
+TEXTS = ["a wood", "steel!", "x" * 99]
+WEIGHTS = "model.safetensors"
 
 
 @pytest.fixture(autouse=True)
 def nothing_outside(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """No hub, no checkpoints of the person who runs the tests."""
-    monkeypatch.setattr("omnivat.encoders.checkpoints._from_hub", lambda repository: None)
+    monkeypatch.setattr("omnivat.encoders.hub.fetch", lambda *_, **__: "There is no hub here.")
     monkeypatch.setenv("OMNIVAT_CACHE", str(tmp_path / "cache"))
-    for name in ("CLIP_VIT_B16", "CLIP_VIT_L14", "CLIP_RN50"):
+    for name in ("CLIP", *(name.upper().replace("-", "_") for name in PUBLISHED)):
         monkeypatch.delenv(f"OMNIVAT_{name}", raising=False)
 
 
 @pytest.fixture
 def images() -> Tensor:
-    return torch.randn(3, 3, 224, 224, generator=torch.Generator().manual_seed(5))
+    return torch.randn(3, 3, 96, 96, generator=torch.Generator().manual_seed(5))
 
 
-@pytest.fixture
-def vit_folder(tmp_path: Path) -> Path:
-    """A small CLIP model as `transformers` saves it, tokenizer included."""
-    sizes = {"hidden_size": 32, "num_hidden_layers": 2, "num_attention_heads": 2}
-    config = transformers.CLIPConfig(
-        text_config={
-            **sizes,
-            "intermediate_size": 48,
-            "vocab_size": 600,
-            "bos_token_id": 598,
-            "eos_token_id": 599,
-            "max_position_embeddings": 16,
-        },
-        vision_config={**sizes, "intermediate_size": 48, "image_size": 224, "patch_size": 32},
-        projection_dim=24,
-    )
-    torch.manual_seed(0)
-    model = transformers.CLIPModel(config).eval()
-    folder = tmp_path / "vit"
-    config.save_pretrained(folder)
-    save_file({k: v.contiguous() for k, v in model.state_dict().items()}, folder / WEIGHTS)
-    write_tokenizer(folder)
-    return folder
-
-
-WEIGHTS = "model.safetensors"
-
-
-def write_tokenizer(folder: Path) -> None:
-    letters = [chr(code) for code in range(33, 127)]
-    words = [*letters, *(letter + "</w>" for letter in letters)]
-    words += [f"spare{i}" for i in range(598 - len(words))]
-    words += ["<|startoftext|>", "<|endoftext|>"]
-    vocabulary = {word: index for index, word in enumerate(words)}
-    transformers.CLIPTokenizer(vocab=vocabulary, merges=[]).save_pretrained(folder)
-
-
-def whole_model(folder: Path) -> nn.Module:
-    model: nn.Module = transformers.CLIPModel(transformers.CLIPConfig.from_pretrained(folder))
-    from safetensors.torch import load_file
-
-    model.load_state_dict(load_file(folder / WEIGHTS))
-    return model.eval()
-
-
-@pytest.mark.parametrize("name", ["clip-vit-b16", "clip-vit-l14"])
-def test_the_image_tower_agrees_with_the_whole_model(
-    vit_folder: Path, images: Tensor, name: str
+@pytest.mark.parametrize("activation", ["quick_gelu", "gelu"])
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_both_towers_agree_with_transformers_in_every_layout(
+    clips: Any, tmp_path: Path, images: Tensor, layout: str, activation: str
 ) -> None:
-    encoder = load_encoder(name, weights=vit_folder)
-    model = whole_model(vit_folder)
-    with torch.inference_mode():
-        pooled = model.vision_model(pixel_values=images).pooler_output
-        wanted = model.visual_projection(pooled)
-    assert encoder.width == 24
-    torch.testing.assert_close(encoder.embed(images), wanted)
+    if activation == "gelu" and layout in LAYOUTS[1:4]:
+        pytest.skip("a file of bare weights states no activation; QuickGELU is assumed")
+    model = clips.small_model(activation=activation)
+    place = clips.write(layout, tmp_path / "clip", model)
+    encoder = load_encoder("clip", weights=place)
+    assert (encoder.name, encoder.width) == ("clip", 24)
+    assert encoder.preprocessing == "resize 96x96 bicubic, RGB, CLIP mean and std"
+    wanted = clips.image_embeddings(model, images)
+    torch.testing.assert_close(encoder.embed(images), wanted, rtol=0, atol=1e-5)
+    texts = torch.from_numpy(text_encoder("clip", weights=place)(TEXTS))
+    torch.testing.assert_close(texts, clips.text_embeddings(model, TEXTS), rtol=0, atol=1e-5)
 
 
-def test_the_text_tower_agrees_with_the_whole_model(vit_folder: Path) -> None:
-    texts = ["a wood", "steel!", "x" * 99]
-    found = torch.from_numpy(text_encoder("clip-vit-b16", weights=vit_folder)(texts))
-    tokens = transformers.CLIPTokenizer.from_pretrained(vit_folder)(
-        texts, padding=True, truncation=True, max_length=16, return_tensors="pt"
-    )
-    model = whole_model(vit_folder)
-    with torch.inference_mode():
-        wanted = model.text_projection(model.text_model(**tokens).pooler_output)
-    torch.testing.assert_close(found, wanted)
-
-
-def test_a_vit_embedding_is_the_same_alone_and_in_any_batch(
-    vit_folder: Path, images: Tensor
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_half_precision_weights_are_widened(
+    clips: Any, tmp_path: Path, images: Tensor, layout: str
 ) -> None:
-    encoder = load_encoder("clip-vit-b16", weights=vit_folder)
+    model = clips.small_model().half()
+    place = clips.write(layout, tmp_path / "clip", model)
+    encoder = load_encoder("clip", weights=place)
+    wanted = clips.image_embeddings(model.float(), images)
+    torch.testing.assert_close(encoder.embed(images), wanted, rtol=0, atol=1e-5)
+
+
+def test_the_layout_does_not_change_a_hash_and_the_weights_and_the_activation_do(
+    clips: Any, tmp_path: Path
+) -> None:
+    def hashes(layout: str, folder: str, **settings: Any) -> tuple[str, str]:
+        place = clips.write(layout, tmp_path / folder, clips.small_model(**settings))
+        encoder: Any = load_encoder("clip", weights=place)
+        assert load_text_encoder("clip", weights=place).weights_hash == encoder.text_hash
+        return encoder.weights_hash, encoder.text_hash
+
+    found = [hashes(layout, str(i)) for i, layout in enumerate(LAYOUTS)]
+    found += [hashes(LAYOUTS[0], "seed", seed=1), hashes(LAYOUTS[0], "gelu", activation="gelu")]
+    assert len(set(found[: len(LAYOUTS)])) == 1
+    assert len({image for image, _ in found}) == len({text for _, text in found}) == 3
+
+
+def test_an_embedding_is_the_same_alone_and_in_any_batch(
+    clips: Any, tmp_path: Path, images: Tensor
+) -> None:
+    encoder = load_encoder("clip", weights=clips.write(LAYOUTS[0], tmp_path, clips.small_model()))
     alone = torch.cat([encoder.embed(image[None]) for image in images])
     assert torch.equal(encoder.embed(images), alone)
 
 
-def rn50_state(width: int = 8, blocks: tuple[int, ...] = (2, 1, 1, 1)) -> dict[str, Tensor]:
-    """Random weights under the published names. The published tower: width 64, (3, 4, 6, 3)."""
-    torch.manual_seed(1)
-    state: dict[str, Tensor] = {}
-
-    def conv(name: str, norm: str, out: int, into: int, kernel: int) -> None:
-        state[f"{name}.weight"] = torch.randn(out, into, kernel, kernel) / (into * kernel**2) ** 0.5
-        state[f"{norm}.weight"] = torch.rand(out) + 0.5
-        state[f"{norm}.bias"] = torch.randn(out) / 10
-        state[f"{norm}.running_mean"] = torch.randn(out) / 10
-        state[f"{norm}.running_var"] = torch.rand(out) + 0.5
-        state[f"{norm}.num_batches_tracked"] = torch.tensor(3)
-
-    for i, (out, into) in enumerate(
-        [(width // 2, 3), (width // 2, width // 2), (width, width // 2)]
-    ):
-        conv(f"conv{i + 1}", f"bn{i + 1}", out, into, 3)
-    into = width
-    for stage, count in enumerate(blocks):
-        middle = width * 2**stage
-        for block in range(count):
-            name = f"layer{stage + 1}.{block}"
-            conv(f"{name}.conv1", f"{name}.bn1", middle, into, 1)
-            conv(f"{name}.conv2", f"{name}.bn2", middle, middle, 3)
-            conv(f"{name}.conv3", f"{name}.bn3", 4 * middle, middle, 1)
-            if block == 0:
-                conv(f"{name}.downsample.0", f"{name}.downsample.1", 4 * middle, into, 1)
-            into = 4 * middle
-    state["attnpool.positional_embedding"] = torch.randn(50, into) / into**0.5
-    for name in "qkvc":
-        out = 20 if name == "c" else into
-        state[f"attnpool.{name}_proj.weight"] = torch.randn(out, into) / into**0.5
-        state[f"attnpool.{name}_proj.bias"] = torch.randn(out) / 10
-    return state
+@pytest.mark.parametrize(
+    ("change", "right"),
+    [
+        (ImageShape("ViT", 32, 768, (12,), 512, 224), "clip-vit-b32"),
+        (ImageShape("ViT", 14, 1024, (24,), 768, 336), "clip-vit-l14-336"),
+        (ImageShape("ResNet", 32, 64, (3, 4, 6, 3), 1024, 224), "clip-rn50"),
+        (ImageShape("ViT", 32, 256, (12,), 512, 224), "clip, which takes any size"),
+    ],
+)
+def test_weights_of_another_size_than_their_name_says_are_refused(
+    change: ImageShape, right: str
+) -> None:
+    with pytest.raises(DataError, match=f"patch 16.*use --encoder {right}"):
+        require_name("clip-vit-b16", change, "some file")
 
 
-def published(state: dict[str, Tensor]) -> dict[str, Tensor]:
-    """As published: the image tower beside other weights, halves where they are large."""
-    whole = {f"visual.{key}": value for key, value in state.items()}
-    return whole | {"logit_scale": torch.tensor(4.6), "text_projection": torch.zeros(4, 4)}
+def test_a_published_shape_has_its_name_even_when_any_clip_is_loaded() -> None:
+    assert require_name("clip", PUBLISHED["clip-vit-l14"], "some file") == "clip-vit-l14"
+    assert require_name("clip-rn101", PUBLISHED["clip-rn101"], "some file") == "clip-rn101"
 
 
-class Archive(nn.Module):
-    """What gives a TorchScript archive with the published names in it."""
-
-    def __init__(self, state: dict[str, Tensor]) -> None:
-        super().__init__()
-        for key, value in state.items():
-            *path, leaf = key.split(".")
-            owner: nn.Module = self
-            for name in path:
-                if name not in owner._modules:
-                    owner.add_module(name, nn.Module())
-                owner = owner._modules[name]  # type: ignore[assignment]
-            owner.register_buffer(leaf, value)
-
-    def forward(self, x: Tensor) -> Tensor:
-        return x
+@pytest.mark.parametrize("name", ["clip-vit-b16", "clip-vit-l14", "clip-rn50"])
+def test_a_small_model_is_no_published_one(clips: Any, tmp_path: Path, name: str) -> None:
+    place = clips.write("OpenAI TorchScript", tmp_path, clips.small_model())
+    with pytest.raises(DataError, match="use --encoder clip, which takes any size"):
+        load_encoder(name, weights=place)
 
 
-def save_script(state: dict[str, Tensor], file: Path) -> None:
-    import warnings
+def test_pixel_statistics_beside_the_weights_are_used(clips: Any, tmp_path: Path) -> None:
+    place = clips.write("open_clip folder", tmp_path, clips.small_model())
+    file = tmp_path / "open_clip_config.json"
+    config = json.loads(file.read_text()) | {"preprocess_cfg": {"mean": [0.5] * 3, "std": [1] * 3}}
+    file.write_text(json.dumps(config))
+    assert load_encoder("clip", weights=place).preprocessing.endswith("mean 0.5 0.5 0.5, std 1 1 1")
 
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DeprecationWarning)
-        torch.jit.save(torch.jit.script(Archive(state)), file)
+
+# TorchScript archives
 
 
-WRITERS: dict[str, Callable[[dict[str, Tensor], Path], object]] = {
-    "a.safetensors": save_file,
-    "a.pt": torch.save,
-    "script.pt": save_script,
-}
+def test_an_archive_is_read_as_torch_reads_it(clips: Any, tmp_path: Path) -> None:
+    state = clips.rn50_state() | {"other.transposed": torch.randn(3, 4).half().T}
+    clips.save_script(state, tmp_path / "a.pt")
+    found = read_script(tmp_path / "a.pt")
+    assert set(found) == set(state)
+    assert all(torch.equal(found[key], state[key]) for key in state)
+
+
+def test_an_archive_that_would_run_something_is_refused(clips: Any, tmp_path: Path) -> None:
+    from zipfile import ZipFile
+
+    class Evil:
+        def __reduce__(self) -> Any:
+            return print, ("it ran",)
+
+    with ZipFile(tmp_path / "a.pt", "w") as archive:
+        archive.writestr("a/constants.pkl", b"")
+        archive.writestr("a/data.pkl", pickle.dumps(Evil()))
+    with pytest.raises(DataError, match="the archive calls"):
+        load_encoder("clip", weights=tmp_path / "a.pt")
+
+
+# ResNets
+
+WRITERS = ("a.safetensors", "a.pt", "script.pt", "training.pt")
+
+
+def write_resnet(clips: Any, state: dict[str, Tensor], file: Path) -> Path:
+    clips.tokenizer().save_pretrained(file.parent)
+    if file.suffix == ".safetensors":
+        save_file(state, file)
+    elif file.name.startswith("script"):
+        clips.save_script(state, file)
+    elif file.name.startswith("training"):
+        record = {"epoch": 1, "name": "RN50-quickgelu", "state_dict": state}
+        torch.save(record, file)
+    else:
+        torch.save(state, file)
+    return file
+
+
+@pytest.fixture
+def large() -> Tensor:
+    return torch.randn(2, 3, 224, 224, generator=torch.Generator().manual_seed(5))
 
 
 @pytest.mark.parametrize("name", WRITERS)
-def test_rn50_reads_each_kind_of_file_to_the_same_weights(
-    tmp_path: Path, images: Tensor, name: str
+def test_a_resnet_and_its_text_tower_agree_with_the_paper_in_every_kind_of_file(
+    clips: Any, tmp_path: Path, large: Tensor, name: str
 ) -> None:
-    state = published(rn50_state())
-    WRITERS[name](state, tmp_path / name)
-    encoder = load_encoder("clip-rn50", weights=tmp_path / name)
-    save_file(state, tmp_path / "reference.safetensors")
-    reference = load_encoder("clip-rn50", weights=tmp_path / "reference.safetensors")
-    assert encoder.weights_hash == reference.weights_hash
-    assert encoder.width == 20
-    assert torch.equal(encoder.embed(images), reference.embed(images))
-
-
-def test_rn50_is_the_network_of_the_paper(tmp_path: Path, images: Tensor) -> None:
-    """The reference below is written with plain modules, normalisation apart."""
-    state = rn50_state()
-    save_file(published(state), tmp_path / "a.safetensors")
-    encoder = load_encoder("clip-rn50", weights=tmp_path / "a.safetensors")
+    """The reference is written with plain modules, normalisation apart; texts by transformers."""
+    state = clips.rn50_state()
+    place = write_resnet(clips, clips.published_resnet(state), tmp_path / name)
+    encoder: Any = load_encoder("clip", weights=place)
     torch.testing.assert_close(
-        encoder.embed(images), reference_rn50(state, images), rtol=1e-4, atol=1e-5
+        encoder.embed(large), reference_rn50(state, large), rtol=1e-4, atol=1e-5
     )
+    tower = load_text_encoder("clip", weights=place)
+    wanted = clips.text_embeddings(clips.small_model(), TEXTS)
+    torch.testing.assert_close(tower.embed_texts(TEXTS), wanted, rtol=0, atol=1e-5)
+    assert (encoder.width, tower.width, tower.weights_hash) == (24, 24, encoder.text_hash)
 
 
 def reference_rn50(state: dict[str, Tensor], x: Tensor) -> Tensor:
@@ -244,15 +238,25 @@ def reference_rn50(state: dict[str, Tensor], x: Tensor) -> Tensor:
     )
 
 
-def test_the_parts_of_the_published_rn50_have_its_sizes() -> None:
+def test_the_parts_of_the_published_rn50_have_its_sizes(clips: Any) -> None:
     """Width 64, four stages of 3, 4, 6 and 3: 38.3 million weights in the image tower."""
-    state = rn50_state(64, (3, 4, 6, 3))
+    state = clips.rn50_state(64, (3, 4, 6, 3))
     assert Bottleneck(state, "layer4.0", stride=2).widen.weight.shape == (2048, 512, 1, 1)
     assert AttentionPool(state).places.shape == (50, 2048)
 
 
-@pytest.mark.parametrize("name", ["clip-vit-b16", "clip-vit-l14", "clip-rn50"])
-def test_a_missing_checkpoint_says_in_one_sentence_how_to_get_it(name: str, tmp_path: Path) -> None:
+def test_resnet_weights_without_a_part_are_refused_by_its_name(clips: Any, tmp_path: Path) -> None:
+    state = clips.published_resnet(clips.rn50_state())
+    del state["visual.attnpool.q_proj.bias"]
+    with pytest.raises(DataError, match=r"attnpool\.q_proj\.bias"):
+        load_encoder("clip", weights=write_resnet(clips, state, tmp_path / "a.pt"))
+
+
+# What is missing or damaged
+
+
+@pytest.mark.parametrize("name", list(PUBLISHED))
+def test_a_missing_checkpoint_says_in_one_line_how_to_get_it(name: str, tmp_path: Path) -> None:
     with pytest.raises(DataError) as caught:
         load_encoder(name)
     sentence = str(caught.value)
@@ -277,78 +281,97 @@ def test_the_environment_and_the_default_folder_are_looked_at(
     assert find(checkpoint, None) == tmp_path
 
 
-def test_the_hub_is_asked_only_when_no_place_was_given(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    asked: list[str] = []
-
-    def hub(repository: str) -> Path:
-        asked.append(repository)
-        return tmp_path
-
-    monkeypatch.setattr("omnivat.encoders.checkpoints._from_hub", hub)
-    checkpoint = Checkpoint(name="some", fetch="fetch {folder}", hub="owner/some")
-    with pytest.raises(DataError):
-        find(checkpoint, tmp_path / "nowhere")
-    assert asked == []
-    assert find(checkpoint, None) == tmp_path
-    assert asked == ["owner/some"]
-
-
-def test_a_hub_that_cannot_be_reached_is_no_checkpoint(monkeypatch: pytest.MonkeyPatch) -> None:
-    import huggingface_hub
-
-    from omnivat.encoders import checkpoints
-
-    monkeypatch.undo()
-
-    def unreachable(*_: object, **__: object) -> str:
-        raise OSError("no network")
-
-    monkeypatch.setattr(huggingface_hub, "snapshot_download", unreachable)
-    assert checkpoints._from_hub("owner/some") is None
+Damage = Callable[[Path], object]
 
 
 @pytest.mark.parametrize(
     ("damage", "match"),
     [
-        (lambda folder: (folder / "config.json").unlink(), "no config.json"),
         (lambda folder: (folder / "config.json").write_text("{"), "not of a CLIP model"),
         (lambda folder: (folder / WEIGHTS).unlink(), "has no weights"),
         (lambda folder: (folder / WEIGHTS).write_bytes(b"x" * 99), "cannot be read"),
-        (lambda folder: save_file({"vision_model.a": torch.zeros(1)}, folder / WEIGHTS), "lacks"),
         (
-            lambda folder: save_file(
-                {"visual_projection.weight": torch.zeros(2, 2)}, folder / WEIGHTS
-            ),
-            "other shapes",
+            lambda folder: save_file({"fc.weight": torch.zeros(1)}, folder / WEIGHTS),
+            "no weights of",
         ),
+        (lambda folder: without(folder, "visual_projection.weight"), "lacks the weight 'visual_pr"),
+        (lambda folder: without(folder, "layers.1.mlp.fc2.bias"), "lacks 1 weights"),
+        (lambda folder: reshaped(folder, "layers.1.mlp.fc2.bias"), "wanted"),
+        (lambda folder: stated(folder, "hidden_size", 128), "states 128"),
+        (lambda folder: stated(folder, "num_attention_heads", 7), "cannot be 7"),
     ],
 )
-def test_a_damaged_vit_folder_is_refused(
-    vit_folder: Path, damage: Callable[[Path], object], match: str
+def test_a_damaged_folder_is_refused(
+    clips: Any, tmp_path: Path, damage: Damage, match: str
 ) -> None:
-    damage(vit_folder)
+    folder = clips.write("transformers folder", tmp_path, clips.small_model())
+    damage(folder)
     with pytest.raises(DataError, match=match):
-        load_encoder("clip-vit-b16", weights=vit_folder)
+        load_encoder("clip", weights=folder)
 
 
-def test_rn50_weights_without_a_part_are_refused_by_its_name(tmp_path: Path) -> None:
-    state = published(rn50_state())
-    del state["visual.attnpool.q_proj.bias"]
-    save_file(state, tmp_path / "a.safetensors")
-    with pytest.raises(DataError, match=r"attnpool\.q_proj\.bias"):
-        load_encoder("clip-rn50", weights=tmp_path / "a.safetensors")
+def without(folder: Path, ending: str) -> None:
+    state = load_file(folder / WEIGHTS)
+    kept = {k: v for k, v in state.items() if not k.endswith(ending) or k.startswith("text")}
+    save_file(kept, folder / WEIGHTS)
 
 
-def test_an_encoder_without_a_text_tower_says_which_have_one() -> None:
+def reshaped(folder: Path, ending: str) -> None:
+    state = load_file(folder / WEIGHTS)
+    save_file(
+        {k: v[:-1].clone() if k.endswith(ending) else v for k, v in state.items()}, folder / WEIGHTS
+    )
+
+
+def stated(folder: Path, name: str, value: int) -> None:
+    config = json.loads((folder / "config.json").read_text())
+    config["vision_config"][name] = value
+    (folder / "config.json").write_text(json.dumps(config))
+
+
+def test_a_width_that_no_heads_of_64_fill_needs_its_settings(clips: Any, tmp_path: Path) -> None:
+    model = clips.small_model(hidden_size=48)
+    place = clips.write("bare safetensors", tmp_path, model)
+    with pytest.raises(DataError, match="heads cannot be told from the weights; put"):
+        load_encoder("clip", weights=place)
+
+
+def test_an_encoder_without_a_text_tower_says_which_have_one(clips: Any, tmp_path: Path) -> None:
     with pytest.raises(MissingNameError, match="clip-vit-b16, clip-vit-l14"):
-        text_encoder("clip-rn50")
+        text_encoder("efficientnet-lite0")
+    state = {f"visual.{key}": value for key, value in clips.rn50_state().items()}
+    with pytest.raises(DataError, match="no text tower"):
+        text_encoder("clip", weights=write_resnet(clips, state, tmp_path / "a.safetensors"))
 
 
-def test_a_folder_without_a_tokenizer_is_refused(vit_folder: Path) -> None:
-    for file in vit_folder.iterdir():
+def test_a_folder_without_a_tokenizer_is_refused_where_no_package_carries_one(
+    clips: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("omnivat.encoders.clip_tokenizer.CARRIERS", ())
+    folder = clips.write("transformers folder", tmp_path / "clip", clips.small_model())
+    for file in folder.iterdir():
         if file.name not in ("config.json", WEIGHTS):
             file.unlink()
-    with pytest.raises(DataError, match="tokenizer"):
-        text_encoder("clip-vit-b16", weights=vit_folder)
+    with pytest.raises(DataError, match="no tokenizer"):
+        text_encoder("clip", weights=folder)
+
+
+def test_a_tokenizer_of_another_model_is_refused(clips: Any, tmp_path: Path) -> None:
+    model = clips.small_model()
+    place = clips.write("transformers folder", tmp_path, model)
+    more = clips.tokenizer()
+    more.add_tokens([f"new{i}" for i in range(9)])
+    more.save_pretrained(place)
+    with pytest.raises(DataError, match="609 tokens and the text tower 600"):
+        text_encoder("clip", weights=place)
+
+
+def test_published_merges_give_the_tokens_of_the_published_vocabulary(tmp_path: Path) -> None:
+    """Two merges, so `ab` is one token, in the order: bytes, bytes ending a word, merges, marks."""
+    import gzip
+
+    from omnivat.encoders.clip_tokenizer import MERGES, load_tokenizer
+
+    (tmp_path / MERGES).write_bytes(gzip.compress(b"#version\na b\nb c</w>"))
+    found = load_tokenizer(tmp_path, longest=9, vocabulary=49408)
+    assert found("ab a bc")["input_ids"] == [514, 64, 65 + 256, 64 + 256, 513, 515]

@@ -10,7 +10,7 @@ import pytest
 import torch
 
 from omnivat.fractional import coefficients, dfrft, synthesise
-from omnivat.fractional.plans import build_split, one_blas_thread
+from omnivat.fractional.build import build_split, one_blas_thread
 from omnivat.fractional.workers import for_each, side_by_side
 
 

@@ -9,7 +9,7 @@ from omnivat.model.closed import Pass, closed_features
 from omnivat.model.closed.growing import grown_nodes
 from omnivat.model.closed.lengths import unit
 from omnivat.model.closed.turning import turn_of, turned
-from omnivat.model.dtg import DTG
+from omnivat.model.dtg import parents
 
 KEY_BIAS = "mffa.fratt.key.bias"  # a softmax ignores it: its gradient is zero, or left out
 
@@ -18,7 +18,7 @@ def draw(*shape):
     return torch.randn(shape, dtype=torch.float64)
 
 
-def one_step(model, printed, lang=True, tac=True):
+def one_step(model, printed, lang=True, tac=True, order=None):
     """Return loss, gradients and mean tokens of one batch with LANG and class tokens mixed."""
     torch.manual_seed(2)
     pairs, labels = 7, torch.tensor([0, 1, 2, 3, 4, 0, 1])
@@ -33,6 +33,7 @@ def one_step(model, printed, lang=True, tac=True):
         labels,
         lang_on=lang_on,
         token_on=token_on,
+        order=order,
     )
     loss = joint_loss(
         features=output.features, layers=output.layers, logits=output.logits, labels=labels
@@ -79,6 +80,22 @@ def test_a_step_in_closed_form_equals_the_step_as_printed(make_head, theta, chan
         torch.testing.assert_close(tokens[name], token)
 
 
+@pytest.mark.parametrize("lang", [True, False], ids=["lang", "no lang"])
+@pytest.mark.parametrize("order", [0.3, [0.3] * 7, [0.1, 0.9, 0.4, 1.7, 0.0, 1.0, -0.2]], ids=str)
+def test_a_step_at_given_orders_equals_the_step_as_printed(make_head, lang, order):
+    """One order for the batch or one for each row, in place of the learned one."""
+    model = make_head(learn_order=False).train()
+    given = torch.tensor(order, dtype=torch.float64)
+    (loss, grads, _), (wanted_loss, wanted, _) = (
+        one_step(model, printed, lang, order=given) for printed in (False, True)
+    )
+    torch.testing.assert_close(loss, wanted_loss, rtol=1e-11, atol=1e-12)
+    for name, grad in wanted.items():
+        if grad is not None and grads[name] is not None:
+            torch.testing.assert_close(grads[name], grad, rtol=0, atol=1e-9)
+    assert not torch.allclose(loss, one_step(model, False, lang)[0])
+
+
 def test_the_comparison_with_the_printed_form_can_fail(make_head, monkeypatch):
     """With a factor wrong in one gradient, the steps differ."""
     model = make_head().train()
@@ -123,10 +140,9 @@ def test_features_agree_with_finite_differences(make_head, signed, with_lang):
 
 @pytest.mark.parametrize("arrangement", ["tree", "series", "parallel"])
 def test_growth_agrees_with_finite_differences(arrangement):
-    tree = DTG(4, levels=3, arrangement=arrangement)
-    parents = [tree.parent(node) for node in range(1, 7)]
+    grown_from = parents(arrangement, 7)[1:]
     inputs = [x.requires_grad_() for x in (draw(2, 4), draw(6, 4, 4), draw(6, 4))]
-    assert torch.autograd.gradcheck(lambda *x: grown_nodes(*x, parents), inputs)
+    assert torch.autograd.gradcheck(lambda *x: grown_nodes(*x, grown_from), inputs)
 
 
 def test_unit_rows_agree_with_finite_differences_and_zero_stays_zero():

@@ -6,7 +6,7 @@ import torch
 from omnivat.errors import DataError, SettingsError, ShapeError
 from omnivat.model.dtg import DTG
 from omnivat.model.fratt import FrATT
-from omnivat.model.head import OmniVaT, build_head, class_means, parameter_count
+from omnivat.model.head import CHUNK, OmniVaT, build_head, class_means, parameter_count
 from omnivat.model.mffa import expanded
 from omnivat.model.settings import HeadSettings, literal
 
@@ -154,7 +154,7 @@ def test_one_modality_alone_is_enough(head, missing):
         output = head(given["vis"], given["tac"])
     present = "tac" if missing == "vis" else "vis"
     assert list(output.logits) == [present]
-    torch.testing.assert_close(output.probabilities, output.modality_probabilities[present])
+    torch.testing.assert_close(output.probabilities, output.branch_probabilities[present])
     torch.testing.assert_close(output.probabilities.sum(-1), torch.ones(4, dtype=torch.float64))
 
 
@@ -205,6 +205,15 @@ def test_one_order_a_pair_equals_one_pass_an_order(head):
         for row, order in enumerate(orders.tolist()):
             alone = head.from_coefficients(kept[row : row + 1], order).probabilities
             torch.testing.assert_close(rows[row : row + 1], alone)
+
+
+def test_a_tensor_of_one_order_serves_any_number_of_pairs(head):
+    vis, tac = pairs(CHUNK + 3)
+    order = torch.tensor([0.1], dtype=torch.float64)
+    with torch.no_grad():
+        torch.testing.assert_close(
+            head(vis, tac, order=order).probabilities, head(vis, tac, order=0.1).probabilities
+        )
 
 
 def test_probabilities_change_with_the_order_and_continuously(head):
@@ -313,9 +322,12 @@ def test_same_seed_gives_the_same_weights_and_leaves_global_randomness_alone():
     ("change", "sentence"),
     [
         ({"levels": 9}, r"levels is 9; choose 1 to 6\."),
-        ({"theta_init": "twos"}, r"theta_init is 'twos'; choose one of ones, signed, normal\."),
+        (
+            {"theta_init": "twos"},
+            r"theta_init is 'twos'; choose one of spread, ones, signed, normal\.",
+        ),
         ({"classes": ("wood",)}, "two or more different names"),
-        ({"order": float("nan")}, "finite number of quarter turns"),
+        ({"order": float("nan")}, "a number of quarter turns from -4 to 4"),
     ],
 )
 def test_impossible_settings_are_refused_with_a_sentence(change, sentence):

@@ -11,7 +11,7 @@ from omnivat.projection import PROJECTIONS, fuzzy, pca, torch_umap, umap
 from omnivat.projection.align import aligned, chained
 from omnivat.projection.chain import chain
 from omnivat.projection.neighbours import nearest
-from omnivat.projection.place import place
+from omnivat.projection.place import affine, place, placed
 from omnivat.projection.quality import drift, radius, recall, trustworthiness
 from omnivat.projection.spectral import spectral_map
 from omnivat.tables import load
@@ -231,3 +231,26 @@ def test_a_new_row_is_placed_among_its_neighbours():
     placed = place(fresh, points, flat)
     near = nearest(flat, 1, queries=placed).index[:, 0]
     assert (group[near] == group).float().mean() > 0.98
+
+
+def test_a_turned_linear_map_places_rows_that_it_never_saw():
+    generator = torch.Generator().manual_seed(0)
+    points = torch.randn(60, 8, dtype=torch.float64, generator=generator)
+    fresh = torch.randn(5, 8, dtype=torch.float64, generator=generator)
+    axes = torch.linalg.qr(torch.randn(8, 8, dtype=torch.float64, generator=generator))[0][:, :2]
+    found = placed(fresh, points, points @ axes + 3)
+    assert found.exact
+    torch.testing.assert_close(found.places, fresh @ axes + 3, atol=1e-9, rtol=0)
+
+
+def test_a_map_that_is_not_linear_is_not_taken_for_one():
+    points = torch.randn(60, 8, generator=torch.Generator().manual_seed(0))
+    assert affine(points, points[:, :2] ** 2) is None
+    found = placed(points[:1], points, points[:, :2] ** 2)
+    assert not found.exact
+    torch.testing.assert_close(found.places.float(), points[:1, :2] ** 2)
+
+
+def test_too_few_points_cannot_show_that_a_map_is_linear():
+    points = torch.randn(9, 8, generator=torch.Generator().manual_seed(0))
+    assert affine(points, points[:, :2]) is None

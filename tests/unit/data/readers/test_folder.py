@@ -218,3 +218,9 @@ def test_any_tree_is_read_or_refused_in_one_sentence(tmp_path_factory, tree):
     assert len(set(files)) == len(files)
     assert all(file.is_file() for file in files)
     assert all(line.isprintable() for line in summary_table(found).split("\n"))
+
+
+def test_a_domain_with_the_name_of_the_total_is_refused_before_anything_is_embedded(tmp_path, pair):
+    pair(tmp_path / "all" / "wood", "a")
+    with pytest.raises(DataError, match="A domain is called 'all'.*rename the domain"):
+        read_pairs(tmp_path)

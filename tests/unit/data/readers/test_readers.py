@@ -2,8 +2,7 @@
 
 import pytest
 
-from omnivat.data.readers import READERS, read_pairs
-from omnivat.data.readers.recognise import recognise
+from omnivat.data.readers import READERS, read_pairs, recognised
 from omnivat.errors import DataError, MissingNameError, SettingsError
 from omnivat.tables import load
 
@@ -27,13 +26,13 @@ def test_every_reader_loads_and_can_be_strict_and_seeded(name):
 )
 def test_a_layout_is_recognised_by_what_lies_in_it(tmp_path, put, file, name):
     put(tmp_path / file)
-    assert recognise(tmp_path) == name
+    assert recognised(tmp_path) == name
 
 
 def test_the_benchmark_release_is_recognised(tmp_path, put):
     put(tmp_path / "touch/1/0.png")
     (tmp_path / "label.json").write_text("{}")
-    assert recognise(tmp_path) == "objectfolder_2"
+    assert recognised(tmp_path) == "objectfolder_2"
 
 
 def test_an_unknown_reader_gets_a_suggestion(tmp_path):

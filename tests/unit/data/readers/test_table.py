@@ -36,6 +36,12 @@ def test_a_row_gives_a_pair_with_all_that_is_known(table, tmp_path):
     assert (pair.split, pair.part) == ("train", "indoor")
 
 
+def test_a_row_names_the_classes_that_its_object_imitates(table):
+    file = table(f"{HEADER},looks_like,feels_like\nv.png,t.png,TAG,plastic, Wood ,\n")
+    (pair,) = read_pairs(file).pairs
+    assert (pair.looks_like, pair.feels_like) == ("wood", "")
+
+
 def test_a_folder_with_pairs_csv_is_read_by_it(table, tmp_path):
     table(f"{HEADER}\nv.png,t.png,TAG,wood\n")
     assert read_pairs(tmp_path).origin == "table 'pairs.csv'"

@@ -1,0 +1,170 @@
+"""SPG: a generator makes a prompt for each image; the image is compared with the classes' texts in it.
+
+Stage 1 learns one prompt for the source (CoOp). Stage 2 trains a conditional GAN: from noise and an
+image's embedding its generator makes a prompt; its discriminator tells it from the learned one. It
+needs pooled embeddings and the live text tower, nothing of the image tower's inside.
+Source: Bai et al., Soft Prompt Generation for Domain Generalization, ECCV 2024; sizes and rates are
+those of its code. Ours: VIS and TAC are images alike, and one noise vector, drawn once, serves every
+prediction, so that an image is classified alike alone and in a batch.
+"""
+
+from collections.abc import Callable
+from itertools import pairwise
+
+import torch
+from torch import Tensor, nn
+from torch.nn.functional import cross_entropy, mse_loss, normalize
+
+from omnivat.baselines.contract import Fitted, PromptTower, Source, fused, seeded
+from omnivat.baselines.zero_shot import LOGIT_SCALE, texts_of_the_image_encoder
+from omnivat.errors import DataError
+from omnivat.seeding import derive_seed
+
+START = "a photo of a"  # the prompt that learning begins at: four word vectors
+NOISE, HIDDEN = 100, (128, 256, 512, 1024)
+PROMPT_EPOCHS, GAN_EPOCHS, WARM, BATCH = 50, 70, 4, 32
+
+
+class Generator(nn.Module):
+    """(noise (B, 100), image (B, D)) -> prompt (B, T, W)."""
+
+    def __init__(self, width: int, shape: tuple[int, ...]) -> None:
+        super().__init__()
+        sizes = (NOISE + width, *HIDDEN)
+        layers = [
+            nn.Sequential(nn.Linear(before, after), nn.LeakyReLU(0.2))
+            for before, after in pairwise(sizes)
+        ]
+        self.layers = nn.Sequential(*layers, nn.Linear(HIDDEN[-1], shape[0] * shape[1]), nn.Tanh())
+        self.shape = shape
+
+    def forward(self, noise: Tensor, image: Tensor) -> Tensor:
+        made: Tensor = self.layers(torch.cat((noise, image), dim=-1))
+        return made.reshape(-1, *self.shape)
+
+
+class Discriminator(nn.Module):
+    """(prompt (B, T, W), image (B, D)) -> how real (B, 1)."""
+
+    def __init__(self, width: int, shape: tuple[int, ...]) -> None:
+        super().__init__()
+        size = shape[0] * shape[1] + width
+        self.layers = nn.Sequential(
+            nn.Linear(size, 512),
+            nn.LeakyReLU(0.2),
+            nn.Linear(512, 512),
+            nn.LeakyReLU(0.2),
+            nn.Linear(512, 512),
+            nn.LeakyReLU(0.2),
+            nn.Linear(512, 1),
+        )
+
+    def forward(self, prompt: Tensor, image: Tensor) -> Tensor:
+        judged: Tensor = self.layers(torch.cat((prompt.flatten(1), image), dim=-1))
+        return judged
+
+
+def fit(source: Source) -> Fitted:
+    """Learn the source's prompt, then the generator; rates and epochs as published.
+
+    Raises DataError where the image encoder's own text tower is not at hand.
+    """
+    texts_of_the_image_encoder(source, "SPG")
+    if source.prompts is None:
+        raise DataError(
+            "SPG needs the live text tower of the images' checkpoint, which is not at hand; make the "
+            "LANG bank on this machine with `python -m omnivat prompts --encoder NAME --weights FILE`."
+        )
+    tower, scale = source.prompts(), source.logit_scale or LOGIT_SCALE
+    with seeded(derive_seed(source.seed, "spg")):
+        prompt = learn_prompt(source, tower, scale)
+        generator = learn_generator(source, prompt)
+        noise = torch.randn(1, NOISE)
+    probabilities = _reader(generator, noise, tower, source.classes, scale)
+    return Fitted(
+        predict=lambda vis, tac: fused({"vis": probabilities(vis), "tac": probabilities(tac)}),
+        parameters=sum(p.numel() for p in generator.parameters()),
+    )
+
+
+def learn_prompt(source: Source, tower: PromptTower, scale: float) -> Tensor:
+    """Return the prompt (T, W) that tells the source's classes apart: CoOp, one context for all."""
+    prompt = tower.words(START).detach().clone().requires_grad_(True)
+    images, labels = _images(source)
+    optimiser = torch.optim.SGD([prompt], lr=2e-3, momentum=0.9, weight_decay=5e-4)
+    schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimiser, PROMPT_EPOCHS)
+    for _ in range(PROMPT_EPOCHS):
+        for rows in torch.split(torch.randperm(len(images)), BATCH):
+            texts = normalize(tower.embed_contexts(prompt[None], source.classes)[0], dim=-1)
+            loss = cross_entropy(scale * images[rows] @ texts.T, labels[rows])
+            (prompt.grad,) = torch.autograd.grad(loss, [prompt])
+            optimiser.step()
+        schedule.step()
+    return prompt.detach()
+
+
+def learn_generator(source: Source, prompt: Tensor) -> Generator:
+    """Train the GAN: prompts made for an image against the learned one, least squares."""
+    images, _ = _images(source)
+    generator = Generator(images.shape[1], tuple(prompt.shape))
+    judge = Discriminator(images.shape[1], tuple(prompt.shape))
+    optimisers = [
+        torch.optim.AdamW(net.parameters(), lr=2e-3, weight_decay=1e-4)
+        for net in (generator, judge)
+    ]
+    for epoch in range(GAN_EPOCHS):
+        for optimiser in optimisers:
+            optimiser.param_groups[0]["lr"] = 2e-3 * min(1.0, (epoch + 1) / WARM)
+        for rows in torch.split(torch.randperm(len(images)), BATCH):
+            _gan_step(generator, judge, optimisers, images[rows], prompt)
+    return generator.eval().requires_grad_(False)
+
+
+def _gan_step(
+    generator: Generator,
+    judge: Discriminator,
+    optimisers: list[torch.optim.AdamW],
+    images: Tensor,
+    prompt: Tensor,
+) -> None:
+    made = generator(torch.randn(len(images), NOISE), images)
+    real = judge(prompt.expand(len(images), *prompt.shape), images)
+    fake = judge(made.detach(), images)
+    told = mse_loss(real, torch.ones_like(real)) + mse_loss(fake, torch.zeros_like(fake))
+    _step(optimisers[1], judge, told / 2)
+    fooled = judge(made, images)
+    _step(optimisers[0], generator, mse_loss(fooled, torch.ones_like(fooled)))
+
+
+def _step(optimiser: torch.optim.AdamW, network: nn.Module, loss: Tensor) -> None:
+    optimiser.zero_grad(set_to_none=True)
+    loss.backward()
+    for weight in network.parameters():  # clipped layer by layer, as in the published code
+        torch.nn.utils.clip_grad_norm_(weight, 1.0)
+    optimiser.step()
+
+
+def _images(source: Source) -> tuple[Tensor, Tensor]:
+    full = source.both_views()
+    rows = normalize(torch.cat((full.vis, full.tac)), dim=-1)
+    return rows, full.labels.repeat(2)
+
+
+def _reader(
+    generator: Generator, noise: Tensor, tower: PromptTower, classes: tuple[str, ...], scale: float
+) -> Callable[[Tensor], Tensor]:
+    """Return (B, D) -> probabilities (B, K); each image has a prompt and texts of its own."""
+
+    @torch.no_grad()
+    def few(images: Tensor) -> Tensor:
+        prompts = generator(noise.expand(len(images), NOISE), images)
+        texts = normalize(tower.embed_contexts(prompts, classes), dim=-1)  # (B, K, D)
+        return (scale * (texts @ images[..., None])[..., 0]).softmax(-1)
+
+    def probabilities(rows: Tensor) -> Tensor:
+        images = normalize(rows, dim=-1)
+        if torch.compiler.is_exporting():  # a loop over a batch of any size cannot be traced
+            return few(images)
+        return torch.cat([few(part) for part in images.split(BATCH)])
+
+    return probabilities

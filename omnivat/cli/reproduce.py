@@ -1,0 +1,187 @@
+"""Reproduce the paper's tables: read its data sets, embed them, run everything, print both figures.
+
+python -m omnivat reproduce --data ROOT --weights FILE --out DIR
+
+Every step takes up where it stopped. docs/reproduce.md lists the data, where from, and how large.
+"""
+
+import argparse
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from omnivat.cli import ablate, prompts, protocol
+from omnivat.cli.arguments import whole
+from omnivat.cli.bar import progress_bar
+from omnivat.cli.computing import add_device, add_download
+from omnivat.errors import DataError
+from omnivat.files import write_json, write_text
+
+if TYPE_CHECKING:
+    from omnivat.data.paper_sets import PaperSets
+    from omnivat.encoders import Encoder
+
+STATE, EMBEDDINGS, LANG = "reproduce.json", "embeddings.safetensors", "lang.safetensors"
+TIMED = 8  # pairs that the encoder is timed on
+
+
+def add(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("--data", type=Path, required=True, help="folder with the data sets in it")
+    parser.add_argument("--out", type=Path, required=True, help="folder for everything written")
+    parser.add_argument("--weights", type=Path, help="checkpoint of CLIP, of any layout and size")
+    parser.add_argument(
+        "--encoder", default="", metavar="NAME", help="clip with --weights, else clip-vit-b16"
+    )
+    parser.add_argument("--seeds", default="0,1,2", metavar="0,1,2", help="one run for each seed")
+    parser.add_argument("--jobs", type=whole(1), default=1, help="processes side by side")
+    parser.add_argument(
+        "--workers", type=whole(1), help="threads that embed; all cores if left out"
+    )
+    parser.add_argument("--methods", default="", metavar="a,b,c", help="of the comparison")
+    parser.add_argument("--only", default="", metavar="a,b,c", help="some of the ablations")
+    parser.add_argument("--no-ablations", action="store_true", help="leave the ablations out")
+    parser.add_argument("--styles", type=whole(1), default=80, help="styles of PromptStyler")
+    parser.add_argument("--steps", type=whole(1), default=100, help="steps a style")
+    parser.add_argument(
+        "--set", action="append", default=[], metavar="key=value", help="a setting of the head"
+    )
+    add_device(parser)
+    add_download(parser)
+
+
+def run(options: argparse.Namespace) -> None:
+    """Do every step that is not done; write the tables anew."""
+    from omnivat.data.paper_sets import read_paper_sets
+    from omnivat.encoders import load_encoder
+    from omnivat.protocol import records
+    from omnivat.reports.reproduced import cost_report, margins_report
+
+    options.out.mkdir(parents=True, exist_ok=True)
+    name = options.encoder or ("clip" if options.weights else "clip-vit-b16")
+    sets = read_paper_sets(options.data)
+    _say_what_was_found(sets, options.out)
+    encoder = load_encoder(
+        name, weights=options.weights, device=options.device, download=options.download
+    )
+    _embed(sets, name, encoder, options)
+    bank = _lang(name, encoder, options)
+    _run("protocol", protocol, _shared(options, bank) + _named("--methods", options.methods))
+    if not options.no_ablations:
+        _run("ablate", ablate, _shared(options, bank, "ablations") + _named("--only", options.only))
+    found = records.read(options.out / "protocol" / protocol.RUNS)
+    write_text(options.out / "margins.md", margins_report(found))
+    write_text(options.out / "cost.md", cost_report(found, _measured(sets, encoder)))
+    print(
+        f"Tables written to {options.out}: protocol/report.md, margins.md, cost.md"
+        + ("" if options.no_ablations else ", ablations/")
+    )
+
+
+def _say_what_was_found(sets: "PaperSets", out: Path) -> None:
+    from omnivat.data.pairs import summary_table
+
+    lines = [summary_table(part) for part in sets.parts.values()]
+    if sets.missing:
+        lines.append(f"Not found: {', '.join(sets.missing)}; their settings are left out.")
+    text = "\n\n".join(lines)
+    write_text(out / "data.txt", text + "\n")
+    print(text)
+
+
+def _embed(sets: "PaperSets", name: str, encoder: "Encoder", options: argparse.Namespace) -> None:
+    """Embed all pairs, unless the file there is of the same pairs and the same encoder."""
+    from omnivat.embed import embed_pairs
+
+    made_by = [encoder.name, encoder.weights_hash, encoder.precision, encoder.preprocessing]
+    state = {"pairs": sets.fingerprint, "encoder": made_by}
+    file = options.out / EMBEDDINGS
+    if file.is_file() and _state(options.out) == state:
+        print(f"{file} is of these pairs and this encoder; not made again")
+        return
+    with progress_bar(f"embed with {name}") as show:
+        report = embed_pairs(
+            sets.pairs,
+            name,
+            file,
+            weights=options.weights,
+            device=options.device,
+            download=options.download,
+            workers=options.workers,
+            on_step=show,
+        )
+    write_json(options.out / STATE, state)
+    print(f"{report.embedded} pairs embedded, {len(report.skipped)} skipped")
+
+
+def _state(out: Path) -> dict[str, Any]:
+    from omnivat.schema import read_object
+
+    try:
+        return read_object(out / STATE)
+    except (DataError, OSError):
+        return {}
+
+
+def _lang(name: str, encoder: "Encoder", options: argparse.Namespace) -> Path | None:
+    """Return the LANG bank of the checkpoint's own text tower, made unless it is there."""
+    from omnivat.lang.bank import load_bank
+
+    tower = getattr(encoder, "text_hash", "")
+    if not tower:
+        print(
+            "The checkpoint has no text tower; heads train without LANG, methods of text are left out"
+        )
+        return None
+    file: Path = options.out / LANG
+    if file.is_file() and load_bank(file).text_hash == tower:
+        print(f"{file} is of this checkpoint; not made again")
+        return file
+    given = ["--encoder", name, "--out", str(file), "--method", "promptstyler"]
+    given += ["--styles", str(options.styles), "--steps", str(options.steps)]
+    if options.weights:
+        given += ["--weights", str(options.weights)]
+    _run("prompts", prompts, [*given, "--device", options.device])
+    return file
+
+
+def _shared(options: argparse.Namespace, bank: Path | None, folder: str = "protocol") -> list[str]:
+    given = ["--embeddings", str(options.out / EMBEDDINGS), "--out", str(options.out / folder)]
+    given += ["--seeds", options.seeds, "--jobs", str(options.jobs), "--device", options.device]
+    settings = [*options.set, *(() if bank else ("lang=false",))]
+    given += [part for text in settings for part in ("--set", text)]
+    return [*given, "--lang", str(bank)] if bank else given
+
+
+def _named(option: str, value: str) -> list[str]:
+    return [option, value] if value else []
+
+
+def _run(command: str, module: Any, arguments: list[str]) -> None:
+    """Run another command, printed so that it can be repeated by hand."""
+    print(f"\n$ omnivat {command} {' '.join(arguments)}", flush=True)
+    parser = argparse.ArgumentParser(prog=f"omnivat {command}")
+    module.add(parser)
+    module.run(parser.parse_args(arguments))
+
+
+def _measured(sets: "PaperSets", encoder: "Encoder") -> dict[str, Any]:
+    """Return the time of the encoder for a pair, and the GPU memory where there is a GPU."""
+    import platform
+
+    import torch
+
+    from omnivat.encoders.cache import embed_pair
+
+    pairs = sets.pairs.pairs[:TIMED]
+    embed_pair(encoder, pairs[0].vis, pairs[0].tac)  # the first call also warms up
+    began = time.perf_counter()
+    for pair in pairs:
+        embed_pair(encoder, pair.vis, pair.tac, tac_crop=pair.tac_crop)
+    seconds = (time.perf_counter() - began) / len(pairs)
+    gpu = torch.cuda.is_available() and torch.cuda.max_memory_allocated() > 0
+    return {
+        "encoder, s a pair": seconds,
+        "memory, MB": torch.cuda.max_memory_allocated() / 2**20 if gpu else None,
+        "machine": torch.cuda.get_device_name() if gpu else platform.processor() or "one CPU",
+    }

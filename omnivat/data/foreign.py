@@ -1,0 +1,224 @@
+"""Read embeddings that were made elsewhere: NPZ, Parquet, HDF5 or a CSV of vectors.
+
+Each file has the vectors `vis` and `tac`, one row a pair, and the name of each pair's `material`.
+In NPZ and HDF5 the vectors are arrays (N, D). In Parquet they are columns of lists, or numbered
+columns `vis_0`, `vis_1`, ... as in a CSV. `domain`, `object`, `split`, `part`, `looks_like`,
+`feels_like`, the file names `vis_file` and `tac_file`, and the mirrored vectors `vis_flip` and
+`tac_flip` may stand beside them.
+"""
+
+import re
+from collections.abc import Mapping, Sequence
+from hashlib import blake2b
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from omnivat.data.embeddings import Array, Embeddings, Header
+from omnivat.data.foreign_files import read_columns
+from omnivat.data.materials import in_order
+from omnivat.data.store import ROW_NAMES, VECTORS
+from omnivat.errors import DataError
+
+PREFIX = "imported:"  # before the name of an encoder that made embeddings elsewhere
+TEXTS = ("domain", "material", "object", "split", "part", "looks_like", "feels_like")
+SPLITS = ("train", "val", "test", "")
+Columns = dict[str, NDArray[Any]]
+
+
+def import_embeddings(
+    file: str | Path,
+    *,
+    encoder: str,
+    domain: str = "",
+    classes: Sequence[str] = (),
+    columns: Mapping[str, str] | None = None,
+    preprocessing: str = "",
+    origin: str = "",
+    simulated: bool = False,
+) -> Embeddings:
+    """Return the embeddings in a file, checked and named.
+
+    encoder         who made them, for people; files imported under one name count as of one encoder
+    domain          of all pairs, where the file has no such column
+    classes         names of the numbers in `material`, where it holds numbers
+    columns         name here -> name in the file, where they differ
+    preprocessing   what was done to an image first, where known
+    origin          one line for people on where the file is from
+
+    Of two widths, the narrower vectors end in zeros.
+    Raises DataError in one sentence that names the file and what is wrong with it.
+    """
+    place = Path(file)
+    if not encoder.strip():
+        raise DataError("Imported embeddings need the name of their encoder; pass --encoder NAME.")
+    found = _renamed(read_columns(place), columns or {}, place)
+    vectors = {name: found[name] for name in VECTORS if name in found}
+    for name in ("vis", "tac"):
+        if name not in vectors:
+            raise DataError(
+                f"'{place}' has no vectors '{name}'; it has {', '.join(found) or 'nothing'}. Name the "
+                f"right one with --column {name}=THEIRS."
+            )
+    count = len(vectors["vis"])
+    vectors = {name: _vectors(array, name, count, place) for name, array in vectors.items()}
+    if len(vectors) == 3:
+        vectors = {name: vectors[name] for name in ("vis", "tac")}
+    texts = {name: _texts(found[name], name, count, place) for name in TEXTS if name in found}
+    if domain and "domain" not in texts:
+        texts["domain"] = [domain] * count
+    _require_names(texts, place)
+    texts["material"] = _materials(texts["material"], classes, place)
+    return _named(place, encoder, vectors, found, texts, preprocessing, origin, simulated)
+
+
+def _named(
+    place: Path,
+    encoder: str,
+    vectors: Mapping[str, Array],
+    found: Columns,
+    texts: dict[str, list[str]],
+    preprocessing: str,
+    origin: str,
+    simulated: bool,
+) -> Embeddings:
+    """Return the embeddings with their header and row names."""
+    count = len(texts["material"])
+    widths = {name: array.shape[1] for name, array in vectors.items()}
+    how = preprocessing or "made elsewhere"
+    if len(set(widths.values())) > 1:
+        how += f" ({', '.join(f'{name} {width}' for name, width in widths.items())} values, then zeros)"
+    domains = tuple(dict.fromkeys(texts["domain"]))
+    classes = in_order(set(texts["material"]))
+    rows = {name: texts.get(name, [""] * count) for name in ROW_NAMES}
+    for name in ("vis", "tac"):
+        given = found.get(f"{name}_file")
+        rows[name] = (
+            [f"{place.stem}/{row}_{name}" for row in range(count)]
+            if given is None
+            else _texts(given, f"{name}_file", count, place)
+        )
+    if not any(rows["object"]):
+        rows["object"] = [f"{place.stem}/{row}" for row in range(count)]
+    return Embeddings(
+        header=Header(
+            encoder=PREFIX + encoder.strip(),
+            weights_hash=blake2b(encoder.strip().encode(), digest_size=8).hexdigest(),
+            preprocessing=how,
+            domains=domains,
+            classes=classes,
+            simulated=simulated,
+            origin=origin or f"imported from {place.name}",
+        ),
+        domain=np.array([domains.index(name) for name in texts["domain"]], np.int64),
+        label=np.array([classes.index(name) for name in texts["material"]], np.int64),
+        rows=rows,
+        **{name: _wide(array, max(widths.values())) for name, array in vectors.items()},
+    )
+
+
+def _wide(array: Array, width: int) -> Array:
+    wide: Array = np.pad(array, ((0, 0), (0, width - array.shape[1])))
+    return wide
+
+
+def _renamed(found: Columns, columns: Mapping[str, str], place: Path) -> Columns:
+    """Return the columns under the names used here, numbered columns joined into vectors."""
+    known = {*VECTORS, *TEXTS, "vis_file", "tac_file"}
+    for ours, theirs in columns.items():
+        if ours not in known:
+            raise DataError(
+                f"There is no column '{ours}' to fill; there are {', '.join(sorted(known))}."
+            )
+        numbered = {
+            key: v for key, v in found.items() if re.fullmatch(f"{re.escape(theirs)}_\\d+", key)
+        }
+        if theirs not in found and not numbered:
+            raise DataError(f"'{place}' has no column '{theirs}'; it has {', '.join(found)}.")
+        if theirs in found:
+            found = {ours: found[theirs], **{k: v for k, v in found.items() if k != ours}}
+        else:
+            found |= {ours + key.removeprefix(theirs): value for key, value in numbered.items()}
+    if "material" not in found:
+        for other in ("label", "class"):
+            if other in found:
+                found["material"] = found[other]
+    return _joined(found, place)
+
+
+def _joined(found: Columns, place: Path) -> Columns:
+    """Return `vis_0`, `vis_1`, ... as one array (N, D) each."""
+    joined = dict(found)
+    for name in VECTORS:
+        numbers = sorted(
+            int(key.removeprefix(f"{name}_")) for key in found if re.fullmatch(f"{name}_\\d+", key)
+        )
+        if not numbers or name in found:
+            continue
+        if numbers != list(range(numbers[0], numbers[0] + len(numbers))):
+            raise DataError(
+                f"'{place}' lacks some of the columns {name}_{numbers[0]} to {name}_{numbers[-1]}."
+            )
+        try:
+            joined[name] = np.stack(
+                [found[f"{name}_{i}"].astype(np.float64) for i in numbers], axis=1
+            )
+        except ValueError as error:
+            raise DataError(f"'{place}' has text in the columns {name}_...: {error}.") from error
+    return joined
+
+
+def _vectors(array: NDArray[Any], name: str, count: int, place: Path) -> Array:
+    if array.ndim != 2 or len(array) != count or not count or not array.shape[1]:
+        raise DataError(
+            f"'{place}' has {name} of shape {array.shape}, expected ({count}, D): a row for each pair."
+        )
+    if array.dtype.kind not in "fiu":
+        raise DataError(f"'{place}' has {name} of type {array.dtype}; numbers are wanted.")
+    with np.errstate(over="ignore"):
+        values = array.astype(np.float32)
+    bad = ~np.isfinite(values).all(axis=1)
+    if bad.any():
+        raise DataError(
+            f"'{place}' has NaN or infinite values in {int(bad.sum())} rows of {name}, the first is "
+            f"row {int(bad.argmax())}; leave those pairs out."
+        )
+    return values
+
+
+def _texts(array: NDArray[Any], name: str, count: int, place: Path) -> list[str]:
+    if array.shape != (count,):
+        raise DataError(
+            f"'{place}' has {name} of shape {array.shape}, expected ({count},): one for each pair."
+        )
+    return [
+        value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
+        for value in array.tolist()
+    ]
+
+
+def _require_names(texts: Mapping[str, list[str]], place: Path) -> None:
+    for name, option in (("material", "--column material=THEIRS"), ("domain", "--domain NAME")):
+        if name not in texts:
+            raise DataError(f"'{place}' has no column '{name}'; pass {option}.")
+        if not all(text.strip() for text in texts[name]):
+            raise DataError(f"'{place}' has pairs without a {name}; fill that column.")
+    if unknown := sorted(set(texts.get("split", ())) - set(SPLITS)):
+        raise DataError(
+            f"'{place}' has the split '{unknown[0]}'; there are train, val, test and none."
+        )
+
+
+def _materials(texts: list[str], classes: Sequence[str], place: Path) -> list[str]:
+    """Return class names; numbers are looked up in `classes`."""
+    if not all(re.fullmatch(r"\d+", text) for text in texts):
+        return texts
+    highest = max(map(int, texts))
+    if highest >= len(classes):
+        raise DataError(
+            f"'{place}' numbers its materials 0 to {highest}; name them with --classes "
+            f"NAME,NAME,... ({len(classes)} came)."
+        )
+    return [classes[int(text)] for text in texts]

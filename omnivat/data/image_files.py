@@ -1,0 +1,250 @@
+"""What the bytes of an image file say before a pixel is decoded: its kind, its size, what it costs.
+
+Only the common kinds are walked here, each as far as its first picture; the rare ones are named and
+left to their decoder. A walk looks at a bounded number of pieces, whatever the file says.
+"""
+
+import re
+import struct
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from mmap import mmap
+
+Content = bytes | mmap  # a file in memory, or mapped
+MOST_PIECES = 20_000  # of one file; a camera's photo has tens, an 8-kilobyte PNG writer 2,500
+MOST_TEXTS = 16  # compressed texts of a PNG, each of which may unpack to a megabyte
+MOST_SCANS = 64  # of a progressive JPEG; usual writers make 10
+MOST_SCANNED = 400_000_000  # samples of a JPEG times its scans
+SIMPLE_PIXELS = 2_000_000
+HEADER = 4096  # bytes that hold the header of a PPM
+
+STARTS: tuple[tuple[str, bytes], ...] = (  # kind, what its files begin with; a dot is any byte
+    ("PNG", rb"\x89PNG\r\n\x1a\n"),
+    ("JPEG", rb"\xff\xd8\xff"),
+    ("GIF", rb"GIF8[79]a"),
+    ("BMP", rb"BM"),
+    ("WEBP", rb"RIFF....WEBP"),
+    ("TIFF", rb"II[*+]\x00|MM\x00[*+]"),
+    ("QOI", rb"qoif"),
+    ("JPEG2000", rb"\xff\x4f\xff\x51|\x00\x00\x00\x0cjP  \r\n\x87\n"),
+    ("AVIF", rb"....ftypavi[fs]|....ftypmi[fa]1|....ftypmsf1"),
+    ("PPM", rb"P[1-6fy0CUB]"),
+)
+COSTS = {"JPEG2000": 20, "AVIF": 10}  # bytes a pixel while decoding, measured; others up to 6
+
+
+class OddFileError(ValueError):
+    """The file is not written as any usual program writes it; the text says how."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ImageFile:
+    """What is known of an image file from its header."""
+
+    kind: str
+    width: int = 0  # 0 where only the decoder can tell
+    height: int = 0
+    bytes_a_pixel: float = 6.0  # held while decoding
+    kept: float = 0.0  # of these, what a reduced decode needs all the same
+    usual: bool = True  # False for variants that decode slowly
+    simple: bool = False  # decoding it takes no longer than its few pixels do
+
+    @property
+    def pixels(self) -> int:
+        """How many pixels its picture has."""
+        return self.width * self.height
+
+    def cost(self, scale: int = 1) -> int:
+        """Return the bytes that decoding holds, at 1/scale of the size where the kind allows."""
+        if self.kind != "JPEG":
+            scale = 1
+        seen = self.bytes_a_pixel - self.kept
+        return int(self.pixels * (self.kept + seen / scale**2))
+
+
+def image_file(content: Content) -> ImageFile | None:
+    """Return what `content` says of itself; None where it is no image of a known kind.
+
+    Raises OddFileError where a header is cut short, damaged, or padded beyond reason.
+    """
+    kind = next((k for k, start in STARTS if re.match(start, content[:32], re.DOTALL)), None)
+    if kind is None:
+        return None
+    found = ImageFile(kind=kind, bytes_a_pixel=COSTS.get(kind, 6), usual=False)
+    walk = WALKS.get(kind)
+    if walk is None:
+        return found
+    try:
+        return walk(content, replace(found, usual=True))
+    except (struct.error, IndexError) as error:
+        raise OddFileError("is cut short or damaged") from error
+
+
+def _png(content: Content, found: ImageFile) -> ImageFile:
+    width, height, depth, colour, _, _, laced = struct.unpack_from(">IIBBBBB", content, 16)
+    texts, large = 0, False
+    for name, size in _png_chunks(content):
+        texts += name in (b"zTXt", b"iTXt", b"iCCP")
+        large = large or (name != b"IDAT" and size > 1_000_000)
+    if texts > MOST_TEXTS:
+        raise OddFileError(f"holds more than {MOST_TEXTS} compressed texts")
+    each = {0: 2 if depth == 16 else 1, 3: 1}.get(colour, 4)
+    simple = not (laced or large or texts > 2) and width * height <= SIMPLE_PIXELS
+    return replace(found, width=width, height=height, bytes_a_pixel=each, simple=simple)
+
+
+def _png_chunks(content: Content) -> Iterator[tuple[bytes, int]]:
+    at = 8
+    for _ in range(MOST_PIECES):
+        if at + 8 > len(content):
+            return
+        size, name = struct.unpack_from(">I4s", content, at)
+        yield name, size
+        at += 12 + size
+    raise OddFileError(f"is cut into more than {MOST_PIECES:,} pieces")
+
+
+def _jpeg(content: Content, found: ImageFile) -> ImageFile:
+    frame, at, process = b"", 2, 0
+    for _ in range(MOST_PIECES // 10):
+        while content[at] == 0xFF and content[at + 1] == 0xFF:  # fill bytes
+            at = _after_fill(content, at)
+        mark, size = struct.unpack_from(">xBH", content, at)
+        if mark in (0xC0, 0xC1, 0xC2, 0xC9, 0xCA):
+            process, frame = mark, content[at + 4 : at + 2 + size]
+        if mark == 0xDA:
+            break
+        at += 2 + size
+    else:
+        raise OddFileError(f"has more than {MOST_PIECES // 10:,} pieces before its picture")
+    if not frame:
+        raise OddFileError("is cut short or damaged")
+    height, width, count = struct.unpack_from(">xHHB", frame)
+    shares = [(frame[7 + 3 * k] >> 4, frame[7 + 3 * k] & 15) for k in range(count)]
+    most = max(h * v for h, v in shares) or 1
+    samples = sum(h * v for h, v in shares) / most
+    scans = len(re.findall(rb"\xff\xda", content))
+    whole = process in (0xC2, 0xCA) or content[at + 4] < count  # coefficients of all the picture
+    if whole and (scans > MOST_SCANS or width * height * samples * scans > MOST_SCANNED):
+        raise OddFileError(f"is a JPEG of {width} × {height} pixels drawn in {scans} passes")
+    kept = 2 * samples if whole else 0.0
+    return replace(
+        found,
+        width=width,
+        height=height,
+        bytes_a_pixel=kept + (1 if count == 1 else 4),
+        kept=kept,
+        usual=process in (0xC0, 0xC1, 0xC2),
+        simple=not whole and process in (0xC0, 0xC1) and width * height <= SIMPLE_PIXELS,
+    )
+
+
+def _after_fill(content: Content, at: int) -> int:
+    """Return where the last of a run of 0xFF stands."""
+    end = re.compile(rb"[^\xff]").search(content, at)
+    if end is None:
+        raise OddFileError("is cut short or damaged")
+    return end.start() - 1
+
+
+def _gif(content: Content, found: ImageFile) -> ImageFile:
+    width, height, flags = struct.unpack_from("<HHB", content, 6)
+    at, pieces = 13 + (3 * 2 ** ((flags & 7) + 1) if flags & 0x80 else 0), 0
+    while content[at] == 0x21:  # an extension: a label, then blocks up to an empty one
+        at += 2
+        while content[at]:
+            at += 1 + content[at]
+            pieces += 1
+            if pieces > MOST_PIECES // 4:
+                raise OddFileError("has too much before its first picture")
+        at += 1
+    left, top, wide, high = struct.unpack_from("<xHHHH", content, at)
+    width, height = max(width, left + wide), max(height, top + high)
+    return replace(found, width=width, height=height, bytes_a_pixel=3)
+
+
+def _bmp(content: Content, found: ImageFile) -> ImageFile:
+    (size,) = struct.unpack_from("<I", content, 14)
+    if size == 12:
+        width, height, _, bits = struct.unpack_from("<HHHH", content, 18)
+        packed = 0
+    else:
+        width, height, _, bits, packed = struct.unpack_from("<iiHHI", content, 18)
+    return replace(
+        found,
+        width=abs(width),
+        height=abs(height),
+        bytes_a_pixel=1 if bits <= 8 else 4,
+        usual=packed in (0, 3),  # run lengths are unpacked slowly
+    )
+
+
+def _webp(content: Content, found: ImageFile) -> ImageFile:
+    first = content[12:16]
+    if first == b"VP8X":
+        width, height = (1 + int.from_bytes(content[k : k + 3], "little") for k in (24, 27))
+    elif first == b"VP8L":
+        (packed,) = struct.unpack_from("<I", content, 21)
+        width, height = 1 + (packed & 0x3FFF), 1 + ((packed >> 14) & 0x3FFF)
+    else:
+        width, height = (side & 0x3FFF for side in struct.unpack_from("<HH", content, 26))
+    return replace(found, width=width, height=height, bytes_a_pixel=16)  # measured
+
+
+def _tiff(content: Content, found: ImageFile) -> ImageFile:
+    tags = dict(_tiff_tags(content))
+    width, height = tags.get(256, 0), tags.get(257, 0)
+    bits, samples = tags.get(258, 1), tags.get(277, 1)
+    each = 4 if samples > 1 else {8: 1, 16: 2}.get(bits, 1 if bits < 8 else 4)
+    packed = tags.get(259, 1)
+    piece = tags.get(322, width) * tags.get(323, min(tags.get(278, height), height))
+    unpacked = 0.0 if packed == 1 else piece * samples * bits / 8
+    return replace(
+        found,
+        width=width,
+        height=height,
+        bytes_a_pixel=each + unpacked / max(1, width * height),
+        usual=packed in (1, 5, 8, 32773, 32946),
+    )
+
+
+def _tiff_tags(content: Content) -> Iterator[tuple[int, int]]:
+    """Give each tag of the first picture and its first value, where that stands in the table."""
+    end = "<" if content[:2] == b"II" else ">"
+    big = content[2:4] in (b"+\0", b"\0+")
+    word, entry = ("Q", "HHQ") if big else ("I", "HHI")
+    (at,) = struct.unpack_from(end + word, content, 8 if big else 4)
+    (many,) = struct.unpack_from(end + ("Q" if big else "H"), content, at)
+    if many > 512:
+        raise OddFileError(f"has a table of {many} entries")
+    at += 8 if big else 2
+    for _ in range(many):
+        tag, kind, number = struct.unpack_from(end + entry, content, at)
+        if number > (65_536 if tag in (273, 279, 324, 325) else 4_000_000):
+            raise OddFileError(f"has an entry of {number} values")
+        at += struct.calcsize(end + entry)
+        code = {1: "B", 3: "H", 4: "I", 16: "Q"}.get(kind)
+        inside = code and number * struct.calcsize(code) <= struct.calcsize(word)
+        if code and (inside or tag == 258):
+            place = at if inside else struct.unpack_from(end + word, content, at)[0]
+            yield tag, struct.unpack_from(end + code, content, place)[0]
+        at += struct.calcsize(word)
+
+
+def _ppm(content: Content, found: ImageFile) -> ImageFile:
+    """A header of three or four words; between them a comment may stand, of any length."""
+    words = re.sub(rb"#[^\r\n]*[\r\n]", b" ", content[:HEADER]).split(None, 3)
+    if len(words) < 3:
+        raise OddFileError(f"has no header in its first {HEADER} bytes")
+    return found
+
+
+WALKS: dict[str, Callable[[Content, ImageFile], ImageFile]] = {
+    "PNG": _png,
+    "JPEG": _jpeg,
+    "GIF": _gif,
+    "BMP": _bmp,
+    "WEBP": _webp,
+    "TIFF": _tiff,
+    "PPM": lambda content, found: replace(_ppm(content, found), usual=False),
+}

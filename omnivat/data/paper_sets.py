@@ -1,0 +1,100 @@
+"""Find the paper's data sets in one folder, wherever they lie in it, and read them as one set."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from hashlib import blake2b
+from importlib import import_module
+from pathlib import Path
+
+from omnivat.data.pairs import PairSet
+from omnivat.data.readers import READERS, read_pairs
+from omnivat.errors import DataError
+
+# reader -> what people call the set
+SETS = {
+    "touch_and_go": "Touch-and-Go",
+    "objectfolder_real": "ObjectFolder Real",
+    "objectfolder_2": "ObjectFolder 2.0",
+    "tacquad": "TacQuad",
+}
+DEPTH = 2  # folders below the root that are looked into
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PaperSets:
+    """What was found: reader -> folder, what each gave, and all of it as one set."""
+
+    places: Mapping[str, Path]
+    parts: Mapping[str, PairSet]
+    pairs: PairSet
+
+    @property
+    def missing(self) -> tuple[str, ...]:
+        """The data sets of the paper that are not there."""
+        return tuple(title for name, title in SETS.items() if name not in self.places)
+
+    @property
+    def fingerprint(self) -> str:
+        """Changes with the list of pairs: files, names and splits."""
+        rows = [
+            [str(p.vis), str(p.tac), p.domain, p.material, p.split, p.part]
+            for p in self.pairs.pairs
+        ]
+        return blake2b(json.dumps(rows).encode(), digest_size=8).hexdigest()
+
+
+def find_paper_sets(root: Path) -> dict[str, Path]:
+    """Return reader -> folder of each data set in `root` or up to two folders below it.
+
+    Raises DataError when there is no such folder, none of the sets is in it, or one is there twice.
+    """
+    if not root.is_dir():
+        raise DataError(f"There is no folder '{root}'; name the one with the data sets in it.")
+    found: dict[str, Path] = {}
+    for folder in _folders(root, DEPTH):
+        if any(folder != place and folder.is_relative_to(place) for place in found.values()):
+            continue  # inside a set that was found
+        for name in SETS:
+            if import_module(READERS[name].split(":")[0]).recognises(folder):
+                if name in found:
+                    raise DataError(
+                        f"{SETS[name]} is there twice, in '{found[name]}' and '{folder}'; keep one."
+                    )
+                found[name] = folder
+                break
+    if not found:
+        raise DataError(
+            f"None of {', '.join(SETS.values())} is in '{root}'; docs/reproduce.md lists where each is "
+            "from and how it lies on disk."
+        )
+    return {name: found[name] for name in SETS if name in found}
+
+
+def read_paper_sets(root: Path, *, seed: int = 0) -> PaperSets:
+    """Read every data set of the paper that is in `root`, each as its reader does by default.
+
+    ObjectFolder 2.0 counts as it does in the paper: its rendered touch is its data, not a stand-in.
+    Raises DataError as `find_paper_sets` and the readers do.
+    """
+    places = find_paper_sets(root)
+    parts = {name: read_pairs(place, reader=name, seed=seed) for name, place in places.items()}
+    pairs = tuple(pair for part in parts.values() for pair in part.pairs)
+    skipped = tuple(one for part in parts.values() for one in part.skipped)
+    origin = "; ".join(part.origin or SETS[name] for name, part in parts.items())
+    whole = PairSet(pairs=pairs, skipped=skipped, origin=origin)
+    return PaperSets(places=places, parts=parts, pairs=whole)
+
+
+def _folders(root: Path, depth: int) -> list[Path]:
+    """Return the root and the folders below it, nearest first; links are not followed."""
+    found, level = [root], [root]
+    for _ in range(depth):
+        level = [
+            child
+            for folder in level
+            for child in sorted(folder.iterdir())
+            if child.is_dir() and not child.is_symlink() and not child.name.startswith(".")
+        ]
+        found += level
+    return found

@@ -1,0 +1,44 @@
+"""Strips: a signal as a picture of grey stripes, and a picture of stripes read back as a signal."""
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from omnivat.errors import ShapeError
+
+STRIPES = 64  # of every picture
+SIDE = 256  # pixels of a picture: four a stripe
+MIDDLE, SWING = 127.5, 120.0  # grey of 0, and how far the largest value lies from it
+ENCODER = "strip"  # its entry in the table of encoders
+READER = "1"  # in place of a hash of weights: changes when the same picture gives other numbers
+PREPROCESSING = f"{STRIPES} upright stripes, mean grey of each, less {MIDDLE}, over {SWING:g}"
+
+
+def strip_picture(signal: NDArray[np.floating]) -> Image.Image:
+    """Return a signal as upright stripes from left to right, light where it is positive.
+
+    signal  (64,) any finite values; the largest magnitude becomes the full swing, 0 is mid-grey
+    return  256 x 256 pixels, RGB
+
+    Raises ShapeError for another length.
+    """
+    values = np.asarray(signal, dtype=np.float64)
+    if values.shape != (STRIPES,):
+        raise ShapeError(f"A strip shows {STRIPES} values, got shape {values.shape}.")
+    largest = float(np.abs(values).max()) or 1.0
+    grey = np.rint(MIDDLE + SWING * values / largest).astype(np.uint8)
+    row = np.repeat(grey, SIDE // STRIPES)
+    return Image.fromarray(np.tile(row, (SIDE, 1))).convert("RGB")
+
+
+def strip_signal(picture: Image.Image) -> NDArray[np.float32]:
+    """Return the signal (64,) that a picture shows, whatever its size and format.
+
+    The picture is averaged over its height and over each of 64 equal upright bands. A picture
+    that `strip_picture` made gives its signal back, scaled to a largest magnitude of 1, to half
+    a grey level (0.004).
+    """
+    grey = picture.convert("RGB").convert("L").convert("F")
+    bands = np.asarray(grey.resize((STRIPES, 1), Image.Resampling.BOX), dtype=np.float32)[0]
+    values: NDArray[np.float32] = (bands - np.float32(MIDDLE)) / np.float32(SWING)
+    return values

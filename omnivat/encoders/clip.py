@@ -1,0 +1,138 @@
+"""Open a CLIP checkpoint of any layout: find it, read it, check its name, load its image tower."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import torch
+
+from omnivat.encoders.checkpoints import Checkpoint, find
+from omnivat.encoders.clip_names import RESNET, ClipState, State, clip_state
+from omnivat.encoders.clip_resnet import ClipResNet
+from omnivat.encoders.clip_settings import GELU, ClipSettings, clip_settings
+from omnivat.encoders.clip_shapes import ANY, ImageShape, image_shape, require_name
+from omnivat.encoders.clip_vit import ClipVit
+from omnivat.encoders.running import state_hash
+from omnivat.encoders.weights import read_weights
+from omnivat.errors import DataError
+
+_OPENAI = "curl -L --create-dirs -o {folder}/%s.pt https://openaipublic.azureedge.net/clip/models/%s/%s.pt"
+
+
+def _on_hub(name: str, repository: str, megabytes: int) -> Checkpoint:
+    fetch = f"hf download {repository} --local-dir {{folder}}"
+    return Checkpoint(name=name, hub=repository, fetch=fetch, megabytes=megabytes)
+
+
+def _at_openai(name: str, file: str, digest: str) -> Checkpoint:
+    return Checkpoint(name=name, fetch=_OPENAI % (file, digest, file))
+
+
+CHECKPOINTS = {
+    checkpoint.name: checkpoint
+    for checkpoint in (
+        _on_hub("clip-vit-b32", "openai/clip-vit-base-patch32", 605),
+        _on_hub("clip-vit-b16", "openai/clip-vit-base-patch16", 599),
+        _on_hub("clip-vit-l14", "openai/clip-vit-large-patch14", 1711),
+        _on_hub("clip-vit-l14-336", "openai/clip-vit-large-patch14-336", 1712),
+        _at_openai(
+            "clip-rn50", "RN50", "afeb0e10f9e5a86da6080e35cf09123aca3b358a0c3e3b6c78a7b63bc04b6762"
+        ),
+        _at_openai(
+            "clip-rn101",
+            "RN101",
+            "8fa8567bab74a42d41c5915025a8e4538c3bdbe8804a470a72f30b0d94fab599",
+        ),
+        Checkpoint(name=ANY, fetch="hf download OWNER/NAME --local-dir {folder}"),
+    )
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Clip:
+    """A CLIP checkpoint that was read: its towers' weights and what else its files state.
+
+    name    of a published CLIP where its image tower has that shape, else "clip"
+    place   the folder or file that was given
+    file    the file of weights in it
+    """
+
+    name: str
+    place: Path
+    file: Path
+    weights: ClipState
+    settings: ClipSettings
+    shape: ImageShape | None
+
+    @property
+    def image_hash(self) -> str:
+        """Tells two image towers apart, whatever layout their files have."""
+        return self._hash(self.weights.image, plain=self.weights.kind == RESNET)
+
+    @property
+    def text_hash(self) -> str:
+        """Tells two text towers apart; "" where the checkpoint has none."""
+        return self._hash(self.weights.text) if self.weights.text else ""
+
+    def _hash(self, state: State, *, plain: bool = False) -> str:
+        """Return the hash of `state`; GELU in place of QuickGELU changes it unless `plain`."""
+        if self.settings.activation == GELU and not plain:
+            state = state | {"activation.gelu": torch.ones(1)}
+        return state_hash(state)
+
+
+def open_clip(name: str, weights: Path | None, *, download: str = "ask") -> Clip:
+    """Find and read the checkpoint called `name`, or the one at `weights`.
+
+    download  "ask", "yes" or "no": whether a missing one may be fetched (see `hub.py`)
+
+    Raises DataError when it is missing, not of CLIP, or of another size than its name says.
+    """
+    place = find(CHECKPOINTS[name], weights, download=download)
+    found = read_weights(place, name)
+    state = clip_state(found.state)
+    if state is None:
+        raise DataError(
+            f"'{found.file}' holds no weights of CLIP (its first name is "
+            f"'{min(found.state, default='none')}'); name a checkpoint of CLIP, or use "
+            f"--encoder hf:FOLDER for another model of transformers."
+        )
+    try:
+        shape = image_shape(state) if state.image else None
+    except (KeyError, ValueError) as error:
+        raise DataError(f"'{found.file}' lacks the weight {error} of {name}.") from error
+    return Clip(
+        name=name if shape is None else require_name(name, shape, found.file),
+        place=place,
+        file=found.file,
+        weights=state,
+        settings=clip_settings(found, name),
+        shape=shape,
+    )
+
+
+def load(
+    name: str,
+    *,
+    weights: Path | None,
+    device: torch.device,
+    precision: str,
+    download: str = "ask",
+) -> ClipVit | ClipResNet:
+    """Load the image tower of a CLIP checkpoint as an encoder."""
+    clip = open_clip(name, weights, download=download)
+    if clip.shape is None:
+        raise DataError(f"'{clip.file}' has a text tower and no image tower; name the whole model.")
+    tower = ClipResNet if clip.weights.kind == RESNET else ClipVit
+    return tower(clip, clip.shape, device, precision)
+
+
+Loader = Callable[..., ClipVit | ClipResNet]
+load_any: Loader = partial(load, ANY)
+load_vit_b32: Loader = partial(load, "clip-vit-b32")
+load_vit_b16: Loader = partial(load, "clip-vit-b16")
+load_vit_l14: Loader = partial(load, "clip-vit-l14")
+load_vit_l14_336: Loader = partial(load, "clip-vit-l14-336")
+load_rn50: Loader = partial(load, "clip-rn50")
+load_rn101: Loader = partial(load, "clip-rn101")

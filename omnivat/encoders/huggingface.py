@@ -1,0 +1,207 @@
+"""Any vision model of `transformers` as an encoder: `hf:NAME_OR_FOLDER`.
+
+Pooling, in this order: image features where the model has a text tower beside it (CLIP, SigLIP,
+SigLIP 2); the class token (DINOv2, DINOv3, ViT); the model's own pooled output (ConvNeXt, ResNet,
+vision towers of SigLIP); else the mean of all tokens (I-JEPA). The header of a file states which.
+"""
+
+import json
+from collections.abc import Callable, Mapping
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import torch
+from torch import Tensor, nn
+
+from omnivat.encoders import hub
+from omnivat.encoders.running import SIDE, pixels, resized
+from omnivat.encoders.wrapping import IMAGENET_MEAN, IMAGENET_STD, TorchEncoder
+from omnivat.errors import DataError
+from omnivat.packages import need
+
+FEATURES, CLASS_TOKEN = "projected image features", "class token"
+POOLED, MEAN_TOKEN = "the model's pooled output", "mean of tokens"
+
+
+def load(
+    model: str,
+    *,
+    weights: Path | None = None,
+    device: torch.device,
+    precision: str = "fp32",
+    download: str = "ask",
+) -> TorchEncoder:
+    """Load the vision model in a folder, or of that name on the hub.
+
+    model    a folder as `save_pretrained` writes it, or "owner/name"
+    weights  a folder in place of it
+
+    Raises DataError when there is none, it is not of a vision model, or lacks weights.
+    """
+    folder = _folder(weights or Path(model), model, download)
+    network = _network(folder)
+    side, mean, std = _image_settings(folder, network.config)
+    run, about = _run_and_pooling(network, side)
+    wrapped = _Tower(network, run)
+    if _patches(network) is None:
+        return TorchEncoder(
+            wrapped, side=side, mean=mean, std=std, about=about, device=device, precision=precision
+        )
+    return TorchEncoder(
+        wrapped,
+        prepare=partial(pixels, mean=mean, std=std, side=side),
+        about=f"{resized(side, mean, std)}, {about}",
+        device=device,
+        precision=precision,
+    )
+
+
+class _Tower(nn.Module):
+    """The part of a model that sees images: its state without the text tower's."""
+
+    def __init__(self, network: nn.Module, run: Callable[[Tensor], Tensor]) -> None:
+        super().__init__()
+        if hasattr(network, "text_model"):
+            del network.text_model
+        self.network = network
+        self._run = run
+
+    def forward(self, images: Tensor) -> Tensor:
+        return self._run(images)
+
+
+def _folder(place: Path, model: str, download: str) -> Path:
+    if place.is_dir():
+        return place
+    if place.suffix or model.count("/") != 1 or model.startswith((".", "/", "~")):
+        raise DataError(
+            f"'{place}' is not a folder with a model of transformers; name one, or OWNER/NAME on the hub."
+        )
+    found = hub.fetch(model, download=download)
+    if isinstance(found, Path):
+        return found
+    raise DataError(f"There is no model '{model}' on this machine. {found}")
+
+
+def _network(folder: Path) -> Any:
+    """Load the model, and refuse one whose weights are not all there."""
+    transformers = need("transformers", purpose="hf: encoders")
+    try:
+        network, info = transformers.AutoModel.from_pretrained(
+            folder, local_files_only=True, output_loading_info=True, dtype=torch.float32
+        )
+    except Exception as error:  # each kind of damaged folder has its own error there
+        first = (str(error).strip().splitlines() or [type(error).__name__])[0][:160]
+        raise DataError(
+            f"'{folder}' cannot be loaded as a model of transformers: {first}"
+        ) from error
+    missing = sorted(key for key in info["missing_keys"] if not _unused(network, key))
+    if missing or info.get("mismatched_keys"):
+        wrong = missing or [str(key) for key in info["mismatched_keys"]]
+        raise DataError(
+            f"'{folder}' lacks {len(wrong)} weights of {type(network).__name__}, such as {wrong[0]}; "
+            "fetch it again."
+        )
+    return network.eval().requires_grad_(False)
+
+
+def _unused(network: Any, key: str) -> bool:
+    """True for a pooling layer that is made at random where the class token or a mean is used."""
+    return key.startswith("pooler.") and (_has_class_token(network) or not _has_pooled(network))
+
+
+def _has_class_token(network: nn.Module) -> bool:
+    return any(name.endswith("cls_token") for name, _ in network.named_parameters())
+
+
+def _has_pooled(network: nn.Module) -> bool:
+    return any(key in dict(network.named_children()) for key in ("pooler", "head", "layernorm"))
+
+
+def _run_and_pooling(network: Any, side: int) -> tuple[Callable[[Tensor], Tensor], str]:
+    """Return what turns images into (B, D), and its name."""
+    inputs = partial(_inputs, patch=_patches(network))
+    if hasattr(network, "get_image_features"):
+
+        def features(images: Tensor) -> Tensor:
+            found = network.get_image_features(**inputs(images))
+            return found if isinstance(found, Tensor) else found.pooler_output
+
+        return features, FEATURES
+    pool = _pooling(network, inputs(torch.zeros(1, 3, side, side)))
+    return lambda images: POOLINGS[pool](network(**inputs(images))), pool
+
+
+POOLINGS: Mapping[str, Callable[[Any], Tensor]] = {
+    CLASS_TOKEN: lambda output: output.last_hidden_state[:, 0],
+    POOLED: lambda output: output.pooler_output.flatten(1),
+    MEAN_TOKEN: lambda output: (
+        output.last_hidden_state.flatten(2).mT.mean(1)
+        if output.last_hidden_state.ndim == 4
+        else output.last_hidden_state.mean(1)
+    ),
+}
+
+
+def _pooling(network: Any, example: dict[str, Tensor]) -> str:
+    if _has_class_token(network):
+        return CLASS_TOKEN
+    try:
+        with torch.inference_mode():
+            output = network(**example)
+    except Exception as error:
+        raise DataError(
+            f"{type(network).__name__} does not take images alone ({str(error)[:120]}); wrap it in "
+            "a function of your own and pass --encoder module:function (docs/encoders.md)."
+        ) from error
+    return POOLED if getattr(output, "pooler_output", None) is not None else MEAN_TOKEN
+
+
+def _patches(network: Any) -> int | None:
+    """Return the side of a patch for a model that takes patches (SigLIP 2 NaFlex), else None."""
+    config = getattr(network.config, "vision_config", network.config)
+    return int(config.patch_size) if hasattr(config, "num_patches") else None
+
+
+def _inputs(images: Tensor, patch: int | None) -> dict[str, Tensor]:
+    """Return the arguments of the model for images (B, 3, side, side)."""
+    if patch is None:
+        return {"pixel_values": images}
+    count, channels, high, wide = images.shape
+    grid = images.reshape(count, channels, high // patch, patch, wide // patch, patch)
+    rows = grid.permute(0, 2, 4, 3, 5, 1).flatten(1, 2).flatten(2)  # (B, N, patch * patch * 3)
+    shape = torch.tensor([[high // patch, wide // patch]] * count, device=images.device)
+    mask = torch.ones(rows.shape[:2], dtype=torch.long, device=images.device)
+    return {"pixel_values": rows, "pixel_attention_mask": mask, "spatial_shapes": shape}
+
+
+def _image_settings(folder: Path, config: Any) -> tuple[int, tuple[float, ...], tuple[float, ...]]:
+    """Return side, mean and std: of `preprocessor_config.json`, else of the model and ImageNet."""
+    file = folder / "preprocessor_config.json"
+    try:
+        stated = json.loads(file.read_text(encoding="utf-8")) if file.is_file() else {}
+    except ValueError as error:
+        raise DataError(f"'{file}' is not readable JSON ({error}).") from error
+    vision = getattr(config, "vision_config", config)
+    if hasattr(vision, "num_patches"):
+        side = round(vision.num_patches**0.5) * vision.patch_size
+    else:
+        crop = stated.get("crop_size") if stated.get("do_center_crop", True) else None
+        side = (
+            _side(crop) or _side(stated.get("size")) or _side(getattr(vision, "image_size", SIDE))
+        )
+    if stated.get("do_normalize", True) is False:
+        return side or SIDE, (0.0,) * 3, (1.0,) * 3
+    mean = tuple(map(float, stated.get("image_mean") or IMAGENET_MEAN))
+    std = tuple(map(float, stated.get("image_std") or IMAGENET_STD))
+    return side or SIDE, mean, std
+
+
+def _side(size: Any) -> int | None:
+    """Return the side of a square that `size` names in one of the ways of `transformers`."""
+    if isinstance(size, Mapping):
+        size = next((size[key] for key in ("shortest_edge", "height") if key in size), None)
+    if isinstance(size, list | tuple):
+        size = size[0] if size else None
+    return int(size) if size else None

@@ -1,0 +1,102 @@
+"""What the name of an encoder can be, and the function that loads it."""
+
+import importlib
+import importlib.util
+import inspect
+from collections.abc import Callable, Mapping
+from functools import partial
+from importlib.metadata import entry_points
+from pathlib import Path
+from typing import Any
+
+from omnivat.errors import DataError, MissingNameError, SettingsError
+from omnivat.tables import load, suggestion
+
+GROUP = "omnivat.encoders"  # of the entry points that other packages declare
+IMPORTED = "imported:"  # before the name of an encoder that is not here
+HUB = "hf:"  # before the folder or hub name of a model of transformers
+
+
+def loader_of(name: str, table: Mapping[str, str]) -> Callable[..., Any]:
+    """Return the function that loads the encoder called `name`.
+
+    name    a name in `table`; `hf:NAME_OR_FOLDER`; `module:function` or `path/file.py:function`; or
+            an entry point of the group "omnivat.encoders"
+
+    Raises MissingNameError for an unknown name, DataError where the named code cannot be imported.
+    """
+    if name in table:
+        found: Callable[..., Any] = load(table, name, kind="encoder")
+        return found
+    if name.startswith(IMPORTED):
+        raise DataError(
+            f"The embeddings of '{name.removeprefix(IMPORTED)}' were made elsewhere and imported; no "
+            "image can be encoded here. Wrap that encoder (docs/encoders.md) and embed the pairs with it."
+        )
+    if name.startswith(HUB):
+        from omnivat.encoders.huggingface import load as load_model
+
+        return partial(load_model, name.removeprefix(HUB))
+    declared = {entry.name: entry for entry in entry_points(group=GROUP)}
+    if name in declared:
+        return _imported(name, declared[name].load)
+    if ":" in name:
+        return _imported(name, partial(_attribute, name))
+    known = [*table, *declared]
+    raise MissingNameError(
+        f"No encoder is called '{name}'; there are {', '.join(known)}, hf:NAME_OR_FOLDER and "
+        f"module:function.{suggestion(name, known)}"
+    )
+
+
+def accepted(loader: Callable[..., Any], name: str, wanted: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the settings that a loader takes.
+
+    wanted  setting -> value. One that a loader lacks is left out where nobody asked for it: weights
+            None, precision "fp32", download "ask", or a device, which then is the loader's own.
+    Raises SettingsError where somebody did.
+    """
+    taken = inspect.signature(loader).parameters
+    if any(parameter.kind is parameter.VAR_KEYWORD for parameter in taken.values()):
+        return dict(wanted)
+    plain = {"weights": None, "precision": "fp32"}
+    for setting, value in plain.items():
+        if setting not in taken and wanted.get(setting) != value:
+            raise SettingsError(
+                f"The encoder '{name}' takes no {setting}, and '{wanted[setting]}' came; leave out "
+                f"--{setting}, or give its function an argument of that name."
+            )
+    return {setting: value for setting, value in wanted.items() if setting in taken}
+
+
+def _imported(name: str, importer: Callable[[], Any]) -> Callable[..., Any]:
+    try:
+        found = importer()
+    except DataError:
+        raise
+    except Exception as error:  # whatever someone's module does when it is imported
+        raise DataError(
+            f"The encoder '{name}' cannot be imported ({type(error).__name__}: {error}); check the "
+            "module and the folder this command runs in."
+        ) from error
+    if not callable(found):
+        raise DataError(f"'{name}' is no function; it must return an encoder when called.")
+    function: Callable[..., Any] = found
+    return function
+
+
+def _attribute(name: str) -> Any:
+    """Return the function that "module:function" or "path/file.py:function" names."""
+    module, _, attribute = name.rpartition(":")
+    if module.endswith(".py"):
+        file = Path(module)
+        spec = importlib.util.spec_from_file_location(f"omnivat_encoder_{file.stem}", file)
+        if not file.is_file() or spec is None or spec.loader is None:
+            raise DataError(f"There is no file '{file}' with an encoder; check its path.")
+        loaded = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(loaded)
+    else:
+        loaded = importlib.import_module(module)
+    if not hasattr(loaded, attribute):
+        raise DataError(f"'{module}' has no function '{attribute}' to load an encoder.")
+    return getattr(loaded, attribute)

@@ -1,0 +1,126 @@
+"""Read weights from any file that people keep them in, without running its code."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import torch
+from safetensors.torch import load_file
+from torch import Tensor
+
+from omnivat.encoders.archives import is_script, read_script
+from omnivat.errors import DataError
+
+WEIGHTS = (
+    "model.safetensors",
+    "pytorch_model.bin",
+    "open_clip_model.safetensors",
+    "open_clip_pytorch_model.bin",
+    "RN50.pt",
+    "RN101.pt",
+    "ViT-B-32.pt",
+    "ViT-B-16.pt",
+    "ViT-L-14.pt",
+    "ViT-L-14-336px.pt",
+)
+NESTED = ("state_dict", "model_state_dict", "model", "teacher", "encoder")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Weights:
+    """The floating-point weights of one file, as float32.
+
+    state      name -> weight
+    file       where they were read
+    training   what a training checkpoint calls its run; None for a file of weights alone
+    """
+
+    state: dict[str, Tensor]
+    file: Path
+    training: str | None = None
+
+
+def read_weights(place: Path, name: str) -> Weights:
+    """Return the weights in a file, or in the first known file of a folder.
+
+    place   a `.safetensors`, a PyTorch file (read with `weights_only`), a TorchScript archive
+            (whose code is not run), or a folder with one; a training checkpoint may nest its weights
+    name    what the weights are of, for errors
+
+    Raises DataError when there is none or it cannot be read.
+    """
+    file = weights_file(place, name)
+    try:
+        found = _content(file)
+        state, training = _unwrapped(found)
+    except Exception as error:  # a damaged file may raise anything in three readers
+        raise DataError(
+            f"'{file}' cannot be read as weights of {name} ({_short(error)}); fetch it again, or "
+            "save its state dict as a .safetensors file."
+        ) from error
+    # Copied, because a mapped file need not lie where fast products want their numbers to begin,
+    # and the last digits of a product depend on it.
+    floats = {
+        key: value.to(torch.float32, copy=True)
+        for key, value in state.items()
+        if value.is_floating_point()
+    }
+    return Weights(state=_without_prefix(floats), file=file, training=training)
+
+
+def weights_file(place: Path, name: str) -> Path:
+    """Return the file of weights that `place`, a file or a folder, means.
+
+    A folder without a known name may hold one `.safetensors`, `.pt`, `.pth` or `.bin` file.
+    Raises DataError where there is none.
+    """
+    if place.is_file():
+        return place
+    for file in WEIGHTS:
+        if (place / file).is_file():
+            return place / file
+    kinds = (".safetensors", ".pt", ".pth", ".bin")
+    others = [file for file in sorted(place.glob("*")) if file.suffix in kinds and file.is_file()]
+    if len(others) == 1:
+        return others[0]
+    why = f"; {len(others)} files could be meant" if others else ""
+    raise DataError(
+        f"'{place}' has no weights of {name}{why}; name the file, or one of {', '.join(WEIGHTS[:4])} "
+        "is wanted."
+    )
+
+
+def _content(file: Path) -> Any:
+    if file.suffix == ".safetensors":
+        return load_file(file)
+    if is_script(file):
+        return read_script(file)
+    return torch.load(file, map_location="cpu", weights_only=True)
+
+
+def _unwrapped(found: Any) -> tuple[Mapping[str, Tensor], str | None]:
+    """Return the state dict inside a training checkpoint, and the name of its run."""
+    training: str | None = None
+    while isinstance(found, Mapping):
+        inner = next((found[key] for key in NESTED if isinstance(found.get(key), Mapping)), None)
+        if inner is None:
+            break
+        if "epoch" in found or "optimizer" in found:
+            training = str(found.get("name", ""))
+        found = inner
+    if not isinstance(found, Mapping) or not any(isinstance(v, Tensor) for v in found.values()):
+        raise ValueError("no table of weights is in it")
+    return {str(key): v for key, v in found.items() if isinstance(v, Tensor)}, training
+
+
+def _without_prefix(state: dict[str, Tensor]) -> dict[str, Tensor]:
+    """Drop what a wrapper put before every name: `module.`, `_orig_mod.`, `model.`."""
+    for prefix in ("module.", "_orig_mod.", "model."):
+        if state and all(key.startswith(prefix) for key in state):
+            return _without_prefix({key.removeprefix(prefix): v for key, v in state.items()})
+    return state
+
+
+def _short(error: Exception) -> str:
+    return (str(error).strip().splitlines() or [type(error).__name__])[0][:120]

@@ -1,0 +1,98 @@
+"""Wrap any torch network as an encoder: what a few lines of someone's own code need.
+
+    from omnivat.encoders import TorchEncoder
+
+    def load(weights, device):
+        network = TheirModel()
+        network.load_state_dict(torch.load(weights, weights_only=True))
+        return TorchEncoder(network, side=224, device=device)
+
+Used as `--encoder their_module:load --weights FILE`; docs/encoders.md has whole examples.
+"""
+
+from collections.abc import Callable, Sequence
+
+import torch
+from PIL import Image
+from torch import Tensor, nn
+
+from omnivat.encoders.running import one_by_one, pixels, placed, precision_type, resized, state_hash
+from omnivat.errors import DataError
+
+IMAGENET_MEAN, IMAGENET_STD = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)
+
+
+class TorchEncoder:
+    """A torch network as an `Encoder`.
+
+    network     takes (B, C, H, W), gives (B, D), or anything that `pool` turns into (B, D)
+    side        pixels an image is resized to, directly
+    mean, std   of red, green and blue, for values in 0 to 1
+    prepare     Image -> (C, H, W) float32, in place of resizing and normalising
+    pool        output of the network -> (B, D), such as `lambda tokens: tokens[:, 0]`
+    about       one line on `prepare` and `pool`, for the header of a file
+    device      where it computes
+    precision   "fp32" or "bf16"
+    name        how it is called; load_encoder puts the name that loads it in its place
+
+    Raises DataError when the network does not give one finite vector an image.
+    """
+
+    def __init__(
+        self,
+        network: nn.Module,
+        *,
+        side: int = 224,
+        mean: Sequence[float] = IMAGENET_MEAN,
+        std: Sequence[float] = IMAGENET_STD,
+        prepare: Callable[[Image.Image], Tensor] | None = None,
+        pool: Callable[..., Tensor] | None = None,
+        about: str = "",
+        device: torch.device | str = "cpu",
+        precision: str = "fp32",
+        name: str = "",
+    ) -> None:
+        self.name = name or type(network).__name__
+        self.side, self.mean, self.std = side, tuple(mean), tuple(std)
+        self.precision = precision
+        self.weights_hash = state_hash(network.state_dict())
+        self._prepare, self._pool = prepare, pool
+        steps = [resized(side, self.mean, self.std)] if prepare is None else []
+        self.preprocessing = ", ".join([*steps, about] if about else steps) or "own preprocessing"
+        self._device = torch.device(device)
+        self._type = precision_type(precision, self._device)
+        self._network = placed(network, self._device, self._type)
+        self.width = self._probed()
+
+    def preprocess(self, image: Image.Image) -> Tensor:
+        """Return an RGB image as the tensor (C, H, W) that `embed` takes."""
+        if self._prepare is not None:
+            return self._prepare(image).to(torch.float32)
+        return pixels(image, self.mean, self.std, self.side)
+
+    def embed(self, images: Tensor) -> Tensor:
+        """Return the embeddings (B, D) of preprocessed images (B, C, H, W)."""
+        return one_by_one(self._forward, images.to(self._device, self._type))
+
+    def _forward(self, images: Tensor) -> Tensor:
+        given = self._network(images)
+        vectors: Tensor = given if self._pool is None else self._pool(given)
+        return vectors
+
+    def _probed(self) -> int:
+        """Return D, after two grey images: one finite vector each, the same both times."""
+        grey = self.preprocess(Image.new("RGB", (64, 64), (128, 120, 110)))
+        if self._device.type == "meta":
+            return int(self._forward(grey[None].to("meta", self._type)).shape[-1])
+        first, second = (self.embed(grey[None]) for _ in range(2))
+        if first.ndim != 2 or len(first) != 1 or not first.isfinite().all():
+            raise DataError(
+                f"{self.name} gave a tensor of shape {tuple(first.shape)} for one image, and one "
+                "finite vector (1, D) is wanted; pass pool= to TorchEncoder."
+            )
+        if not torch.equal(first, second):
+            raise DataError(
+                f"{self.name} gives another embedding each time; switch off dropout, masks and "
+                "other random parts of the network."
+            )
+        return first.shape[1]

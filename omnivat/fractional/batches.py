@@ -1,0 +1,213 @@
+"""The maps between samples and eigenbasis on whole batches, without a graph.
+
+Work goes in pieces that stay in the cache: rows of coefficients with the phases they need.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+
+from omnivat.fractional.memory import empty
+from omnivat.fractional.phases import phases
+from omnivat.fractional.splits import Split
+from omnivat.fractional.workers import for_each
+
+_ELEMENTS = 2**17  # of one real plane; with its scratch it fills a core's second-level cache
+_WORTH_A_LOOP = 16  # rows; below that, phases row by row cost less than a piece for each order
+_WORTH_WORKERS = 2**18  # numbers in the result; below, handing over costs more than it saves
+
+
+@dataclass(frozen=True)
+class Piece:
+    """Some rows of coefficients.
+
+    rows: where they lie in the broadcast batch; values (b, N); orders (1 or b,); shared: the phases
+    if other pieces have the same, else they are left to whoever works on the piece.
+    """
+
+    rows: slice
+    values: Tensor
+    orders: Tensor
+    indices: Tensor
+    shared: Tensor | None = None
+
+    def phases(self) -> Tensor:
+        """Real and imaginary part of exp(-iπpk/2), (2, 1 or b, N)."""
+        if self.shared is not None:
+            return self.shared
+        return _planar_phases(self.orders, self.indices, self.values)
+
+
+def slices(rows: Tensor) -> Iterator[slice]:
+    """Cut rows (R, N) for the cache; an accelerator takes all at once."""
+    count, size = rows.shape
+    step = max(16, _ELEMENTS // size) if rows.device.type == "cpu" else max(count, 1)
+    for start in range(0, count, step):
+        yield slice(start, min(start + step, count))
+
+
+def leading_shape(values: Tensor, order: Tensor) -> torch.Size:
+    """The batch of the result: the leading axes of the values and the order's, broadcast."""
+    if not order.dim():  # broadcast_shapes is written in Python and slow
+        return values.shape[:-1]
+    shape: torch.Size = torch.broadcast_shapes(values.shape[:-1], order.shape)
+    return shape
+
+
+def _planar_phases(order: Tensor, indices: Tensor, like: Tensor) -> Tensor:
+    """Phases of orders (b,) as planes (2, b, N), cast to the precision of the values."""
+    both = torch.view_as_real(phases(order, indices)).movedim(-1, 0)
+    return both.to(like.dtype.to_real(), memory_format=torch.contiguous_format, copy=True)
+
+
+def pieces(values: Tensor, order: Tensor, indices: Tensor) -> Iterator[Piece]:
+    """All rows of the broadcast batch, first to last. values (..., N), order (...) float64.
+
+    Phases are computed once for each order where many rows share it, else row by row.
+    """
+    lead, size = leading_shape(values, order), values.shape[-1]
+    if not math.prod(lead):
+        return
+    rows = values.expand(*lead, size)
+    order = order.reshape((1,) * (len(lead) - order.dim()) + order.shape)
+    varying = len(lead) if order.numel() > 1 else 0  # axes up to the last on which it varies
+    while varying and order.shape[varying - 1] == 1:
+        varying -= 1
+    sharing = math.prod(lead[varying:])
+    if varying and sharing < _WORTH_A_LOOP:
+        yield from _row_by_row(rows.reshape(-1, size), order.expand(lead).reshape(-1), indices)
+        return
+    orders = order.expand((*lead[:varying], *order.shape[varying:])).reshape(-1, 1)
+    places = itertools.product(*(range(length) for length in lead[:varying]))
+    for number, place in enumerate(places):
+        turned = _planar_phases(orders[number], indices, values)
+        group, start = rows[place].reshape(-1, size), number * sharing
+        for some in slices(group):
+            place_of_some = slice(start + some.start, start + some.stop)
+            yield Piece(place_of_some, group[some], orders[number], indices, turned)
+
+
+def _row_by_row(rows: Tensor, orders: Tensor, indices: Tensor) -> Iterator[Piece]:
+    for some in slices(rows):
+        yield Piece(some, rows[some], orders[some], indices)
+
+
+def planes(x: Tensor) -> Tensor:
+    """Real and imaginary part, stacked: (2, ...) for complex x, (1, ...) for real x."""
+    return torch.stack([x.real, x.imag]) if x.is_complex() else x[None]
+
+
+def _spread(rows: Tensor) -> bool:
+    """Whether rows (R, N) are worth a second thread of ours."""
+    return rows.device.type == "cpu" and rows.numel() >= _WORTH_WORKERS
+
+
+def analyse_rows(split: Split, x: Tensor) -> Tensor:
+    """x V for x (..., N), real or complex."""
+    rows = x.reshape(-1, x.shape[-1])
+    out = empty(rows.shape, rows.dtype, rows.device)
+
+    def work(some: slice) -> None:
+        if x.is_complex():
+            part = planes(rows[some]).flatten(0, 1)
+            found = torch.empty_like(part)
+            split.analyse(part, found)
+            torch.complex(*found.chunk(2), out=out[some])
+        else:
+            split.analyse(rows[some], out[some])
+
+    for_each(work, slices(rows), spread=_spread(out))
+    return out.view(x.shape)
+
+
+def restore_rows(split: Split, z: Tensor) -> Tensor:
+    """z Vᵀ for z (..., N), real or complex."""
+    rows = z.reshape(-1, z.shape[-1])
+    out = empty(rows.shape, rows.dtype, rows.device)
+
+    def work(some: slice) -> None:
+        if z.is_complex():
+            part = planes(rows[some])
+            split.restore(part, part)
+            torch.complex(*part, out=out[some])
+        else:
+            split.restore(rows[some].clone(), out[some])
+
+    for_each(work, slices(rows), spread=_spread(out))
+    return out.view(z.shape)
+
+
+def turn(piece: Piece) -> Tensor:
+    """Coefficients times phases as planes (2, b, N)."""
+    if piece.values.is_complex():
+        return planes(piece.values * torch.complex(*piece.phases()))
+    return piece.values * piece.phases()
+
+
+def synthesise_rows(
+    split: Split, values: Tensor, order: Tensor, *, planar: bool, out: Tensor | None = None
+) -> Tensor:
+    """(λ^p ⊙ values) Vᵀ: planar real (2, ..., N), else complex (..., N)."""
+    size, kind = values.shape[-1], values.dtype
+    shape = (*leading_shape(values, order), size)
+    if planar:
+        result = empty((2, *shape), kind.to_real(), values.device) if out is None else out
+        flat = result.view(2, -1, size)
+    else:
+        result = empty(shape, kind.to_complex(), values.device) if out is None else out
+        flat = result.view(-1, size)
+
+    def work(piece: Piece) -> None:
+        z = turn(piece)
+        if planar:
+            split.restore(z, flat[:, piece.rows])
+        else:
+            split.restore(z, z)
+            torch.complex(*z, out=flat[piece.rows])
+
+    for_each(work, pieces(values, order, split.indices), spread=_spread(result))
+    return result
+
+
+def turned_back(
+    split: Split, values: Tensor, order: Tensor, grad: Tensor, *, planar: bool
+) -> tuple[Tensor, Tensor]:
+    """Gradients in the values and in the order for the gradient of the result.
+
+    With G = Vᵀ grad and U = conj(λ^p) ⊙ G: the values get U (its real part if they are real), the
+    order gets Σ (π/2) k Im(conj(U) ⊙ values).
+    """
+    size, shape = values.shape[-1], (*leading_shape(values, order), values.shape[-1])
+    to_values = empty(shape, values.dtype, values.device).view(-1, size)
+    to_order = order.new_empty(len(to_values))
+    grad = grad.reshape(2, -1, size) if planar else grad.reshape(-1, size)
+    slope = (split.indices * (torch.pi / 2)).to(values.dtype.to_real())
+
+    def work(piece: Piece) -> None:
+        part = grad[:, piece.rows] if planar else planes(grad[piece.rows])
+        g = torch.empty_like(part, memory_format=torch.contiguous_format)
+        split.analyse(part.reshape(-1, size), g.view(-1, size))
+        cosine, sine = piece.phases()  # U = (cosine - i sine)(G0 + i G1)
+        real = (g[0] * cosine).addcmul_(g[1], sine)
+        minus = (g[0] * sine).addcmul_(g[1], cosine, value=-1)  # -Im U
+        c = piece.values
+        if c.is_complex():
+            torch.complex(real, -minus, out=to_values[piece.rows])
+            density = minus * c.real + real * c.imag
+        else:
+            to_values[piece.rows] = real
+            density = minus * c
+        to_order[piece.rows] = density @ slope
+
+    for_each(work, pieces(values, order, split.indices), spread=_spread(to_values))
+    lead = shape[:-1]
+    return (
+        to_values.view(shape).sum_to_size(values.shape),
+        to_order.view(lead).sum_to_size(order.shape),
+    )

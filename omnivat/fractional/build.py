@@ -1,0 +1,149 @@
+"""Splits by length, precision and device: built once in float64, cast, kept within a bound."""
+
+from __future__ import annotations
+
+import functools
+import threading
+from collections import OrderedDict
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from importlib import import_module
+from importlib.util import find_spec
+from typing import Any, TypeVar
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from omnivat.fractional.commuting import ParityBlocks, Tridiagonal, parity_blocks
+from omnivat.fractional.double_double import Array
+from omnivat.fractional.eigenvectors import refined_quarter, refined_spectrum
+from omnivat.fractional.splits import HalfSplit, PlainSplit, QuarterSplit, Split
+from omnivat.fractional.workers import side_by_side
+
+_TINY = 3
+_KEPT = 16
+_WORTH_THREADS = 128  # size of a parity block; below, handing over costs more than it saves
+
+_limiting = threading.RLock()
+T = TypeVar("T")
+
+
+def indices_by_parity(size: int) -> Array:
+    """k of the even, then of the odd eigenvectors; for even N the last k is N, not N - 1."""
+    even, odd = np.arange(size // 2 + 1), np.arange((size - 1) // 2)
+    return np.concatenate([2 * even, 2 * odd + 1]).astype(np.float64)
+
+
+def _tiny_vectors(size: int) -> Array:
+    """V for N = 1, 2, 3, in closed form, columns as in `indices_by_parity`."""
+    if size == 1:
+        return np.ones((1, 1))
+    if size == 2:
+        angle = np.pi / 8
+        return np.array([[np.cos(angle), np.sin(angle)], [np.sin(angle), -np.cos(angle)]])
+    first = np.sqrt((1 + np.sqrt(1 / 3)) / 2)  # the DFT's own eigenvectors: 2a² - 1 = 1/√3
+    other = np.sqrt((1 - np.sqrt(1 / 3)) / 4)
+    pair = np.sqrt(0.5)
+    last = np.sqrt(2.0) * other, -first * pair
+    return np.array([[first, last[0], 0.0], [other, last[1], pair], [other, last[1], -pair]])
+
+
+def build_split(size: int, like: Tensor) -> Split:
+    """The cheapest split for length N on the device and in the precision of `like`."""
+    if size <= _TINY:
+        vectors = torch.from_numpy(_tiny_vectors(size)).to(like)
+        return PlainSplit(vectors, torch.from_numpy(indices_by_parity(size)).to(like.device))
+    with one_blas_thread():
+        return _build_from_blocks(size, like)
+
+
+def _both(refine: Callable[[Tridiagonal], T], blocks: ParityBlocks) -> list[T]:
+    """Even and odd eigenvectors side by side: neither needs the other."""
+    calls = [functools.partial(refine, block) for block in (blocks.even, blocks.odd)]
+    return side_by_side(calls, spread=len(blocks.even) > _WORTH_THREADS)
+
+
+def _build_from_blocks(size: int, like: Tensor) -> Split:
+    blocks = parity_blocks(size)
+    if size % 4 == 0 and size > 4:
+        factors = _both(refined_quarter, blocks)
+        return QuarterSplit(factors[0], factors[1], like)
+    even, odd = _both(refined_spectrum, blocks)
+    even[1 : (size + 1) // 2] *= np.sqrt(0.5)  # every sample but 0 and N/2 has a mirror image
+    odd *= np.sqrt(0.5)
+    return HalfSplit(
+        torch.from_numpy(even).to(like),
+        torch.from_numpy(odd).to(like),
+        torch.from_numpy(indices_by_parity(size)).to(like.device),
+    )
+
+
+@functools.cache
+def _blas_controller() -> Any:
+    import_module("scipy.linalg")  # its library must be loaded before it can be limited
+    return import_module("threadpoolctl").ThreadpoolController()
+
+
+@contextmanager
+def one_blas_thread() -> Iterator[None]:
+    """Keep numpy's BLAS to one thread: a second one mostly spins (8 ms to 80 in short builds).
+
+    The parities take a core each instead, and the result is the same to the last bit for any number
+    of threads. One build at a time, as the limit is the process's and is put back at the end.
+    Without threadpoolctl, which scikit-learn brings, nothing is limited.
+    """
+    if find_spec("threadpoolctl") is None:
+        yield
+        return
+    with _limiting, _blas_controller().limit(limits=1, user_api="blas"):
+        yield
+
+
+class BoundedCache:
+    """A few most recently used splits; safe to share between threads, each is built once."""
+
+    def __init__(self, build: Callable[[int, Tensor], Split], limit: int = _KEPT) -> None:
+        self._build, self._limit = build, limit
+        self._kept: OrderedDict[tuple[int, torch.dtype, torch.device], Split] = OrderedDict()
+        self._lock = threading.Lock()
+        self._building: dict[tuple[int, torch.dtype, torch.device], threading.Lock] = {}
+
+    def __len__(self) -> int:
+        return len(self._kept)
+
+    def clear(self) -> None:
+        """Forget all."""
+        with self._lock:
+            self._kept.clear()
+
+    def _find(self, key: tuple[int, torch.dtype, torch.device]) -> Split | None:
+        found = self._kept.get(key)
+        if found is not None:
+            self._kept.move_to_end(key)
+        return found
+
+    def get(self, size: int, dtype: torch.dtype, device: torch.device) -> Split:
+        """The split of that length, real precision and device, built if it is not kept."""
+        key = (size, dtype, device)
+        with self._lock:
+            found = self._find(key)
+            if found is not None:
+                return found
+            building = self._building.setdefault(key, threading.Lock())
+        with building:
+            with self._lock:
+                found = self._find(key)
+            if found is not None:  # another thread built it meanwhile
+                return found
+            with torch.inference_mode(False), torch.no_grad():
+                found = self._build(size, torch.empty(0, dtype=dtype, device=device))
+            with self._lock:
+                self._kept[key] = found
+                self._building.pop(key, None)
+                while len(self._kept) > self._limit:
+                    self._kept.popitem(last=False)
+            return found
+
+
+splits = BoundedCache(build_split)

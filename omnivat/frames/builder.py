@@ -1,0 +1,189 @@
+"""Collects maps, curves and predictions stop by stop, and gives them as one set of frames."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from omnivat.data.store import Embeddings
+from omnivat.errors import DataError, SettingsError
+from omnivat.frames.records import FrameSet, MapFrames, quantised
+from omnivat.frames.unseen import UnseenAccuracy
+from omnivat.gaps.measures import STAGE_MEASURES
+from omnivat.gaps.unit import unit
+from omnivat.model.settings import HeadSettings
+from omnivat.projection import chain, pca
+from omnivat.projection.align import aligned
+from omnivat.sweep import STAGES, AtOrder, Features, facts_of, measured
+
+METHODS = ("pca", "umap")
+MOST_NAMES = 256  # an index is one byte
+
+
+@dataclass(slots=True, eq=False)
+class _Track:
+    """The maps of one stage by one method, as they come."""
+
+    method: str
+    stage: str
+    stops: tuple[int, ...]
+    maps: list[Tensor] = field(default_factory=list)
+
+    def add(self, points: Tensor, seed: int) -> None:
+        """Map the next stop."""
+        before = self.maps[-1] if self.maps else None
+        self.maps.append(next_map(self.method, points, before, seed=seed))
+
+    def frames(self) -> MapFrames:
+        """Return the maps, quantised."""
+        return quantised([flat.double().cpu().numpy() for flat in self.maps], self.stops)
+
+
+class FrameBuilder:
+    """Takes what is found at each stop, in the order of the stops.
+
+    settings  of the heads; all have the same classes and widths
+    still     stages that are the same at every stop: one map stands for all
+    """
+
+    def __init__(
+        self,
+        settings: HeadSettings,
+        embeddings: Embeddings,
+        *,
+        orders: Sequence[float],
+        maps: Mapping[str, int],
+        measures: Sequence[str],
+        source: str,
+        still: Sequence[str],
+        seed: int = 0,
+    ) -> None:
+        _require(orders, maps, embeddings)
+        self.orders, self.embeddings, self.measures = tuple(orders), embeddings, measures
+        self.seed, self.still = seed, still
+        self.tracks = _tracks(maps, len(orders), projects=settings.projects, still=still)
+        wanted = {track.stage for track in self.tracks.values()}
+        self.stages = [stage for stage in STAGES if stage in wanted]
+        self.unitary = {name.split("/")[1] for name in maps} - wanted  # frft, where it shares raw
+        self.classes, self.facts = facts_of(embeddings, settings.classes)
+        if max(len(self.classes), len(embeddings.header.domains)) > MOST_NAMES:
+            raise DataError(
+                f"Frames can name {MOST_NAMES} domains and classes; choose a smaller set."
+            )
+        self.curves: dict[str, list[float | None]] = {}
+        self._unseen = UnseenAccuracy(embeddings, settings.classes, source)
+        self._predictions: list[Any] = []
+        self._confidences: list[Any] = []
+
+    def add(self, found: AtOrder) -> None:
+        """Take the next stop: features of the stages that move, and predictions."""
+        for track in set(self.tracks.values()):
+            if found.index in track.stops:
+                track.add(stacked(found.features[track.stage]), self.seed)
+        count = len(self.orders)
+        for stage, name, value in measured(found, self.facts, self.measures):
+            curve = self.curves.setdefault(name, [None] * count)
+            known = value if np.isfinite(value) else None
+            curve[:] = [known] * count if stage in self.still else curve
+            curve[found.index] = known
+        if "accuracy" in self.measures:
+            for name, share in self._unseen.at(found.probabilities).items():
+                self.curves.setdefault(name, [None] * count)[found.index] = share
+        confidence, answer = found.probabilities["fused"].max(1)
+        self._predictions.append(answer.to(torch.uint8).cpu().numpy())
+        self._confidences.append((confidence * 255).round().to(torch.uint8).cpu().numpy())
+
+    def finish(self, head: Mapping[str, Any]) -> FrameSet:
+        """Return the frames. head: what to write about where they come from."""
+        if "frft" in self.unitary:
+            self.curves |= _renamed(self.curves, "raw", "frft")
+        frames = {track: track.frames() for track in set(self.tracks.values())}
+        header = self.embeddings.header
+        return FrameSet(
+            orders=tuple(float(order) for order in self.orders),
+            domains=header.domains,
+            classes=self.classes,
+            domain=self.facts.domains.cpu().numpy().astype(np.uint8),
+            label=self.facts.labels.cpu().numpy().astype(np.uint8),
+            prediction=np.stack(self._predictions),
+            confidence=np.stack(self._confidences),
+            maps={name: frames[track] for name, track in self.tracks.items()},
+            curves=self.curves,
+            head=dict(head),
+            embeddings={
+                "encoder": header.encoder,
+                "weights_hash": header.weights_hash,
+                "simulated": header.simulated,
+                "origin": header.origin,
+            },
+        )
+
+
+def next_map(method: str, points: Tensor, before: Tensor | None, *, seed: int = 0) -> Tensor:
+    """Return the map (2N, 2) of points (2N, W), to follow the map `before` of its neighbour."""
+    if method == "pca":
+        flat = pca.project(points)
+        return flat if before is None else aligned(flat, before)
+    return chain.following(points, before, seed=seed)
+
+
+def stacked(features: Features) -> Tensor:
+    """Return unit rows of VIS above those of TAC: (2N, W)."""
+    return torch.cat([unit(features["vis"]), unit(features["tac"])])
+
+
+def spread(stops: int, count: int) -> tuple[int, ...]:
+    """Return at most `stops` of 0 .. count - 1, evenly spread, with both ends where two fit.
+
+    >>> spread(3, 101)
+    (0, 50, 100)
+    """
+    places = np.linspace(0, count - 1, min(stops, count)) if stops > 1 else np.zeros(1)
+    return tuple(int(place) for place in np.rint(places))
+
+
+def _tracks(
+    maps: Mapping[str, int], count: int, *, projects: bool, still: Sequence[str]
+) -> dict[str, _Track]:
+    """Map each map's name to its track; the raw DFrFT shares the raw embedding's, being unitary.
+
+    Where the head projects embeddings first, the DFrFT is of the projected ones, and differs.
+    """
+    made: dict[tuple[str, str], _Track] = {}
+    tracks = {}
+    for name, stops in maps.items():
+        method, stage = name.split("/")
+        source = "raw" if stage == "frft" and not projects else stage
+        chosen = spread(1 if source in still else stops, count)
+        tracks[name] = made.setdefault((method, source), _Track(method, source, chosen))
+    return tracks
+
+
+def _renamed(
+    curves: Mapping[str, list[float | None]], of: str, to: str
+) -> dict[str, list[float | None]]:
+    """Return the curves of stage `of` under the name of stage `to`."""
+    split = {name: name.split("/") for name in curves}
+    return {
+        "/".join([parts[0], to, *parts[2:]]): list(curves[name])
+        for name, parts in split.items()
+        if parts[1] == of and parts[0].split(":")[0] in STAGE_MEASURES
+    }
+
+
+def _require(orders: Sequence[float], maps: Mapping[str, int], embeddings: Embeddings) -> None:
+    if not orders or any(after <= before for before, after in pairwise(orders)):
+        raise SettingsError("orders must be one or more numbers, each above the one before it.")
+    for name, stops in maps.items():
+        method, _, stage = name.partition("/")
+        if method not in METHODS or stage not in STAGES or stops < 1:
+            raise SettingsError(
+                f"No map is called '{name}' with {stops} stops; name METHOD/STAGE of "
+                f"{', '.join(METHODS)} and {', '.join(STAGES)}, with 1 stop or more."
+            )
+    if not len(embeddings):
+        raise DataError("There are no pairs to draw; choose a set with pairs.")

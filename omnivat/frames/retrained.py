@@ -1,0 +1,107 @@
+"""Frames in which every stop is a head of its own, trained with p held at that stop."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from statistics import fmean, stdev
+from typing import Any
+
+from omnivat.checkpoint import Head, load_head
+from omnivat.errors import DataError
+from omnivat.frames.builder import FrameBuilder
+from omnivat.frames.records import FrameSet
+from omnivat.from_pairs.at_stops import stop_folder
+from omnivat.from_pairs.plan import TrainingPlan
+from omnivat.progress import OnStep, Step, ignore
+from omnivat.sweep import MEASURES, STAGES, walk
+
+MAPS: Mapping[str, int] = {
+    **{f"pca/{stage}": 1001 for stage in STAGES},
+    "umap/raw": 1,
+    "umap/f_hat": 1001,
+}
+STILL = ("raw",)  # every head has its own projection, so the transform's distances differ, too
+
+
+def retrained_frames(
+    plan: TrainingPlan,
+    orders: Sequence[float],
+    folder: Path,
+    *,
+    seeds: Sequence[int] = (0,),
+    maps: Mapping[str, int] = MAPS,
+    measures: Sequence[str] = MEASURES,
+    seed: int = 0,
+    on_step: OnStep = ignore,
+) -> FrameSet:
+    """Return the frames of the heads that `heads_at_stops` wrote to `folder`.
+
+    Maps, predictions and most curves are those of the first seed's heads. Curves whose name starts
+    with "seeds:" hold mean, standard deviation (n - 1), lowest and highest over all seeds.
+
+    Raises DataError when a head is missing.
+    """
+    builder = FrameBuilder(
+        plan.settings,
+        plan.embeddings,
+        orders=orders,
+        maps=maps,
+        measures=measures,
+        source=plan.source,
+        still=STILL,
+        seed=seed,
+    )
+    over_seeds: dict[str, list[float | None]] = {}
+    for index, order in enumerate(orders):
+        heads = [load_head(stop_folder(folder, order, one)) for one in seeds]
+        stages = [stage for stage in builder.stages if index == 0 or stage not in STILL]
+        found = next(
+            iter(walk(heads[0].model, plan.embeddings, [order], stages=stages, answers=True))
+        )
+        builder.add(replace(found, index=index))
+        for name, value in _spread(heads).items():
+            over_seeds.setdefault(name, [None] * len(orders))[index] = value
+        on_step(Step(done=index + 1, total=len(orders), text=f"map of the head at {order:.2f}"))
+    builder.curves |= over_seeds
+    return builder.finish(
+        {
+            "kind": "retrained",
+            "learned_order": None,
+            "source": plan.source,
+            "width": plan.settings.width,
+            "epochs": plan.training.epochs,
+            "seeds": list(seeds),
+            "simulated": plan.embeddings.header.simulated,
+        }
+    )
+
+
+def _spread(heads: Sequence[Head]) -> dict[str, float | None]:
+    """Return "seeds:NAME/mean" and so on for every score of heads that differ in the seed alone."""
+    each = [_scores(head) for head in heads]
+    found: dict[str, float | None] = {}
+    for name in each[0]:
+        values = [scores[name] for scores in each if name in scores]
+        if len(values) < len(each):
+            continue
+        found |= {
+            f"seeds:{name}/mean": fmean(values),
+            f"seeds:{name}/std": stdev(values) if len(values) > 1 else None,
+            f"seeds:{name}/low": min(values),
+            f"seeds:{name}/high": max(values),
+        }
+    return found
+
+
+def _scores(head: Head) -> dict[str, float]:
+    """Return the scores that a head's folder holds, by curve name."""
+    metrics: Mapping[str, Any] = head.metrics
+    if "measures" not in metrics:
+        raise DataError(f"'{head.path}' holds no measures; remove it and train it again.")
+    found = {name: float(value) for name, value in metrics["measures"].items()}
+    if metrics.get("target_macro_f1") is not None:
+        found["macro_f1/unseen"] = float(metrics["target_macro_f1"])
+    for record in metrics["domains"]:
+        if record["scores"]:
+            found[f"accuracy/{record['domain']}"] = record["scores"]["fused"]["accuracy"]
+    return found

@@ -1,0 +1,128 @@
+"""A head of its own at each order: many trainings with p held, in processes, resumable.
+
+`<folder>/p0.3500/seed0` is a head folder like any other. Its metrics.json also holds "measures",
+the gaps and accuracies of `EpochReport`. A head that is there already is not trained again.
+"""
+
+import json
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from dataclasses import replace
+from multiprocessing import get_context
+from pathlib import Path
+
+import torch
+
+from omnivat.checkpoint import SETTINGS, save_head
+from omnivat.errors import SettingsError
+from omnivat.files import require_writable
+from omnivat.from_pairs.finish import trained_head
+from omnivat.from_pairs.plan import TrainingPlan
+from omnivat.from_pairs.report import Meter
+from omnivat.progress import OnStep, Step, ignore
+from omnivat.train import TrainingCancelled, Watch
+from omnivat.train.state import run_name
+from omnivat.train.watch import never
+
+Stop = tuple[float, int]  # order, seed
+
+
+def heads_at_stops(
+    plan: TrainingPlan,
+    orders: Sequence[float],
+    folder: Path,
+    *,
+    seeds: Sequence[int] = (0,),
+    jobs: int = 1,
+    on_step: OnStep = ignore,
+    cancelled: Callable[[], bool] = never,
+) -> int:
+    """Train a head for every order and seed and write each to its own folder.
+
+    plan       everything but order and seed; p is held, so the gradient does not move it
+    jobs       processes side by side, one thread each; 1 trains in this process
+    cancelled  stops the work once it returns True; finished heads stay for the next call
+    return     how many heads were trained now
+
+    Raises SettingsError for no order or no seed, TrainingCancelled when it was stopped.
+    """
+    if not orders or not seeds or jobs < 1:
+        raise SettingsError("Heads at stops need one order, one seed and one process or more.")
+    require_writable(folder / SETTINGS)
+    stops = [(float(order), seed) for seed in seeds for order in orders]
+    waiting = [stop for stop in stops if not _is_done(plan, stop, folder)]
+    done = len(stops) - len(waiting)
+    on_step(Step(done=done, total=len(stops), text="heads that are there already"))
+    for order, seed in _carried_out(plan, waiting, folder, jobs, cancelled):
+        done += 1
+        on_step(Step(done=done, total=len(stops), text=f"head at p = {order:g}, seed {seed}"))
+    return len(waiting)
+
+
+def stop_folder(folder: Path, order: float, seed: int) -> Path:
+    """Return where the head of an order and a seed lies."""
+    return folder / f"p{order:.4f}" / f"seed{seed}"
+
+
+def _name(plan: TrainingPlan) -> str:
+    return run_name(plan.pairs, plan.settings, plan.training, plan.bank, plan.seed)
+
+
+def _is_done(plan: TrainingPlan, stop: Stop, folder: Path) -> bool:
+    """Tell whether the head of a stop is there, from the same pairs and settings."""
+    file = stop_folder(folder, *stop) / SETTINGS
+    try:
+        record = json.loads(file.read_text(encoding="utf-8"))
+        return bool(record["provenance"]["run"] == _name(plan.at(*stop)))
+    except (OSError, ValueError, KeyError, TypeError):
+        return False
+
+
+def _carried_out(
+    plan: TrainingPlan,
+    stops: Sequence[Stop],
+    folder: Path,
+    jobs: int,
+    cancelled: Callable[[], bool],
+) -> Iterator[Stop]:
+    """Yield each stop when its head is written."""
+    if jobs == 1 or len(stops) < 2:
+        for stop in stops:
+            _write_head(plan, stop, folder, Watch(cancelled=cancelled))
+            yield stop
+        return
+    with ProcessPoolExecutor(
+        jobs, mp_context=get_context("spawn"), initializer=_prepare, initargs=(plan, folder)
+    ) as pool:
+        waiting: set[Future[Stop]] = {pool.submit(_work, stop) for stop in stops}
+        try:
+            while waiting:
+                ready, waiting = wait(waiting, timeout=0.5, return_when=FIRST_COMPLETED)
+                yield from (future.result() for future in ready)
+                if cancelled():
+                    raise TrainingCancelled("Training was cancelled; finished heads are kept.")
+        finally:
+            pool.shutdown(cancel_futures=True)
+
+
+_HELD: dict[str, tuple[TrainingPlan, Path]] = {}  # of a worker process
+
+
+def _prepare(plan: TrainingPlan, folder: Path) -> None:
+    torch.set_num_threads(1)
+    _HELD["work"] = (plan, folder)
+
+
+def _work(stop: Stop) -> Stop:
+    plan, folder = _HELD["work"]
+    _write_head(plan, stop, folder, Watch())
+    return stop
+
+
+def _write_head(plan: TrainingPlan, stop: Stop, folder: Path, watch: Watch) -> None:
+    own = plan.at(*stop)
+    head = trained_head(own, calibrate=False, watch=watch)
+    meter = Meter(own.embeddings, own.settings.classes, own.source)
+    head.metrics["measures"] = meter.measures(meter.at(head.model, stop[0]))
+    head.provenance["run"] = _name(own)
+    save_head(stop_folder(folder, *stop), replace(head, familiarity=None))

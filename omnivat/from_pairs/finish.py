@@ -1,0 +1,192 @@
+"""Train a head from pairs and finish it: calibration, familiarity, scores on every domain."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+
+from omnivat.calibration import Familiarity, familiarity_of
+from omnivat.checkpoint import Head
+from omnivat.data.store import Embeddings
+from omnivat.errors import DataError
+from omnivat.evaluate import evaluate, target_mean
+from omnivat.from_pairs.plan import TrainingPlan, plan_training
+from omnivat.from_pairs.report import LOSSES, EpochReport, Meter
+from omnivat.held_out import calibration_of
+from omnivat.lang.bank import LangBank
+from omnivat.model.fusion import Calibration
+from omnivat.model.head import OmniVaT
+from omnivat.progress import OnStep, ignore
+from omnivat.train import Trained, TrainSettings, Watch, train
+from omnivat.train.watch import never
+
+OnReport = Callable[[EpochReport], None]
+
+
+def head_from_pairs(
+    embeddings: Embeddings,
+    source: str,
+    *,
+    part: str = "",
+    head: Mapping[str, Any] | None = None,
+    training: TrainSettings | None = None,
+    bank: LangBank | Path | None = None,
+    seed: int = 0,
+    repeat: Sequence[int] = (),
+    calibrate: bool = True,
+    on_step: OnStep = ignore,
+    on_epoch: OnReport | None = None,
+    measure_every: int = 5,
+    snapshot: bool = False,
+    cancelled: Callable[[], bool] = never,
+) -> Head:
+    """Train a head on one domain of a set and evaluate it on all; nothing is written to disk.
+
+    embeddings, source, part, head, training, bank, seed  as for `plan_training`
+    repeat         train again with these seeds; their scores go into metrics["seeds"]
+    calibrate      also fit temperatures to held-out source pairs (half as much time again)
+    on_step        gets every optimiser step of the first training
+    on_epoch       gets a report after every epoch of it
+    measure_every  epochs between reports that also measure; the last one always does
+    snapshot       measured reports also hold a map
+    cancelled      training stops once it returns True
+
+    Raises what `plan_training` raises, and TrainingCancelled.
+    """
+    plan = plan_training(
+        embeddings, source, part=part, head=head, training=training, bank=bank, seed=seed
+    )
+    watch = Watch(on_step=on_step, cancelled=cancelled)
+    if on_epoch is not None:
+        reports = _Reports(plan, on_epoch, measure_every, snapshot)
+        watch = replace(watch, on_epoch=reports.take)
+    return trained_head(plan, repeat=repeat, calibrate=calibrate, watch=watch)
+
+
+def trained_head(
+    plan: TrainingPlan,
+    *,
+    repeat: Sequence[int] = (),
+    calibrate: bool = True,
+    resume: Path | None = None,
+    watch: Watch | None = None,
+) -> Head:
+    """Carry out a plan; `head_from_pairs` says what the arguments mean.
+
+    resume  file for the state after each epoch, from which a stopped training resumes
+    """
+    watch = watch or Watch()
+    trained = _trained(plan, watch, resume)
+    provenance = plan.provenance()
+    if calibrate:
+        found, how = _calibration(plan, trained.model.order)
+        provenance["calibration"] = how
+        if found is not None:
+            trained.model.calibration = found
+    head = Head(
+        model=trained.model,
+        settings=trained.model.settings,
+        encoder=plan.encoder,
+        provenance=provenance,
+        familiarity=_familiarity(plan.pairs),
+    )
+    head.metrics.update(_metrics(plan, head, trained))
+    steps = Watch(cancelled=watch.cancelled)
+    for seed in repeat:
+        again = replace(plan, seed=seed)
+        other = replace(head, model=_trained(again, steps, None).model, metrics={})
+        head.metrics["seeds"].append(_summary(seed, other, evaluate(other, plan.embeddings)))
+    return head
+
+
+def _trained(plan: TrainingPlan, watch: Watch, resume: Path | None) -> Trained:
+    return train(
+        plan.pairs,
+        plan.settings,
+        plan.training,
+        bank=plan.bank,
+        seed=plan.seed,
+        resume=resume,
+        watch=watch,
+    )
+
+
+class _Reports:
+    """Turns records of epochs into reports."""
+
+    def __init__(self, plan: TrainingPlan, show: OnReport, every: int, snapshot: bool) -> None:
+        self.total, self.show, self.every = plan.training.epochs, show, every
+        self.snapshot = snapshot
+        self.meter = Meter(plan.embeddings, plan.settings.classes, plan.source)
+
+    def take(self, record: dict[str, float], model: OmniVaT) -> None:
+        """Report one epoch, measured where it is due."""
+        epoch = int(record["epoch"]) + 1
+        report = EpochReport(
+            epoch=epoch,
+            total=self.total,
+            losses={name: record[name] for name in LOSSES},
+            order=record["order"],
+        )
+        if epoch == self.total or (self.every and epoch % self.every == 0):
+            found = self.meter.at(model, record["order"])
+            points = self.meter.map(found) if self.snapshot else None
+            report = replace(report, measures=self.meter.measures(found), map=points)
+        self.show(report)
+
+
+def _calibration(plan: TrainingPlan, order: float) -> tuple[Calibration | None, str]:
+    """Fit temperatures at the order that was found; say how, or why that was not possible."""
+    settings = replace(plan.settings, order=order)
+    training = replace(plan.training, order_search=False)
+    try:
+        found = calibration_of(plan.pairs, settings, training, bank=plan.bank, seed=plan.seed)
+    except DataError as error:
+        return None, f"none: {error}"
+    return found, "a quarter of the source's objects, as they are and under imitated sensors"
+
+
+def _familiarity(source: Embeddings) -> Familiarity | None:
+    """Return what the head keeps of its training images; None where they are of one object."""
+    vis, tac = (torch.from_numpy(np.array(rows)) for rows in (source.vis, source.tac))
+    try:
+        return familiarity_of(vis, tac, source.rows["object"])
+    except DataError:
+        return None
+
+
+def _metrics(plan: TrainingPlan, head: Head, trained: Trained) -> dict[str, Any]:
+    """Return what metrics.json holds of one training."""
+    records = evaluate(head, plan.embeddings)
+    found = {
+        "selection": plan.training.selection,
+        "chosen_epoch": trained.chosen_epoch,
+        "order": trained.model.order,
+        "target_accuracy": _mean(records),
+        "target_macro_f1": _mean(records, "macro_f1"),
+        "domains": records,
+        "epochs": trained.epochs,
+        "seeds": [_summary(plan.seed, head, records)],
+    }
+    return {**found, "order_search": trained.search} if trained.search else found
+
+
+def _summary(seed: int, head: Head, records: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """Return the scores of one seed: means over targets, and every domain's."""
+    return {
+        "seed": seed,
+        "order": head.model.order,
+        "target_accuracy": _mean(records),
+        "target_macro_f1": _mean(records, "macro_f1"),
+        "domains": {r["domain"]: r["scores"]["fused"] for r in records if r["scores"]},
+    }
+
+
+def _mean(records: Sequence[dict[str, Any]], score: str = "accuracy") -> float | None:
+    """Return a mean over targets; None without any, since JSON has no NaN."""
+    mean = target_mean(records, score)
+    return None if math.isnan(mean) else mean

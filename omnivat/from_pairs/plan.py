@@ -1,0 +1,147 @@
+"""What a training is made of, settled and checked before its first step."""
+
+import platform
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from omnivat.checkpoint import Head
+from omnivat.config import settings_dict, settings_from
+from omnivat.data.store import Embeddings
+from omnivat.errors import DataError
+from omnivat.lang.bank import DEFAULT_BANK, LangBank, load_bank
+from omnivat.model.settings import HeadSettings
+from omnivat.train import TrainSettings
+from omnivat.train.batches import labels_of
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TrainingPlan:
+    """Pairs, settings, text and seed of one training."""
+
+    embeddings: Embeddings  # the whole set; only `pairs` are trained on
+    source: str
+    part: str
+    pairs: Embeddings  # training pairs of the source
+    settings: HeadSettings
+    training: TrainSettings
+    bank: LangBank | None
+    seed: int = 0
+
+    def at(self, order: float, seed: int) -> "TrainingPlan":
+        """Return the same plan with p held at `order`, and another seed."""
+        settings = replace(self.settings, order=order, learn_order=False)
+        training = replace(self.training, order_search=False, order_draw="none")
+        return replace(self, settings=settings, training=training, seed=seed)
+
+    @property
+    def encoder(self) -> dict[str, str]:
+        """What made the embeddings, as a head folder states it."""
+        header = self.embeddings.header
+        return {
+            "name": header.encoder,
+            "weights_hash": header.weights_hash,
+            "preprocessing": header.preprocessing,
+        }
+
+    def provenance(self) -> dict[str, Any]:
+        """Return where a head of this plan comes from, as a head folder states it."""
+        header, bank = self.embeddings.header, self.bank
+        return {
+            "source": self.source,
+            "part": self.part,
+            "simulated": header.simulated,
+            "data": header.origin,
+            "pairs": len(self.pairs),
+            "seed": self.seed,
+            "train": settings_dict(self.training),
+            "lang": {"origin": bank.origin, "hash": bank.hash} if bank else None,
+            "versions": _versions(),
+        }
+
+
+def plan_training(
+    embeddings: Embeddings,
+    source: str,
+    *,
+    part: str = "",
+    head: Mapping[str, Any] | None = None,
+    training: TrainSettings | None = None,
+    bank: LangBank | Path | None = None,
+    seed: int = 0,
+) -> TrainingPlan:
+    """Settle a training on the pairs of one domain; nothing is trained yet.
+
+    source    name of the domain; pairs of its split "train", or all where it states no split
+    part      only this part of it, such as "outdoor"
+    head      settings of the head by name; classes and widths follow from the data
+    training  default settings where None
+    bank      LANG or its file; the project's own where None. Not read where training.lang is off
+
+    Raises DataError when there is nothing to learn or the bank lacks a class, SettingsError for
+    settings that cannot be.
+    """
+    training = training or TrainSettings()
+    pairs = embeddings.in_domain(source, split="train", part=part)
+    if not len(pairs):
+        what = f" of part '{part}'" if part else ""
+        raise DataError(f"'{source}' has no pairs{what} to train on; choose another domain.")
+    present = set(pairs.label.tolist())
+    classes = tuple(name for k, name in enumerate(embeddings.header.classes) if k in present)
+    texts = _bank(bank, classes) if training.lang else None
+    values = {
+        "classes": classes,
+        "input_width": embeddings.width,
+        "lang_width": texts.width if texts else 1,
+        **(head or {}),
+    }
+    settings = settings_from(HeadSettings, values)
+    labels_of(pairs, settings)  # refuses one class alone before anything is computed
+    return TrainingPlan(
+        embeddings=embeddings,
+        source=source,
+        part=part,
+        pairs=pairs,
+        settings=settings,
+        training=training,
+        bank=texts,
+        seed=seed,
+    )
+
+
+def plan_like(
+    head: Head, embeddings: Embeddings, *, source: str = "", bank: LangBank | Path | None = None
+) -> TrainingPlan:
+    """Settle a training with the settings of a trained head.
+
+    source  another domain to train on; the head's own where ""
+
+    Raises DataError where the embeddings are of another encoder or lack the domain.
+    """
+    head.require_embeddings(embeddings)
+    own = source in ("", head.source)
+    kept = {k: v for k, v in settings_dict(head.settings).items() if k not in _FROM_DATA}
+    return plan_training(
+        embeddings,
+        source or head.source,
+        part=str(head.provenance.get("part", "")) if own else "",
+        head=kept,
+        training=settings_from(TrainSettings, head.provenance.get("train", {})),
+        bank=bank,
+        seed=int(head.provenance.get("seed", 0)),
+    )
+
+
+_FROM_DATA = ("classes", "input_width", "lang_width")
+
+
+def _bank(bank: LangBank | Path | None, classes: tuple[str, ...]) -> LangBank:
+    loaded = bank if isinstance(bank, LangBank) else load_bank(bank or DEFAULT_BANK)
+    return loaded.for_classes(classes)
+
+
+def _versions() -> dict[str, str]:
+    packages = {name: version(name) for name in ("torch", "numpy", "safetensors")}
+    return {"python": platform.python_version(), **packages}

@@ -1,0 +1,91 @@
+"""What a head does after an epoch: losses, gaps, accuracies and a map, for a page that watches."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from omnivat.data.embeddings import Embeddings
+from omnivat.evaluate import label_map
+from omnivat.gaps.unit import unit
+from omnivat.model.head import OmniVaT
+from omnivat.projection import pca
+from omnivat.projection.align import aligned
+from omnivat.sweep import AtOrder, facts_of, measured, walk
+from omnivat.unseen.masks import counted, mean_over_domains
+
+GAPS = ("modality_gap", "domain_gap", "margin")
+LOSSES = ("loss", "mma", "nod", "cross_entropy")
+STAGE = "f_hat"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EpochReport:
+    """One epoch of a training.
+
+    epoch     counted from 1, of `total`
+    losses    means over the epoch: "loss", "mma", "nod", "cross_entropy"
+    order     the learned p after the epoch
+    measures  "modality_gap/f_hat", "domain_gap/f_hat", "margin/f_hat" of all pairs;
+              "accuracy/source_test", "accuracy/unseen" (fused, and with ":vis" or ":tac" for one
+              modality alone) of pairs that are not trained on. Empty where nothing was measured
+    map       (2N, 2) PCA of F̂, VIS rows first, turned to lie nearest to the map before it; or None
+    """
+
+    epoch: int
+    total: int
+    losses: Mapping[str, float]
+    order: float
+    measures: Mapping[str, float] = field(default_factory=dict)
+    map: NDArray[np.float64] | None = None
+
+
+class Meter:
+    """Measures one set of pairs with heads of one list of classes."""
+
+    def __init__(self, embeddings: Embeddings, classes: tuple[str, ...], source: str) -> None:
+        self.embeddings, self.source = embeddings, source
+        _, self.facts = facts_of(embeddings, classes)
+        self.label = label_map(classes, embeddings.header.classes)[embeddings.label]
+        self.keep = counted(embeddings, source) & (self.label >= 0)
+        self._before: Tensor | None = None
+
+    def at(self, model: OmniVaT, order: float) -> AtOrder:
+        """Return features and predictions of all pairs at one order; the model's mode is kept."""
+        training = model.training
+        model.eval()
+        with torch.no_grad():
+            found = next(iter(walk(model, self.embeddings, [order], stages=[STAGE], answers=True)))
+        model.train(training)
+        return found
+
+    def measures(self, found: AtOrder) -> dict[str, float]:
+        """Return the measures that `EpochReport` lists; those without a value are left out."""
+        gaps = {name: value for _, name, value in measured(found, self.facts, GAPS)}
+        kept = {f"{name}/{STAGE}": gaps[f"{name}/{STAGE}"] for name in GAPS}
+        for reading, suffix in (("fused", ""), ("vis", ":vis"), ("tac", ":tac")):
+            if reading in found.probabilities:
+                kept |= self._accuracies(found.probabilities[reading], suffix)
+        return {name: value for name, value in kept.items() if np.isfinite(value)}
+
+    def _accuracies(self, probabilities: Tensor, suffix: str) -> dict[str, float]:
+        right = probabilities.argmax(1).cpu().numpy() == self.label
+        unseen = mean_over_domains(right, self.embeddings, self.source, self.keep)
+        own = self.keep & (self.embeddings.domain == self._source_index())
+        found = {f"accuracy{suffix}/source_test": float(right[own].mean())} if own.any() else {}
+        return found if unseen is None else {**found, f"accuracy{suffix}/unseen": unseen}
+
+    def _source_index(self) -> int:
+        return self.embeddings.header.domains.index(self.source)
+
+    def map(self, found: AtOrder) -> NDArray[Any]:
+        """Return a map (2N, 2) of F̂ that follows the map before it."""
+        features = found.features[STAGE]
+        flat = pca.project(torch.cat([unit(features["vis"]), unit(features["tac"])]))
+        self._before = flat if self._before is None else aligned(flat, self._before)
+        points: NDArray[Any] = self._before.double().cpu().numpy()
+        return points

@@ -1,0 +1,76 @@
+"""CLIP's text tower with learned vectors in the place of words: what SPG learns through."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+import torch
+from torch import Tensor
+
+FILLER = "x"  # a token whose vector is replaced
+
+
+class ClipPrompts:
+    """A `CLIPTextModelWithProjection` of transformers and its tokenizer, as a `PromptTower`.
+
+    A prompt is CONTEXT CLASS and a full stop; the vectors of its context are given, all else is
+    CLIP's own and frozen.
+    """
+
+    def __init__(self, network: Any, tokenizer: Any) -> None:
+        self._network = network.eval().requires_grad_(False)
+        self._tokenizer = tokenizer
+        self._embedding = network.get_input_embeddings()
+        self.word_width = int(self._embedding.weight.shape[1])
+
+    def words(self, text: str) -> Tensor:
+        """Return the word vectors (T, W) of a text, without the marks at its ends."""
+        ids = torch.as_tensor(self._tokenizer([text])["input_ids"][0])[1:-1]
+        vectors: Tensor = self._embedding.weight[ids.to(self._embedding.weight.device)]
+        return vectors
+
+    def embed_contexts(self, contexts: Tensor, classes: Sequence[str]) -> Tensor:
+        """Return text embeddings (B, K, D) of contexts (B, T, W) with each class."""
+        batch, length, _ = contexts.shape
+        texts = [f"{' '.join([FILLER] * length)} {name}." for name in classes]
+        tokens = self._tokenizer(texts, padding=True, return_tensors="pt")
+        device = self._embedding.weight.device
+        ids = tokens["input_ids"].to(device).repeat(batch, 1)  # (B K, T')
+        mask = tokens["attention_mask"].to(device).repeat(batch, 1)
+        vectors = contexts.to(device).repeat_interleave(len(classes), dim=0)
+        with _in_place_of_words(self._embedding, vectors):
+            embedded: Tensor = self._network(input_ids=ids, attention_mask=mask).text_embeds
+        return embedded.reshape(batch, len(classes), -1)
+
+
+@contextmanager
+def _in_place_of_words(embedding: torch.nn.Module, vectors: Tensor) -> Iterator[None]:
+    """Let `embedding` give `vectors` (N, T, W) for the tokens after the first of each text."""
+
+    def put_in(module: torch.nn.Module, arguments: Any, output: Tensor) -> Tensor:
+        length = vectors.shape[1]
+        return torch.cat((output[:, :1], vectors.to(output.dtype), output[:, 1 + length :]), dim=1)
+
+    handle = embedding.register_forward_hook(put_in)
+    try:
+        yield
+    finally:
+        handle.remove()
+
+
+def load_prompts(encoder: str, text_hash: str) -> ClipPrompts:
+    """Load the text tower of a LANG bank again, from where it was read last.
+
+    Raises DataError when it is not on this machine, or is another one there now.
+    """
+    from omnivat.encoders.clip_text import load_text_encoder
+    from omnivat.encoders.places import recall
+    from omnivat.errors import DataError
+
+    clip = load_text_encoder(encoder, weights=recall(text_hash), download="no")
+    if clip.weights_hash != text_hash:
+        raise DataError(
+            f"The text tower of {encoder} found on this machine ({clip.weights_hash}) is not that of "
+            f"the LANG bank ({text_hash}); make the bank again with the images' checkpoint."
+        )
+    return ClipPrompts(clip.network, clip.tokenizer)

@@ -1,0 +1,87 @@
+"""Late fusion: logits of the VIS and TAC branches become one prediction for the pair.
+
+mean        mean of the two softmaxes
+product     softmax of the mean of the two log-probabilities, a product of experts
+confidence  mean of the softmaxes weighted by certainty: log K less the entropy of each
+learned     softmax of a weighted sum of the two log-probabilities; the weight of VIS was fitted on
+            held-out source pairs
+feature     one classification of the sum of the two features
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import torch
+from torch import Tensor
+
+FUSIONS = ("mean", "product", "confidence", "learned", "feature")
+TINY = 1e-12
+
+
+def _ones() -> dict[str, float]:
+    return {"fused": 1.0, "vis": 1.0, "tac": 1.0}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Calibration:
+    """What was fitted on held-out source pairs; ones and a half where nothing was.
+
+    temperature  of "fused", "vis" and "tac": log-probabilities are divided by it, so it changes
+                 confidence and never a prediction
+    share        weight of VIS, 0 to 1, in a learned fusion
+    """
+
+    temperature: Mapping[str, float] = field(default_factory=_ones)
+    share: float = 0.5
+
+
+def tempered(logits: Tensor, temperature: float) -> Tensor:
+    """Return softmax(logits / T), (..., K)."""
+    return torch.softmax(logits / temperature, dim=-1)
+
+
+def fuse(
+    kind: str, logits: Mapping[str, Tensor], pair: Tensor | None, calibration: Calibration
+) -> Tensor:
+    """Return the pair's class probabilities (B, K), tempered.
+
+    kind    of `FUSIONS`
+    logits  "vis" and "tac" -> (B, K)
+    pair    (B, K) logits of the summed features, for "feature"
+
+    Where the temperature is one, "mean" is the plain mean of the softmaxes.
+    """
+    temperature = calibration.temperature["fused"]
+    if kind == "feature":
+        assert pair is not None, "feature fusion needs the logits of the summed features"
+        return tempered(pair, temperature)
+    mixed = fused_logs(kind, logits["vis"], logits["tac"], calibration.share)
+    return mixed.exp() if temperature == 1 else tempered(mixed, temperature)
+
+
+def fused_logs(kind: str, vis: Tensor, tac: Tensor, share: float = 0.5) -> Tensor:
+    """Return log-probabilities (..., K) of two sets of logits (..., K) under a late fusion."""
+    first, second = torch.log_softmax(vis, dim=-1), torch.log_softmax(tac, dim=-1)
+    if kind == "product":
+        return torch.log_softmax((first + second) / 2, dim=-1)
+    if kind == "learned":
+        return torch.log_softmax(share * first + (1 - share) * second, dim=-1)
+    stacked = torch.stack((first, second))
+    if kind == "confidence":
+        weights = certainty(stacked)
+        weights = weights / weights.sum(0).clamp_min(TINY)
+        return torch.logsumexp(stacked + weights.clamp_min(TINY).log(), dim=0)
+    return torch.logsumexp(stacked, dim=0) - math.log(2)
+
+
+def certainty(logs: Tensor) -> Tensor:
+    """Return log K less the entropy, (..., 1), of log-probabilities (..., K): 0 for a uniform one."""
+    return (math.log(logs.shape[-1]) + (logs.exp() * logs).sum(-1, keepdim=True)).clamp_min(TINY)
+
+
+def plain(calibration: Calibration) -> dict[str, Any]:
+    """Return the calibration as plain values, for JSON; equal ones give equal text."""
+    temperature = {name: calibration.temperature[name] for name in ("fused", "vis", "tac")}
+    return {"temperature": temperature, "share": calibration.share}

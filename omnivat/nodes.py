@@ -1,0 +1,104 @@
+"""What the nodes of a head's tree are: lengths, predictions, and how far each level spreads."""
+
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+from torch.nn.functional import normalize
+
+from omnivat.checkpoint import Head
+from omnivat.data.store import Embeddings
+from omnivat.errors import DataError
+from omnivat.losses.nod import nod_loss
+from omnivat.model.dtg import groups, parents
+from omnivat.model.head import OmniVaT
+from omnivat.sweep.walk import coefficients_of
+
+CHUNK = 512  # pairs whose nodes are in memory at once
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Level:
+    """One group of nodes that NOD keeps apart."""
+
+    nodes: range
+    cosines: Tensor  # (n, n), mean over pairs
+    nod: float  # its term of the NOD loss
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TreeFacts:
+    """The N nodes of a head's tree, means over B pairs."""
+
+    parents: list[int]  # -1 for none
+    lengths: Tensor  # (N,)
+    probabilities: Tensor  # (N, K)
+    right: Tensor | None  # (N,) share of pairs predicted right, where labels are known
+    levels: list[Level]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NodeVote:
+    """The class that a node gives to most pairs of a set, and the share of pairs that get it."""
+
+    label: str
+    share: float
+
+
+@torch.no_grad()
+def tree_facts(model: OmniVaT, nodes: Tensor, labels: Tensor | None = None) -> TreeFacts:
+    """Return what the nodes of B pairs are.
+
+    nodes   (B, N, D) of `model(…, nodes=True)`
+    labels  (B,) class indices, -1 for a class that the head lacks; None where not known
+    """
+    kind = model.settings.generation
+    probabilities = model.classify(nodes).softmax(-1)
+    right = None
+    if labels is not None:
+        known = labels >= 0
+        right = (probabilities.argmax(-1)[known] == labels[known, None]).double().mean(0)
+    return TreeFacts(
+        parents=parents(kind, nodes.shape[1]),
+        lengths=nodes.norm(dim=-1).mean(0),
+        probabilities=probabilities.mean(0),
+        right=right,
+        levels=[_level(nodes, group) for group in groups(kind, nodes.shape[1])],
+    )
+
+
+def _level(nodes: Tensor, group: range) -> Level:
+    own = nodes[:, group.start : group.stop]
+    directions = normalize(own, dim=-1)
+    return Level(
+        nodes=group,
+        cosines=(directions @ directions.mT).mean(0),
+        nod=float(nod_loss([own[:, :1], own])),
+    )
+
+
+@torch.no_grad()
+def node_votes(head: Head, embeddings: Embeddings) -> list[NodeVote]:
+    """Return for each node the class that it gives to most pairs of a set, at the learned p.
+
+    A node whose share is near 1 gives one class whatever the pair is.
+
+    Raises DataError when the head generates no nodes or cannot read the embeddings.
+    """
+    head.require_embeddings(embeddings)
+    kept = coefficients_of(head.model, embeddings)
+    counts: Tensor | None = None
+    for start in range(0, len(kept), CHUNK):
+        nodes = head.model.from_coefficients(kept[start : start + CHUNK], nodes=True).nodes
+        if nodes is None:
+            raise DataError("This head generates no nodes: it was trained without DTG.")
+        answers = head.model.classify(nodes).argmax(-1)  # (B, N)
+        hot = torch.nn.functional.one_hot(answers, len(head.settings.classes)).sum(0)
+        counts = hot if counts is None else counts + hot
+    if counts is None:
+        raise DataError("There are no pairs in these embeddings; choose a set with pairs.")
+    most = counts.max(dim=1)
+    return [
+        NodeVote(label=head.settings.classes[int(best)], share=int(count) / len(kept))
+        for count, best in zip(most.values, most.indices, strict=True)
+    ]

@@ -1,0 +1,89 @@
+"""Show Explore in a notebook cell: the exported page in a frame, without a server."""
+
+from dataclasses import dataclass
+from html import escape
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
+
+from omnivat.errors import SettingsError
+from omnivat.progress import OnStep, ignore
+
+if TYPE_CHECKING:
+    from omnivat.checkpoint import Head
+    from omnivat.data.embeddings import Embeddings
+
+HEIGHTS = (300, 4000)
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """A page that a notebook shows as the value of a cell."""
+
+    page: str  # a whole HTML document
+    height: int  # CSS pixels
+
+    def _repr_html_(self) -> str:
+        """Return the page in a frame: it can run its own scripts and touch nothing of the notebook."""
+        return (
+            f'<iframe srcdoc="{escape(self.page)}" style="width:100%;height:{self.height}px;border:0" '
+            'sandbox="allow-scripts allow-downloads" title="OmniVaT: Explore"></iframe>'
+        )
+
+    def save(self, path: str | Path) -> Path:
+        """Write the page as one HTML file; return its path."""
+        from omnivat.files import write_text
+
+        target = Path(path)
+        write_text(target, self.page)
+        return target
+
+
+def explore(
+    head: "str | Path | Head | None" = None,
+    embeddings: "str | Path | Embeddings | None" = None,
+    *,
+    height: int = 900,
+    on_step: OnStep = ignore,
+) -> Cell:
+    """Return Explore for a head and a set; a notebook shows it where it is the value of a cell.
+
+    head        a head folder, or a loaded head; the project's own where None
+    embeddings  an embeddings file, or loaded embeddings; the project's own where None
+    height      of the frame, 300 to 4000 CSS pixels
+    on_step     gets progress while maps are computed, which takes seconds to minutes
+
+    The page holds all it needs: no server runs, and a saved notebook still shows it.
+    Raises SettingsError for another height, DataError where head and set do not fit.
+    """
+    if not HEIGHTS[0] <= height <= HEIGHTS[1]:
+        raise SettingsError(f"height is {height}; choose {HEIGHTS[0]} to {HEIGHTS[1]} pixels.")
+    from app.export import export_page, frames_file, where_from
+
+    with TemporaryDirectory(prefix="omnivat-notebook-") as folder:
+        place = Path(folder)
+        where = where_from(_head_folder(head, place), _embeddings_file(embeddings, place))
+        frames = frames_file(where, on_step)
+        export_page(where, frames, place / "page.html")
+        page = (place / "page.html").read_text(encoding="utf-8")
+    return Cell(page, height)
+
+
+def _head_folder(head: Any, place: Path) -> Path | None:
+    """Return the folder of a head; one in memory is written to a temporary place first."""
+    if head is None or isinstance(head, str | Path):
+        return None if head is None else Path(head)
+    from omnivat.checkpoint import save_head
+
+    return save_head(place / "head", head)
+
+
+def _embeddings_file(embeddings: Any, place: Path) -> Path | None:
+    """Return the file of a set; one in memory is written to a temporary place first."""
+    if embeddings is None or isinstance(embeddings, str | Path):
+        return None if embeddings is None else Path(embeddings)
+    from omnivat.data.store import save_embeddings
+
+    file = place / "set.safetensors"
+    save_embeddings(file, embeddings)
+    return file

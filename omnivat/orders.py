@@ -1,0 +1,43 @@
+"""The range of the fractional order that commands, heads and the page take: one authority."""
+
+from typing import Any
+
+from omnivat.errors import SettingsError
+
+LIMIT = 4.0  # quarter turns; the transform repeats after 4
+RANGE = "a number of quarter turns from -4 to 4"
+
+
+def checked_order(order: Any, *, name: str = "order") -> float:
+    """Return the order as a float.
+
+    order  quarter turns, from -4 to 4
+    name   what to call it in the sentence
+
+    Raises SettingsError for anything else, and names the equal order in range where there is one.
+    """
+    number = isinstance(order, int | float) and not isinstance(order, bool)
+    if number and abs(order) <= LIMIT:
+        return float(order)
+    raise SettingsError(
+        f"{name} is {_shown(order)}; give {RANGE}.{_same_as(order) if number else ''}"
+    )
+
+
+def _shown(order: Any) -> str:
+    if isinstance(order, int) and not isinstance(order, bool) and abs(order) >= 10**40:
+        return "a whole number of more than 40 digits"  # Python refuses to write very long ones
+    text = repr(order)
+    return text if len(text) <= 40 else f"{text[:39]}…"
+
+
+def _same_as(order: float) -> str:
+    """Return where the order lies within one period."""
+    if isinstance(order, float) and not abs(order) < 1e15:  # NaN, infinite, or without fraction
+        return ""
+    return f" The transform has period 4, so use {order % 4:g}."
+
+
+def optional_order(order: Any, *, name: str = "order") -> float | None:
+    """Return the order checked, or None where none is given."""
+    return None if order is None else checked_order(order, name=name)

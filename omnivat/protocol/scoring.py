@@ -1,0 +1,121 @@
+"""Score a fitted method on a set of pairs, and keep what every table can be recomputed from.
+
+`answers` holds the predicted class of every pair, one character each, for every reading and every
+late fusion; `truth` and `objects` stand beside them. A class is its place in the record's `classes`,
+written 0 to 9, then a to z, then A to Z. Objects are numbered through the whole set of embeddings.
+"""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from omnivat.data.packing import DIGITS, compact, digits
+from omnivat.data.store import Embeddings
+from omnivat.evaluate import label_map
+from omnivat.gaps.calibration import aurc, ece, nll
+from omnivat.gaps.confusion import accuracy, macro_f1
+from omnivat.gaps.cosine_margin import cosine_margin
+from omnivat.model.fusion import FUSIONS, fused_logs, tempered
+from omnivat.model.output import READINGS
+from omnivat.protocol.choosing import Outcome
+
+
+def score(
+    outcome: Outcome,
+    pairs: Embeddings,
+    classes: tuple[str, ...],
+    numbers: Mapping[str, int] | None = None,
+) -> dict[str, Any]:
+    """Return counts, scores by reading, late fusions, margins and every prediction.
+
+    numbers  object -> its number (`object_numbers`); without, no single predictions are kept
+    Pairs of classes that the method has not learned are left out and counted.
+    """
+    labels = label_map(classes, pairs.header.classes)[pairs.label]
+    known = np.flatnonzero(labels >= 0)
+    record: dict[str, Any] = {"pairs": len(known), "left_out": len(labels) - len(known)}
+    if not len(known):
+        return record | {"scores": {}}
+    pairs, truth = pairs.select(known), torch.from_numpy(labels[known])
+    logits = outcome.logits(pairs)
+    mixed = fusions(outcome, logits)
+    if outcome.choice.fusion in mixed:
+        logits = {**logits, "fused": mixed[outcome.choice.fusion]}
+    own = outcome.choice.calibration.temperature
+    readings = {name: logits[name] for name in READINGS if name in logits}
+    record["scores"] = {
+        name: scores(values, truth, own.get(name, own["fused"]))
+        for name, values in readings.items()
+    }
+    record["fusions"] = {name: _short_scores(values, truth) for name, values in mixed.items()}
+    record["margins"] = {
+        name: _number(cosine_margin(rows, truth)) for name, rows in outcome.features(pairs).items()
+    }
+    if numbers is not None and len(classes) <= len(DIGITS):
+        record["truth"] = digits(truth.tolist())
+        record["objects"] = compact([numbers[name] for name in named_objects(pairs)])
+        predicted = {**readings, **{f"fusion:{name}": values for name, values in mixed.items()}}
+        record["answers"] = {name: digits(v.argmax(-1).tolist()) for name, v in predicted.items()}
+    return record
+
+
+def scores(logits: Tensor, truth: Tensor, temperature: float) -> dict[str, float]:
+    """Return ACC, Macro-F1 and scores of confidence, the latter also before the temperature (raw)."""
+    found = tempered(logits, temperature)
+    raw = tempered(logits, 1.0)
+    predicted = logits.argmax(-1)
+    return {
+        "accuracy": float(accuracy(truth, predicted)),
+        "macro_f1": float(macro_f1(truth, predicted)),
+        "macro_f1_union": float(macro_f1(truth, predicted, average="union")),
+        **{name: float(m(found, truth)) for name, m in CONFIDENCE.items()},
+        **{f"{name}_raw": float(m(raw, truth)) for name, m in CONFIDENCE.items()},
+    }
+
+
+CONFIDENCE = {"ece": ece, "nll": nll, "aurc": aurc}
+
+
+def fusions(outcome: Outcome, logits: Mapping[str, Tensor]) -> dict[str, Tensor]:
+    """Return logits (N, K) of every late fusion, and of the summed features where there are any."""
+    if outcome.separate is None:
+        return {}
+    first, second = (logits[name] for name in outcome.separate)
+    share = outcome.choice.calibration.share
+    return {
+        kind: logits["pair"] if kind == "feature" else fused_logs(kind, first, second, share)
+        for kind in FUSIONS
+        if kind != "feature" or "pair" in logits
+    }
+
+
+def _short_scores(logits: Tensor, truth: Tensor) -> dict[str, float]:
+    predicted = logits.argmax(-1)
+    return {
+        "accuracy": float(accuracy(truth, predicted)),
+        "macro_f1": float(macro_f1(truth, predicted)),
+    }
+
+
+def _number(value: Tensor) -> float | None:
+    found = float(value)
+    return None if math.isnan(found) else found
+
+
+def named_objects(pairs: Embeddings) -> list[str]:
+    """Return each pair's object with its domain; a pair without one stands for itself, by file."""
+    domains = pairs.header.domains
+    files = zip(pairs.rows["object"], pairs.rows["vis"], pairs.rows["tac"], strict=True)
+    return [
+        f"{domains[int(domain)]}/{name or f'{vis}|{tac}'}"
+        for domain, (name, vis, tac) in zip(pairs.domain, files, strict=True)
+    ]
+
+
+def object_numbers(embeddings: Embeddings) -> dict[str, int]:
+    """Return a number for every object of a set, in the order of first rows."""
+    return {name: i for i, name in enumerate(dict.fromkeys(named_objects(embeddings)))}

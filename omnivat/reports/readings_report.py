@@ -1,0 +1,163 @@
+"""Every method read three ways, and OmniVaT against the best other row, whichever it uses."""
+
+from collections.abc import Mapping, Sequence
+
+from omnivat.reports.bootstrap import (
+    METRICS,
+    Resampled,
+    Row,
+    complete_rows,
+    draws_for,
+    percentile,
+    resampled,
+    simultaneous,
+)
+from omnivat.reports.intervals import Interval, spread
+from omnivat.reports.reading import METRICS as NAMES
+from omnivat.reports.reading import Record, answered, by_run, by_seed, methods
+from omnivat.reports.text_table import interval_text, markdown, percent, spread_text
+
+OURS = ("omnivat", "fused")
+DEFAULT = ("omnivat", "fusion:mean")  # shown beside: the head as it is shipped
+READINGS = {"vis": "photo only", "tac": "touch only", "fused": "both"}
+FUSIONS = ("mean", "product", "confidence", "learned", "feature")
+
+
+def readings_parts(records: Sequence[Record]) -> list[str]:
+    """Return the headline, the table of readings and the differences; nothing without them."""
+    parts = ["## Photo only, touch only, both: ACC / Macro-F1", readings_table(records)]
+    parts.append(
+        "Mean over unseen targets, then sources; ± standard deviation (n − 1) over seeds. Photo "
+        "only and touch only: the other image is absent."
+    )
+    found = compared(records)
+    if found is None:
+        return parts
+    ours, others = found
+    intervals = {metric: simultaneous(ours[metric], others[metric]) for metric in METRICS}
+    labels = methods(records)
+    return [
+        "## OmniVaT against the best other row",
+        *[headline(metric, ours, others, intervals, labels) for metric in METRICS],
+        *_default_headline(records, others, labels),
+        "Intervals: hierarchical bootstrap over sources, seeds and test objects (the objects of a "
+        "test set are drawn once for all sources), simultaneous over all rows below by the max-t "
+        "method; 2,000 draws.",
+        *parts,
+        "## OmniVaT, both, minus every other row",
+        differences_table(ours, others, intervals, labels),
+        *ablated_part(records),
+    ]
+
+
+def _default_headline(
+    records: Sequence[Record],
+    others: Mapping[str, Mapping[Row, Resampled]],
+    labels: Mapping[str, str],
+) -> list[str]:
+    """Return the same for the default fusion, where runs chose another; nothing elsewhere."""
+    chosen = {r.get("chosen", {}).get("fusion", "mean") for r in answered(records, OURS[0])}
+    if chosen == {"mean"} or DEFAULT not in complete_rows(records, (DEFAULT[1],)):
+        return []
+    ours = resampled(records, DEFAULT, draws_for([r for r in records if "targets" in r]))
+    intervals = {metric: simultaneous(ours[metric], others[metric]) for metric in METRICS}
+    lines = [headline(metric, ours, others, intervals, labels) for metric in METRICS]
+    return ["With the default fusion, the mean, in place of the one chosen on the source:", *lines]
+
+
+def ablated_part(records: Sequence[Record]) -> list[str]:
+    """Return OmniVaT minus itself with one thing switched off; nothing without such runs."""
+    found = compared(records, only_ablated=True)
+    if found is None:
+        return []
+    ours, others = found
+    intervals = {metric: simultaneous(ours[metric], others[metric]) for metric in METRICS}
+    table = differences_table(ours, others, intervals, methods(records))
+    return ["## OmniVaT minus itself with one thing switched off, both images", table]
+
+
+def compared(
+    records: Sequence[Record], *, only_ablated: bool = False
+) -> tuple[dict[str, Resampled], dict[str, dict[Row, Resampled]]] | None:
+    """Return OmniVaT's resampled metrics, and those of every row of another method.
+
+    only_ablated  compare with OmniVaT's own ablations instead, both images only
+    """
+    names = ("fused",) if only_ablated else (*READINGS, *(f"fusion:{kind}" for kind in FUSIONS))
+    rows = complete_rows(records, names)
+    if OURS not in rows:
+        return None
+    drawn = draws_for([r for r in records if "targets" in r])
+    ours = resampled(records, OURS, drawn)
+    others: dict[str, dict[Row, Resampled]] = {metric: {} for metric in METRICS}
+    ablated = {record["method"] for record in records if record.get("ablated")}
+    for row in rows:
+        if row[0] != OURS[0] and (row[0] in ablated) == only_ablated:
+            for metric, values in resampled(records, row, drawn).items():
+                others[metric][row] = values
+    return (ours, others) if others[METRICS[0]] else None
+
+
+def row_label(row: Row, labels: Mapping[str, str]) -> str:
+    """Return a row's name: the method's label and what it is read from."""
+    method, reading = row
+    kind = READINGS.get(reading) or f"both, {reading.partition(':')[2]} fusion"
+    return f"{labels[method]}, {kind}"
+
+
+def headline(
+    metric: str,
+    ours: Mapping[str, Resampled],
+    others: Mapping[str, Mapping[Row, Resampled]],
+    intervals: Mapping[str, Mapping[Row, Interval]],
+    labels: Mapping[str, str],
+) -> str:
+    """Return one sentence for a metric: ours, the best other row, and the interval between them."""
+    best = max(others[metric], key=lambda row: others[metric][row].value)
+    found = intervals[metric][best]
+    verdict = "zero is outside" if found.low > 0 or found.high < 0 else "zero is inside"
+    return (
+        f"**{NAMES[metric]}**: OmniVaT {percent(ours[metric].value)}; best of "
+        f"{len(others[metric])} other rows: {row_label(best, labels)}, "
+        f"{percent(others[metric][best].value)}. Difference {interval_text(found)}: {verdict}."
+    )
+
+
+def differences_table(
+    ours: Mapping[str, Resampled],
+    others: Mapping[str, Mapping[Row, Resampled]],
+    intervals: Mapping[str, Mapping[Row, Interval]],
+    labels: Mapping[str, str],
+) -> str:
+    """Return every difference: simultaneous interval, and that of a single comparison."""
+    first = METRICS[0]
+    order = sorted(others[first], key=lambda row: -others[first][row].value)
+    rows = []
+    for row in order:
+        cells = []
+        for metric in METRICS:
+            cells += [
+                interval_text(intervals[metric][row]),
+                interval_text(percentile(ours[metric], others[metric][row])),
+            ]
+        rows.append([row_label(row, labels), *cells])
+    header = [f"{NAMES[m]}, {kind}" for m in METRICS for kind in ("simultaneous", "alone")]
+    return markdown(["OmniVaT minus", *header], rows)
+
+
+def readings_table(records: Sequence[Record]) -> str:
+    """Return one line a method: ACC / Macro-F1 of each reading, and the fusion of "both"."""
+    sources = list(dict.fromkeys(record["source"] for record in records))
+    rows = []
+    for name, label in methods(records).items():
+        own = answered(records, name)
+        if not own:
+            continue
+        cells = []
+        for reading in READINGS:
+            values = [by_seed(by_run(records, name, m, reading), sources) for m in METRICS]
+            cells.append(" / ".join(spread_text(spread(v)) for v in values) if values[0] else "–")
+        seeds = {record["seed"] for record in own}
+        fusions = sorted({record.get("chosen", {}).get("fusion", "") for record in own} - {""})
+        rows.append([label, *cells, ", ".join(fusions), str(len(seeds))])
+    return markdown(["method", *READINGS.values(), "late fusion", "seeds"], rows)

@@ -1,0 +1,99 @@
+"""The paper's margin and cost tables with the printed cells beside ours."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from omnivat.data.domains import paper_name
+from omnivat.reports.paper import MARK, not_comparable, paper
+from omnivat.reports.reading import Record, answered, latest, methods
+from omnivat.reports.text_table import markdown
+
+# method here -> its row in the paper
+PRINTED = {
+    "zero_shot": "CLIP",
+    "baseline": "PromptStyler",
+    "spg": "SPG",
+    "ldc_icd": "LDC",
+    "omnivat": "OmniVaT",
+}
+SOURCE = "TAG"  # the paper prints margins for heads trained on it
+
+
+def margins_report(records: Sequence[Record]) -> str:
+    """Return the cosine margins of both features side by side, from TAG, printed cells beside.
+
+    The paper's cells over two targets at once ("[A; B]") are printed; ours are of single targets.
+    """
+    found = [r for r in latest(records) if paper_name(r["source"]) == SOURCE and "targets" in r]
+    if not found:
+        return f"# Cosine margins from {SOURCE}\n\nNo run has {SOURCE} as its source.\n"
+    printed = paper()["margins"]
+    targets = list(dict.fromkeys(name for record in found for name in record["targets"]))
+    joint = [name for name in next(iter(printed.values())) if name.startswith("[")]
+    rows = []
+    for name, label in methods(found).items():
+        cells = [_margin(answered(found, name), target) for target in targets]
+        rows.append([label, *cells, *("–" for _ in joint)])
+    why = not_comparable(found[0]["data"])
+    mark = f" {MARK} ({why})" if why else ""
+    for label, cells in printed.items():
+        values = [cells.get(name) for name in (*map(paper_name, targets), *joint)]
+        rows.append(
+            [f"printed: {label}{mark}", *("–" if v is None else f"{v:.3f}" for v in values)]
+        )
+    table = markdown(["method", *targets, *joint], rows)
+    return f"# Cosine margins from {SOURCE}\n\nMean over seeds, both images.\n\n{table}\n"
+
+
+def _margin(records: Sequence[Record], target: str) -> str:
+    values = [
+        value
+        for record in records
+        if (value := record["targets"].get(target, {}).get("margins", {}).get("pair")) is not None
+    ]
+    return f"{sum(values) / len(values):.3f}" if values else "–"
+
+
+def cost_report(records: Sequence[Record], measured: Mapping[str, Any]) -> str:
+    """Return parameters, training time and pairs a second, printed cells beside.
+
+    measured  "encoder, s a pair", "memory, MB" and "machine", as `omnivat reproduce` measures them
+    """
+    found = latest(records)
+    columns = ["parameters, millions", "training, s", "inference, FPS", "GPU memory, MB"]
+    rows = []
+    for name, label in methods(found).items():
+        own = answered(found, name)
+        if not own:
+            continue
+        size = max(record["parameters"] for record in own) / 1e6
+        seconds = sum(record["seconds"] for record in own) / len(own)
+        rate = 1 / measured["encoder, s a pair"]
+        memory = measured.get("memory, MB")
+        rows.append(
+            [
+                label,
+                f"{size:.2f}",
+                f"{seconds:.1f}",
+                f"{rate:.1f}",
+                f"{memory:.0f}" if memory else "–",
+            ]
+        )
+    printed = {
+        label: [
+            cells.get("parameters, millions"),
+            None,
+            cells.get("inference, FPS"),
+            cells.get("GPU memory, MB"),
+        ]
+        for label, cells in paper()["cost"].items()
+    }
+    for label, values in printed.items():
+        texts = ("–" if value is None else f"{value:g}" for value in values)
+        rows.append([f"printed: {label} {MARK} (their machine)", *texts])
+    note = (
+        f"On {measured['machine']}. Training is a whole fit on cached embeddings, choices on held-out "
+        "objects included; the paper prints seconds an epoch with its encoder inside, which is another "
+        "quantity. FPS is pairs a second through the encoder, which takes nearly all of the time."
+    )
+    return f"# Cost\n\n{markdown(['method', *columns], rows)}\n\n{note}\n"

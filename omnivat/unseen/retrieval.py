@@ -1,0 +1,45 @@
+"""From a photo to the touches of its domain: is the nearest one of the same class?"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Rows = NDArray[np.floating[Any]]
+BLOCK = 1024  # photos compared at once: memory stays bounded for any set
+MOST = 2000  # photos of a domain that are judged; of more, an evenly spread part
+
+
+def judged(keep: NDArray[np.bool_], domain: NDArray[Any], most: int = MOST) -> NDArray[np.int64]:
+    """Return the rows that retrieval is judged on: at most `most` a domain, evenly spread."""
+    chosen = []
+    for name in np.unique(domain):
+        own = np.flatnonzero(keep & (domain == name))
+        if len(own) > most:
+            own = own[np.linspace(0, len(own) - 1, most).round().astype(np.int64)]
+        chosen.append(own)
+    return np.concatenate(chosen) if chosen else np.zeros(0, dtype=np.int64)
+
+
+def nearest_touch(
+    vis: Rows, tac: Rows, domain: NDArray[Any], rows: NDArray[np.int64]
+) -> NDArray[np.int64]:
+    """Return for each of `rows` the row of the touch with the largest cosine in its domain.
+
+    vis, tac  (N, W) rows of any length; row i of both is one contact, which may be found, too
+    domain    (N,)
+    """
+    found = np.zeros(len(rows), dtype=np.int64)
+    for name in np.unique(domain[rows]):
+        among = np.flatnonzero(domain == name)
+        touches = _unit(tac[among])
+        places = np.flatnonzero(domain[rows] == name)
+        for start in range(0, len(places), BLOCK):
+            part = places[start : start + BLOCK]
+            found[part] = among[np.argmax(_unit(vis[rows[part]]) @ touches.T, axis=1)]
+    return found
+
+
+def _unit(rows: Rows) -> Rows:
+    unit: Rows = rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-12)
+    return unit

@@ -1,0 +1,171 @@
+"""What a head does in domains that it never saw, in one record: shares, intervals, confusion, retrieval."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from omnivat.checkpoint import Head
+from omnivat.data.embeddings import Embeddings
+from omnivat.evaluate import CHUNK, label_map, predicted_probabilities
+from omnivat.unseen.intervals import of_domains, wilson
+from omnivat.unseen.masks import counted
+from omnivat.unseen.retrieval import judged, nearest_touch
+
+READINGS = ("fused", "vis", "tac")
+UNSEEN = "unseen"  # the name of all unseen domains together
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Facts:
+    """What the record is made from, by pair."""
+
+    source: str
+    domains: tuple[str, ...]
+    domain: Array  # (N,)
+    label: Array  # (N,) index among the head's classes, -1 where the head lacks the class
+    counts: Array  # (N,) bool: not trained on, and of a class that the head knows
+
+    def members(self) -> list[tuple[str, Array]]:
+        """Return each domain and all unseen ones together, with a mask (N,) of pairs that count."""
+        found = [(name, self.counts & (self.domain == i)) for i, name in enumerate(self.domains)]
+        return [*found, (UNSEEN, self.counts & self._strange())]
+
+    def unseen(self) -> list[Array]:
+        """Return the mask of each unseen domain that has pairs."""
+        return [mask for name, mask in self.members()[:-1] if name != self.source and mask.any()]
+
+    def _strange(self) -> Array:
+        own = self.domains.index(self.source) if self.source in self.domains else -1
+        strange: Array = self.domain != own
+        return strange
+
+
+def unseen_summary(head: Head, embeddings: Embeddings) -> dict[str, Any]:
+    """Return the record that the page shows; its keys are described in docs/page.md.
+
+    Every share is of pairs that the head was not trained on, at exactly its learned order.
+    `readings` are "fused" (both images), "vis" and "tac" (one image, the other one absent).
+
+    Raises DataError when the embeddings are of another encoder or hold no pairs.
+    """
+    head.require_embeddings(embeddings)
+    classes = head.settings.classes
+    label = label_map(classes, embeddings.header.classes)[embeddings.label]
+    facts = _Facts(
+        source=head.source,
+        domains=embeddings.header.domains,
+        domain=np.asarray(embeddings.domain),
+        label=label,
+        counts=counted(embeddings, head.source) & (label >= 0),
+    )
+    found = predicted_probabilities(head.model, embeddings)
+    probabilities = {name: found[name].double().cpu().numpy() for name in READINGS}
+    answers = {name: values.argmax(1) for name, values in probabilities.items()}
+    shares = {f"answers/{name}": (answer == label) * 1.0 for name, answer in answers.items()}
+    alone = _alone(head, embeddings)
+    shares["retrieval"] = _retrieved(facts, *alone)
+    return {
+        "source": head.source,
+        "order": head.model.order,
+        "classes": list(classes),
+        "chance": 1 / len(classes),
+        "domains": _by_domain(facts, shares),
+        "unseen": {name: _over_domains(facts, right) for name, right in shares.items()},
+        "look_alikes": _look_alikes(facts, shares, embeddings.rows.get("looks_like", [])),
+        "confusion": {name: _confusions(facts, a, len(classes)) for name, a in answers.items()},
+        "pairs": {
+            "counts": facts.counts.astype(int).tolist(),
+            "answers": {name: answer.tolist() for name, answer in answers.items()},
+            "confidence": _rounded(probabilities["fused"].max(1)),
+            "cosine": _rounded(_cosines(*alone)),
+        },
+    }
+
+
+def _retrieved(facts: _Facts, vis: Array, tac: Array) -> Array:
+    """Return (N,) 1 where a photo's nearest touch is of its class, 0 where not, NaN where not judged."""
+    rows = judged(facts.counts, facts.domain)
+    nearest = nearest_touch(vis, tac, facts.domain, rows)
+    right = np.full(len(facts.domain), np.nan)
+    right[rows] = facts.label[nearest] == facts.label[rows]
+    return right
+
+
+def _by_domain(facts: _Facts, shares: Mapping[str, Array]) -> list[dict[str, Any]]:
+    return [
+        {
+            "name": name,
+            "is_source": name == facts.source,
+            "pairs": int(mask.sum()),
+            **{key: _share(right[mask]) for key, right in shares.items()},
+        }
+        for name, mask in facts.members()[:-1]
+    ]
+
+
+def _share(right: Array) -> dict[str, float] | None:
+    """Return a share with its interval, or None of no pairs. NaN is not judged."""
+    right = right[~np.isnan(right)]
+    if not len(right):
+        return None
+    low, high = wilson(int(right.sum()), len(right))
+    return {"share": float(right.mean()), "low": low, "high": high}
+
+
+def _over_domains(facts: _Facts, right: Array) -> dict[str, float] | None:
+    """Return the mean over unseen domains with its interval, or None where there is none."""
+    known = ~np.isnan(right)
+    counts = [(int(right[m & known].sum()), int((m & known).sum())) for m in facts.unseen()]
+    if not counts:
+        return None
+    low, high = of_domains(counts)
+    return {"share": float(np.mean([r / n for r, n in counts])), "low": low, "high": high}
+
+
+def _look_alikes(
+    facts: _Facts, shares: Mapping[str, Array], looks_like: Sequence[str]
+) -> dict[str, Any] | None:
+    """Return the shares of unseen pairs that look like another class, or None where none is named."""
+    alike = np.array([bool(name) for name in looks_like] or [False] * len(facts.domain))
+    mask = alike & facts.members()[-1][1]
+    if not mask.any():
+        return None
+    return {"pairs": int(mask.sum()), **{key: _share(right[mask]) for key, right in shares.items()}}
+
+
+def _confusions(facts: _Facts, answer: Array, classes: int) -> dict[str, list[list[int]]]:
+    """Return counts (K, K), true class by answer, of each domain and of all unseen ones."""
+    found = {}
+    for name, mask in facts.members():
+        cells = facts.label[mask] * classes + answer[mask]
+        found[name] = np.bincount(cells, minlength=classes**2).reshape(classes, classes).tolist()
+    return found
+
+
+@torch.inference_mode()
+def _alone(head: Head, embeddings: Embeddings) -> tuple[Array, Array]:
+    """Return F-hat (N, D) of each photo and each touch with the other image absent."""
+    found: dict[str, list[torch.Tensor]] = {"vis": [], "tac": []}
+    for start in range(0, len(embeddings), CHUNK):
+        for name, parts in found.items():
+            rows = torch.from_numpy(np.array(getattr(embeddings, name)[start : start + CHUNK]))
+            given = {"vis": None, "tac": None} | {name: rows.to(head.model.classifier.device)}
+            parts.append(head.model(given["vis"], given["tac"]).f_hat[name])
+    vis, tac = (torch.cat(parts).cpu().numpy() for parts in found.values())
+    return vis, tac
+
+
+def _cosines(vis: Array, tac: Array) -> Array:
+    lengths = np.linalg.norm(vis, axis=1) * np.linalg.norm(tac, axis=1)
+    cosines: Array = (vis * tac).sum(1) / np.maximum(lengths, 1e-12)
+    return cosines
+
+
+def _rounded(values: Array) -> list[float]:
+    rounded: list[float] = values.astype(np.float64).round(4).tolist()
+    return rounded

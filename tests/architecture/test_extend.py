@@ -1,0 +1,130 @@
+"""docs/extend.md, followed to the letter: each addition is one file and at most one line."""
+
+import re
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+from PIL import Image
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = (ROOT / "docs" / "extend.md").read_text(encoding="utf-8")
+
+
+def block(place: str) -> str:
+    """Return the code that the page shows for the file at `place`."""
+    found = re.search(
+        rf"```\w+\n(?:# |// |<!-- ){re.escape(place)}(?: -->)?\n(.*?)```", PAGE, re.DOTALL
+    )
+    assert found, f"docs/extend.md shows no {place}"
+    return found[1]
+
+
+def entry(table: str) -> tuple[str, str]:
+    """Return name and target of the line that the page adds to a table."""
+    found = re.search(rf'`"(\w+)": "([\w.:]+)"`[^\n]*`{table}`', PAGE)
+    assert found, f"docs/extend.md adds no line to {table}"
+    return found[1], found[2]
+
+
+@pytest.fixture
+def added(tmp_path, monkeypatch):
+    """A function that puts a file of the page where its module is imported from."""
+
+    def add(place: str) -> str:
+        module = place.removesuffix(".py").replace("/", ".")
+        package, _, name = module.rpartition(".")
+        folder = tmp_path / package
+        folder.mkdir(exist_ok=True)
+        (folder / f"{name}.py").write_text(block(place), encoding="utf-8")
+        __import__(package)
+        parent = sys.modules[package]
+        monkeypatch.setattr(parent, "__path__", [*parent.__path__, str(folder)])
+        monkeypatch.delitem(sys.modules, module, raising=False)
+        return module
+
+    yield add
+    for name in ("omnivat.baselines.prior", "omnivat.gaps.medians", "omnivat.data.readers.flat"):
+        sys.modules.pop(name, None)
+
+
+@pytest.fixture
+def embeddings_file(make_embeddings, tmp_path):
+    """A small set of two domains on disk."""
+    from omnivat.data.store import save_embeddings
+
+    path = tmp_path / "set.safetensors"
+    save_embeddings(path, make_embeddings(per_class=4, split=True))
+    return path
+
+
+def test_a_method_of_one_file_and_one_line_runs_in_the_protocol(
+    added, monkeypatch, embeddings_file
+):
+    from omnivat.baselines import BASELINES
+    from omnivat.cli import main
+
+    added("omnivat/baselines/prior.py")
+    name, target = entry("BASELINES")
+    monkeypatch.setitem(BASELINES, name, target)
+    out = embeddings_file.with_name("protocol")
+    asked = ["protocol", "--embeddings", str(embeddings_file), "--out", str(out)]
+    assert main([*asked, "--methods", name, "--seeds", "0"]) == 0
+    assert name in (out / "runs.jsonl").read_text(encoding="utf-8")
+
+
+def test_a_gap_of_one_file_and_one_line_is_in_gaps(added, monkeypatch, embeddings_file, capsys):
+    from omnivat.cli import main
+    from omnivat.gaps import GAPS
+
+    added("omnivat/gaps/medians.py")
+    name, target = entry("GAPS")
+    monkeypatch.setitem(GAPS, name, target)
+    asked = ["gaps", "--embeddings", str(embeddings_file), "--stage", "raw", "--measure", name]
+    assert main(asked) == 0
+    assert f"{name} at raw" in capsys.readouterr().out
+
+
+def test_a_gap_in_the_table_is_a_measure_of_the_sweep(added, monkeypatch):
+    from importlib import reload
+
+    from omnivat.gaps import GAPS, measures
+
+    added("omnivat/gaps/medians.py")
+    name, target = entry("GAPS")
+    with monkeypatch.context() as patched:
+        patched.setitem(GAPS, name, target)
+        reload(measures)
+        assert name in measures.STAGE_MEASURES
+        facts = measures.Facts(
+            labels=torch.tensor([0, 1, 0, 1]), class_names=("a", "b"),
+            domains=torch.tensor([0, 0, 1, 1]), domain_names=("x", "y"),
+            scored=torch.ones(4, dtype=torch.bool),
+        )  # fmt: skip
+        rows = {"vis": torch.eye(4), "tac": torch.eye(4)}
+        assert float(dict(measures.STAGE_MEASURES[name](rows, facts))[""]) >= 0
+    reload(measures)
+
+
+def test_a_reader_of_one_file_and_one_line_recognises_its_layout(added, monkeypatch, tmp_path):
+    from omnivat.data import readers
+
+    added("omnivat/data/readers/flat.py")
+    name, target = entry("READERS")
+    monkeypatch.setattr(readers, "READERS", {name: target, **readers.READERS})
+    folder = tmp_path / "kitchen"
+    folder.mkdir()
+    for part in ("photo", "touch"):
+        Image.fromarray(np.zeros((8, 8, 3), np.uint8)).save(folder / f"wood-1.{part}.png")
+    found = readers.read_pairs(folder)
+    assert [(pair.domain, pair.material) for pair in found.pairs] == [("kitchen", "wood")]
+
+
+def test_a_tab_of_the_page_is_a_module_with_a_title_and_a_folder_of_scripts(tmp_path):
+    names: dict[str, object] = {}
+    exec(block("app/views/hello.py"), names)
+    assert names["TITLE"] == "Hello" and callable(names["build"])
+    assert "export async function start(element)" in block("app/web/hello/hello.js")
+    assert "<section" in block("app/web/hello/hello.html")

@@ -1,0 +1,304 @@
+"""Encoders that the project does not list: a model of transformers, one's own code, one for each."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import torch
+from PIL import Image
+from torch import Tensor, nn
+
+from omnivat.encoders import PairEncoder, TorchEncoder, load_encoder
+from omnivat.encoders import names as names_module
+from omnivat.encoders.cache import embed_pair
+from omnivat.encoders.paired import for_modality
+from omnivat.encoders.places import recall
+from omnivat.errors import DataError, MissingNameError, SettingsError
+
+SIZES = {
+    "hidden_size": 32,
+    "num_hidden_layers": 1,
+    "num_attention_heads": 2,
+    "intermediate_size": 48,
+    "image_size": 64,
+    "patch_size": 16,
+}
+LETTERS = {"hidden_size": 32, "num_hidden_layers": 1, "num_attention_heads": 2, "vocab_size": 50}
+DINO = {key: value for key, value in SIZES.items() if key != "intermediate_size"}
+NAFLEX = {key: value for key, value in SIZES.items() if key != "image_size"} | {"num_patches": 16}
+
+
+@pytest.fixture(autouse=True)
+def own_cache(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("OMNIVAT_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setattr("omnivat.encoders.hub.fetch", lambda *_, **__: "There is no hub here.")
+
+
+@pytest.fixture
+def picture() -> Image.Image:
+    pixels = np.random.default_rng(0).integers(0, 256, (70, 90, 3), dtype=np.uint8)
+    return Image.fromarray(pixels)
+
+
+# Models of transformers
+
+
+def vision_model(kind: str) -> nn.Module:
+    transformers = pytest.importorskip("transformers")
+    configs: dict[str, Callable[[], Any]] = {
+        "dinov2": lambda: transformers.Dinov2Config(**DINO),
+        "dinov3": lambda: transformers.DINOv3ViTConfig(**SIZES),
+        "vit": lambda: transformers.ViTConfig(**SIZES),
+        "i-jepa": lambda: transformers.IJepaConfig(**SIZES),
+        "convnext": lambda: transformers.ConvNextConfig(
+            hidden_sizes=[8, 16, 24, 32], depths=[1, 1, 1, 1], image_size=64
+        ),
+        "siglip": lambda: transformers.SiglipConfig(
+            vision_config=SIZES, text_config={**LETTERS, "intermediate_size": 48}
+        ),
+        "siglip tower": lambda: transformers.SiglipVisionConfig(**SIZES),
+        "siglip2 naflex": lambda: transformers.Siglip2Config(
+            vision_config=NAFLEX, text_config={**LETTERS, "intermediate_size": 48}
+        ),
+    }
+    torch.manual_seed(3)
+    model: nn.Module = transformers.AutoModel.from_config(configs[kind]())
+    with torch.no_grad():
+        for weight in model.parameters():
+            weight.copy_(torch.randn_like(weight) / max(1, weight.shape[-1]) ** 0.5)
+    return model.eval()
+
+
+def reference(kind: str, model: Any, pixels: Tensor) -> Tensor:
+    """Return what each model is pooled to, written out for each kind."""
+    with torch.inference_mode():
+        if kind == "siglip":
+            found = model.vision_model(pixel_values=pixels).pooler_output
+        elif kind == "siglip2 naflex":
+            rows = pixels.unfold(2, 16, 16).unfold(3, 16, 16)  # (1, 3, 4, 4, 16, 16)
+            rows = rows.permute(0, 2, 3, 4, 5, 1).reshape(1, 16, 768)
+            found = model.vision_model(
+                rows, torch.ones(1, 16, dtype=torch.long), torch.tensor([[4, 4]])
+            ).pooler_output
+        elif kind in ("convnext", "siglip tower"):
+            found = model(pixel_values=pixels).pooler_output
+        elif kind == "i-jepa":
+            found = model(pixel_values=pixels).last_hidden_state.mean(1)
+        else:
+            found = model(pixel_values=pixels).last_hidden_state[:, 0]
+    return found
+
+
+POOLING = {
+    "dinov2": "class token",
+    "dinov3": "class token",
+    "vit": "class token",
+    "i-jepa": "mean of tokens",
+    "convnext": "pooled output",
+    "siglip": "projected image features",
+    "siglip tower": "pooled output",
+    "siglip2 naflex": "projected image features",
+}
+
+
+@pytest.mark.parametrize("kind", POOLING)
+def test_a_folder_of_transformers_loads_and_states_its_pooling(
+    tmp_path: Path, picture: Image.Image, kind: str
+) -> None:
+    model = vision_model(kind)
+    model.save_pretrained(tmp_path / "model")  # type: ignore[operator]
+    encoder = load_encoder(f"hf:{tmp_path / 'model'}")
+    assert encoder.name == f"hf:{tmp_path / 'model'}" and encoder.width == 32
+    assert encoder.preprocessing.startswith("resize 64x64 bicubic, RGB, mean 0.485")
+    assert POOLING[kind] in encoder.preprocessing
+    pixels = encoder.preprocess(picture)[None]
+    torch.testing.assert_close(
+        encoder.embed(pixels), reference(kind, model, pixels), rtol=0, atol=1e-5
+    )
+
+
+def test_the_pixels_are_those_of_the_models_own_settings(tmp_path: Path) -> None:
+    folder = tmp_path / "model"
+    vision_model("dinov2").save_pretrained(folder)  # type: ignore[operator]
+    (folder / "preprocessor_config.json").write_text(
+        '{"crop_size": {"height": 48, "width": 48}, "size": {"shortest_edge": 56}, '
+        '"image_mean": [0.5, 0.5, 0.5], "image_std": [0.25, 0.25, 0.25]}'
+    )
+    said = load_encoder(f"hf:{folder}").preprocessing
+    assert said.startswith("resize 48x48 bicubic, RGB, mean 0.5 0.5 0.5, std 0.25 0.25 0.25")
+
+
+def test_a_model_whose_weights_are_not_all_there_is_refused(tmp_path: Path) -> None:
+    from safetensors.torch import load_file, save_file
+
+    folder = tmp_path / "model"
+    vision_model("dinov2").save_pretrained(folder)  # type: ignore[operator]
+    state = load_file(folder / "model.safetensors")
+    state.pop("layernorm.weight")
+    save_file(state, folder / "model.safetensors", metadata={"format": "pt"})
+    with pytest.raises(
+        DataError, match=r"lacks 1 weights of Dinov2Model, such as layernorm\.weight"
+    ):
+        load_encoder(f"hf:{folder}")
+
+
+@pytest.mark.parametrize(
+    ("name", "match"),
+    [
+        ("hf:./nowhere", "is not a folder with a model"),
+        ("hf:owner/name", "no model 'owner/name' on this machine. There is no hub here."),
+    ],
+)
+def test_a_model_that_is_not_there_is_named(name: str, match: str) -> None:
+    with pytest.raises(DataError, match=match):
+        load_encoder(name)
+
+
+def test_a_folder_of_something_else_is_refused_in_one_line(tmp_path: Path) -> None:
+    (tmp_path / "config.json").write_text("{}")
+    with pytest.raises(DataError, match="cannot be loaded as a model of transformers") as caught:
+        load_encoder(f"hf:{tmp_path}")
+    assert "\n" not in str(caught.value)
+
+
+# One's own code
+
+OWN = """
+import torch
+from omnivat.encoders import TorchEncoder
+
+def load(weights=None, device="cpu"):
+    torch.manual_seed(0)
+    network = torch.nn.Sequential(torch.nn.AdaptiveAvgPool2d(2), torch.nn.Flatten(),
+                                  torch.nn.Linear(12, 5))
+    if weights is not None:
+        network.load_state_dict(torch.load(weights, weights_only=True))
+    return TorchEncoder(network, side=32, device=device, about="a test")
+
+def tiny():
+    return object()
+
+def wrong_width():
+    found = load()
+    found.width = 7
+    return found
+
+def nan():
+    found = load()
+    found._network[2].bias.data.fill_(float("nan"))
+    return found
+"""
+
+
+@pytest.fixture
+def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    (tmp_path / "own_encoder.py").write_text(OWN)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    return "own_encoder"
+
+
+def test_a_function_of_a_module_or_of_a_file_loads(own: str, tmp_path: Path) -> None:
+    by_module = load_encoder(f"{own}:load")
+    by_file = load_encoder(f"{tmp_path / own}.py:load")
+    assert (by_module.name, by_module.width) == ("own_encoder:load", 5)
+    assert by_module.preprocessing.endswith("std 0.229 0.224 0.225, a test")
+    assert by_module.weights_hash == by_file.weights_hash
+
+
+def test_weights_are_passed_on_and_found_again_by_their_hash(own: str, tmp_path: Path) -> None:
+    torch.manual_seed(1)
+    other = nn.Sequential(nn.AdaptiveAvgPool2d(2), nn.Flatten(), nn.Linear(12, 5))
+    torch.save(other.state_dict(), tmp_path / "other.pt")
+    plain = load_encoder(f"{own}:load")
+    trained = load_encoder(f"{own}:load", weights=tmp_path / "other.pt")
+    assert trained.weights_hash != plain.weights_hash
+    assert recall(trained.weights_hash) == tmp_path / "other.pt"
+    again = load_encoder(f"{own}:load", weights_hash=trained.weights_hash)
+    assert again.weights_hash == trained.weights_hash
+
+
+def test_an_entry_point_is_an_encoder(own: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    from importlib.metadata import EntryPoint
+
+    point = EntryPoint(name="theirs", value=f"{own}:load", group="omnivat.encoders")
+    monkeypatch.setattr(names_module, "entry_points", lambda group: [point])
+    assert load_encoder("theirs").name == "theirs"
+    with pytest.raises(MissingNameError, match="theirs, hf:NAME_OR_FOLDER and module:function"):
+        load_encoder("unknown")
+
+
+@pytest.mark.parametrize(
+    ("name", "match"),
+    [
+        ("own_encoder:tiny", "returned object, which has no preprocess, embed"),
+        ("own_encoder:wrong_width", r"shape \(1, 5\) for one image, expected \(1, 7\)"),
+        ("own_encoder:nan", "NaN or infinite"),
+        ("own_encoder:absent", "no function 'absent'"),
+        ("no_such_module:load", "cannot be imported .ModuleNotFoundError"),
+        ("nowhere.py:load", "no file 'nowhere.py'"),
+    ],
+)
+@pytest.mark.usefixtures("own")
+def test_code_that_gives_no_encoder_is_refused_in_one_sentence(name: str, match: str) -> None:
+    with pytest.raises(DataError, match=match):
+        load_encoder(name)
+
+
+@pytest.mark.usefixtures("own")
+def test_a_checkpoint_for_code_that_takes_none_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(SettingsError, match="takes no weights"):
+        load_encoder("own_encoder:tiny", weights=tmp_path)
+
+
+def test_a_network_that_draws_at_random_is_refused() -> None:
+    class Noisy(nn.Module):
+        def forward(self, x: Tensor) -> Tensor:
+            return x.mean(dim=(2, 3)) + torch.rand(1, 3)
+
+    with pytest.raises(DataError, match="another embedding each time"):
+        TorchEncoder(Noisy())
+
+
+def test_tokens_without_a_pooling_are_refused() -> None:
+    class Tokens(nn.Module):
+        def forward(self, x: Tensor) -> Tensor:
+            return x.flatten(2).mT
+
+    with pytest.raises(DataError, match="pass pool= to TorchEncoder"):
+        TorchEncoder(Tokens())
+    assert TorchEncoder(Tokens(), pool=lambda tokens: tokens[:, 0]).width == 3
+
+
+# One encoder for each modality
+
+
+def test_photos_and_touches_have_their_own_encoders_of_one_width(
+    own: str, picture: Image.Image
+) -> None:
+    pair = load_encoder(f"efficientnet-lite0 | {own}:load")
+    assert isinstance(pair, PairEncoder)
+    vis, tac = load_encoder("efficientnet-lite0"), load_encoder(f"{own}:load")
+    assert pair.width == 1280
+    assert pair.weights_hash == f"{vis.weights_hash} | {tac.weights_hash}"
+    assert "5 values and zeros up to 1280" in pair.preprocessing
+    seen, felt = embed_pair(pair, picture, picture)
+    assert seen is not None and felt is not None
+    assert np.array_equal(seen, vis.embed(vis.preprocess(picture)[None])[0].numpy())
+    wanted = tac.embed(tac.preprocess(picture)[None])[0].numpy()
+    assert np.array_equal(felt[:5], wanted) and not felt[5:].any()
+    assert for_modality(vis, "tac") is vis
+    with pytest.raises(DataError, match="an encoder for each modality"):
+        pair.preprocess(picture)
+
+
+def test_a_pair_is_loaded_again_by_its_name_and_hash(own: str, tmp_path: Path) -> None:
+    torch.manual_seed(1)
+    other = nn.Sequential(nn.AdaptiveAvgPool2d(2), nn.Flatten(), nn.Linear(12, 5))
+    torch.save(other.state_dict(), tmp_path / "other.pt")
+    name = f"{own}:load | {own}:load"
+    first = load_encoder(name, tac_weights=tmp_path / "other.pt")
+    again = load_encoder(name, weights_hash=first.weights_hash)
+    assert again.weights_hash == first.weights_hash
+    assert len(set(first.weights_hash.split(" | "))) == 2

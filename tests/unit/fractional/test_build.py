@@ -1,0 +1,127 @@
+"""What is kept between calls: splits by length, and large blocks of memory."""
+
+import gc
+import threading
+
+import numpy as np
+import pytest
+import torch
+
+from omnivat.fractional.build import BoundedCache, build_split
+from omnivat.fractional.commuting import doubled_cosines
+from omnivat.fractional.memory import BlockPool, empty, pool
+from omnivat.fractional.splits import HalfSplit, PlainSplit, QuarterSplit
+
+CPU = torch.device("cpu")
+
+
+@pytest.mark.parametrize(
+    ("size", "kind"),
+    [
+        (1, PlainSplit),
+        (3, PlainSplit),
+        (4, HalfSplit),
+        (5, HalfSplit),
+        (6, HalfSplit),
+        (8, QuarterSplit),
+        (12, QuarterSplit),
+        (14, HalfSplit),
+    ],
+)
+def test_the_split_is_the_cheapest_for_the_length(size: int, kind: type) -> None:
+    assert type(build_split(size, torch.empty(0))) is kind
+
+
+@pytest.mark.parametrize("size", [1, 2, 3, 4, 7, 8, 12, 20, 30, 100])
+def test_both_maps_of_a_split_are_one_orthogonal_matrix(size: int) -> None:
+    split = build_split(size, torch.empty(0, dtype=torch.float64))
+    for rows in (size, size + 40):  # few rows and many
+        identity = torch.eye(rows, size, dtype=torch.float64)
+        v, back = torch.empty_like(identity), torch.empty_like(identity)
+        split.analyse(identity.clone(), v)
+        split.restore(identity.clone(), back)
+        v, back = v[:size], back[:size]
+        assert (v - back.T).abs().max() < 1e-15
+        assert (v.T @ v - torch.eye(size, dtype=torch.float64)).abs().max() < 1e-15
+
+
+def test_a_split_is_built_once_however_many_threads_ask() -> None:
+    built = []
+
+    def build(size: int, like: torch.Tensor) -> PlainSplit:
+        built.append(size)
+        return PlainSplit(like.new_ones(1, 1), torch.zeros(1))
+
+    cache, start = BoundedCache(build), threading.Barrier(8)
+
+    def ask() -> None:
+        start.wait()
+        cache.get(5, torch.float32, CPU)
+
+    threads = [threading.Thread(target=ask) for _ in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert built == [5]
+
+
+def test_the_cache_forgets_what_was_used_longest_ago() -> None:
+    built = []
+
+    def build(size: int, like: torch.Tensor) -> PlainSplit:
+        built.append(size)
+        return PlainSplit(like.new_ones(1, 1), torch.zeros(1))
+
+    cache = BoundedCache(build, limit=2)
+    for size in (1, 2, 1, 3, 1, 2):
+        cache.get(size, torch.float32, CPU)
+    assert built == [1, 2, 3, 2]
+    assert len(cache) == 2
+    cache.get(2, torch.float64, CPU)
+    assert built[-1] == 2
+    cache.clear()
+    assert len(cache) == 0
+
+
+def test_a_split_built_without_a_graph_can_be_used_with_one() -> None:
+    from omnivat.fractional import dfrft
+    from omnivat.fractional.build import splits
+
+    splits.clear()
+    with torch.inference_mode():
+        dfrft(torch.ones(2, 20), 0.3)
+    x = torch.ones(2, 20, requires_grad=True)
+    (slope,) = torch.autograd.grad(dfrft(x, 0.3).abs().pow(4).sum(), x, create_graph=True)
+    slope.sum().backward()
+
+
+def test_cosines_are_known_beyond_float64() -> None:
+    cosines = doubled_cosines(101)
+    exact = 2 * np.cos(4 * np.arcsin(np.longdouble(1)) * np.arange(51).astype(np.longdouble) / 101)
+    found = cosines.high.astype(np.longdouble) + cosines.low
+    assert np.abs(found - exact).max() < 1e-18
+
+
+def test_a_large_block_is_used_again_once_its_last_view_is_gone() -> None:
+    pool.clear()
+    shape = (9, 2**20)
+    tensor = empty(shape, torch.float32, CPU)
+    place, view = tensor.data_ptr(), tensor[3, 5:]
+    del tensor
+    assert pool.idle_bytes == 0
+    del view
+    gc.collect()
+    assert pool.idle_bytes >= 9 * 2**22
+    again = empty(shape, torch.float32, CPU)
+    assert again.data_ptr() == place
+    pool.clear()
+
+
+def test_idle_blocks_stay_below_their_bound() -> None:
+    small = BlockPool(idle_limit=3 * 2**20)
+    blocks = [small.take(2 * 2**20) for _ in range(3)]
+    for block in blocks:
+        small.give_back(block)
+    assert small.idle_bytes == 2 * 2**20
+    assert small.take(2 * 2**20) is blocks[-1]

@@ -1,0 +1,112 @@
+"""The transform under torch.func (vmap, jvp, grad), in forward mode, exported and compiled."""
+
+import warnings
+
+import pytest
+import torch
+from torch.autograd import forward_ad
+from torch.func import grad, jacfwd, jacrev, jvp, vmap
+
+from omnivat.fractional import coefficients, dfrft, synthesise
+
+# torch 2.13 scripts its own rules the first time that forward mode is used, and warns of that.
+pytestmark = pytest.mark.filterwarnings("ignore:`torch.jit.script:DeprecationWarning")
+
+
+@pytest.fixture
+def x():
+    return torch.linspace(-1, 2, 5 * 16, dtype=torch.float64).reshape(5, 16).sin()
+
+
+@pytest.fixture
+def orders():
+    return torch.linspace(0.1, 0.9, 5, dtype=torch.float64)
+
+
+@pytest.mark.parametrize("planar", [False, True])
+def test_vmap_over_vectors_orders_or_both_is_the_batched_transform(x, orders, planar):
+    def transform(vector, order):
+        return dfrft(vector, order, planar=planar)
+
+    wanted = dfrft(x, orders, planar=planar)
+    batch = 1 if planar else 0
+    torch.testing.assert_close(vmap(transform, out_dims=batch)(x, orders), wanted)
+    wanted = dfrft(x[0], orders[:, None].expand(5, 1), planar=planar)
+    found = vmap(transform, (None, 0), out_dims=batch)(x[0], orders)
+    torch.testing.assert_close(found, wanted.squeeze(batch + 1))
+    torch.testing.assert_close(
+        vmap(transform, (0, None), out_dims=batch)(x, 0.3), dfrft(x, 0.3, planar=planar)
+    )
+
+
+def test_vmap_over_an_axis_that_is_not_the_first(x, orders):
+    found = vmap(lambda v, p: dfrft(v, p), (1, 0))(x.T.contiguous(), orders)
+    torch.testing.assert_close(found, dfrft(x, orders))
+
+
+def test_vmap_aligns_orders_and_vectors_of_different_depth(x, orders):
+    cube = torch.stack([x, 2 * x, -x])  # (3, 5, 16)
+    found = vmap(lambda v, p: dfrft(v, p))(cube, orders[:3])
+    torch.testing.assert_close(found, dfrft(cube, orders[:3, None]))
+
+
+@pytest.mark.parametrize("planar", [False, True])
+def test_a_tangent_of_the_order_is_the_slope_of_the_transform(x, orders, planar):
+    def transform(order):
+        return dfrft(x, order, planar=planar)
+
+    step = 1e-6
+    _, slope = jvp(transform, (orders,), (torch.ones_like(orders),))
+    difference = (transform(orders + step) - transform(orders - step)) / (2 * step)
+    torch.testing.assert_close(slope, difference, atol=1e-7, rtol=0)
+
+
+def test_a_tangent_of_the_vector_is_its_transform(x):
+    with forward_ad.dual_level():
+        dual = forward_ad.make_dual(x, x.flip(-1))
+        found = forward_ad.unpack_dual(dfrft(dual, 0.3)).tangent
+    torch.testing.assert_close(found, dfrft(x.flip(-1), 0.3))
+
+
+@pytest.mark.parametrize("order", [0.3, 1.0])
+def test_forward_and_reverse_jacobians_agree(x, order):
+    at = torch.tensor(order, dtype=torch.float64)
+
+    def transform(p):
+        return dfrft(x[0], p, planar=True)
+
+    torch.testing.assert_close(jacfwd(transform)(at), jacrev(transform)(at))
+
+
+def test_a_gradient_for_each_sample_is_the_gradient_of_that_sample(x, orders):
+    def loss(order, vector):
+        return dfrft(vector, order).real.pow(4).sum()
+
+    found = vmap(grad(loss))(orders, x)
+    for row in range(5):
+        order = orders[row].clone().requires_grad_()
+        loss(order, x[row]).backward()
+        torch.testing.assert_close(found[row], order.grad)
+
+
+def test_kept_coefficients_pass_through_vmap(x, orders):
+    kept = coefficients(x)
+    found = vmap(lambda p: synthesise(kept, p))(orders)
+    torch.testing.assert_close(found, synthesise(kept, orders[:, None]))
+
+
+class _Real(torch.nn.Module):
+    def forward(self, x):
+        return dfrft(x, 0.3).real
+
+
+def test_an_exported_program_transforms_other_vectors_too(x):
+    program = torch.export.export(_Real(), (x,), strict=False)
+    torch.testing.assert_close(program.module()(2 * x), dfrft(2 * x, 0.3).real)
+
+
+def test_compiled_code_breaks_the_graph_and_stays_right(x):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # dynamo reports each break
+        found = torch.compile(_Real(), backend="eager")(x)
+    torch.testing.assert_close(found, dfrft(x, 0.3).real)

@@ -1,0 +1,36 @@
+"""The Gaussian MMD of large sets: an estimate whose stated error holds."""
+
+import torch
+
+from omnivat.gaps import mmd
+from omnivat.gaps.mmd import mmd_rbf, mmd_rbf_estimate
+
+
+def rows(count, shift, seed):
+    generator = torch.Generator().manual_seed(seed)
+    return torch.randn(count, 16, generator=generator) + shift
+
+
+def test_the_estimate_lies_within_its_error_of_the_exact_value():
+    a, b = rows(400, 0.0, 1), rows(300, 0.6, 2)
+    exact, inside = float(mmd_rbf(a, b)), 0
+    for seed in range(40):
+        found = mmd_rbf_estimate(a, b, seed=seed)
+        inside += abs(float(found.value) - exact) <= 2.2 * float(found.error)
+    assert inside >= 35
+
+
+def test_large_sets_take_the_estimate_and_small_ones_the_exact_sum(monkeypatch):
+    a, b = rows(90, 0.0, 1), rows(80, 0.6, 2)
+    exact = mmd_rbf(a, b)
+    monkeypatch.setattr(mmd, "MOST_ROWS", 100)
+    assert torch.equal(mmd_rbf(a, b), mmd_rbf_estimate(a, b).value)
+    assert not torch.equal(mmd_rbf(a, b), exact)
+
+
+def test_blocks_across_do_not_change_the_exact_sum(monkeypatch):
+    a, b = rows(200, 0.0, 1), rows(150, 0.6, 2)
+    exact = mmd_rbf(a, b)
+    monkeypatch.setattr(mmd, "BLOCK", 33)
+    monkeypatch.setattr(mmd, "ACROSS", 41)
+    assert torch.allclose(mmd_rbf(a, b), exact, rtol=1e-5)
