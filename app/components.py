@@ -6,13 +6,13 @@ WEB = Path(__file__).parent / "web"
 
 
 def component(name: str) -> None:
-    """Put the component `web/<name>.html` here; `web/<name>.js` brings it to life."""
+    """Put the component `web/<name>/<name>.html` here; the script beside it brings it to life."""
     import gradio as gr
 
     gr.HTML(
-        html_template=(WEB / f"{name}.html").read_text(encoding="utf-8"),
+        html_template=(WEB / name / f"{name}.html").read_text(encoding="utf-8"),
         js_on_load=(
-            f"import(new URL('omnivat/web/{name}.js', document.baseURI))"
+            f"import(new URL('omnivat/web/{name}/{name}.js', document.baseURI))"
             ".then(module => module.start(element))"
             f".catch(error => console.error('{name}', error));"
         ),

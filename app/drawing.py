@@ -10,6 +10,7 @@ from omnivat.errors import SettingsError
 from omnivat.files import replacing, write_text
 
 Point = tuple[float, float]
+INK, SOFT, GRID = "#0f172a", "#55637a", "#dbe2ea"
 SCALE = 2  # pixels of a PNG for one unit
 FINE = 2  # a PNG is drawn this much larger and shrunk, so that edges are smooth
 
@@ -18,8 +19,8 @@ FINE = 2  # a PNG is drawn this much larger and shrunk, so that edges are smooth
 class Shape:
     """One shape. Filled where `fill` is given, with a line where `stroke` is.
 
-    kind    "circle" (one point and `size`), "triangle" (the same), "line" (points), "rect" (two
-            corners) or "text" (one point and `text`)
+    kind    "circle" (one point and `size`), "triangle" (the same), "line" (points), "area" (corners),
+            "rect" (two corners) or "text" (one point and `text`)
     anchor  of a text: "start", "middle" or "end"
     """
 
@@ -42,6 +43,11 @@ class Picture:
     height: float
     shapes: tuple[Shape, ...]
     title: str
+
+
+def text(point: Point, words: str, size: float = 12, anchor: str = "start") -> Shape:
+    """Return a text in the ink of the page."""
+    return Shape(kind="text", points=(point,), text=words, size=size, anchor=anchor, fill=INK)
 
 
 def write_picture(path: Path, picture: Picture) -> None:
@@ -89,7 +95,7 @@ def _element(shape: Shape) -> str:
         look = f'font-size="{shape.size:g}" text-anchor="{shape.anchor}"'
         return f'<text x="{x:g}" y="{y:g}" {look} {paint}>{escape(shape.text)}</text>'
     points = triangle((x, y), shape.size) if shape.kind == "triangle" else shape.points
-    name = "polygon" if shape.kind == "triangle" else "polyline"
+    name = "polyline" if shape.kind == "line" else "polygon"
     if shape.kind == "line":
         paint += f' stroke-width="{shape.size:g}"' + (
             ' stroke-dasharray="4 3"' if shape.dashed else ""
@@ -122,6 +128,8 @@ def _paint(draw: Any, shape: Shape, factor: float) -> None:
         draw.ellipse(box, fill=fill, outline=stroke, width=round(factor))
     elif shape.kind == "triangle":
         draw.polygon(_scaled(triangle(shape.points[0], shape.size), factor), fill=fill)
+    elif shape.kind == "area":
+        draw.polygon(points, fill=fill)
     elif shape.kind == "rect":
         draw.rectangle((*points[0], *points[1]), fill=fill, outline=stroke, width=round(factor))
     elif shape.kind == "text":

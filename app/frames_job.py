@@ -1,52 +1,32 @@
 """The map's frames: a file that is there, or one computed in the background, coarse first."""
 
 import logging
-import os
+import shutil
+from collections.abc import Callable
 from dataclasses import dataclass
 from hashlib import blake2b
 from pathlib import Path
-from threading import Condition, Lock, Thread
-from typing import Any
+from threading import Lock
+from time import monotonic
+from typing import TYPE_CHECKING, Any
 
-from app.messages import UNEXPECTED
-from omnivat.errors import DataError, OmniVatError
+from app.jobs import Job, Jobs, JobStopped
+from app.limits import LARGE_SET
+from omnivat.errors import DataError
+from omnivat.files import cache_folder
 from omnivat.progress import Step
 
+if TYPE_CHECKING:
+    from omnivat.checkpoint import Head
+    from omnivat.data.store import Embeddings
+
 log = logging.getLogger(__name__)
+FIRST = (0.0, 0.5, 1.0)  # stops of the first look at a large set
 COARSE = tuple(k / 10 for k in range(11))
 FINE = tuple(k / 100 for k in range(101))
-
-
-class Turns:
-    """One map at a time, as two would only slow one another down; first looks go before last touches."""
-
-    def __init__(self) -> None:
-        self._changed = Condition()
-        self._busy = False
-        self._first_looks = 0  # that wait
-
-    def take(self, *, first_look: bool) -> None:
-        """Wait for one's turn."""
-        with self._changed:
-            self._first_looks += first_look
-            self._changed.wait_for(lambda: not self._busy and (first_look or not self._first_looks))
-            self._first_looks -= first_look
-            self._busy = True
-
-    def end(self) -> None:
-        """Let the next one work."""
-        with self._changed:
-            self._busy = False
-            self._changed.notify_all()
-
-    def give_way(self) -> None:
-        """In the middle of a last touch: let first looks that wait go before."""
-        if self._first_looks:
-            self.end()
-            self.take(first_look=False)
-
-
-TURNS = Turns()
+RECIPE = 3  # of what is drawn; maps of another recipe are made again
+FIRST_LOOK, LAST_TOUCH = 0, 2  # priorities; training is between them
+RETRY_S = 5.0  # after a failure, a map that is still wanted is tried again
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,20 +36,30 @@ class FramesState:
     file: Path | None = None
     step: Step | None = None
     problem: str = ""
+    place: int = 0  # in the queue, from 1; 0 where the work does not wait
 
 
-def cache_folder() -> Path:
-    """Return where computed frames are kept between runs."""
-    base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(base) / "omnivat" / "frames"
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Source:
+    """Whose frames they are: two files, and how to have them loaded."""
+
+    head: Path
+    embeddings: Path
+    load_head: "Callable[[], Head]"
+    load_embeddings: "Callable[[], Embeddings]"
+    drawn: int = 0  # pairs drawn at random of a larger set; 0 for all
 
 
-def cache_name(head: Path, embeddings: Path) -> str:
+def cache_name(head: Path, embeddings: Path, drawn: int = 0) -> str:
     """Return a name made from the content of both, so that neither can change unseen.
+
+    drawn  how many pairs are drawn at random where there are more; 0 for all
 
     Raises DataError when a file is missing.
     """
-    digest = blake2b(digest_size=12)
+    from omnivat.frames.file import VERSION
+
+    digest = blake2b(f"frames {VERSION}, recipe {RECIPE}, {drawn}".encode(), digest_size=12)
     for file in (head / "weights.safetensors", head / "settings.json", embeddings):
         if not file.is_file():
             raise DataError(
@@ -83,81 +73,131 @@ def cache_name(head: Path, embeddings: Path) -> str:
 
 
 class FramesJob:
-    """Gives the frames, computing them in one background thread where no file holds them."""
+    """Gives the frames of a head and a set, computing them as a job where no file holds them."""
 
     def __init__(
-        self, head: Path, embeddings: Path, ready: Path | None, folder: Path | None = None
+        self,
+        source: Source,
+        ready: Path | None,
+        folder: Path | None = None,
+        *,
+        jobs: Jobs,
+        owner: str = "",
     ) -> None:
-        self._head, self._embeddings = head, embeddings
-        self._folder = folder
-        self._state = FramesState(file=ready)
+        self._source, self._folder = source, folder
+        self._jobs, self._owner = jobs, owner
+        self._file = ready
+        self._whole = ready is not None
         self._lock = Lock()
-        self._thread: Thread | None = None
+        self._job: Job[None] | None = None
+        self._failed_at = 0.0
 
     def state(self) -> FramesState:
         """Return what there is; the first call starts the work where work is needed."""
         with self._lock:
-            if self._state.file is None and self._thread is None:
-                self._thread = Thread(target=self._run, name="frames", daemon=True)
-                self._state = FramesState(step=Step(done=0, total=0, text="loading the head"))
-                self._thread.start()
-            return self._state
+            if not self._whole and self._wanted():
+                self._job = self._jobs.start(
+                    self._compute, lane="long", owner=self._owner, priority=FIRST_LOOK
+                )
+            job, file, whole = self._job, self._file, self._whole
+        if whole or job is None:
+            return FramesState(file=file)
+        status = job.status()
+        if status.state in ("failed", "cancelled"):
+            return FramesState(file=file, problem="" if file else status.problem)
+        step = status.step or Step(done=0, total=0, text="loading the head")
+        if status.place:
+            step = Step(done=0, total=0, text=f"waiting: number {status.place} in the queue")
+        return FramesState(file=file, step=step, place=status.place)
 
     def wait(self) -> FramesState:
         """Return the state once the work has ended."""
         self.state()
-        if self._thread is not None:
-            self._thread.join()
-        return self._state
+        if self._job is not None:
+            self._job.future.exception()
+        return self.state()
 
-    def _run(self) -> None:
-        try:
-            self._compute()
-        except OmniVatError as error:
-            log.warning("no frames: %s", error)
-            self._state = FramesState(problem=str(error))
-        except (ArithmeticError, RuntimeError, OSError, MemoryError):
-            log.exception("no frames")
-            self._state = FramesState(problem=UNEXPECTED)
+    def _wanted(self) -> bool:
+        """Whether work is to be started: the first time, and again a while after a failure."""
+        if self._job is None:
+            return True
+        if self._job.status().state not in ("failed", "cancelled"):
+            return False
+        self._failed_at = self._failed_at or monotonic()
+        again = monotonic() - self._failed_at > RETRY_S
+        self._failed_at = 0.0 if again else self._failed_at
+        return again
 
-    def _compute(self) -> None:
-        folder = self._folder or cache_folder()
-        name = cache_name(self._head, self._embeddings)
-        fine = folder / f"{name}.bin"
-        if fine.is_file():
-            self._state = FramesState(file=fine)
-            return
-        from omnivat.checkpoint import load_head
-        from omnivat.data.store import load_embeddings
-
-        head, embeddings = load_head(self._head), load_embeddings(self._embeddings)
-        head.require_embeddings(embeddings)
-        coarse = folder / f"{name}-coarse.bin"
-        self._state = FramesState(step=Step(done=0, total=0, text="waiting for another map"))
-        for orders, file, shown in ((COARSE, coarse, None), (FINE, fine, coarse)):
-            TURNS.take(first_look=shown is None)
-            try:
-                self._build(head, embeddings, orders, file, shown=shown)
-            finally:
-                TURNS.end()
-        self._state = FramesState(file=fine)
+    def _compute(self, job: Job[None]) -> None:
+        folder = self._folder or cache_folder() / "frames"
+        name = cache_name(self._source.head, self._source.embeddings, self._source.drawn)
+        fine, coarse = folder / f"{name}.bin", folder / f"{name}-coarse.bin"
+        if not readable(fine):
+            job.report(Step(done=0, total=0, text="loading the head"))
+            head, embeddings = self._source.load_head(), self._source.load_embeddings()
+            head.require_embeddings(embeddings)
+            if len(embeddings) > LARGE_SET and not readable(coarse):
+                first = folder / f"{name}-first.bin"
+                if not readable(first):
+                    self._build(job, head, embeddings, FIRST, first, linear=True)
+                self._file = first
+                job.go_on_at(LAST_TOUCH)
+            if not readable(coarse):
+                self._build(job, head, embeddings, COARSE, coarse)
+            self._file = coarse
+            job.go_on_at(LAST_TOUCH)
+            self._build(job, head, embeddings, FINE, fine)
+        self._file, self._whole = fine, True
 
     def _build(
-        self, head: Any, embeddings: Any, orders: tuple[float, ...], to: Path, shown: Path | None
+        self,
+        job: Job[None],
+        head: Any,
+        embeddings: Any,
+        orders: tuple[float, ...],
+        to: Path,
+        *,
+        linear: bool = False,
     ) -> None:
+        """Compute the frames of some stops and write them; `linear` leaves all but PCA out."""
         from omnivat.checkpoint import head_hash
         from omnivat.frames import build_frames, write_frames
-
-        def report(step: Step) -> None:
-            self._state = FramesState(file=shown, step=step)
-            if shown is not None:
-                TURNS.give_way()
+        from omnivat.frames.build import DEFAULT_MAPS
+        from omnivat.frames.kinds import kind_of
+        from omnivat.frames.stops import with_learned
 
         frames = build_frames(
             head.model,
             embeddings,
-            orders=orders,
-            provenance={"hash": head_hash(self._head), "source": head.source},
-            on_step=report,
+            orders=with_learned(orders, head.model.order),
+            maps={n: k for n, k in DEFAULT_MAPS.items() if not linear or n.startswith("pca/")},
+            provenance={
+                "hash": head_hash(self._source.head),
+                "source": head.source,
+                "kind": kind_of(head),
+            },
+            on_step=job.report,
         )
+        job.check()
         write_frames(to, frames)
+        try:
+            job.check()
+        except JobStopped:  # its folder may have been removed while this was written
+            if self._folder is not None:
+                shutil.rmtree(self._folder, ignore_errors=True)
+            raise
+
+
+def readable(file: Path) -> bool:
+    """Whether a file holds frames; a damaged one is removed, so that it is made again."""
+    if not file.is_file():
+        return False
+    from omnivat.frames import read_frames
+
+    try:
+        read_frames(file)
+    except DataError as error:
+        log.warning("%s", error)
+        file.unlink(missing_ok=True)
+        return False
+    return True

@@ -1,5 +1,7 @@
 """One picture of a camera after the other: embed, answer, forget."""
 
+from collections.abc import Callable
+from pathlib import Path
 from time import perf_counter
 from typing import Any
 
@@ -10,19 +12,21 @@ from omnivat.errors import DataError
 
 def live(
     resources: Resources,
-    content: bytes,
+    content: bytes | Path,
     *,
     modality: str,
     other: Ref | None,
     order: float | None,
-    name: str = "",
+    name: str = "the image",
+    check: Callable[[], None] = lambda: None,
 ) -> dict[str, Any]:
     """Answer one picture, with the other image of the pair where there is one.
 
-    content   the bytes of the picture, which is not kept
+    content   the bytes of the picture or their file, neither of which is kept
+    check     called now and then; what it raises ends the work
     modality  what it is, "vis" or "tac"
     order     p in quarter turns; the learned one if None
-    return    classes, probabilities by modality and of both, and milliseconds of each part
+    return    classes, probabilities of each reading, and milliseconds of each part
 
     Raises DataError when the picture cannot be read or `modality` is unknown.
     """
@@ -30,12 +34,12 @@ def live(
         raise DataError(f"modality is '{modality:.20}'; it is vis or tac.")
     import torch
 
-    from omnivat.data.images import read_image
+    from omnivat.encoders.paired import for_modality
 
     began = perf_counter()
-    encoder, head = resources.encoder(), resources.head()
+    encoder, head = for_modality(resources.encoder(), modality), resources.head()
     with torch.inference_mode():
-        pixels = encoder.preprocess(read_image(content, name=name))
+        pixels = encoder.preprocess(resources.picture(content, name, check).image)
         read = perf_counter()
         pair: dict[str, Any] = {"vis": None, "tac": None, modality: encoder.embed(pixels[None])}
         embedded = perf_counter()
@@ -43,11 +47,10 @@ def live(
             rest = "tac" if modality == "vis" else "vis"
             pair[rest] = torch.from_numpy(resources.embedding(other, rest).copy())[None]
         out = head.model(pair["vis"], pair["tac"], order=order)
-    found = {**out.modality_probabilities, "both": out.probabilities}
     return {
         "classes": list(head.settings.classes),
-        "probabilities": {
-            name: [round(float(p), 5) for p in values[0]] for name, values in found.items()
+        "readings": {
+            name: [round(float(p), 5) for p in values[0]] for name, values in out.readings.items()
         },
         "ms": {
             "read": _ms(read - began),

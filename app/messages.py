@@ -1,13 +1,13 @@
 """Sentences for people: what an error says in the page, and where its traceback goes."""
 
 import logging
+import re
 from collections.abc import Awaitable, Callable
 from functools import wraps
 
-from starlette.requests import Request
+from starlette.requests import ClientDisconnect, Request
 from starlette.responses import JSONResponse, Response
 
-from app.state import ForgottenError
 from omnivat.errors import OmniVatError
 
 log = logging.getLogger(__name__)
@@ -20,9 +20,26 @@ UNEXPECTED = (
 )
 
 
+PLACE = re.compile(r"(?:/|[A-Za-z]:\\)(?:[^/\\'\"\n]+[/\\])+")  # all of a path but its last part
+
+
+def without_places(sentence: str) -> str:
+    """Return a sentence in which a file is its name alone: visitors learn no folder of the server.
+
+    >>> without_places("'/srv/ada/heads/one/settings.json' is missing.")
+    "'settings.json' is missing."
+    """
+    return PLACE.sub("", sentence)
+
+
 def refusal(sentence: str, status: int = 400) -> JSONResponse:
     """Return the answer that the page shows as one sentence."""
-    return JSONResponse({"error": sentence}, status_code=status)
+    return JSONResponse({"error": without_places(sentence)}, status_code=status)
+
+
+def status_of(error: OmniVatError) -> int:
+    """Return the HTTP status of an error, which it may state itself; 400 where it does not."""
+    return int(getattr(error, "status", 400))
 
 
 def in_sentences(handler: Handler) -> Handler:
@@ -34,7 +51,10 @@ def in_sentences(handler: Handler) -> Handler:
             return await handler(request)
         except OmniVatError as error:
             log.info("%s refused: %s", request.url.path, error)
-            return refusal(str(error), 410 if isinstance(error, ForgottenError) else 400)
+            return refusal(str(error), status_of(error))
+        except ClientDisconnect:
+            log.info("%s: the visitor went", request.url.path)
+            return refusal("The request was not finished.", 499)
         except Exception:
             log.exception("%s failed", request.url.path)
             return refusal(UNEXPECTED, 500)

@@ -1,6 +1,7 @@
 """Where in an image an answer comes from: hide one part at a time, and see what the answer loses."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
@@ -13,21 +14,24 @@ if TYPE_CHECKING:
 
 CELLS = 7  # a side of the picture that is shown
 PATCH = 2  # cells that are hidden at once, a side: one alone changes little
+AT_ONCE = 8  # images embedded between two looks at whether the visitor is still there
 SIDE = 448  # pixels the image is scaled down to first; encoders take 224
 
 
 def occlusion(
     resources: Resources,
-    content: bytes,
+    content: bytes | Path,
     *,
     modality: str,
     other: Ref | None,
     order: float | None,
-    name: str = "",
+    name: str = "the image",
+    check: Callable[[], None] = lambda: None,
 ) -> dict[str, Any]:
     """Hide each part of an image in turn and ask the head again.
 
-    content   the bytes of the image
+    content   the bytes of the image or their file
+    check     called between parts; what it raises ends the work
     modality  what it is, "vis" or "tac"
     other     the other image of the pair, which stays as it is; None to answer without it
     order     p in quarter turns; the learned one if None
@@ -40,15 +44,19 @@ def occlusion(
         raise DataError(f"modality is '{modality:.20}'; it is vis or tac.")
     import torch
 
-    from omnivat.data.images import read_image
+    from omnivat.encoders.paired import for_modality
 
     began = perf_counter()
-    image = read_image(content, name=name)
+    image = resources.picture(content, name, check).image
     image.thumbnail((SIDE, SIDE))
-    encoder, head = resources.encoder(), resources.head()
+    encoder, head = for_modality(resources.encoder(), modality), resources.head()
     with torch.inference_mode():
         pixels = [encoder.preprocess(one) for one in (image, *hidden(image))]
-        varied = encoder.embed(torch.stack(pixels))
+        parts = []
+        for few in torch.stack(pixels).split(AT_ONCE):
+            check()
+            parts.append(encoder.embed(few))
+        varied = torch.cat(parts)
         pair: dict[str, Any] = {"vis": None, "tac": None, modality: varied}
         if other is not None:
             rest = "tac" if modality == "vis" else "vis"

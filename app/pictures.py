@@ -2,7 +2,8 @@
 
 from typing import TYPE_CHECKING, Any
 
-from app.drawing import Picture, Shape
+from app.curve_pictures import STAGES
+from app.drawing import Picture, Shape, text
 from omnivat.errors import SettingsError
 
 if TYPE_CHECKING:
@@ -10,27 +11,13 @@ if TYPE_CHECKING:
 
     from omnivat.frames import FrameSet
 
-# the same as in web/palette.js, which a test compares
+# the same as in web/shared/palette.js, which a test compares
 DOMAINS = ["#e69f00", "#56b4e9", "#009e73", "#d55e00", "#0072b2", "#cc79a7", "#f0e442", "#8c8c8c"]
 CLASSES = ["#4477aa", "#ee6677", "#228833", "#ccbb44", "#aa3377", "#66ccee", "#bbbbbb", "#332288"]
 MODALITIES = ["#56b4e9", "#e69f00"]
 RIGHT_WRONG = ["#009e73", "#d55e00"]
 COLOURS = ("domain", "class", "modality", "correctness")
-STAGES = {
-    "raw": "raw embedding E",
-    "frft": "raw DFrFT",
-    "relu": "F after ReLU",
-    "f_bar": "F after FrATT",
-    "f_hat": "F after DTG",
-}
-INK, SOFT, GRID = "#0f172a", "#55637a", "#dbe2ea"
 SIDE, EDGE, LINE = 720.0, 14.0, 20.0
-CURVES = (
-    ("modality_gap", "Modality gap"),
-    ("domain_gap", "Domain gap"),
-    ("accuracy", "Accuracy"),
-    ("margin", "Cosine margin"),
-)
 
 
 def map_picture(
@@ -109,79 +96,3 @@ def legend_of(names: list[tuple[str, str]]) -> tuple[list[Shape], float]:
         shapes.append(text((x + 16, y), name))
         x += width
     return shapes, y
-
-
-def curves_picture(frames: "FrameSet", *, stage: str = "f_hat", order: float) -> Picture:
-    """Return the four curves over p on fixed axes, with `order` and the learned p marked."""
-    wide, high = 340.0, 190.0
-    shapes: list[Shape] = []
-    for k, (name, title) in enumerate(CURVES):
-        left, top = (k % 2) * wide, (k // 2) * high
-        shapes += chart(frames, name, title, stage, order, left, top, wide, high)
-    learned = frames.head.get("learned_order")
-    what = "simulated data" if frames.embeddings.get("simulated") else "real data"
-    note = f"OmniVaT, {STAGES.get(stage, stage)}, {what}"
-    if learned is not None:
-        note += f"; learned p = {learned:.3f}, weights are those of that p: elsewhere a what-if"
-    shapes.append(text((EDGE, 2 * high + 18), note, 11))
-    return Picture(width=2 * wide, height=2 * high + 30, shapes=tuple(shapes), title=note)
-
-
-def chart(
-    frames: "FrameSet",
-    name: str,
-    title: str,
-    stage: str,
-    order: float,
-    left: float,
-    top: float,
-    wide: float,
-    high: float,
-) -> list[Shape]:
-    """Return one chart; the dashed line is the raw embedding's, or guessing."""
-    x0, x1, y0, y1 = left + 44, left + wide - 14, top + high - 34, top + 34
-    start, end = frames.orders[0], frames.orders[-1]
-    answers = name == "accuracy"
-    own = frames.curves.get("accuracy/all" if answers else f"{name}/{stage}")
-    raw = frames.curves.get(f"{name}/raw")
-    known = [
-        v
-        for key, values in frames.curves.items()
-        if key.startswith(f"{name}/")
-        for v in values
-        if v is not None
-    ]
-    most = 1.0 if answers else max([0.1, *known])
-
-    def at(p: float, v: float) -> tuple[float, float]:
-        share = (p - start) / (end - start or 1)
-        return x0 + share * (x1 - x0), y0 - v / most * (y0 - y1)
-
-    shapes = [
-        text((x0, y1 - 14), title, 14),
-        Shape(kind="line", points=((x0, y0), (x1, y0)), stroke=GRID),
-        Shape(kind="line", points=((x0, y1), (x1, y1)), stroke=GRID),
-        text((x0 - 6, y0 + 4), "0", 11, "end"),
-        text((x0 - 6, y1 + 4), f"{most:.2f}", 11, "end"),
-        text((x0, y0 + 16), f"{start:g}", 11),
-        text(((x0 + x1) / 2, y0 + 16), "p", 11, "middle"),
-        text((x1, y0 + 16), f"{end:g}", 11, "end"),
-    ]
-    level = 1 / len(frames.classes) if answers else (raw[0] if raw else None)
-    if level is not None:
-        ends = (at(start, level), at(end, level))
-        shapes.append(Shape(kind="line", points=ends, stroke=SOFT, dashed=True))
-    pieces = [(p, v) for p, v in zip(frames.orders, own or (), strict=False) if v is not None]
-    if pieces:
-        line = tuple(at(p, v) for p, v in pieces)
-        shapes.append(Shape(kind="line", points=line, stroke="#1d4ed8", size=2))
-        p, v = min(pieces, key=lambda piece: abs(piece[0] - order))
-        shapes.append(Shape(kind="line", points=(at(p, 0), at(p, most)), stroke="#b91c1c"))
-        shapes.append(Shape(kind="circle", points=(at(p, v),), fill="#b91c1c", size=4))
-        shapes.append(text((x1, y1 - 14), f"{v:.3f} at p = {p:.2f}", 12, "end"))
-    return shapes
-
-
-def text(point: tuple[float, float], words: str, size: float = 12, anchor: str = "start") -> Shape:
-    """Return a text in the ink of the page."""
-    return Shape(kind="text", points=(point,), text=words, size=size, anchor=anchor, fill=INK)

@@ -1,110 +1,116 @@
-"""Where a pair that is not in the set, or a tree's nodes, lie on a map of the set."""
+"""Where a chosen pair and its tree's nodes lie on a map of the set."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from app.asking import embedded, refs_from
 from app.resources import Resources
-from app.state import order_from
+from app.state import Ref, order_from
 from omnivat.errors import DataError
 
 if TYPE_CHECKING:
     import numpy as np
+    from torch import Tensor
 
     Array = np.ndarray[Any, Any]
 
-NEIGHBOURS = 15
-EXACT = 1e-3  # of the map's radius: a linear map that fits every point this well is the map
+Rows = Callable[[Resources, str, float], "Array"]  # (resources, stage, order) -> (2N, W) unit rows
 
 
-def place(resources: Resources, question: Mapping[str, Any], features: Any) -> dict[str, Any]:
-    """Place a pair, and the nodes of its tree where asked for, on one map of the first head.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Drawn:
+    """One map of the set at one stop: places (2N, 2), VIS first, and the stop's order."""
+
+    stage: str
+    order: float
+    flat: "Array"
+
+
+def place(resources: Resources, question: Mapping[str, Any], features: Rows) -> dict[str, Any]:
+    """Place a pair, and the nodes of its tree where wanted, on one map of the first head.
 
     question  {"vis", "tac": references, "order": p, "stage": …, "map": "pca" or "umap",
               "nodes": whether to place the tree's nodes}
-    features  (resources, stage, order) -> unit rows (2N, W) of the whole set
     return    `points` by modality and `nodes`, each [x, y] in map units; `order` of the map's
               stop; `exact`: whether the map is linear, so that the place is no estimate;
-              `of_set`: whether all of the pair is of the set, and lies where the map has it
+              `of_set`: whether the whole pair is of the set, and lies where the map has it
 
     Raises DataError where there is no such map.
     """
+    import torch
+
+    from omnivat.gaps.unit import unit
+    from omnivat.projection.place import placed
+
+    drawn = _drawn(resources, question)
+    refs = refs_from(question)
+    own, nodes = _features(resources, refs, drawn, question.get("nodes") is True)
+    queries = torch.cat([*own.values(), *([] if nodes is None else [nodes])])
+    rows = torch.from_numpy(features(resources, drawn.stage, drawn.order))
+    found = placed(unit(queries), rows, torch.from_numpy(drawn.flat))
+    at = found.places.tolist()
+    points = dict(zip(own, at, strict=False))
+    of_set = _of_set(refs, drawn, points)
+    return {
+        "points": {**points, **of_set},
+        "nodes": at[len(own) :],
+        "order": drawn.order,
+        "exact": found.exact,
+        "of_set": of_set.keys() == points.keys(),
+    }
+
+
+def _drawn(resources: Resources, question: Mapping[str, Any]) -> Drawn:
+    """Return the map that the question names, at its stop nearest to the question's order."""
     from omnivat.frames import read_frames
-    from omnivat.sweep.walk import stage_features
 
     stage, kind = str(question.get("stage")), str(question.get("map"))
     file = resources.frames.state().file
     if file is None:
-        raise DataError("The map is still being computed; ask again when it is there.")
+        raise DataError("The map is still being computed; try again when it is there.")
     frames = read_frames(file)
-    drawn = frames.maps.get(f"{kind}/{stage}")
-    if drawn is None:
+    maps = frames.maps.get(f"{kind}/{stage}")
+    if maps is None:
         raise DataError(f"There is no map '{kind:.20}/{stage:.20}' to place the pair on.")
-    wanted = order_from(question.get("order"))
-    wanted = resources.head().model.order if wanted is None else wanted
-    stop = min(drawn.orders, key=lambda at: abs(frames.orders[at] - wanted))
-    order = frames.orders[stop]
+    order = order_from(question.get("order"))
+    wanted = resources.head().model.order if order is None else order
+    stop = min(maps.orders, key=lambda at: abs(frames.orders[at] - wanted))
+    flat = maps.places(maps.orders.index(stop))
+    return Drawn(stage=stage, order=frames.orders[stop], flat=flat)
+
+
+def _features(
+    resources: Resources, refs: Mapping[str, Ref | None], drawn: Drawn, nodes: bool
+) -> "tuple[dict[str, Tensor], Tensor | None]":
+    """Return the pair's rows (1, W) at the map's stage by modality, and its nodes (M, W).
+
+    Nodes have the head's width; None where they were not wanted or the stage has another width.
+    """
     import torch
 
-    flat = drawn.places(drawn.orders.index(stop))
-    rows = features(resources, stage, order)
-    refs = refs_from(question)
+    from omnivat.sweep.walk import stage_features
+
     pair = embedded(resources, refs)
     with torch.inference_mode():
-        want_nodes = question.get("nodes") is True
-        out = resources.head().model(pair["vis"], pair["tac"], order=order, nodes=want_nodes)
-        if stage == "raw":
-            own = {name: e.numpy() for name, e in pair.items() if e is not None}
+        out = resources.head().model(pair["vis"], pair["tac"], order=drawn.order, nodes=nodes)
+        if drawn.stage == "raw":
+            own = {name: rows for name, rows in pair.items() if rows is not None}
         else:
-            own = {name: e.numpy() for name, e in stage_features(out, stage).items()}
-        nodes = out.nodes[0].numpy() if want_nodes and out.nodes is not None else None
-    known = linear_map(rows, flat)
-    placed = {name: on_map(e, rows, flat, known)[0].tolist() for name, e in own.items()}
-    of_set = {
-        name: int(ref.name) + (len(flat) // 2 if name == "tac" else 0)
-        for name, ref in refs.items()
-        if ref is not None and ref.kind == "row" and name in placed
-    }
-    placed |= {name: flat[row].tolist() for name, row in of_set.items()}
+            own = dict(stage_features(out, drawn.stage))
+    width = next(iter(own.values())).shape[1]
+    if out.nodes is None or out.nodes.shape[-1] != width:
+        return own, None
+    return own, out.nodes[0]
+
+
+def _of_set(
+    refs: Mapping[str, Ref | None], drawn: Drawn, points: Mapping[str, Any]
+) -> dict[str, list[float]]:
+    """Return the map's own places of those images that are rows of the set."""
+    half = len(drawn.flat) // 2
     return {
-        "points": placed,
-        "nodes": []
-        if nodes is None or nodes.shape[1] != rows.shape[1]
-        else on_map(nodes, rows, flat, known).tolist(),
-        "order": order,
-        "exact": known is not None,
-        "of_set": of_set.keys() == placed.keys(),
+        name: drawn.flat[int(ref.name) + (half if name == "tac" else 0)].tolist()
+        for name, ref in refs.items()
+        if ref is not None and ref.kind == "row" and name in points
     }
-
-
-def linear_map(rows: "Array", flat: "Array") -> "Array | None":
-    """Return the affine map (W + 1, 2) that takes rows (2N, W) to flat (2N, 2), None if none does.
-
-    PCA is one, whatever turn or mirror follows it.
-    """
-    import numpy as np
-
-    if len(rows) <= rows.shape[1] + 1:
-        return None  # too few points to tell
-    wide = np.concatenate([rows.astype(float), np.ones((len(rows), 1))], axis=1)
-    found: Array = np.linalg.lstsq(wide, flat, rcond=1e-9)[0]
-    radius = np.abs(flat - flat.mean(0)).max()
-    off = np.abs(wide @ found - flat).max()
-    return found if off <= EXACT * radius else None
-
-
-def on_map(features: "Array", rows: "Array", flat: "Array", known: "Array | None") -> "Array":
-    """Return places (B, 2) of features (B, W): by the linear map, or between nearest neighbours."""
-    import numpy as np
-
-    unit = features / np.maximum(np.linalg.norm(features, axis=1, keepdims=True), 1e-12)
-    if known is not None:
-        placed: Array = unit @ known[:-1] + known[-1]
-        return placed
-    cosines = unit @ rows.T
-    count = min(NEIGHBOURS, len(rows))
-    best = np.argpartition(-cosines, count - 1, axis=1)[:, :count]
-    near = np.take_along_axis(cosines, best, axis=1)
-    weights = np.exp(20 * (near - near.max(1, keepdims=True)))
-    found: Array = (weights[..., None] * flat[best]).sum(1) / weights.sum(1)[:, None]
-    return found

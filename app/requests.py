@@ -1,19 +1,28 @@
 """Reading a request with care: no more bytes than allowed, JSON that is an object, numbers."""
 
+import asyncio
 import base64
 import json
-from collections.abc import Mapping
+from collections.abc import AsyncIterator, Mapping
 from io import BytesIO
+from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 from starlette.requests import Request
 
+from app.limits import BODY_S, IDLE_S
 from omnivat.errors import DataError
 
 if TYPE_CHECKING:
     from PIL import Image
 
 PREVIEW_SIDE = 320  # pixels of the picture that shows what the model sees
+
+
+class StalledError(DataError):
+    """What a visitor sends stopped coming."""
+
+    status = 408
 
 
 def number_from(text: str | None) -> float | str | None:
@@ -29,18 +38,38 @@ def file_name(request: Request) -> str:
     return request.query_params.get("name", "")[:120] or "the image"
 
 
-async def body(request: Request, limit: int, what: str) -> bytes:
-    """Return the request's bytes, reading no more than `limit` of them.
+def desk_name(request: Request) -> str:
+    """Return the name of the head and set that a request is about; "" for the server's own."""
+    return request.query_params.get("set", "")[:64]
 
-    Raises DataError when there are more.
+
+async def blocks(request: Request, limit: int, what: str) -> AsyncIterator[bytes]:
+    """Give the request's bytes as they come, no more than `limit` of them.
+
+    Raises DataError when there are more, StalledError when none come for a while or all take long.
     """
-    content = bytearray()
-    async for part in request.stream():
-        content += part
-        if len(content) > limit:
+    size, began, stream = 0, monotonic(), aiter(request.stream())
+    while True:
+        left = BODY_S - (monotonic() - began)
+        try:
+            block = await asyncio.wait_for(anext(stream), min(IDLE_S, left))
+        except StopAsyncIteration:
+            return
+        except TimeoutError as error:
+            raise StalledError(f"{what} did not arrive in time; send it again.") from error
+        size += len(block)
+        if size > limit:
             raise DataError(
                 f"{what} is larger than {limit / 1e6:.3g} MB; scale it down and try again."
             )
+        yield block
+
+
+async def body(request: Request, limit: int, what: str) -> bytes:
+    """Return the request's bytes, reading no more than `limit` of them; raises as `blocks` does."""
+    content = bytearray()
+    async for block in blocks(request, limit, what):
+        content += block
     return bytes(content)
 
 

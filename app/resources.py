@@ -11,23 +11,26 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app.examples import Example, example_named, find_examples
-from app.frames_job import FramesJob
+from app.frames_job import FramesJob, Source
+from app.limits import DRAWN_PAIRS
 from app.once import Once
+from app.shared import Shared
 from app.state import ForgottenError, Recent, Ref, content_name
 from omnivat.errors import DataError
-from omnivat.heads import EXAMPLES, default_embeddings, default_head
+from omnivat.heads import EXAMPLES, default_embeddings, default_head, shipped_sets
 
 if TYPE_CHECKING:
     import numpy as np
-    from PIL import Image
 
+    from app.decoder import Check, Picture
     from omnivat.checkpoint import Head
     from omnivat.data.store import Embeddings
     from omnivat.encoders.base import Encoder
 
 log = logging.getLogger(__name__)
 KEPT_IMAGES = 512  # embeddings of sent images; about 5 kB each
-KEPT_FEATURES = 4  # the whole set at one stage and order; some MB each
+KEPT_TAUGHT = 8  # they share all weights but the classifier
+KEPT_FEATURES = 6  # the whole set at one stage and order; some MB each
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -62,6 +65,19 @@ def places(
     )
 
 
+def shipped_places(name: str) -> Places:
+    """Return where a set that comes with the project lies; `omnivat.heads.shipped_sets` names them."""
+    folder, embeddings = shipped_sets()[name]
+    frames, sheet = folder / "frames.bin", embeddings.with_suffix(".thumbnails.webp")
+    return Places(
+        head=folder / "head",
+        embeddings=embeddings,
+        frames=frames if frames.is_file() else None,
+        sprite=sheet if sheet.is_file() else None,
+        pairs=folder / "pairs",
+    )
+
+
 def head_names(where: Places) -> dict[str, Path]:
     """Return the folder of each head by the name that requests use: "" is the first one."""
     names = {"": where.head}
@@ -76,25 +92,40 @@ def head_names(where: Places) -> dict[str, Path]:
 class Resources:
     """The loaded parts, shared by all visitors; nothing in here belongs to one visitor."""
 
-    def __init__(self, where: Places) -> None:
+    def __init__(self, where: Places, shared: Shared | None = None, owner: str = "") -> None:
         self.where = where
+        self.shared = shared or Shared()
+        self.jobs = self.shared.jobs
+        self.owner = owner  # of the jobs that this head and set start
         self.folders = head_names(where)
         self.heads: dict[str, Once[Head]] = {
             name: Once(partial(_load_head, folder)) for name, folder in self.folders.items()
         }
         self.head = self.heads[""]
         self.embeddings: Once[Embeddings] = Once(partial(_load_embeddings, where.embeddings))
+        self.drawn: Once[bool] = Once(lambda: _pairs_in(where.embeddings) > DRAWN_PAIRS)
         self.encoder: Once[Encoder] = Once(self._load_encoder)
         self.examples: Once[dict[str, Example]] = Once(self._find_examples)
         self.frame_jobs = {
             name: FramesJob(
-                folder, where.embeddings, None if name else where.frames, where.computed
+                Source(
+                    head=folder,
+                    embeddings=where.embeddings,
+                    load_head=self.heads[name],
+                    load_embeddings=self.embeddings,
+                    drawn=DRAWN_PAIRS,
+                ),
+                None if name else where.frames,
+                where.computed,
+                jobs=self.jobs,
+                owner=owner,
             )
             for name, folder in self.folders.items()
         }
         self.frames = self.frame_jobs[""]
         self.features: Recent[np.ndarray[Any, Any]] = Recent(KEPT_FEATURES)  # by stage and order
         self.answers: Recent[dict[str, Any]] = Recent(KEPT_FEATURES)  # of comparison methods
+        self.taught: Recent[Head] = Recent(KEPT_TAUGHT)  # from visitors' labelled pairs
         self._row_of: Once[dict[str, int]] = Once(self._rows_by_file)
         self._sent: Recent[np.ndarray[Any, Any]] = Recent(KEPT_IMAGES)
 
@@ -142,33 +173,48 @@ class Resources:
             row = self._row_of().get(f"{ref.name}/{modality}")
             if row is not None:
                 return self._from_set(row, modality)
-            return self._encoded(example.file(modality).read_bytes(), example.name)
+            return _of(self._encoded(example.file(modality), example.name), modality)
         kept = self._sent.get(ref.name)
         if kept is None:
             raise ForgottenError("The server no longer has this image; send it again.")
-        return kept
+        return _of(kept, modality)
 
-    def take_image(self, content: bytes, name: str) -> "tuple[Ref, Image.Image]":
-        """Embed the image in `content`; return its reference and the upright RGB image.
+    def picture(self, source: bytes | Path, name: str, check: "Check" = lambda: None) -> "Picture":
+        """Decode an image: some bytes or a file. `check` may end a wait for memory.
 
-        Raises DataError in one sentence when it is not an image that can be read.
+        Raises DataError in one sentence when it is not an image that is taken.
         """
-        from omnivat.data.images import read_image
+        return self.shared.decoder.read(source, name, check)
 
-        image = read_image(content, name=name)
-        self._encoded(content, name)
-        return Ref("image", content_name(content)), image
+    def take_image(
+        self, source: bytes | Path, name: str, check: "Check" = lambda: None
+    ) -> "tuple[Ref, Picture]":
+        """Embed an image, some bytes or a file; return its reference and the decoded picture.
 
-    def _encoded(self, content: bytes, name: str) -> "np.ndarray[Any, Any]":
-        from omnivat.data.images import read_image
+        Raises DataError in one sentence when it is not an image that is taken.
+        """
+        key = content_name(source if isinstance(source, bytes) else source.read_bytes())
+        found = self.picture(source, name, check)
+        self._embedded(key, found)
+        return Ref("image", key), found
 
-        key = content_name(content)
+    def _encoded(self, source: Path, name: str) -> "np.ndarray[Any, Any]":
+        key = content_name(source.read_bytes())
+        kept = self._sent.get(key)
+        return self._embedded(key, self.picture(source, name)) if kept is None else kept
+
+    def _embedded(self, key: str, found: "Picture") -> "np.ndarray[Any, Any]":
         kept = self._sent.get(key)
         if kept is not None:
             return kept
-        encoder = self.encoder()
-        pixels = encoder.preprocess(read_image(content, name=name))
-        return self._sent.keep(key, encoder.embed(pixels[None])[0].numpy())
+        import numpy as np
+
+        from omnivat.encoders.paired import for_modality
+
+        # One vector, or VIS and TAC where each modality has an encoder of its own.
+        encoders = dict.fromkeys(for_modality(self.encoder(), name) for name in ("vis", "tac"))
+        rows = [one.embed(one.preprocess(found.image)[None])[0].numpy() for one in encoders]
+        return self._sent.keep(key, rows[0] if len(rows) == 1 else np.stack(rows))
 
     def _from_set(self, row: int, modality: str) -> "np.ndarray[Any, Any]":
         embeddings = self.embeddings()
@@ -202,10 +248,8 @@ class Resources:
         return find_examples(self.where.pairs) if self.where.pairs else {}
 
     def _load_encoder(self) -> "Encoder":
-        from omnivat.encoders.base import load_encoder
-
         wanted = self.head().encoder
-        encoder = load_encoder(wanted["name"])
+        encoder = self.shared.encoder(wanted["name"], wanted["weights_hash"])
         self.head().require(
             (encoder.name, encoder.weights_hash, encoder.preprocessing),
             encoder.width,
@@ -221,6 +265,14 @@ def require_name(name: Any, known: Mapping[str, Any]) -> None:
         raise DataError(f"No head is called {name!r:.40}; there are {others}.")
 
 
+def _of(kept: "np.ndarray[Any, Any]", modality: str) -> "np.ndarray[Any, Any]":
+    """Return the vector (D,) of a modality: the one there is, or its row of VIS and TAC."""
+    if kept.ndim == 1:
+        return kept
+    row: np.ndarray[Any, Any] = kept[("vis", "tac").index(modality)]
+    return row
+
+
 def _load_head(folder: Path) -> "Head":
     from omnivat.checkpoint import load_head
 
@@ -230,7 +282,17 @@ def _load_head(folder: Path) -> "Head":
 def _load_embeddings(file: Path) -> "Embeddings":
     from omnivat.data.store import load_embeddings
 
-    return load_embeddings(file)
+    return load_embeddings(file).sampled(DRAWN_PAIRS)
+
+
+def _pairs_in(file: Path) -> int:
+    """Return how many pairs a set holds, from its header; 0 where there is none to read."""
+    from omnivat.schema import tensor_table
+
+    try:
+        return int(tensor_table(file)[1].get("pairs", "0")[:12])
+    except (DataError, OSError, ValueError):  # the load itself says what is wrong
+        return 0
 
 
 def _state_of(file: Path) -> tuple[str, int, int]:

@@ -8,40 +8,52 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
-from anyio import CapacityLimiter, to_thread
 from starlette.background import BackgroundTask
 from starlette.requests import Request
 from starlette.responses import FileResponse, JSONResponse, Response
 from starlette.routing import Route
 
+from app import teaching
 from app.components import WEB
 from app.desks import Desks
 from app.examples import example_named, listed
-from app.limits import LANES, MAX_IMAGE_BYTES, MAX_QUESTION_BYTES
-from app.live import live
+from app.familiar import familiar
+from app.limits import MAX_QUESTION_BYTES
 from app.measuring import measured
 from app.messages import Handler, in_sentences, refusal
-from app.occlusion import occlusion
-from app.requests import body, file_name, number_from, preview, question_from
+from app.modes import mode_files, modes
+from app.requests import body, desk_name, question_from
 from app.resources import Resources, require_name
-from app.state import order_from, ref_from
+from app.training_routes import training_routes
+from app.uploads import upload_routes
 from app.views import compare, data, explore, pair, tree
+from app.working import done
 
 Answer = Callable[[Resources, Mapping[str, Any]], dict[str, Any]]
 QUESTIONS: dict[str, Answer] = {
     "pair": pair.answer,
     "attention": pair.attention,
     "tree": tree.answer,
+    "votes": tree.votes,
     "neighbours": explore.neighbours,
     "place": explore.place,
     "answers": compare.answers,
     "measure": measured,
+    "familiar": familiar,
+    "teach": teaching.teach,
+}
+DOWNLOADS: dict[str, Callable[[Resources, Mapping[str, Any]], bytes]] = {
+    "save/set": teaching.save_set,
+    "save/head": teaching.save_taught,
 }
 FACTS: dict[str, Callable[[Resources], Any]] = {
     "about": data.about,
     "heads": compare.heads,
     "matrix": compare.matrix,
-    "retrained": explore.retrained,
+    "modes": modes,
+    "pairs": explore.pairs,
+    "toy": explore.mechanism,
+    "unseen": explore.unseen,
     "examples": lambda resources: listed(resources.examples()),
 }
 TYPES = {".js": "text/javascript", ".css": "text/css"}
@@ -51,24 +63,22 @@ FRESH = {"Cache-Control": "no-cache"}  # ask each time, take nothing where it is
 
 def routes(first: Resources) -> list[Route]:
     """Return all routes, each answering errors with a sentence."""
-    desks, lanes = Desks(first), CapacityLimiter(LANES)
+    desks = Desks(first)
     gets: dict[str, Handler] = {
-        "/omnivat/web/{name}": web_file,
+        "/omnivat/web/{name:path}": web_file,
         "/omnivat/frames": partial(frames, desks),
         "/omnivat/thumbnails.{kind}": partial(thumbnails, desks),
         "/omnivat/example/{name:path}": partial(example_image, desks),
-        **{
-            f"/omnivat/{name}": partial(facts, desks, lanes, found) for name, found in FACTS.items()
-        },
+        **{f"/omnivat/{name}": partial(facts, desks, found) for name, found in FACTS.items()},
     }
     posts: dict[str, Handler] = {
-        f"/omnivat/{name}": partial(ask, desks, lanes, answer) for name, answer in QUESTIONS.items()
+        f"/omnivat/{name}": partial(ask, desks, answer) for name, answer in QUESTIONS.items()
     }
-    posts["/omnivat/image"] = partial(take_image, desks, lanes)
-    posts["/omnivat/occlusion"] = partial(occlude, desks, lanes)
-    posts["/omnivat/live"] = partial(live_picture, desks, lanes)
-    posts["/omnivat/part"] = partial(take_part, desks)
-    posts["/omnivat/load"] = partial(load, desks, lanes)
+    posts |= {
+        f"/omnivat/{name}": partial(download, desks, made) for name, made in DOWNLOADS.items()
+    }
+    posts |= upload_routes(desks)
+    posts |= training_routes(desks)
     posts["/gradio_api/{anything:path}"] = nothing_here
     return [
         *(Route(path, in_sentences(handler)) for path, handler in gets.items()),
@@ -78,7 +88,7 @@ def routes(first: Resources) -> list[Route]:
 
 def desk_of(desks: Desks, request: Request) -> Resources:
     """Return what the request asks of: the head and set that the server started with, or others."""
-    return desks.named(request.query_params.get("set", "")[:64])
+    return desks.named(desk_name(request))
 
 
 async def nothing_here(_: Request) -> Response:
@@ -87,8 +97,8 @@ async def nothing_here(_: Request) -> Response:
 
 
 async def web_file(request: Request) -> Response:
-    """Serve one of the page's scripts or styles; nothing else lies under that folder's name."""
-    known = {path.name: path for path in WEB.iterdir() if path.suffix in TYPES}
+    """Serve one of the page's scripts or styles; nothing else of the folder is served."""
+    known = {p.relative_to(WEB).as_posix(): p for p in WEB.rglob("*") if p.suffix in TYPES}
     path = known.get(request.path_params["name"])
     if path is None:
         return refusal("The page has no such file.", 404)
@@ -102,6 +112,9 @@ async def frames(desks: Desks, request: Request) -> Response:
     beside whatever the visitor does, so that the first question is answered at once.
     """
     resources = desk_of(desks, request)
+    mode = request.query_params.get("mode", "")
+    if mode:
+        return mode_frames(resources, mode)
     name = request.query_params.get("head", "")
     require_name(name, resources.frame_jobs)
     state = resources.frame_jobs[name].state()
@@ -123,9 +136,22 @@ async def frames(desks: Desks, request: Request) -> Response:
     )
 
 
+def mode_frames(resources: Resources, mode: str) -> Response:
+    """Serve the frames of heads trained otherwise than the one that is loaded."""
+    file = mode_files(resources.where).get(mode)
+    if file is None:
+        return refusal(f"There are no frames of the kind '{mode:.20}' beside this set.", 404)
+    return FileResponse(
+        file,
+        media_type="application/octet-stream",
+        headers={**FRESH, HOLDS: resources.holds, "X-Frames": "fine"},
+    )
+
+
 async def thumbnails(desks: Desks, request: Request) -> Response:
     """Serve the sprite of thumbnails or its description; sets without one show names only."""
-    sprite = desk_of(desks, request).where.sprite
+    resources = desk_of(desks, request)
+    sprite = None if resources.drawn() else resources.where.sprite  # of pairs in another order
     file = {
         "webp": sprite,
         "json": sprite.with_suffix(".json") if sprite else None,
@@ -146,85 +172,38 @@ async def example_image(desks: Desks, request: Request) -> Response:
     return FileResponse(file, headers=FRESH)
 
 
-async def facts(
-    desks: Desks, lanes: CapacityLimiter, found: Callable[[Resources], Any], request: Request
-) -> Response:
+def in_json(said: Any, resources: Resources) -> Response:
+    """Give an answer as JSON; values that are not finite come from a damaged head, and are refused."""
+    try:
+        return JSONResponse(said, headers={HOLDS: resources.holds})
+    except ValueError:
+        return refusal(
+            "The head gives values that are not finite numbers; its weights are damaged. Train it again."
+        )
+
+
+async def facts(desks: Desks, found: Callable[[Resources], Any], request: Request) -> Response:
     """Say what is known of what is loaded."""
     resources = desk_of(desks, request)
-    known = await to_thread.run_sync(found, resources, limiter=lanes)
-    return JSONResponse(known, headers={HOLDS: resources.holds})
+    known = await done(request, desks.shared.jobs, lambda _: found(resources))
+    return in_json(known, resources)
 
 
-async def ask(desks: Desks, lanes: CapacityLimiter, answer: Answer, request: Request) -> Response:
-    """Answer one JSON question in a thread of its own."""
+async def ask(desks: Desks, answer: Answer, request: Request) -> Response:
+    """Answer one JSON question, as a job."""
     resources = desk_of(desks, request)
     question = question_from(await body(request, MAX_QUESTION_BYTES, "The question"))
-    said = await to_thread.run_sync(answer, resources, question, limiter=lanes)
-    return JSONResponse(said, headers={HOLDS: resources.holds})
+    said = await done(request, desks.shared.jobs, lambda _: answer(resources, question))
+    return in_json(said, resources)
 
 
-async def take_image(desks: Desks, lanes: CapacityLimiter, request: Request) -> Response:
-    """Take the bytes of one image, embed it, and return its name and a small preview."""
-    resources = desk_of(desks, request)
-    content = await body(request, MAX_IMAGE_BYTES, "The image")
-
-    def taken() -> dict[str, Any]:
-        ref, image = resources.take_image(content, file_name(request))
-        return {
-            "ref": str(ref),
-            "width": image.width,
-            "height": image.height,
-            "preview": preview(image),
-        }
-
-    return JSONResponse(await to_thread.run_sync(taken, limiter=lanes))
-
-
-async def occlude(desks: Desks, lanes: CapacityLimiter, request: Request) -> Response:
-    """Take the bytes of one image; say which parts of it the answer depends on."""
-    return await of_image(occlusion, desks, lanes, request)
-
-
-async def live_picture(desks: Desks, lanes: CapacityLimiter, request: Request) -> Response:
-    """Take one picture of a camera; answer it and forget it."""
-    return await of_image(live, desks, lanes, request)
-
-
-async def of_image(
-    work: Callable[..., dict[str, Any]], desks: Desks, lanes: CapacityLimiter, request: Request
+async def download(
+    desks: Desks,
+    made: Callable[[Resources, Mapping[str, Any]], bytes],
+    request: Request,
 ) -> Response:
-    """Do `work` on an image that is sent, with what the address says of it."""
-    asked = request.query_params
+    """Give a zip made of one JSON question."""
     resources = desk_of(desks, request)
-    content = await body(request, MAX_IMAGE_BYTES, "The image")
-    todo = partial(
-        work,
-        resources,
-        content,
-        modality=asked.get("modality", ""),
-        other=ref_from(asked.get("other")),
-        order=order_from(number_from(asked.get("order"))),
-        name=file_name(request),
-    )
-    return JSONResponse(await to_thread.run_sync(todo, limiter=lanes))
-
-
-async def take_part(desks: Desks, request: Request) -> Response:
-    """Take one file of a head or set, as it comes."""
-    name = request.query_params.get("name", "")
-    return JSONResponse({"part": await desks.keep_part(name, request.stream())})
-
-
-async def load(desks: Desks, lanes: CapacityLimiter, request: Request) -> Response:
-    """Make a desk of the files that were sent: `{"parts": {file: part}, "compare": false}`."""
     question = question_from(await body(request, MAX_QUESTION_BYTES, "The question"))
-    parts = question.get("parts")
-    if not isinstance(parts, dict) or not all(isinstance(part, str) for part in parts.values()):
-        return refusal("parts has to name the files that were sent; choose them again.")
-    work = partial(
-        desks.load,
-        parts,
-        beside=request.query_params.get("set", "")[:64],
-        compare=question.get("compare") is True,
-    )
-    return JSONResponse({"set": await to_thread.run_sync(work, limiter=lanes)})
+    content = await done(request, desks.shared.jobs, lambda _: made(resources, question))
+    return Response(content, media_type="application/zip")

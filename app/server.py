@@ -3,27 +3,35 @@
 import argparse
 import logging
 import os
+import signal
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from omnivat.errors import MissingPackageError
+from app import hosted
+from app.guard import Guard, rules, warning
+from app.scratch import sweep
+from app.starting import free_port, port_number, require_files
+from omnivat.errors import MissingPackageError, OmniVatError
 from omnivat.packages import need
 
+log = logging.getLogger(__name__)
 VIEWS = (
     "app.views.explore",
     "app.views.pair",
+    "app.views.train",
     "app.views.tree",
     "app.views.compare",
     "app.views.data",
 )
-ICON = Path(__file__).parent / "web" / "icon.svg"
+ICON = Path(__file__).parent / "web" / "shared" / "icon.svg"
 
 
-def parser() -> argparse.ArgumentParser:
-    """Return the command line of `python app.py`."""
+def parser(environ: Mapping[str, str] = os.environ) -> argparse.ArgumentParser:
+    """Return the command line of `python app.py`; a hosting service sets defaults by `environ`."""
     parser = argparse.ArgumentParser(prog="app.py", description="Open the OmniVaT page.")
     parser.add_argument("--head", type=Path, help="folder of a trained head")
     parser.add_argument("--embeddings", type=Path, help="embeddings file to show")
@@ -35,9 +43,36 @@ def parser() -> argparse.ArgumentParser:
         metavar="DIR",
         help="a head to show beside the first; can be given several times",
     )
-    parser.add_argument("--host", default="127.0.0.1", help="address to listen on")
-    parser.add_argument("--port", type=int, help="port (the first free one from 7860)")
-    parser.add_argument("--no-browser", action="store_true", help="do not open a browser")
+    parser.add_argument(
+        "--host",
+        default=environ.get(hosted.NAME) or "127.0.0.1",
+        help=f"address to listen on; ${hosted.NAME}, or this machine alone",
+    )
+    parser.add_argument(
+        "--port",
+        type=port_number,
+        default=environ.get(hosted.PORT) or None,
+        help=f"port; ${hosted.PORT}, or the first free one from 7860",
+    )
+    parser.add_argument(
+        "--allow-host",
+        action="append",
+        default=hosted.names(environ),
+        metavar="NAME",
+        help="a name by which the page may be called, too; can be given several times",
+    )
+    parser.add_argument(
+        "--allow-framing",
+        action="store_true",
+        default=hosted.FRAMED in environ,
+        help="let other pages show this one in a frame, as notebooks and hosted demos do",
+    )
+    parser.add_argument(
+        "--no-browser",
+        action="store_true",
+        default=hosted.is_hosted(environ),
+        help="do not open a browser",
+    )
     parser.add_argument(
         "--desktop", action="store_true", help="open a window of its own (needs pywebview)"
     )
@@ -63,16 +98,25 @@ def build() -> Any:
 
 def launch(page: Any, resources: Any, arguments: argparse.Namespace, **more: Any) -> Any:
     """Serve the page; returns when it is stopped, at once where `prevent_thread_lock` is given."""
-    from app.routes import routes
-    from app.theme import HEAD, theme
+    from starlette.middleware import Middleware
 
+    from app.routes import routes
+    from app.theme import head, theme
+
+    names, framed = arguments.allow_host, arguments.allow_framing
+    guarded = rules(arguments.host, names, framed=framed)
     return page.launch(
         server_name=arguments.host,
         server_port=arguments.port,
         inbrowser=not arguments.no_browser,
-        app_kwargs={"routes": routes(resources), "docs_url": None, "redoc_url": None},
+        app_kwargs={
+            "routes": routes(resources),
+            "middleware": [Middleware(Guard, rules=guarded)],
+            "docs_url": None,
+            "redoc_url": None,
+        },
         theme=theme(),
-        head=HEAD,
+        head=head([name.rpartition(".")[2] for name in VIEWS]),
         favicon_path=ICON,
         footer_links=[],
         run_history=False,
@@ -89,11 +133,31 @@ def main(arguments: Sequence[str] | None = None) -> int:
     logging.basicConfig(level=logging.INFO, format="%(levelname)s %(name)s: %(message)s")
     logging.getLogger("httpx").setLevel(logging.WARNING)
     from app.resources import Resources, places
+    from app.shared import Shared
 
-    resources = Resources(places(chosen.head, chosen.embeddings, chosen.compare))
-    if chosen.desktop:
-        return in_window(resources, chosen)
-    launch(build(), resources, chosen)
+    try:
+        require_files(chosen.head, chosen.embeddings, chosen.compare)
+        chosen.port = free_port(chosen.host, chosen.port)
+    except OmniVatError as error:
+        print(f"app.py: {error}", file=sys.stderr)
+        return 1
+    if told := warning(chosen.host, chosen.port):
+        print(told, file=sys.stderr, flush=True)
+    for one in (signal.SIGTERM, getattr(signal, "SIGHUP", signal.SIGTERM)):
+        signal.signal(one, signal.default_int_handler)  # ends as Ctrl+C does, leaving nothing
+    sweep()
+    shared, where = Shared(), places(chosen.head, chosen.embeddings, chosen.compare)
+    if hosted.keeps_nothing(os.environ):
+        where = replace(where, computed=shared.scratch.folder("maps"))
+    resources = Resources(where, shared)
+    try:
+        if chosen.desktop:
+            return in_window(resources, chosen)
+        launch(build(), resources, chosen)
+    except KeyboardInterrupt:  # before the server took over
+        log.info("stopped")
+    finally:
+        resources.shared.close()
     return 0
 
 

@@ -7,15 +7,17 @@ content: two visitors share nothing but what is equal in both.
 from collections import OrderedDict
 from dataclasses import dataclass
 from hashlib import blake2b
-from math import isfinite
 from threading import Lock
 from typing import Any, Generic, TypeVar
 
 from omnivat.errors import DataError
+from omnivat.orders import optional_order
 
 
 class ForgottenError(DataError):
     """An image was sent before, and the server no longer has it: the page sends it again."""
+
+    status = 410
 
 
 KINDS = ("row", "example", "image")
@@ -56,14 +58,9 @@ def ref_from(value: Any) -> Ref | None:
 def order_from(value: Any) -> float | None:
     """Return an order between -4 and 4 quarter turns, or None where none is given.
 
-    Raises DataError for anything else.
+    Raises SettingsError for anything else.
     """
-    if value is None:
-        return None
-    number = isinstance(value, int | float) and not isinstance(value, bool)
-    if not number or not isfinite(value) or abs(value) > 4:
-        raise DataError(f"p is {value!r:.40}; give a number of quarter turns between -4 and 4.")
-    return float(value)
+    return optional_order(value, name="p")
 
 
 def content_name(content: bytes) -> str:

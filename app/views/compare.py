@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from app.components import component
 from app.resources import Resources
@@ -10,9 +10,16 @@ from omnivat.data.domains import paper_name
 from omnivat.errors import DataError
 from omnivat.heads import EXAMPLES
 
+if TYPE_CHECKING:
+    import numpy as np
+
+    from omnivat.data.store import Embeddings
+
+    Array = np.ndarray[Any, Any]
+
 TITLE = "Compare"
 METHODS = {"nearest_mean": "nearest class mean"}  # quick to fit; slower ones are in the matrix
-_MEASURED = EXAMPLES.parent / "docs" / "benchmarks"
+_MEASURED = EXAMPLES / "records"
 RECORDS = (_MEASURED / "protocol_full.jsonl", _MEASURED / "protocol.jsonl")
 
 
@@ -40,21 +47,23 @@ def heads(resources: Resources) -> list[dict[str, Any]]:
                 }
             )
         except (OSError, ValueError, KeyError, TypeError):
-            problem = f"'{folder.name}' is not a head; see Data & about."
+            problem = f"'{folder.name}' is not a head; see Data & limits."
             found.append({"name": name, "folder": folder.name, "problem": problem})
     return found
 
 
 def answers(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what a comparison method, fitted on the head's source domain, says of every pair.
+    """Return what a comparison method, fitted on the head's source domain, predicts for every pair.
 
     question  {"method": a name of METHODS}
-    return    label, prediction (N,) as indices into the set's classes, confidence (N,) 0 to 255
+    return    label, prediction (N,) as indices into `classes`, confidence (N,) 0 to 255, and
+              `accuracy`: "unseen" (mean over unseen domains, pairs that count) and each domain;
+              pairs of a class that the method lacks are left out, as they are for a head
 
     Raises DataError for another method, or a set without the head's source domain.
     """
     method = question.get("method")
-    if method not in METHODS:
+    if not isinstance(method, str) or method not in METHODS:
         raise DataError(f"No method is called {method!r:.40}; there are {', '.join(METHODS)}.")
     kept = resources.answers.get(method)
     return resources.answers.keep(method, kept or _answered(resources, method))
@@ -63,29 +72,52 @@ def answers(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]
 def _answered(resources: Resources, method: str) -> dict[str, Any]:
     import torch
 
+    from omnivat.baselines import BASELINES
+    from omnivat.protocol.fold import source_arrays
     from omnivat.protocol.methods import methods_named
-    from omnivat.protocol.run import Run, asked, source_arrays
+    from omnivat.protocol.run import Run, task_of
     from omnivat.tables import load
 
     embeddings, source = resources.embeddings(), resources.head().source
-    from omnivat.baselines import BASELINES
-
     run = Run(method=methods_named([method], {}, {})[0], source=source, seed=0)
-    task = asked(run, embeddings)
+    task = task_of(run, embeddings)
     fitted = load(BASELINES, method, kind="baseline")(source_arrays(task, None, 0))
     vis, tac = (torch.from_numpy(a.copy()) for a in (embeddings.vis, embeddings.tac))
     with torch.inference_mode():
         confidence, said = fitted.predict(vis, tac)["fused"].max(1)
-    classes = list(embeddings.header.classes)
     return {
         "label": METHODS[method],
         "classes": list(task.classes),
-        "set_classes": classes,
+        "set_classes": list(embeddings.header.classes),
         "prediction": said.tolist(),
         "confidence": (255 * confidence).round().int().tolist(),
+        "accuracy": scores_of(embeddings, task.classes, source, said.numpy()),
         "pairs": len(task.train),
         "source": source,
     }
+
+
+def scores_of(
+    embeddings: "Embeddings", classes: Sequence[str], source: str, said: "Array"
+) -> dict[str, float | None]:
+    """Return the accuracy of predictions (N,) in each domain, and of "unseen" ones together.
+
+    Pairs of a class that is not among `classes` are left out, and of "unseen" those that were
+    trained on. None where nothing is left.
+    """
+    from omnivat.evaluate import label_map
+    from omnivat.unseen import counted
+    from omnivat.unseen.masks import mean_over_domains
+
+    label = label_map(list(classes), embeddings.header.classes)[embeddings.label]
+    right, known = said == label, label >= 0
+    found: dict[str, float | None] = {
+        "unseen": mean_over_domains(right, embeddings, source, known & counted(embeddings, source))
+    }
+    for index, name in enumerate(embeddings.header.domains):
+        own = known & (embeddings.domain == index)
+        found[name] = float(right[own].mean()) if own.any() else None
+    return found
 
 
 # ---- source x target ---------------------------------------------------------------------------
@@ -132,14 +164,17 @@ def head_row(resources: Resources, name: str) -> dict[str, Any] | None:
     except DataError:
         return None
     domains = resources.embeddings().header.domains
-    cells = {
-        str(record["domain"]): [
-            record["scores"]["fused"]["accuracy"],
-            record["scores"]["fused"]["macro_f1"],
-        ]
-        for record in head.metrics.get("domains", [])
-        if "fused" in record.get("scores", {}) and record["domain"] in domains
-    }
+    try:
+        cells = {
+            str(record["domain"]): [
+                record["scores"]["fused"]["accuracy"],
+                record["scores"]["fused"]["macro_f1"],
+            ]
+            for record in head.metrics.get("domains", [])
+            if "fused" in record.get("scores", {}) and record["domain"] in domains
+        }
+    except (AttributeError, KeyError, TypeError):  # metrics.json is what somebody wrote
+        return None
     if not cells:
         return None
     label = f"head '{resources.folders[name].name}'"

@@ -1,4 +1,4 @@
-"""Data & about: what is loaded, where it came from, its limits, and how to load one's own."""
+"""Data & limits: what is loaded, where it came from, its limits, and how to load one's own."""
 
 from math import isfinite
 from pathlib import Path
@@ -6,10 +6,11 @@ from typing import Any
 
 from app.components import component
 from app.limits import MAX_IMAGE_BYTES, MAX_PIXELS
+from app.messages import without_places
 from app.resources import Resources
 from omnivat.errors import DataError
 
-TITLE = "Data & about"
+TITLE = "Data & limits"
 
 
 def about(resources: Resources) -> dict[str, Any]:
@@ -82,7 +83,7 @@ def _or_problem(facts: Any) -> dict[str, Any]:
     try:
         return dict(facts())
     except DataError as error:
-        return {"problem": str(error)}
+        return {"problem": without_places(str(error))}
 
 
 def build() -> None:

@@ -1,7 +1,7 @@
 """Explore: the whole set on a map that answers while p moves."""
 
-import json
 from collections.abc import Mapping
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +10,6 @@ from app.components import component
 from app.resources import Resources
 from app.state import order_from
 from omnivat.errors import DataError
-from omnivat.heads import EXAMPLES, default_embeddings, default_head
 
 if TYPE_CHECKING:
     import numpy as np
@@ -22,7 +21,6 @@ if TYPE_CHECKING:
 
 TITLE = "Explore"
 NEIGHBOURS = 6
-RETRAINED = EXAMPLES / "retrained.json"
 
 
 def neighbours(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
@@ -88,41 +86,47 @@ def staged(model: "OmniVaT", embeddings: "Embeddings", stage: str, order: float)
     return features
 
 
+def unseen(resources: Resources) -> dict[str, Any]:
+    """Return how the first head does in domains that it never saw; see `omnivat.unseen`.
+
+    Raises DataError where head and set do not fit.
+    """
+    from omnivat.unseen import unseen_summary
+
+    kept = resources.answers.get("unseen")
+    if kept is None:
+        found = unseen_summary(resources.head(), resources.embeddings())
+        kept = resources.answers.keep("unseen", found)
+    return kept
+
+
+def pairs(resources: Resources) -> dict[str, list[str]]:
+    """Return what each pair of the set is called and what it imitates, in the order of the set."""
+    rows = resources.embeddings().rows
+    names = [_name(file) for file in rows["vis"]]
+    return {"name": names, **{column: rows[column] for column in ("looks_like", "feels_like")}}
+
+
+def _name(file: str) -> str:
+    """Return the name that both files of a pair share."""
+    return Path(file).stem.removesuffix("_vis")
+
+
+@lru_cache(maxsize=1)
+def _toy() -> dict[str, Any]:
+    from omnivat.toy import toy
+
+    return toy([k / 100 for k in range(101)])
+
+
+def mechanism(resources: Resources) -> dict[str, Any]:
+    """Return the toy that shows what the transform and the ReLU do; it is the same for every set."""
+    return _toy()
+
+
 def place(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     """Return where a pair, and its tree's nodes, lie on a map; see `app.placing`."""
     return placing.place(resources, question, kept_features)
-
-
-def retrained(resources: Resources) -> dict[str, Any]:
-    """Return accuracies of heads trained anew at fixed orders; nothing where none were measured.
-
-    They were measured on the project's own set from the source of its own head, so they are not
-    shown with another head or set.
-
-    return  {"points": [{"order", "mean", "std"}, …]} in the order of p. docs/page.md has the format
-    """
-    where = resources.where
-    own = _same(where.head, default_head()) and _same(where.embeddings, default_embeddings())
-    return {"points": retrained_points(RETRAINED) if own else []}
-
-
-def _same(one: Path, other: Path) -> bool:
-    return one.resolve() == other.resolve()
-
-
-def retrained_points(file: Path) -> list[dict[str, float]]:
-    """Read {"0.5": [mean, std], …}, shares of pairs right; anything else in the file is left out."""
-    if not file.is_file():
-        return []
-    found = json.loads(file.read_text(encoding="utf-8"))
-    points = []
-    for order, pair in found.items() if isinstance(found, dict) else ():
-        try:
-            mean, std = map(float, pair)
-            points.append({"order": float(order), "mean": mean, "std": std})
-        except (TypeError, ValueError):
-            continue
-    return sorted(points, key=lambda point: point["order"])
 
 
 def build() -> None:

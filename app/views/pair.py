@@ -1,4 +1,4 @@
-"""Pair: what the head says of one VIS + TAC pair, at every order at once."""
+"""Try a pair: what the head predicts for one VIS + TAC pair, and whether to trust it."""
 
 import base64
 from collections.abc import Mapping
@@ -8,44 +8,62 @@ from app.asking import embedded, refs_from, rounded
 from app.components import component
 from app.resources import Resources
 from app.state import order_from
+from app.teaching import head_for
 from omnivat.errors import DataError
 
 if TYPE_CHECKING:
     import numpy as np
     import torch
 
+    from omnivat.checkpoint import Head
     from omnivat.model.head import OmniVaT
 
-TITLE = "Pair"
+TITLE = "Try a pair"
+READINGS = ("fused", "vis", "tac")  # both, photo only, touch only
 STOPS = tuple(k / 100 for k in range(101))
 COLUMNS = 256  # of the spectrum's picture; each shows the largest of the entries under it
 
 
 def answer(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
-    """Predict one pair at every stop and at one exact order.
+    """Predict one pair at the learned order, and at every stop with the same weights.
 
     question  {"vis": reference or None, "tac": reference or None, "order": p or None,
-              "head": name of a comparison head, the first one if left out}
-    return    classes, orders, the learned order, `stops` and `exact` probabilities, spectra
+              "head": name of a comparison head, the first one if left out,
+              "lessons": the visitor's labelled pairs, to predict by a head taught from them}
+    return    classes, the learned order and the `span` of orders the head was trained for;
+              `exact`: class probabilities of each reading at that order; `orders` and `stops`:
+              the same at 101 orders, without branches; spectra
     """
     refs = refs_from(question)
     order = order_from(question.get("order"))
     pair = embedded(resources, refs)
-    head = resources.head_named(question.get("head"))
+    head = head_for(resources, question)
     exact = head.model.order if order is None else order
     swept = sweep(head.model, pair["vis"], pair["tac"], (*STOPS, exact))
-    probabilities = swept["probabilities"]
+    readings = swept["readings"]
     return {
         "classes": list(head.settings.classes),
         "orders": list(STOPS),
         "learned": head.model.order,
-        "stops": {name: rounded(values[:-1]) for name, values in probabilities.items()},
+        "span": trained_span(head),
+        "stops": {name: rounded(readings[name][:-1]) for name in READINGS if name in readings},
         "exact": {
             "order": exact,
-            **{name: rounded(values[-1:])[0] for name, values in probabilities.items()},
+            "readings": {name: rounded(values[-1:])[0] for name, values in readings.items()},
         },
         "spectra": {name: spectrum(values[:-1]) for name, values in swept["magnitudes"].items()},
     }
+
+
+def trained_span(head: "Head") -> list[float]:
+    """Return the orders [low, high] that the head was trained for.
+
+    The range of p drawn in training, where it was drawn; else the learned order, twice.
+    """
+    train = head.provenance.get("train", {})
+    if train.get("order_draw", "none") != "none":
+        return [float(train["order_low"]), float(train["order_high"])]
+    return [head.model.order, head.model.order]
 
 
 def sweep(
@@ -56,8 +74,8 @@ def sweep(
 ) -> "dict[str, dict[str, np.ndarray[Any, Any]]]":
     """Return what the head gives one pair at P orders, all in one batch.
 
-    probabilities  "vis", "tac" and "both" -> (P, K)
-    magnitudes     "vis", "tac" -> (P, D) moduli of the transformed embedding
+    readings    reading -> (P, K) probabilities; see `omnivat.model.output`
+    magnitudes  "vis", "tac" -> (P, D) moduli of the transformed embedding
     """
     import torch
 
@@ -65,9 +83,8 @@ def sweep(
         one = model.coefficients(vis, tac)
         many = one[torch.zeros(len(orders), dtype=torch.long)]
         out = model.from_coefficients(many, torch.tensor(orders))
-        probabilities = {**out.modality_probabilities, "both": out.probabilities}
         return {
-            "probabilities": {name: p.numpy() for name, p in probabilities.items()},
+            "readings": {name: p.numpy() for name, p in out.readings.items()},
             "magnitudes": {name: f.norm(dim=1).numpy() for name, f in out.frft.items()},
         }
 
@@ -86,7 +103,7 @@ def attention(resources: Resources, question: Mapping[str, Any]) -> dict[str, An
     import torch
 
     pair = embedded(resources, refs_from(question))
-    head = resources.head_named(question.get("head"))
+    head = head_for(resources, question)
     if not head.settings.mffa:
         raise DataError("This head has no MFFA, so there is no attention to show.")
     with torch.inference_mode():

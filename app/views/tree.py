@@ -1,6 +1,6 @@
 """Tree: the nodes that DTG grows from the chosen pair, and what NOD keeps apart."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from app.asking import embedded, refs_from, rounded
@@ -13,8 +13,12 @@ if TYPE_CHECKING:
     from torch import Tensor
 
     from omnivat.checkpoint import Head
+    from omnivat.nodes import TreeFacts
 
 TITLE = "Tree"
+MOST_PAIRS = (
+    5000  # that vote; a larger set is thinned evenly, and a share then known within a point
+)
 
 
 def answer(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
@@ -30,34 +34,59 @@ def answer(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     """
     import torch
 
+    from omnivat.nodes import tree_facts
+
     order = order_from(question.get("order"))
     head = resources.head_named(question.get("head"))
     pair, labels = _pairs(resources, question, head)
     order = head.model.order if order is None else order
-    kind = head.settings.generation
     with torch.inference_mode():
         found = head.model(pair["vis"], pair["tac"], order=order, nodes=True).nodes
         if found is None:
             raise DataError("This head generates no nodes: it was trained without DTG.")
-        logits = head.model.classify(found)
-        return {
-            "classes": list(head.settings.classes),
-            "order": order,
-            "learned": head.model.order,
-            "arrangement": kind,
-            "in_use": head.settings.tree_at_inference,
-            "source": head.source,
-            "pairs": len(found),
-            "parents": parents(kind, found.shape[1]),
-            "nodes": node_records(found, logits, labels),
-            "layers": layer_records(found, groups(kind, found.shape[1])),
-        }
+        facts = tree_facts(head.model, found, labels)
+    return {
+        "classes": list(head.settings.classes),
+        "order": order,
+        "learned": head.model.order,
+        "arrangement": head.settings.generation,
+        "in_use": head.settings.tree_at_inference,
+        "source": head.source,
+        "pairs": len(found),
+        "parents": facts.parents,
+        "nodes": node_records(facts),
+        "layers": layer_records(facts),
+    }
+
+
+def votes(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
+    """Return for each node the class that it gives to most pairs of the set, at the learned p.
+
+    question  {"head": name of a comparison head, the first one if left out}
+    return    {"votes": [{"class", "share"}, …], "pairs": how many were looked at}
+    """
+    import numpy as np
+
+    from omnivat.nodes import node_votes
+
+    name = question.get("head") or ""
+    head, embeddings = resources.head_named(name), resources.embeddings()
+    key = f"votes {name}"
+    kept = resources.answers.get(key)
+    if kept is None:
+        if len(embeddings) > MOST_PAIRS:
+            places = np.linspace(0, len(embeddings) - 1, MOST_PAIRS).astype(np.int64)
+            embeddings = embeddings.select(places)
+        found = node_votes(head, embeddings)
+        records = [{"class": one.label, "share": round(one.share, 4)} for one in found]
+        kept = resources.answers.keep(key, {"votes": records, "pairs": len(embeddings)})
+    return kept
 
 
 def _pairs(
     resources: Resources, question: Mapping[str, Any], head: "Head"
 ) -> "tuple[dict[str, Tensor | None], Tensor | None]":
-    """Return the embeddings asked for, and for a domain the index of each pair's class."""
+    """Return the embeddings wanted, and for a domain the index of each pair's class."""
     domain = question.get("domain")
     if not domain:
         return embedded(resources, refs_from(question)), None
@@ -78,68 +107,29 @@ def _pairs(
     return chosen, torch.as_tensor(labels)
 
 
-def parents(arrangement: str, count: int) -> list[int]:
-    """Return the node that each of `count` nodes grows from; -1 for none."""
-    if arrangement == "tree":
-        return [-1, *((node - 1) // 2 for node in range(1, count))]
-    if arrangement == "series":
-        return list(range(-1, count - 1))
-    if arrangement == "parallel":
-        return [-1, *([0] * (count - 1))]
-    return [-1] * count  # points between VIS and TAC grow from nothing
-
-
-def groups(arrangement: str, count: int) -> list[range]:
-    """Return the groups of nodes that NOD keeps apart: in a tree its layers."""
-    if arrangement == "tree":
-        levels = (count + 1).bit_length() - 1
-        return [range(2**level - 1, 2 ** (level + 1) - 1) for level in range(levels)]
-    if arrangement == "parallel":
-        return [range(1), range(1, count)]
-    return [range(count)]
-
-
-def node_records(
-    nodes: "Tensor", logits: "Tensor", labels: "Tensor | None"
-) -> list[dict[str, Any]]:
-    """Return what the page shows of each node, means over pairs.
-
-    nodes (B, N, D), logits (B, N, K), labels (B,) or None where classes are not known
-    """
-    norms, probabilities = nodes.norm(dim=-1).mean(0), logits.softmax(-1)
-    means = rounded(probabilities.mean(0).numpy())
+def node_records(facts: "TreeFacts") -> list[dict[str, Any]]:
+    """Return what the page shows of each node; `right` where the pairs' classes are known."""
+    means = rounded(facts.probabilities.numpy())
     records: list[dict[str, Any]] = [
-        {"norm": round(float(norm), 5), "probabilities": p}
-        for norm, p in zip(norms, means, strict=True)
+        {"norm": round(float(length), 5), "probabilities": row}
+        for length, row in zip(facts.lengths, means, strict=True)
     ]
-    if labels is not None:
-        right = (probabilities.argmax(-1) == labels[:, None]).double().mean(0)
-        for record, share in zip(records, right, strict=True):
-            record["right"] = round(float(share), 5)
+    if facts.right is not None:
+        for record, share in zip(records, facts.right.tolist(), strict=True):
+            record["right"] = round(share, 5) if share == share else None
     return records
 
 
-def layer_records(nodes: "Tensor", groups: Sequence[range]) -> list[dict[str, Any]]:
-    """Return each group's cosine matrix and its distance to the identity, which NOD minimises.
-
-    nodes  (B, N, D); matrix and distance are means over the B pairs
-    """
-    import torch
-    from torch.nn.functional import normalize
-
-    records = []
-    for group in groups:
-        layer = normalize(nodes[:, group.start : group.stop], dim=-1)
-        cosines = layer @ layer.mT
-        distance = torch.linalg.matrix_norm(cosines - torch.eye(len(group))).mean()
-        records.append(
-            {
-                "nodes": list(group),
-                "cosines": rounded(cosines.mean(0).numpy()),
-                "nod": round(float(distance), 5),
-            }
-        )
-    return records
+def layer_records(facts: "TreeFacts") -> list[dict[str, Any]]:
+    """Return each group's cosine matrix and its distance to the identity, which NOD minimises."""
+    return [
+        {
+            "nodes": list(level.nodes),
+            "cosines": rounded(level.cosines.numpy()),
+            "nod": round(level.nod, 5),
+        }
+        for level in facts.levels
+    ]
 
 
 def build() -> None:

@@ -57,7 +57,7 @@ def resources(
     small_places: Places, encoder: PixelMeans, monkeypatch: pytest.MonkeyPatch
 ) -> Resources:
     """Return fresh resources over the small places, with an encoder that needs no weights."""
-    monkeypatch.setattr("omnivat.encoders.base.load_encoder", lambda name: encoder)
+    monkeypatch.setattr("omnivat.encoders.base.load_encoder", lambda name, **_: encoder)
     return Resources(small_places)
 
 

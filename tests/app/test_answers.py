@@ -1,7 +1,6 @@
 """Smaller answers: attention, a camera's picture, a measurement, heads trained anew."""
 
 import base64
-import json
 
 import numpy as np
 import pytest
@@ -9,7 +8,7 @@ import pytest
 from app.live import live
 from app.measuring import measured
 from app.state import Ref
-from app.views import data, explore, pair, tree
+from app.views import data, pair, tree
 from omnivat.errors import DataError
 
 
@@ -28,8 +27,8 @@ def test_a_cameras_picture_is_answered_and_not_kept(resources, encoder, png):
     first = live(resources, content, modality="vis", other=Ref("row", "3"), order=0.5)
     live(resources, content, modality="vis", other=Ref("row", "3"), order=0.5)
     assert encoder.calls == 2
-    assert set(first["probabilities"]) == {"vis", "tac", "both"}
-    assert sum(first["probabilities"]["both"]) == pytest.approx(1, abs=1e-3)
+    assert set(first["readings"]) == {"fused", "vis", "tac", "vis_branch", "tac_branch"}
+    assert sum(first["readings"]["fused"]) == pytest.approx(1, abs=1e-3)
 
 
 def test_a_picture_of_another_modality_is_refused(resources, png):
@@ -63,23 +62,6 @@ def test_a_domains_tree_is_the_mean_of_its_pairs_trees(resources):
 def test_a_domain_that_is_not_there_is_refused(resources):
     with pytest.raises(DataError, match="No domain is called 'Mars'"):
         tree.answer(resources, {"domain": "Mars"})
-
-
-def test_heads_trained_anew_are_read_in_the_order_of_p(tmp_path):
-    file = tmp_path / "retrained.json"
-    file.write_text(json.dumps({"1.0": [0.5, 0.02], "0.25": [0.6, 0.01], "note": "x", "0.5": [1]}))
-    assert explore.retrained_points(file) == [
-        {"order": 0.25, "mean": 0.6, "std": 0.01},
-        {"order": 1.0, "mean": 0.5, "std": 0.02},
-    ]
-
-
-def test_where_no_head_was_trained_anew_there_are_no_points(tmp_path):
-    assert explore.retrained_points(tmp_path / "none.json") == []
-
-
-def test_dots_of_the_projects_own_head_are_not_shown_with_another(resources):
-    assert explore.retrained(resources) == {"points": []}
 
 
 def test_a_record_without_any_target_can_be_sent():

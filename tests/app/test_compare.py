@@ -55,6 +55,28 @@ def test_a_method_is_fitted_on_the_source_and_answers_every_pair(resources):
     assert got["pairs"] <= (embeddings.domain == 0).sum()
 
 
+def test_a_class_that_a_method_lacks_is_left_out_of_its_score(make_embeddings):
+    """As it is for a head: else a class that neither knows would count against one of them."""
+    embeddings = make_embeddings()
+    known = embeddings.header.classes[:3]
+    said = np.where(embeddings.label < 3, embeddings.label, 0)
+    found = compare.scores_of(embeddings, known, "TAG-sim", said)
+    assert found == {"TAG-sim": 1.0, "OF Real-sim": 1.0, "unseen": 1.0}
+    everything = compare.scores_of(embeddings, embeddings.header.classes, "TAG-sim", said)
+    assert everything["unseen"] == pytest.approx(3 / 5)
+
+
+def test_a_method_is_scored_on_pairs_that_it_was_not_fitted_on(resources):
+    got = compare.answers(resources, {"method": "nearest_mean"})["accuracy"]
+    assert set(got) == {"unseen", "TAG-sim", "OF Real-sim"}
+    assert got["unseen"] == got["OF Real-sim"]
+
+
+def test_a_method_that_is_no_name_is_refused(resources):
+    with pytest.raises(DataError, match="No method is called"):
+        compare.answers(resources, {"method": ["nearest_mean"]})
+
+
 def test_an_unknown_method_is_refused(resources):
     with pytest.raises(DataError, match="No method is called 'magic'"):
         compare.answers(resources, {"method": "magic"})
@@ -108,4 +130,4 @@ def test_the_projects_own_records_are_of_the_set_that_comes_with_it():
     rows = compare.protocol_rows(fingerprint(load_embeddings(default_embeddings())))
     assert len({row["source"] for row in rows}) == 8
     assert {row["seeds"] for row in rows} == {3}
-    assert {"OmniVaT, D = 512", "OmniVaT, D = 64"} <= {row["label"] for row in rows}
+    assert {"OmniVaT, D = 512", "DTG alone, D = 512"} <= {row["label"] for row in rows}

@@ -100,7 +100,7 @@ def test_a_file_that_is_too_large_is_cut_off_and_removed(resources):
     endless = blocks(b"x" * 60_000, PARTS["embeddings.thumbnails.json"] // 60_000 + 2)
     with pytest.raises(DataError, match="is larger than 0.1 MB"):
         asyncio.run(desks.keep_part("embeddings.thumbnails.json", endless))
-    assert list(desks._folder("parts").iterdir()) == []
+    assert list(desks.shared.scratch.folder("parts").iterdir()) == []
 
 
 def test_the_desk_unused_for_longest_is_forgotten_with_its_files(resources, small_places):
@@ -116,4 +116,5 @@ def test_the_desk_unused_for_longest_is_forgotten_with_its_files(resources, smal
     with pytest.raises(ForgottenError):
         desks.named(names[0])
     assert desks.named(names[-1]).head().source == "TAG-sim"
-    assert not (desks._folder(".") / names[0]).exists()
+    assert len(desks._folders) == KEPT_DESKS
+    assert sum(1 for f in desks.shared.scratch.home.iterdir() if f.is_dir()) == KEPT_DESKS + 1

@@ -1,5 +1,6 @@
 """Pictures and the page as one file, made without a browser."""
 
+import json
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -7,12 +8,13 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from app import pictures
+from app import curve_pictures, pictures
 from app.components import WEB
 from app.drawing import Picture, Shape, png, svg, write_picture
-from app.export import export_page, export_picture, frames_file, modules
+from app.export import export_page, export_picture, frames_file, scripts
 from omnivat.cli import main
 from omnivat.errors import SettingsError
+from omnivat.frames import read_frames
 
 
 @pytest.fixture(scope="module")
@@ -22,7 +24,7 @@ def frames(small_places, tmp_path_factory) -> Path:
 
 
 def test_colours_are_those_of_the_page():
-    text = (WEB / "palette.js").read_text(encoding="utf-8")
+    text = (WEB / "shared/palette.js").read_text(encoding="utf-8")
     for name, colours in (("OKABE_ITO", pictures.DOMAINS), ("TOL_BRIGHT", pictures.CLASSES)):
         listed = re.search(rf"const {name} = \[(.*?)\]", text, re.S)
         assert listed
@@ -38,14 +40,46 @@ def test_the_map_holds_every_point_and_says_simulated(frames, tmp_path, colour):
     assert "simulated data" in text
 
 
-def test_the_curves_say_what_is_a_what_if(frames, tmp_path):
+def test_the_curves_say_what_is_a_what_if_and_shade_where_the_head_is_at_home(frames, tmp_path):
     out = tmp_path / "curves.svg"
     export_picture(
         frames, out, what="curves", order=None, stage="relu", kind="pca", colour="domain"
     )
     text = out.read_text(encoding="utf-8")
     assert "what-if" in text
+    assert "trained on TAG-sim" in text
     assert text.count("<polyline") >= 4
+    assert text.count(f'fill="{curve_pictures.BAND}"') == 4
+
+
+def test_curves_of_retrained_heads_have_dots_and_the_span_of_trainings(frames):
+    found = read_frames(frames)
+    stops = len(found.orders)
+    spread = {
+        f"seeds:accuracy/unseen/{end}": [0.5 + shift] * stops
+        for end, shift in (("mean", 0.0), ("low", -0.1), ("high", 0.1))
+    }
+    head = {"kind": "retrained", "source": "TAG-sim", "learned_order": None}
+    retrained = replace(found, head=head, curves={**found.curves, **spread})
+    text = svg(curve_pictures.curves_picture(retrained, stage="f_hat", order=0.5))
+    assert "each stop is a head trained at that p" in text
+    assert text.count("<polygon points=") == 1
+    assert f'fill="{curve_pictures.AREA}"' in text
+    assert text.count("<circle") >= 4 * stops
+    assert "50.0 %" in text
+    assert curve_pictures.BAND not in text
+
+
+def test_accuracy_that_the_frames_do_not_hold_is_said_to_be_missing(frames):
+    found = read_frames(frames)
+    kept = {name: curve for name, curve in found.curves.items() if "unseen" not in name}
+    picture = curve_pictures.curves_picture(replace(found, curves=kept), order=0.5)
+    assert "not measured" in svg(picture)
+
+
+def test_the_band_is_as_wide_as_on_the_page():
+    text = (WEB / "explore/curves.js").read_text(encoding="utf-8")
+    assert f"const CLOSE = {curve_pictures.CLOSE};" in text
 
 
 def test_a_map_that_is_not_there_is_refused(frames, tmp_path):
@@ -79,12 +113,12 @@ def test_png_and_svg_show_the_same_shapes(tmp_path):
 def test_every_script_of_the_saved_page_is_inside_and_names_no_file():
     import base64
 
-    found = modules()
-    assert {"omnivat-web/explore.js", "omnivat-web/store.js"} <= set(found)
+    found = scripts()
+    assert {"omnivat-web/explore/explore.js", "omnivat-web/shared/store.js"} <= set(found)
     for name, address in found.items():
         text = base64.b64decode(address.partition("base64,")[2]).decode()
-        assert '"./' not in text, name
-        for wanted in re.findall(r'"(omnivat-web/[\w.]+)"', text):
+        assert '"./' not in text and '"../' not in text, name
+        for wanted in re.findall(r'"(omnivat-web/[\w./]+)"', text):
             assert wanted in found, (name, wanted)
 
 
@@ -98,6 +132,9 @@ def test_the_saved_page_asks_nothing_of_outside_and_holds_its_frames(
     assert "https://" not in text
     assert "data:application/octet-stream;base64,T1ZGUkFNRVM" in text  # OVFRAMES
     assert "simulated" in text
+    held = json.loads(re.search(r"globalThis.omnivatHeld = (\{.*?\});", text)[1])
+    assert {"frames", "modes", "pairs", "toy", "unseen"} <= set(held)
+    assert "tour-start" in text
 
 
 def test_the_command_writes_a_picture(frames, tmp_path, capsys):

@@ -1,57 +1,186 @@
-"""Whose turn it is when the maps of several heads or sets are wanted."""
+"""The map's frames as a job: shown as soon as they are made, kept, tried again, and stopped."""
 
-from threading import Event, Thread
+from pathlib import Path
+from threading import Event
 
-from app.frames_job import Turns
+import pytest
 
-
-def test_a_first_look_goes_before_the_rest_of_a_last_touch():
-    turns, order, looked = Turns(), [], Event()
-
-    def first_look():
-        turns.take(first_look=True)
-        order.append("first look")
-        turns.end()
-        looked.set()
-
-    turns.take(first_look=False)
-    other = Thread(target=first_look)
-    other.start()
-    while not looked.wait(0.01):
-        turns.give_way()  # as between two stops of a map
-    order.append("last touch goes on")
-    turns.end()
-    other.join()
-    assert order == ["first look", "last touch goes on"]
+from app import frames_job
+from app.frames_job import FramesJob, Source, cache_name
+from app.jobs import Jobs
+from omnivat.errors import DataError
+from omnivat.frames import read_frames
 
 
-def test_nobody_waits_for_a_turn_that_is_free():
-    turns = Turns()
-    for first_look in (True, False, True):
-        turns.take(first_look=first_look)
-        turns.give_way()
-        turns.end()
+@pytest.fixture
+def jobs():
+    jobs = Jobs()
+    yield jobs
+    jobs.close()
 
 
-def test_two_never_work_at_once():
-    turns, inside, most = Turns(), [], []
+@pytest.fixture(autouse=True)
+def few_stops(monkeypatch, tmp_path):
+    monkeypatch.setenv("OMNIVAT_CACHE", str(tmp_path / "cache"))
+    # the learned order lies outside, so that no stop is added at it
+    monkeypatch.setattr(frames_job, "FINE", (0.0, 0.1, 0.2))
+    monkeypatch.setattr(frames_job, "COARSE", (0.0, 0.2))
 
-    def work(first_look):
-        for _ in range(50):
-            turns.take(first_look=first_look)
-            inside.append(1)
-            most.append(len(inside))
-            if not first_look:
-                inside.pop()
-                turns.give_way()
-                inside.append(1)
-                most.append(len(inside))
-            inside.pop()
-            turns.end()
 
-    threads = [Thread(target=work, args=(first,)) for first in (True, False, False, True)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert max(most) == 1
+@pytest.fixture
+def source(small_places) -> Source:
+    from omnivat.checkpoint import load_head
+    from omnivat.data.store import load_embeddings
+
+    return Source(
+        head=small_places.head,
+        embeddings=small_places.embeddings,
+        load_head=lambda: load_head(small_places.head),
+        load_embeddings=lambda: load_embeddings(small_places.embeddings),
+    )
+
+
+def test_frames_are_kept_where_the_cache_was_named(source, jobs, tmp_path):
+    state = FramesJob(source, None, jobs=jobs).wait()
+    assert state.problem == ""
+    assert state.file.parent == tmp_path / "cache" / "frames"
+    assert read_frames(state.file).orders == (0.0, 0.1, 0.2)
+
+
+def test_one_stop_is_exactly_the_learned_order(source, jobs, monkeypatch):
+    monkeypatch.setattr(frames_job, "FINE", (0.0, 0.25, 1.0))
+    learned = source.load_head().model.order
+    frames = read_frames(FramesJob(source, None, jobs=jobs).wait().file)
+    assert learned in frames.orders
+    assert frames.head["learned_order"] == learned
+    assert None not in frames.curves["accuracy/unseen"]
+
+
+def test_the_coarse_map_is_shown_before_the_fine_one_makes_a_step(source, jobs, monkeypatch):
+    import omnivat.frames
+
+    whole, seen, go = omnivat.frames.build_frames, Event(), Event()
+
+    def built(*arguments, orders, **more):
+        if len(orders) == 3:
+            seen.set()
+            go.wait(300)
+        return whole(*arguments, orders=orders, **more)
+
+    monkeypatch.setattr(omnivat.frames, "build_frames", built, raising=False)
+    job = FramesJob(source, None, jobs=jobs)
+    job.state()
+    assert seen.wait(300)
+    state = job.state()
+    assert read_frames(state.file).orders == (0.0, 0.2)
+    assert state.step is not None
+    go.set()
+    assert read_frames(job.wait().file).orders == (0.0, 0.1, 0.2)
+
+
+def test_a_damaged_file_is_made_again(source, jobs):
+    file = FramesJob(source, None, jobs=jobs).wait().file
+    good = file.read_bytes()
+    file.write_bytes(good[:-9])
+    assert FramesJob(source, None, jobs=jobs).wait().file == file
+    assert file.read_bytes() == good
+
+
+def test_the_name_changes_with_the_version_of_the_file_and_the_recipe(source, monkeypatch):
+    names = {cache_name(source.head, source.embeddings)}
+    monkeypatch.setattr("omnivat.frames.file.VERSION", 99)
+    names.add(cache_name(source.head, source.embeddings))
+    monkeypatch.setattr(frames_job, "RECIPE", 99)
+    names.add(cache_name(source.head, source.embeddings))
+    assert len(names) == 3
+
+
+@pytest.mark.parametrize(
+    "error", [DataError("No such set."), UnicodeEncodeError("utf-8", "\udc80", 0, 1, "surrogate")]
+)
+def test_a_first_failure_is_told_and_then_tried_again(source, jobs, monkeypatch, error):
+    def fails(*_):
+        raise error
+
+    job = FramesJob(source, None, jobs=jobs)
+    with monkeypatch.context() as patched:
+        patched.setattr(frames_job, "cache_name", fails)
+        assert job.wait().problem.endswith(".")
+    monkeypatch.setattr(frames_job, "RETRY_S", 0.0)
+    job.state()
+    assert job.wait().file is not None
+
+
+def test_nothing_is_tried_again_at_once(source, jobs, monkeypatch):
+    tried = []
+
+    def fails(*_):
+        tried.append(1)
+        raise DataError("No.")
+
+    monkeypatch.setattr(frames_job, "cache_name", fails)
+    job = FramesJob(source, None, jobs=jobs)
+    for _ in range(20):
+        assert job.wait().problem == "No."
+    assert len(tried) == 1
+
+
+def test_a_map_that_waits_says_its_place(source, jobs):
+    go, there = Event(), Event()
+
+    def work(_):
+        there.set()
+        go.wait(300)
+
+    jobs.start(work, lane="long", priority=-1)
+    there.wait(5)
+    job = FramesJob(source, None, jobs=jobs)
+    assert job.state().place == 1
+    assert "number 1 in the queue" in job.state().step.text
+    go.set()
+    assert job.wait().file is not None
+
+
+def test_a_cancelled_map_writes_nothing(source, jobs, tmp_path, monkeypatch):
+    folder = tmp_path / "set"
+    folder.mkdir()
+    import omnivat.frames
+
+    whole, seen, go = omnivat.frames.build_frames, Event(), Event()
+
+    def built(*arguments, **more):
+        seen.set()
+        go.wait(300)
+        return whole(*arguments, **more)
+
+    monkeypatch.setattr(omnivat.frames, "build_frames", built, raising=False)
+    job = FramesJob(source, None, folder, jobs=jobs, owner="gone")
+    job.state()
+    assert seen.wait(300)
+    jobs.cancel_owner("gone")
+    go.set()
+    assert "cancelled" in job.wait().problem
+    assert [Path(file).name for file in folder.iterdir()] == []
+
+
+def test_a_large_set_is_first_shown_by_its_principal_components_alone(source, jobs, monkeypatch):
+    monkeypatch.setattr(frames_job, "LARGE_SET", 10)
+    import omnivat.frames
+
+    whole, seen = omnivat.frames.build_frames, []
+
+    def built(*arguments, maps, orders, **more):
+        seen.append((len(orders), {name.split("/")[0] for name in maps}))
+        return whole(*arguments, maps={"pca/f_hat": 3}, orders=orders, **more)
+
+    monkeypatch.setattr(omnivat.frames, "build_frames", built, raising=False)
+    assert FramesJob(source, None, jobs=jobs).wait().problem == ""
+    assert seen[0][1] == {"pca"}
+    assert len(seen) == 3
+    assert seen[1][1] == seen[2][1] == {"pca", "umap"}
+
+
+def test_frames_of_a_part_of_a_set_have_a_name_of_their_own(source):
+    assert cache_name(source.head, source.embeddings) != cache_name(
+        source.head, source.embeddings, 20_000
+    )

@@ -1,13 +1,14 @@
 """The Pair tab's answer, without Gradio and without a server."""
 
 import base64
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import torch
 
 from app.state import ForgottenError
-from app.views.pair import STOPS, answer, spectrum
+from app.views.pair import STOPS, answer, spectrum, trained_span
 from omnivat.errors import DataError
 
 
@@ -19,10 +20,8 @@ def test_every_stop_is_what_the_library_answers_there(resources):
     for stop in (0, 37, 100):
         with torch.inference_mode():
             out = model(vis, tac, order=STOPS[stop])
-        np.testing.assert_allclose(got["stops"]["both"][stop], out.probabilities[0], atol=2e-6)
-        np.testing.assert_allclose(
-            got["stops"]["vis"][stop], out.modality_probabilities["vis"][0], atol=2e-6
-        )
+        np.testing.assert_allclose(got["stops"]["fused"][stop], out.probabilities[0], atol=2e-6)
+        np.testing.assert_allclose(got["stops"]["vis"][stop], out.readings["vis"][0], atol=2e-6)
 
 
 def test_the_exact_answer_is_at_the_learned_order(resources):
@@ -30,10 +29,34 @@ def test_the_exact_answer_is_at_the_learned_order(resources):
     assert got["exact"]["order"] == got["learned"] == resources.head().model.order
 
 
+def test_touch_only_is_read_with_the_photo_absent(resources):
+    pair = answer(resources, {"vis": "row:3", "tac": "row:3"})
+    alone = answer(resources, {"tac": "row:3"})
+    np.testing.assert_allclose(pair["stops"]["tac"], alone["stops"]["fused"], atol=2e-6)
+    np.testing.assert_allclose(
+        pair["exact"]["readings"]["tac"], alone["exact"]["readings"]["fused"], atol=2e-6
+    )
+    assert set(alone["exact"]["readings"]) == {"fused", "tac"}
+
+
+def test_another_photo_does_not_change_what_touch_only_reads(resources):
+    own = answer(resources, {"vis": "row:0", "tac": "row:30"})
+    other = answer(resources, {"vis": "row:9", "tac": "row:30"})
+    assert own["exact"]["readings"]["tac"] == other["exact"]["readings"]["tac"]
+    assert own["exact"]["readings"]["tac_branch"] != other["exact"]["readings"]["tac_branch"]
+
+
+def test_a_head_is_trained_for_its_learned_order_or_for_the_range_that_was_drawn(resources):
+    head = resources.head()
+    assert trained_span(head) == [head.model.order, head.model.order]
+    drawn = {"order_draw": "batch", "order_low": 0.2, "order_high": 0.8}
+    assert trained_span(replace(head, provenance={"train": drawn})) == [0.2, 0.8]
+
+
 def test_one_image_alone_is_answered(resources):
     got = answer(resources, {"vis": "row:1", "tac": None})
-    assert set(got["stops"]) == {"vis", "both"}
-    assert got["stops"]["vis"] == got["stops"]["both"]
+    assert set(got["stops"]) == {"vis", "fused"}
+    assert got["stops"]["vis"] == got["stops"]["fused"]
     assert set(got["spectra"]) == {"vis"}
 
 
@@ -41,7 +64,7 @@ def test_vis_of_one_pair_goes_with_tac_of_another(resources):
     mixed = answer(resources, {"vis": "row:0", "tac": "row:30"})
     own = answer(resources, {"vis": "row:0", "tac": "row:0"})
     assert mixed["stops"]["tac"] != own["stops"]["tac"]
-    np.testing.assert_allclose(np.sum(mixed["stops"]["both"], axis=1), 1, atol=1e-5)
+    np.testing.assert_allclose(np.sum(mixed["stops"]["fused"], axis=1), 1, atol=1e-5)
 
 
 def test_nothing_chosen_is_refused_in_a_sentence(resources):

@@ -47,7 +47,7 @@ JUNK = [
 ]
 
 
-@pytest.mark.parametrize("name", QUESTIONS)
+@pytest.mark.parametrize("name", [name for name in QUESTIONS if name != "votes"])  # takes nothing
 @pytest.mark.parametrize("junk", JUNK)
 def test_junk_sent_to_a_question_is_refused_in_a_sentence(client, name, junk):
     sentence(client.post(f"/omnivat/{name}", content=junk))
@@ -63,7 +63,7 @@ def test_an_image_goes_in_and_its_pair_is_answered(client, png):
     assert (taken["width"], taken["height"]) == (40, 40)
     assert taken["preview"].startswith("data:image/jpeg;base64,")
     answer = client.post("/omnivat/pair", json={"vis": taken["ref"], "tac": "row:2"}).json()
-    assert len(answer["stops"]["both"]) == 101
+    assert len(answer["stops"]["fused"]) == 101
 
 
 def picture(mode, size, kind="PNG", **options):
@@ -124,14 +124,18 @@ def test_an_error_nobody_thought_of_is_a_sentence_and_its_traceback_is_logged(
 
 def test_the_page_serves_its_scripts_and_nothing_else(client):
     assert (
-        client.get("/omnivat/web/explore.js").headers["content-type"].startswith("text/javascript")
+        client.get("/omnivat/web/explore/explore.js")
+        .headers["content-type"]
+        .startswith("text/javascript")
     )
-    assert client.get("/omnivat/web/page.css").status_code == 200
+    assert client.get("/omnivat/web/shared/page.css").status_code == 200
     for name in (
         "server.py",
         "..%2Fserver.py",
         "%2e%2e/server.py",
-        "explore.html",
+        "explore/explore.html",
+        "explore.js",
+        "explore/../../server.py",
         "%2fetc%2fpasswd",
     ):
         assert client.get(f"/omnivat/web/{name}").status_code == 404

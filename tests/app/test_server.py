@@ -19,7 +19,7 @@ from app.resources import Resources, places
 resources = Resources(places())
 page = build()
 _, address, _ = launch(page, resources, parser().parse_args(["--no-browser"]), prevent_thread_lock=True, quiet=True)
-for path in ("", "omnivat/web/explore.js", "omnivat/web/page.css", "omnivat/examples"):
+for path in ("", "omnivat/web/explore/explore.js", "omnivat/web/shared/page.css", "omnivat/examples"):
     with urllib.request.urlopen(address + path) as answer:
         assert answer.status == 200 and answer.read()
 print("LOADED", *sorted({{"torch", "umap", "plotly", "transformers", "sklearn", "scipy"}} & set(sys.modules)))
@@ -69,14 +69,14 @@ def test_every_tab_has_a_title_and_a_component_with_its_script(name):
     view = import_module(name)
     short = name.rpartition(".")[2]
     assert view.TITLE
-    assert (WEB / f"{short}.html").is_file()
-    assert "export" in (WEB / f"{short}.js").read_text(encoding="utf-8")
+    assert (WEB / short / f"{short}.html").is_file()
+    assert "export" in (WEB / short / f"{short}.js").read_text(encoding="utf-8")
 
 
 def test_no_script_or_style_names_an_outside_address():
     from app.components import WEB
 
-    for file in WEB.iterdir():
+    for file in (found for found in WEB.rglob("*") if found.is_file()):
         text = file.read_text(encoding="utf-8").replace("http://www.w3.org/2000/svg", "")
         assert "http://" not in text, file.name
         assert "https://" not in text, file.name

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.state import Recent, content_name, order_from, ref_from
-from omnivat.errors import DataError
+from omnivat.errors import DataError, SettingsError
 
 
 def test_a_reference_reads_back_as_it_was_written():
@@ -38,7 +38,7 @@ def test_whatever_is_sent_as_a_reference_is_read_or_refused_in_a_sentence(value)
 
 @pytest.mark.parametrize("junk", ["0.5", True, float("nan"), float("inf"), 9, [0.5]])
 def test_junk_is_no_order(junk):
-    with pytest.raises(DataError, match="quarter turns"):
+    with pytest.raises(SettingsError, match="quarter turns"):
         order_from(junk)
 
 

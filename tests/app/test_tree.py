@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 import torch
 
-from app.views.tree import answer, groups, layer_records, parents
+from app.views.tree import answer, votes
+from omnivat.errors import DataError
 
 
 def test_nodes_and_layers_are_those_of_the_head(resources):
@@ -21,25 +22,29 @@ def test_nodes_and_layers_are_those_of_the_head(resources):
         assert sum(node["probabilities"]) == pytest.approx(1, abs=1e-4)
 
 
-def test_parents_and_groups_are_those_of_the_generator(resources):
-    dtg = resources.head().model.dtg
-    root = torch.randn(1, resources.head().settings.width)
-    grown = dtg.grow(root)
-    assert parents("tree", 7)[1:] == [dtg.parent(node) for node in range(1, 7)]
-    for group, layer in zip(groups("tree", 7), grown.groups, strict=True):
-        torch.testing.assert_close(grown.nodes[:, group.start : group.stop], layer)
+def test_a_domains_nodes_have_the_share_of_pairs_that_each_predicts_right(resources):
+    got = answer(resources, {"domain": "OF Real-sim"})
+    assert got["pairs"] == 40
+    assert all(0 <= node["right"] <= 1 for node in got["nodes"])
 
 
-@pytest.mark.parametrize("arrangement", ["tree", "series", "parallel", "interpolation", "none"])
-def test_every_node_of_every_arrangement_stands_somewhere(arrangement):
-    count = 1 if arrangement == "none" else 7
-    assert len(parents(arrangement, count)) == count
-    assert sorted({node for group in groups(arrangement, count) for node in group}) == list(
-        range(count)
-    )
+def test_a_node_that_gives_one_class_to_every_pair_is_found(resources):
+    got = votes(resources, {})
+    assert got["pairs"] == len(resources.embeddings())
+    model, embeddings = resources.head().model, resources.embeddings()
+    with torch.inference_mode():
+        out = model(
+            torch.from_numpy(embeddings.vis.copy()),
+            torch.from_numpy(embeddings.tac.copy()),
+            nodes=True,
+        )
+        given = model.classify(out.nodes).argmax(-1)
+    for node, vote in enumerate(got["votes"]):
+        name = resources.head().settings.classes.index(vote["class"])
+        assert (given[:, node] == name).double().mean() == pytest.approx(vote["share"], abs=1e-4)
+        assert vote["share"] >= 1 / 5
 
 
-def test_nodes_at_right_angles_have_no_nod_loss_and_equal_ones_have():
-    apart, alike = torch.eye(2), torch.ones(2, 2)
-    assert layer_records(apart[None], [range(2)])[0]["nod"] == 0
-    assert layer_records(alike[None], [range(2)])[0]["nod"] == pytest.approx(2**0.5, abs=1e-4)
+def test_votes_of_a_head_that_is_not_loaded_are_refused(resources):
+    with pytest.raises(DataError, match="No head is called 'other'"):
+        votes(resources, {"head": "other"})

@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-VIEWS = ("explore", "pair", "tree", "compare", "data")
+VIEWS = ("explore", "pair", "train", "tree", "compare", "data")
 MAP = ".explore .map[data-order]"
-ANSWERED = ".pair .results[aria-busy=false] .bars table"
+ANSWERED = ".pair .results[aria-busy=false] .reading"
 
 
 def texture(seed: int) -> dict[str, Any]:

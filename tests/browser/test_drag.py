@@ -19,7 +19,7 @@ pytestmark = pytest.mark.browser
 STOPS = (0, 37, 51, 100)
 STAGES = ("relu", "f_hat")
 READ = """async ({ stops, stages }) => {
-  const { fetchFrames } = await import(new URL('omnivat/web/frames.js', document.baseURI));
+  const { fetchFrames } = await import(new URL('omnivat/web/shared/frames.js', document.baseURI));
   const { frames } = await fetchFrames(() => {});
   const place = (map, point) => {
     const [[x0, y0], [x1, y1]] = map.bounds;
@@ -41,7 +41,7 @@ READ = """async ({ stops, stages }) => {
 def test_a_drag_asks_nothing_of_the_server(open_page: Callable[..., Any]) -> None:
     page = open_page("?vis=row:0&tac=row:0")
     page.wait_for_selector(MAP)
-    for view, shown in (("pair", ".bars table"), ("tree", ".tree-view"), ("explore", ".map")):
+    for view, shown in (("pair", ".reading"), ("tree", ".tree-view"), ("explore", ".map")):
         open_tab(page, view)
         page.wait_for_selector(f".{view} {shown}")
     page.wait_for_load_state("networkidle")
@@ -94,13 +94,14 @@ def test_every_stop_is_what_the_library_computes_now(open_page: Callable[..., An
 
 def test_the_figures_beside_the_map_are_those_of_the_stop(open_page: Callable[..., Any]) -> None:
     frames = read_frames(EXAMPLES / "frames.bin")
-    page = open_page("?p=0.2")
+    page = open_page("?mode=moved&p=0.2")
     page.wait_for_selector(MAP)
     box = grab(page, 0.2)
     pull(page, box, 0.73, steps=20)
     page.mouse.up()
-    stop = round(100 * float(p_shown(page)))
-    assert stop != 20
+    shown_p = float(p_shown(page))
+    assert shown_p != 0.2
+    stop = min(range(len(frames.orders)), key=lambda i: abs(frames.orders[i] - shown_p))
     shown = page.locator(".explore .curves figure[data-name=modality_gap] output").inner_text()
     assert shown == f"{frames.curves['modality_gap/f_hat'][stop]:.3f}"
 
@@ -143,7 +144,10 @@ def test_finer_frames_take_the_place_of_coarse_ones_in_the_middle_of_a_drag(
             route.fulfill(path=tmp_path / "coarse.bin", headers={"X-Frames": "coarse"})
 
     page.route("**/omnivat/frames*", answer)
-    page.goto(address + "?p=0.2", wait_until="commit")
+    page.route(
+        "**/omnivat/modes", lambda route: route.fulfill(json={"modes": ["moved"], "sets": []})
+    )
+    page.goto(address + "?mode=moved&p=0.2", wait_until="commit")
     page.wait_for_selector(MAP)
     box = grab(page, 0.2)
     pull(page, box, 0.43)
@@ -153,7 +157,7 @@ def test_finer_frames_take_the_place_of_coarse_ones_in_the_middle_of_a_drag(
     page.wait_for_selector(".explore .wait", state="hidden")
     pull(page, box, 0.66, steps=20)
     page.mouse.up()
-    assert re.fullmatch(r"0\.\d[1-9]", p_shown(page))
+    assert re.fullmatch(r"0\.\d[1-9]\d?", p_shown(page))
     assert page.locator(MAP).get_attribute("data-order") == str(float(p_shown(page)))
 
 
@@ -189,7 +193,9 @@ def touches(session: Any, kind: str, *at: tuple[float, float]) -> None:
 
 
 def test_fingers_pan_pinch_and_pin_on_the_map_and_drag_p(open_page: Callable[..., Any]) -> None:
-    page = open_page(viewport={"width": 400, "height": 800}, has_touch=True, is_mobile=True)
+    page = open_page(
+        "?mode=moved", viewport={"width": 400, "height": 800}, has_touch=True, is_mobile=True
+    )
     page.wait_for_selector(MAP)
     finger = page.context.new_cdp_session(page)
 

@@ -105,8 +105,8 @@ def choose(page: Any, name: str, content: bytes) -> None:
 
 
 def shares(page: Any) -> list[str]:
-    """Return the probabilities that TAC alone has in the page."""
-    return page.locator(".pair .bars td[data-voice=tac] .share").all_inner_texts()
+    """Return the probabilities that the touch alone has in the page, shown or folded away."""
+    return page.locator(".pair .bars td[data-reading=tac] .share").all_text_contents()
 
 
 def posted(address: str, path: str, content: bytes) -> Any:
@@ -127,9 +127,9 @@ def test_an_odd_image_is_answered_as_the_plain_picture_that_it_shows(
     pair_page.wait_for_selector(ANSWERED)
     ref = posted(address, "image", saved(plain))["ref"]
     wanted = posted(address, "pair", json.dumps({"vis": "row:0", "tac": ref}).encode())
-    told = [f"{100 * p:.1f}\u00a0%" for p in wanted["stops"]["tac"][50]]
+    told = [f"{100 * p:.1f}\u00a0%" for p in wanted["exact"]["readings"]["tac"]]
     pair_page.wait_for_function(
-        """told => [...document.querySelectorAll('.pair .bars td[data-voice=tac] .share')]
+        """told => [...document.querySelectorAll('.pair .bars td[data-reading=tac] .share')]
              .map((cell) => cell.textContent).join() === told.join()""",
         arg=told,
         timeout=10_000,

@@ -12,6 +12,7 @@ pytestmark = pytest.mark.browser
 READY = {
     "explore": MAP,
     "pair": ANSWERED,
+    "train": ".train .choices .go",
     "tree": ".tree .tree-view",
     "compare": ".compare .map[data-order]",
     "data": ".data .facts .panel",
@@ -67,7 +68,7 @@ REACH = """view => {
   const usable = [...root.querySelectorAll('button, select, input, summary, a[href], [tabindex]')]
     .filter((e) => !e.disabled && e.tabIndex >= 0 && e.checkVisibility({ visibilityProperty: true }));
   const mute = [...root.querySelectorAll('[role=radio], button, select, input, summary')]
-    .filter((e) => e.tabIndex < 0 && !e.closest('[role=radiogroup]'));
+    .filter((e) => e.tabIndex < 0 && !e.closest('[role=radiogroup], [role=tablist]'));  // arrow keys move inside
   window.toReach = new Set(usable);
   return { count: usable.length, mute: mute.map(name) };
 }"""
@@ -120,7 +121,7 @@ def test_a_visitor_without_a_mouse_goes_from_tab_to_tab_and_chooses_a_pair(
 
 
 def test_where_p_has_come_to_is_said_aloud(open_page: Callable[..., Any]) -> None:
-    page = open_page("?p=0.3")
+    page = open_page("?mode=moved&p=0.3")
     page.wait_for_selector(MAP)
     page.focus(".explore .order")
     page.keyboard.press("ArrowRight")

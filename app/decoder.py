@@ -1,0 +1,217 @@
+"""Decoding what visitors send: within one budget of memory, and where it cannot hang the server.
+
+A small plain JPEG or PNG is decoded here. Everything else is decoded by a process of its own, which
+serves one picture, may hold little memory, and is killed when it takes too long.
+"""
+
+import ctypes
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from functools import cache
+from mmap import ACCESS_READ, mmap
+from pathlib import Path
+from threading import Condition, Lock
+from typing import TYPE_CHECKING, Any
+
+from app.limits import DECODE_S, DECODE_WAIT_S, DECODER_BYTES, IMAGE_MEMORY
+from omnivat.errors import DataError, OmniVatError
+
+if TYPE_CHECKING:
+    from PIL import Image
+
+SIMPLE_BYTES = 4_000_000  # a file larger than this is read elsewhere
+LARGE = 8_000_000  # bytes of a picture after which freed memory is handed back
+READY = b"ready\n"
+Check = Callable[[], None]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Picture:
+    """A decoded picture, upright RGB, perhaps smaller than it was, and the size that it had."""
+
+    image: "Image.Image"
+    width: int
+    height: int
+
+
+class Budget:
+    """Bytes that all requests share; who wants more than is left waits."""
+
+    def __init__(self, total: int = IMAGE_MEMORY) -> None:
+        self._total = self._left = total
+        self._changed = Condition()
+
+    @contextmanager
+    def of(self, wanted: int, check: Check) -> Iterator[None]:
+        """Hold `wanted` bytes, or all there are where it is more; `check` may end the wait."""
+        wanted = min(wanted, self._total)
+        with self._changed:
+            while not self._changed.wait_for(lambda: self._left >= wanted, timeout=0.1):
+                check()
+            self._left -= wanted
+        try:
+            yield
+        finally:
+            with self._changed:
+                self._left += wanted
+                self._changed.notify_all()
+
+
+class Decoder:
+    """Reads images that visitors send; one for the whole server."""
+
+    def __init__(self) -> None:
+        self._budget = Budget()
+        self._lock = Lock()
+        self._spare: subprocess.Popen[bytes] | None = None
+
+    def read(self, source: bytes | Path, name: str, check: Check = lambda: None) -> Picture:
+        """Return the picture in some bytes or a file.
+
+        name   what to call it in an error
+        check  called while other pictures are waited for; what it raises ends the wait
+
+        Raises DataError in one sentence where it is not an image that is taken.
+        """
+        from omnivat.data.images import VISITORS, examined, read_image
+
+        with _content(source, name) as content:
+            found = examined(content, name, limits=VISITORS)
+            cost = found.cost(1) if found.kind != "JPEG" else _jpeg_cost(found)
+            with self._budget.of(cost + 2 * len(content), check):
+                if found.simple and len(content) <= SIMPLE_BYTES:
+                    image = read_image(bytes(content), name, limits=VISITORS)
+                else:
+                    image = self._elsewhere(source, content, name)
+        if image.width * image.height * 4 > LARGE:
+            hand_back()
+        width, height = found.width, found.height
+        if (width > height) != (image.width > image.height):  # it was turned upright
+            width, height = height, width
+        return Picture(image=image, width=width, height=height)
+
+    def _elsewhere(self, source: bytes | Path, content: Any, name: str) -> "Image.Image":
+        """Have the picture read by a process that can be killed."""
+        from PIL import Image
+
+        size = 0 if isinstance(source, Path) else len(content)
+        file = str(source) if isinstance(source, Path) else ""
+        question = json.dumps({"file": file, "size": size, "name": name}).encode() + b"\n"
+        process = self._process()
+        try:
+            said, _ = process.communicate(question + (content[:] if size else b""), DECODE_WAIT_S)
+        except subprocess.TimeoutExpired as error:
+            raise DataError(
+                f"'{name}' takes longer than {DECODE_WAIT_S} s to read; save it as PNG or JPEG and "
+                "try again."
+            ) from error
+        finally:
+            process.kill()
+            process.communicate()
+        head, _, pixels = said.partition(b"\n")
+        answer = json.loads(head) if head.endswith(b"}") else {}
+        if "size" not in answer:
+            why = answer.get("error") or (
+                f"'{name}' could not be read within the time and memory allowed; scale it down, or "
+                "save it as JPEG."
+            )
+            raise DataError(why)
+        return Image.frombuffer("RGB", tuple(answer["size"]), pixels, "raw", "RGB", 0, 1).copy()
+
+    def _process(self) -> "subprocess.Popen[bytes]":
+        """Return a process that is ready, and start the next one."""
+        with self._lock:
+            process, self._spare = self._spare or _started(), _started()
+        if process.stdout is None or process.stdout.readline() != READY:
+            raise DataError("No process can be started to read the image; try again in a minute.")
+        return process
+
+    def close(self) -> None:
+        """End the process that waits."""
+        with self._lock:
+            if self._spare is not None:
+                self._spare.kill()
+                self._spare.communicate()
+            self._spare = None
+
+
+def _jpeg_cost(found: Any) -> int:
+    from omnivat.data.images import draft_scale
+
+    return int(found.cost(draft_scale(found.width, found.height)))
+
+
+@contextmanager
+def _content(source: bytes | Path, name: str) -> Iterator[bytes | mmap]:
+    """Give the bytes of a picture; those of a file are mapped."""
+    if isinstance(source, bytes):
+        if not source:
+            raise DataError(f"'{name}' is empty (0 bytes); copy or save the image again.")
+        yield source
+        return
+    with source.open("rb") as handle:
+        if not os.fstat(handle.fileno()).st_size:
+            raise DataError(f"'{name}' is empty (0 bytes); copy or save the image again.")
+        with mmap(handle.fileno(), 0, access=ACCESS_READ) as content:
+            yield content
+
+
+def _started() -> "subprocess.Popen[bytes]":
+    path = os.pathsep.join(filter(None, [str(Path(__file__).parents[1]), *sys.path]))
+    return subprocess.Popen(
+        [sys.executable, "-m", "app.decoder"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        env={**os.environ, "PYTHONPATH": path, "OMP_NUM_THREADS": "1"},
+    )
+
+
+@cache
+def _libc() -> Any:
+    return ctypes.CDLL("libc.so.6") if sys.platform == "linux" else None
+
+
+def hand_back() -> None:
+    """Give freed memory back to the system, where the system has a call for it."""
+    with suppress(OSError, AttributeError):
+        if libc := _libc():
+            libc.malloc_trim(0)
+
+
+def serve() -> None:
+    """Read one picture in this process: a question on standard input, pixels on standard output."""
+    from omnivat.data.images import VISITORS, read_image
+
+    with suppress(ImportError, ValueError, OSError):
+        import resource
+
+        resource.setrlimit(resource.RLIMIT_DATA, (DECODER_BYTES, DECODER_BYTES))
+        resource.setrlimit(resource.RLIMIT_CPU, (DECODE_S, DECODE_S))
+    for kind in ("Png", "Jpeg", "WebP"):  # imported while nobody waits
+        __import__(f"PIL.{kind}ImagePlugin")
+    answers = sys.stdout.buffer
+    answers.write(READY)
+    answers.flush()
+    line = sys.stdin.buffer.readline()
+    if not line:  # the server is gone
+        return
+    question = json.loads(line)
+    source = Path(question["file"]) if question["file"] else sys.stdin.buffer.read(question["size"])
+    try:
+        image = read_image(source, question["name"], limits=VISITORS)
+    except OmniVatError as error:
+        answers.write(json.dumps({"error": str(error)}).encode() + b"\n")
+    else:
+        answers.write(json.dumps({"size": image.size}).encode() + b"\n")
+        answers.write(image.tobytes())
+    answers.flush()
+
+
+if __name__ == "__main__":
+    serve()

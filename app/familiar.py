@@ -1,0 +1,87 @@
+"""How familiar the images of a pair are, and which training pairs are nearest to them."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from app.asking import embedded, refs_from
+from app.resources import Resources
+from omnivat.errors import DataError
+
+if TYPE_CHECKING:
+    import numpy as np
+    import torch
+
+    Index = np.ndarray[Any, Any]
+
+NEAREST = 3
+UNLIKE = 0.05  # a quantile below it is unlike the training images: the answer is a guess
+
+
+def familiar(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
+    """Return how familiar each image of a pair is to the head.
+
+    question  {"vis", "tac": references}
+    return    `images`: modality -> `nearest`, the nearest training pairs of the loaded set and
+              their cosines in E; and, where the head's folder holds what it takes, `cosine`,
+              `quantile` (share of the training images with a less similar nearest neighbour),
+              `words` and `guess`; `of`: whose pairs `nearest` are
+
+    Raises DataError where the set is of another encoder.
+    """
+    head, embeddings = resources.head(), resources.embeddings()
+    head.require_embeddings(embeddings)
+    refs = refs_from(question)
+    pair = embedded(resources, refs)
+    index, of = _training_pairs(resources)
+    images: dict[str, dict[str, Any]] = {}
+    for name, raw in pair.items():
+        if raw is not None:
+            own = refs[name]
+            row = int(own.name) if own is not None and own.kind == "row" else -1
+            images[name] = {"nearest": _nearest(resources, name, raw, index, row)}
+    if head.familiarity is not None:
+        for name, looked in head.familiarity.look(pair["vis"], pair["tac"])[0].items():
+            images[name] |= {**looked, "guess": looked["quantile"] < UNLIKE}
+    return {"images": images, "of": of}
+
+
+def _training_pairs(resources: Resources) -> "tuple[Index, str]":
+    """Return rows of the set that the head was trained on, and what they are in words.
+
+    All rows, where the set lacks the head's source.
+    """
+    import numpy as np
+
+    embeddings, source = resources.embeddings(), resources.head().source
+    if source not in embeddings.header.domains:
+        return np.arange(len(embeddings)), "the loaded set"
+    own = embeddings.domain == embeddings.header.domains.index(source)
+    split = np.array(embeddings.rows["split"], dtype=object)
+    keep = own & (split != "test")
+    return np.flatnonzero(keep if keep.any() else own), f"the training pairs of {source}"
+
+
+def _nearest(
+    resources: Resources, name: str, raw: "torch.Tensor", index: "Index", own_row: int
+) -> list[dict[str, Any]]:
+    """Return the training pairs whose image is nearest by cosine in E, the pair itself left out."""
+    import torch
+
+    from omnivat.gaps.unit import unit
+    from omnivat.projection.neighbours import nearest
+
+    if not len(index):
+        raise DataError("The set has no pairs to compare with.")
+    key = f"training {name}"
+    rows = resources.features.get(key)
+    if rows is None:
+        vectors = torch.from_numpy(getattr(resources.embeddings(), name)[index].copy())
+        rows = resources.features.keep(key, unit(vectors).numpy())
+    query = unit(raw.float())
+    found = nearest(torch.from_numpy(rows), min(NEAREST + 1, len(rows)), queries=query)
+    near = [
+        {"pair": int(index[i]), "cosine": round(1 - float(d) ** 2 / 2, 4)}
+        for i, d in zip(found.index[0].tolist(), found.distance[0].tolist(), strict=True)
+        if int(index[i]) != own_row
+    ]
+    return near[:NEAREST]

@@ -1,0 +1,73 @@
+"""What moving p may mean for a head and a set: which frames lie beside the set, in the page's order.
+
+trained  a head of its own at each stop (`omnivat sweep --retrain`)
+moved    one head whose weights stay while p moves; these frames are computed where no file has them
+every    one head that was trained for every p
+"""
+
+import logging
+from pathlib import Path
+from typing import Any
+
+from app.resources import Places, Resources
+from omnivat.errors import DataError
+from omnivat.heads import shipped_sets
+
+log = logging.getLogger(__name__)
+FILES = {"trained": "trained.bin", "every": "every.bin"}
+MOVED = "moved"
+SETS = {"sensors": "Touch sensors", "chirps": "Chirps"}
+
+
+def mode_files(where: Places) -> dict[str, Path]:
+    """Return the frames files that lie beside a set of embeddings, by mode."""
+    folder = where.embeddings.parent
+    return {mode: folder / name for mode, name in FILES.items() if (folder / name).is_file()}
+
+
+def fitting_files(resources: Resources) -> dict[str, Path]:
+    """Return the frames files whose pairs and encoder are those of the set; log the others."""
+    from omnivat.frames.file import frames_header
+
+    found = mode_files(resources.where)
+    if not found:
+        return {}
+    embeddings = resources.embeddings()
+    header = embeddings.header
+    fitting = {}
+    for mode, file in found.items():
+        try:
+            record = frames_header(file)
+            made = record["embeddings"]
+            same = (record["pairs"], tuple(record["domains"]), made["weights_hash"]) == (
+                len(embeddings),
+                header.domains,
+                header.weights_hash,
+            )
+        except (DataError, KeyError, TypeError) as error:
+            log.warning("frames left out: %s", error)
+            continue
+        if same and made.get("origin", "") == header.origin:
+            fitting[mode] = file
+        else:
+            log.warning("'%s' is of another set and is left out.", file.name)
+    return fitting
+
+
+def modes(resources: Resources) -> dict[str, Any]:
+    """Return what a visitor may choose: the modes of p and the sets that come with the project.
+
+    return  {"modes": names in the page's order, "sets": [{"name", "title", "shown"}, …]}
+    """
+    try:
+        fitting = fitting_files(resources)
+    except DataError as error:
+        log.warning("%s", error)
+        fitting = {}
+    listed = [mode for mode in ("trained", MOVED, "every") if mode == MOVED or mode in fitting]
+    shown = resources.where.embeddings.resolve()
+    sets = [
+        {"name": name, "title": SETS.get(name, name), "shown": embeddings.resolve() == shown}
+        for name, (_, embeddings) in shipped_sets().items()
+    ]
+    return {"modes": listed, "sets": sets}

@@ -1,0 +1,77 @@
+"""The server's own temporary folder: removed when it stops, and swept by the next one where it could not.
+
+A lock on a file inside says that the process lives; the system lets go of it however that ends.
+"""
+
+import shutil
+from pathlib import Path
+from tempfile import gettempdir, mkdtemp
+from threading import Lock
+from typing import IO, Any
+from weakref import finalize
+
+try:
+    import fcntl
+except ImportError:  # Windows: folders are removed at the end and not swept
+    fcntl = None  # type: ignore[assignment]
+
+PREFIX, LOCK = "omnivat-page-", "in-use"
+
+
+class Scratch:
+    """A folder for what lasts no longer than the process; made with its first use."""
+
+    def __init__(self) -> None:
+        self._lock = Lock()
+        self._home: Path | None = None
+
+    @property
+    def home(self) -> Path:
+        """The folder itself."""
+        with self._lock:
+            if self._home is None:
+                self._home = Path(mkdtemp(prefix=PREFIX))
+                held = _locked(self._home / LOCK)
+                finalize(self, _removed, self._home, held)  # at exit, too
+            return self._home
+
+    def folder(self, name: str) -> Path:
+        """Return a folder inside, made where it is not there."""
+        folder = self.home / name
+        folder.mkdir(exist_ok=True)
+        return folder
+
+
+def _removed(home: Path, held: IO[Any] | None) -> None:
+    shutil.rmtree(home, ignore_errors=True)
+    if held is not None:
+        held.close()
+
+
+def sweep() -> int:
+    """Remove folders whose process is gone; return how many."""
+    swept = 0
+    for folder in Path(gettempdir()).glob(f"{PREFIX}*"):
+        if fcntl is None or folder.is_symlink() or not (folder / LOCK).is_file():
+            continue
+        held = _locked(folder / LOCK)
+        if held is not None:
+            shutil.rmtree(folder, ignore_errors=True)
+            held.close()
+            swept += 1
+    return swept
+
+
+def _locked(file: Path) -> IO[Any] | None:
+    """Return the open file with a lock on it; None where another process holds it."""
+    try:
+        handle = file.open("a")
+    except OSError:  # another person's folder, or gone meanwhile
+        return None
+    try:
+        if fcntl is not None:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        handle.close()
+        return None
+    return handle

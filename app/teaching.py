@@ -1,0 +1,147 @@
+"""A visitor's own labelled pairs: teach a head from them, judge it, save both."""
+
+import json
+from collections.abc import Mapping, Sequence
+from hashlib import blake2b
+from typing import TYPE_CHECKING, Any
+
+from app.asking import embedded, refs_from
+from app.resources import Resources
+from app.saving import head_zip, set_zip
+from omnivat.errors import DataError
+
+if TYPE_CHECKING:
+    from omnivat.checkpoint import Head
+    from omnivat.data.store import Embeddings
+    from omnivat.teach import Lesson
+
+MOST_LESSONS = 60
+LONGEST_LABEL = 40  # letters
+DOMAIN = "My pairs"
+
+
+def lessons_in(question: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    """Return the labelled pairs that a question holds: [{"vis", "tac", "label"}, …].
+
+    Raises DataError for anything else, or too many.
+    """
+    given = question.get("lessons") or []
+    if not isinstance(given, list) or not all(isinstance(one, dict) for one in given):
+        raise DataError("lessons has to be a list of pairs with a label each.")
+    if len(given) > MOST_LESSONS:
+        raise DataError(
+            f"{len(given)} labelled pairs were sent and at most {MOST_LESSONS} are taken here; "
+            "train with `python -m omnivat train` instead."
+        )
+    for one in given:
+        label = one.get("label")
+        if not isinstance(label, str) or not 0 < len(label.strip()) <= LONGEST_LABEL:
+            raise DataError(
+                f"A label is {label!r:.60}; give a name of 1 to {LONGEST_LABEL} letters."
+            )
+    return given
+
+
+def head_for(resources: Resources, question: Mapping[str, Any]) -> "Head":
+    """Return the head that a question names, taught from the question's lessons where it has any.
+
+    Raises DataError for a name that is not loaded or lessons that cannot be used.
+    """
+    head = resources.head_named(question.get("head"))
+    given = lessons_in(question)
+    if not given:
+        return head
+    text = json.dumps([question.get("head"), given], sort_keys=True)
+    key = blake2b(text.encode("utf-8", "replace"), digest_size=16).hexdigest()
+    kept = resources.taught.get(key)
+    if kept is None:
+        from omnivat.teach import taught
+
+        kept = resources.taught.keep(key, taught(head, _lessons(resources, given)))
+    return kept
+
+
+def teach(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
+    """Judge the visitor's labelled pairs before and after teaching.
+
+    question  {"lessons": […]}
+    return    `judged`: label, before, after of each pair, where "after" is by a head taught from
+              all other pairs; `right`: how many were right before and after; `classes` of the
+              taught head
+
+    Raises DataError where there are too few pairs of too few classes.
+    """
+    from omnivat.teach import judged
+
+    given = lessons_in(question)
+    found = judged(resources.head(), _lessons(resources, given))
+    return {
+        "judged": [{"label": j.label, "before": j.before, "after": j.after} for j in found],
+        "right": {
+            "before": sum(j.before == j.label for j in found),
+            "after": sum(j.after == j.label for j in found),
+        },
+        "classes": list(head_for(resources, question).settings.classes),
+    }
+
+
+def own_set(resources: Resources, question: Mapping[str, Any]) -> "Embeddings":
+    """Return the visitor's labelled pairs as a set of embeddings, one domain.
+
+    Pairs with one image are left out. Raises DataError where no whole pair is left.
+    """
+    import numpy as np
+
+    from omnivat.data.store import ROW_NAMES, Embeddings, Header
+
+    given = [one for one in lessons_in(question) if one.get("vis") and one.get("tac")]
+    if not given:
+        raise DataError(
+            "A set needs pairs of both images; label at least one photo with its touch."
+        )
+    lessons = _lessons(resources, given)
+    labels = [one.label for one in lessons]
+    classes = tuple(dict.fromkeys(labels))
+    head = resources.head()
+    rows = {name: [""] * len(given) for name in ROW_NAMES}
+    for number, label in enumerate(labels):
+        for modality in ("vis", "tac"):
+            rows[modality][number] = f"{DOMAIN}/{label}/{number}_{modality}.png"
+        rows["object"][number] = f"{DOMAIN}/{label}/{number}"
+    return Embeddings(
+        header=Header(
+            encoder=head.encoder["name"],
+            weights_hash=head.encoder["weights_hash"],
+            preprocessing=head.encoder["preprocessing"],
+            domains=(DOMAIN,),
+            classes=classes,
+            origin="labelled by a visitor of the page",
+        ),
+        vis=np.concatenate([one.vis.numpy() for one in lessons if one.vis is not None]),
+        tac=np.concatenate([one.tac.numpy() for one in lessons if one.tac is not None]),
+        domain=np.zeros(len(given), dtype=np.int64),
+        label=np.array([classes.index(label) for label in labels], dtype=np.int64),
+        rows=rows,
+    )
+
+
+def save_set(resources: Resources, question: Mapping[str, Any]) -> bytes:
+    """Return a zip of the visitor's labelled pairs as a set."""
+    return set_zip(own_set(resources, question), "my-pairs")
+
+
+def save_taught(resources: Resources, question: Mapping[str, Any]) -> bytes:
+    """Return a zip of the head that the visitor's pairs made. Raises DataError without any."""
+    if not lessons_in(question):
+        raise DataError("No pair is labelled yet, so there is no taught head to save.")
+    return head_zip(head_for(resources, question), "taught-head")
+
+
+def _lessons(resources: Resources, given: Sequence[Mapping[str, Any]]) -> "list[Lesson]":
+    from omnivat.teach import Lesson
+
+    found = []
+    for one in given:
+        pair = embedded(resources, refs_from(one))
+        found.append(Lesson(label=one["label"].strip(), vis=pair["vis"], tac=pair["tac"]))
+    return found

@@ -1,0 +1,220 @@
+"""Train here: one training at a time, watched epoch by epoch, with a queue that tells its place."""
+
+import base64
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from threading import Lock
+from typing import TYPE_CHECKING, Any
+
+from app.desks import Desks
+from app.jobs import Job
+from app.resources import Resources
+from app.saving import head_zip
+from app.state import ForgottenError, Recent
+from app.training_plan import Plan, looked_at, offers, plan_from
+from omnivat.errors import DataError
+from omnivat.progress import Step
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from omnivat.checkpoint import Head
+    from omnivat.data.store import Embeddings
+
+KEPT_RUNS = 12
+PRIORITY = 1  # after a first look at a map, before the rest of one
+DEADLINE_S = 300.0
+MEASURE_EVERY = 2  # epochs: each measurement runs the whole set through the head
+MAP_PAIRS = 2000  # drawn while training; a larger set is thinned evenly
+REACH = 1.5  # maps are of unit rows: coordinates lie within it
+LONGEST_VISITOR = 40
+
+
+@dataclass(eq=False)
+class Run:
+    """One training: its plan, and what there is to see of it so far."""
+
+    plan: Plan
+    visitor: str
+    rows: "np.ndarray[Any, Any]"  # the pairs that maps show
+    job: Job[None] | None = None
+    epochs: list[dict[str, Any]] = field(default_factory=list)
+    head: "Head | None" = None
+    desk: str = ""  # where the finished head is loaded
+    lock: Lock = field(default_factory=Lock)
+
+    @property
+    def active(self) -> bool:
+        """Whether it waits or runs."""
+        return self.job is not None and not self.job.status().ended
+
+    def take(self, report: Any) -> None:
+        """Keep what one epoch gave: losses, measures and a map."""
+        record = {
+            "epoch": int(report.epoch),
+            "order": round(float(report.order), 4),
+            **{name: _number(value) for name, value in report.losses.items()},
+            "measures": {name: _number(value) for name, value in report.measures.items()},
+            "map": None if report.map is None else coded_map(report.map, self.rows),
+        }
+        with self.lock:
+            self.epochs.append(record)
+
+
+class Trainings:
+    """The trainings that visitors started, newest kept."""
+
+    def __init__(self, desks: Desks) -> None:
+        self._desks = desks
+        self._runs: Recent[Run] = Recent(KEPT_RUNS)
+        self._lock = Lock()
+        self._active: dict[str, Run] = {}  # by visitor: one at a time each
+
+    def offers(self, resources: Resources) -> dict[str, Any]:
+        """Return what can be chosen, and what is chosen at first."""
+        return offers(resources.embeddings().header.domains, resources.head().source)
+
+    def start(
+        self, resources: Resources, question: Mapping[str, Any], beside: str
+    ) -> dict[str, Any]:
+        """Queue a training; return its name and the pairs that its maps show.
+
+        question  {"visitor": name, "source", "width", …}: see `app.training_plan`
+        beside    the set that it learns from, as the address calls it
+
+        Raises DataError for settings that cannot be, or where the visitor has one in the queue.
+        """
+        visitor = _visitor(question)
+        plan = plan_from(question, resources.embeddings())
+        embeddings = looked_at(resources.embeddings(), plan.source)
+        run = Run(plan=plan, visitor=visitor, rows=_thinned(len(embeddings)))
+        with self._lock:
+            before = self._active.get(visitor)
+            if before is not None and before.active:
+                raise DataError(
+                    "Your training before this one still runs or waits; cancel it first."
+                )
+            run.job = self._desks.shared.jobs.start(
+                lambda job: self._work(job, run, embeddings, beside),
+                lane="long",
+                priority=PRIORITY,
+                deadline_s=DEADLINE_S,
+            )
+            self._active = {name: one for name, one in self._active.items() if one.active}
+            self._active[visitor] = run
+        name = os.urandom(12).hex()
+        self._runs.keep(name, run)
+        return {
+            "run": name,
+            "total": plan.epochs,
+            "source": plan.source,
+            **_drawn_pairs(embeddings, run.rows),
+        }
+
+    def state(self, question: Mapping[str, Any]) -> dict[str, Any]:
+        """Return where a training stands, and its epochs from number `since` on."""
+        run = self._run(question)
+        since = question.get("since", 0)
+        if type(since) is not int or since < 0:
+            raise DataError(f"since is {since!r:.20}; give the number of epochs you have.")
+        with run.lock:
+            epochs = run.epochs[since:]
+        status = run.job.status() if run.job else None
+        if status is None:
+            raise DataError("This training has not begun.")
+        step = status.step
+        return {
+            "state": status.state,
+            "place": status.place,
+            "problem": status.problem if status.state == "failed" else "",
+            "text": step.text if step else "",
+            "epochs": epochs,
+            "set": run.desk,
+        }
+
+    def cancel(self, question: Mapping[str, Any]) -> dict[str, Any]:
+        """Stop a training."""
+        run = self._run(question)
+        if run.job is not None:
+            run.job.cancel()
+        return self.state(question)
+
+    def saved(self, question: Mapping[str, Any]) -> bytes:
+        """Return a zip of a finished head. Raises DataError before it is finished."""
+        run = self._run(question)
+        if run.head is None:
+            raise DataError("This training has not finished, so there is no head to save.")
+        return head_zip(run.head, "trained-head")
+
+    def _run(self, question: Mapping[str, Any]) -> Run:
+        run = self._runs.get(str(question.get("run", ""))[:64])
+        if run is None:
+            raise ForgottenError("The server no longer has this training; start it again.")
+        return run
+
+    def _work(self, job: Job[None], run: Run, embeddings: "Embeddings", beside: str) -> None:
+        from omnivat.from_pairs import head_from_pairs
+        from omnivat.train import TrainingCancelled
+
+        def told(report: Any) -> None:
+            run.take(report)
+            done = int(report.epoch)
+            job.report(Step(done=done, total=run.plan.epochs, text=f"epoch {done}"))
+
+        job.report(Step(done=0, total=run.plan.epochs, text=run.plan.first))
+        try:
+            run.head = head_from_pairs(
+                embeddings,
+                run.plan.source,
+                head=run.plan.head,
+                training=run.plan.training,
+                seed=run.plan.seed,
+                on_epoch=told,
+                cancelled=lambda: job.cancelled,
+                measure_every=MEASURE_EVERY,
+                snapshot=True,
+            )
+        except TrainingCancelled:
+            job.check()  # ends the job as cancelled
+            raise
+        run.desk = self._desks.adopt(run.head, beside=beside)
+
+
+def coded_map(flat: "np.ndarray[Any, Any]", rows: "np.ndarray[Any, Any]") -> str:
+    """Return the places of some pairs, VIS then TAC, as base64 of u16 within ±REACH."""
+    import numpy as np
+
+    pairs = len(flat) // 2
+    chosen = flat[np.concatenate([rows, rows + pairs])]
+    scaled = np.rint((np.clip(chosen, -REACH, REACH) + REACH) / (2 * REACH) * 65535)
+    return base64.b64encode(scaled.astype("<u2").tobytes()).decode()
+
+
+def _thinned(count: int) -> "np.ndarray[Any, Any]":
+    import numpy as np
+
+    return np.unique(np.linspace(0, count - 1, min(count, MAP_PAIRS)).astype(np.int64))
+
+
+def _drawn_pairs(embeddings: "Embeddings", rows: "np.ndarray[Any, Any]") -> dict[str, Any]:
+    return {
+        "reach": REACH,
+        "domains": list(embeddings.header.domains),
+        "classes": list(embeddings.header.classes),
+        "domain": embeddings.domain[rows].tolist(),
+        "label": embeddings.label[rows].tolist(),
+    }
+
+
+def _visitor(question: Mapping[str, Any]) -> str:
+    name = question.get("visitor")
+    if not isinstance(name, str) or not 0 < len(name) <= LONGEST_VISITOR:
+        raise DataError("visitor has to be a short name that the page made; reload the page.")
+    return name
+
+
+def _number(value: Any) -> float | None:
+    """Return a number as JSON can hold it, None for NaN."""
+    number = float(value)
+    return round(number, 5) if number == number else None

@@ -1,0 +1,129 @@
+"""What a visitor may choose for a training, and what becomes of the choice."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from omnivat.errors import DataError
+
+if TYPE_CHECKING:
+    from omnivat.data.store import Embeddings
+    from omnivat.train import TrainSettings
+
+WIDTHS = (16, 32, 64, 128)
+ORDERS = ("gradient", "fixed", "search", "every")  # what p does
+# name -> least, most, at first; whole numbers where all three are
+RANGES: dict[str, tuple[float, float, float]] = {
+    "p": (0.0, 1.0, 0.5),
+    "mma": (0.0, 50.0, 10.0),  # λ
+    "levels": (1, 5, 3),  # R
+    "expansion": (1, 8, 4),  # E
+    "epochs": (5, 100, 40),
+    "seed": (0, 999, 0),
+}
+MOST_PAIRS = 20_000  # of the source
+MOST_LOOKED_AT = 20_000  # of other domains, measured and drawn while training
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Plan:
+    """One training, checked."""
+
+    source: str
+    head: dict[str, Any]
+    training: "TrainSettings"
+    seed: int
+    first: str  # what happens before the first epoch, in words
+
+    @property
+    def epochs(self) -> int:
+        """How many epochs there are."""
+        return self.training.epochs
+
+
+def offers(domains: Sequence[str], source: str) -> dict[str, Any]:
+    """Return the choices, and those at first."""
+    return {
+        "sources": list(domains),
+        "widths": list(WIDTHS),
+        "orders": list(ORDERS),
+        "ranges": {name: list(ends[:2]) for name, ends in RANGES.items()},
+        "first": {
+            "source": source if source in domains else domains[0],
+            "width": 64,
+            "order": "gradient",
+            "lang": True,
+            **{name: ends[2] for name, ends in RANGES.items()},
+        },
+    }
+
+
+def plan_from(question: Mapping[str, Any], embeddings: "Embeddings") -> Plan:
+    """Return the plan of a question; what it leaves out is as at first.
+
+    question  {"source": domain, "width", "order": what p does, "p": where it starts, "mma": λ,
+              "levels": R, "expansion": E, "lang": whether LANG guides, "epochs", "seed"}
+
+    Raises DataError with what came and what was wanted.
+    """
+    from omnivat.train import TrainSettings
+
+    source = _one_of("source", question.get("source"), embeddings.header.domains)
+    pairs = len(embeddings.in_domain(source, split="train"))
+    if pairs > MOST_PAIRS:
+        raise DataError(
+            f"'{source}' has {pairs:,} training pairs and at most {MOST_PAIRS:,} are trained on "
+            "here; use `python -m omnivat train`."
+        )
+    order = _one_of("order", question.get("order", ORDERS[0]), ORDERS)
+    number = {name: _number(name, question.get(name)) for name in RANGES}
+    training = TrainSettings(
+        epochs=int(number["epochs"]),
+        mma_weight=number["mma"],
+        lang=question.get("lang", True) is True,
+        order_search=order == "search",
+        order_draw="batch" if order == "every" else "none",
+    )
+    return Plan(
+        source=source,
+        head={
+            "width": int(_one_of("width", question.get("width", 64), WIDTHS)),
+            "expansion": int(number["expansion"]),
+            "levels": int(number["levels"]),
+            "order": number["p"],
+            "learn_order": order in ("gradient", "search"),
+        },
+        training=training,
+        seed=int(number["seed"]),
+        first="searching p by short trainings" if order == "search" else "loading",
+    )
+
+
+def looked_at(embeddings: "Embeddings", source: str) -> "Embeddings":
+    """Return the set with all pairs of the source; other domains are thinned evenly where large."""
+    import numpy as np
+
+    own = embeddings.domain == embeddings.header.domains.index(source)
+    others = np.flatnonzero(~own)
+    if len(others) <= MOST_LOOKED_AT:
+        return embeddings
+    thinned = others[np.linspace(0, len(others) - 1, MOST_LOOKED_AT).astype(np.int64)]
+    return embeddings.select(np.sort(np.concatenate([np.flatnonzero(own), thinned])))
+
+
+def _one_of(name: str, value: Any, known: Sequence[Any]) -> Any:
+    if isinstance(value, bool) or not isinstance(value, str | int) or value not in known:
+        raise DataError(f"{name} is {value!r:.40}; choose one of {', '.join(map(str, known))}.")
+    return value
+
+
+def _number(name: str, value: Any) -> float:
+    low, high, first = RANGES[name]
+    if value is None:
+        return first
+    whole = all(isinstance(end, int) for end in (low, high, first))
+    fits = isinstance(value, int if whole else int | float) and not isinstance(value, bool)
+    if not fits or not low <= value <= high:
+        kind = "a whole number" if whole else "a number"
+        raise DataError(f"{name} is {value!r:.40}; give {kind} from {low:g} to {high:g}.")
+    return float(value)

@@ -1,0 +1,61 @@
+"""The routes of Train here: start, look, cancel, save."""
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any
+
+from starlette.requests import Request
+from starlette.responses import JSONResponse, Response
+
+from app.desks import Desks
+from app.limits import MAX_QUESTION_BYTES
+from app.messages import Handler
+from app.requests import body, desk_name, question_from
+from app.training import Trainings
+from app.working import done
+
+
+def training_routes(desks: Desks) -> dict[str, Handler]:
+    """Return the handlers by their address; all take a POST."""
+    trainings = Trainings(desks)
+    return {
+        "/omnivat/trainings": partial(offers, desks, trainings),
+        "/omnivat/train": partial(start, desks, trainings),
+        "/omnivat/training": partial(look, trainings.state),
+        "/omnivat/training/cancel": partial(look, trainings.cancel),
+        "/omnivat/save/trained": partial(saved, desks, trainings),
+    }
+
+
+async def offers(desks: Desks, trainings: Trainings, request: Request) -> Response:
+    """Give what can be chosen."""
+    resources = desks.named(desk_name(request))
+    await asked(request)  # nothing is read from it, but it is a question like the others
+    found = await done(request, desks.shared.jobs, lambda _: trainings.offers(resources))
+    return JSONResponse(found)
+
+
+async def start(desks: Desks, trainings: Trainings, request: Request) -> Response:
+    """Queue a training on the set that the visitor looks at."""
+    name = desk_name(request)
+    resources = desks.named(name)
+    question = await asked(request)
+    work = partial(trainings.start, resources, question, name)
+    return JSONResponse(await done(request, desks.shared.jobs, lambda _: work()))
+
+
+async def look(answer: Callable[[Mapping[str, Any]], dict[str, Any]], request: Request) -> Response:
+    """Tell where a training stands."""
+    return JSONResponse(answer(await asked(request)))
+
+
+async def saved(desks: Desks, trainings: Trainings, request: Request) -> Response:
+    """Give a finished head as a zip."""
+    question = await asked(request)
+    content = await done(request, desks.shared.jobs, lambda _: trainings.saved(question))
+    return Response(content, media_type="application/zip")
+
+
+async def asked(request: Request) -> Mapping[str, Any]:
+    """Return the JSON question of a request."""
+    return question_from(await body(request, MAX_QUESTION_BYTES, "The question"))

@@ -1,0 +1,110 @@
+/** Scores from each source to each target, and beside them what the paper prints. */
+
+import { json, refused } from "../shared/api.js";
+import { escaped, percent } from "../shared/text.js";
+
+const METRICS = ["ACC", "macro-F1"];
+
+export async function matrix(box) {
+  let metric = 0;
+  let found;
+  try {
+    found = await json("matrix");
+  } catch (error) {
+    return refused(error, (sentence) => {
+      box.innerHTML = `<h3>Source × target</h3><p class="hint">${escaped(sentence)}</p>`;
+    });
+  }
+  function show() {
+    box.innerHTML = `<header><h3>Source × target, ${METRICS[metric]}</h3><div class="which" role="radiogroup" aria-label="Which score">${METRICS.map(
+      (name, i) =>
+        `<button type="button" role="radio" data-metric="${i}" aria-checked="${i === metric}">${name}</button>`,
+    ).join("")}</div></header>
+      <div class="two-tables">${ours(found, metric)}${papers(found, metric)}</div>`;
+  }
+  box.onclick = (event) => {
+    const button = event.target.closest("[data-metric]");
+    if (!button) return;
+    metric = +button.dataset.metric;
+    show();
+    box.querySelector(`[data-metric="${metric}"]`).focus();
+  };
+  show();
+}
+
+/** The mean over targets that are not the source. */
+function unseen(row, metric) {
+  const values = Object.entries(row.cells)
+    .filter(([target]) => target !== row.source)
+    .map(([, cell]) => cell[metric]);
+  return values.length ? values.reduce((a, b) => a + b, 0) / values.length : NaN;
+}
+
+/** The mean over a method's sources, of means over unseen targets. */
+const meanOf = (rows, metric) => rows.reduce((sum, row) => sum + unseen(row, metric), 0) / rows.length;
+
+/** Where a method learned from several sources, a last line: its mean over them. */
+function overall(rows, targets, metric) {
+  if (rows.length < 2) return "";
+  return `<tr class="overall"><th scope="row" colspan="2">mean of ${rows.length} sources</th><td colspan="${targets.length}"></td><td><b>${(100 * meanOf(rows, metric)).toFixed(1)}</b></td></tr>`;
+}
+
+/** All methods in one line, the best first. */
+function ranking(rows, labels, metric) {
+  const several = labels
+    .map((label) => [label, rows.filter((row) => row.label === label)])
+    .filter(([, own]) => own.length > 1)
+    .map(([label, own]) => [label, meanOf(own, metric)])
+    .sort((a, b) => b[1] - a[1]);
+  return several.length < 2
+    ? ""
+    : `<p class="ranking">Mean of unseen domains over all sources: ${several.map(([label, mean]) => `<span>${escaped(label)} <b>${(100 * mean).toFixed(1)}</b></span>`).join(" ")}</p>`;
+}
+
+function ours({ rows, targets, origin }, metric) {
+  if (!rows.length)
+    return '<p class="hint">No scores are here: neither the head’s folder nor the protocol’s records hold any.</p>';
+  const labels = [...new Set(rows.map((row) => row.label))];
+  const shown = (row, target) => {
+    const cell = row.cells[target];
+    if (!cell) return "<td>–</td>";
+    const own = target === row.source;
+    return `<td class="heat${own ? " own" : ""}" style="--s:${Math.round(70 * cell[metric])}%" title="${escaped(`${row.source} → ${target}: ACC ${percent(cell[0], 1)}, macro-F1 ${percent(cell[1], 1)}`)}">${(100 * cell[metric]).toFixed(1)}</td>`;
+  };
+  const body = labels
+    .map(
+      (label) =>
+        rows
+          .filter((row) => row.label === label)
+          .map(
+            (row, i, all) =>
+              `<tr>${i ? "" : `<th scope="rowgroup" rowspan="${all.length}">${escaped(label)}<br><small>${row.seeds > 1 ? `${row.seeds} seeds` : "one seed"}</small></th>`}<th scope="row">${escaped(row.source)}</th>${targets.map((target) => shown(row, target)).join("")}<td><b>${(100 * unseen(row, metric)).toFixed(1)}</b></td></tr>`,
+          )
+          .join("") +
+        overall(
+          rows.filter((row) => row.label === label),
+          targets,
+          metric,
+        ),
+    )
+    .join("");
+  const note =
+    origin === "protocol"
+      ? "Rows of methods are means over seeds of the protocol’s records; rows of heads come from their own <code>metrics.json</code>."
+      : "These are the loaded heads’ own rows, from their <code>metrics.json</code>. Records of the whole protocol are not here: <code>python -m omnivat protocol</code> makes them, and <code>app.py --compare DIR</code> adds a head of another source.";
+  return `<div>${ranking(rows, labels, metric)}<div class="scroll" tabindex="0" role="group" aria-label="Scores from source to target"><table class="counts scores"><thead><tr><th scope="col">Method</th><th scope="col">Source</th>${targets.map((name) => `<th scope="col">${escaped(name)}</th>`).join("")}<th scope="col">mean of unseen</th></tr></thead><tbody>${body}</tbody></table></div>
+    <p class="hint">${note} Percent, on test pairs where the set states a split, on all pairs where it does not; outlined: the source itself, not in the mean.</p></div>`;
+}
+
+function papers({ paper, backbone, why, rows }, metric) {
+  const sources = [...new Set(rows.map((row) => row.source))].filter((source) =>
+    Object.values(paper).some((printed) => printed[source]),
+  );
+  if (!sources.length) return "";
+  const body = Object.entries(paper).map(
+    ([method, printed]) =>
+      `<tr><th scope="row">${escaped(method)}</th>${sources.map((source) => `<td>${printed[source] ? printed[source][metric].toFixed(1) : "–"}</td>`).join("")}</tr>`,
+  );
+  return `<div><div class="scroll" tabindex="0" role="group" aria-label="Figures that the paper prints"><table class="counts paper"><thead><tr><th scope="col">The paper prints, ${escaped(backbone)}</th>${sources.map((name) => `<th scope="col">${escaped(name.replace(/-sim$/, ""))} → X</th>`).join("")}</tr></thead><tbody>${body.join("")}</tbody></table></div>
+    <p class="hint">${why ? `<b class="wrong">Not comparable</b>: ${escaped(why)}. ` : ""}The paper gives means over its targets (X), not each target.</p></div>`;
+}

@@ -1,0 +1,181 @@
+/** One side of Compare: who predicts, at which stage, p and domain; its map and its measures. */
+
+import { Refusal, refused } from "../shared/api.js";
+import { Cloud } from "../shared/cloud.js";
+import { framesBy, headLabel, isMethod, METHODS } from "../shared/headsets.js";
+import { layersOf } from "../shared/layers.js";
+import { axes, axisNames, lassoLine, pairLine } from "../shared/marks.js";
+import { means } from "../shared/means.js";
+import { asText, MEASURES, values } from "../shared/measures.js";
+import { isDark } from "../shared/palette.js";
+import { listen } from "../shared/pointer.js";
+import { STAGES } from "../shared/stages.js";
+import { change, state } from "../shared/store.js";
+import { escaped } from "../shared/text.js";
+import { difference } from "./changes.js";
+
+const OF_ONE_DOMAIN = ["modality_gap", "accuracy"]; // what exists for a single domain
+
+/** The names under which the state keeps what each side shows. */
+export const SIDES = [
+  { p: "p2", stage: "stage2", head: "head2", only: "only2", name: "left" }, // its own
+  { p: "p", stage: "stage", head: "head", only: "only", name: "right" }, // p and stage of Explore
+];
+
+export function sideHtml({ name }, frames, known) {
+  const heads = [
+    ["", known[0] ? headLabel(known[0]) : "the head"],
+    ...known.slice(1).map((one) => [one.name, headLabel(one)]),
+    ...METHODS,
+  ];
+  const option = ([value, label]) => `<option value="${escaped(value)}">${escaped(label)}</option>`;
+  return `<article class="panel side-${name}"><div class="side-bar"><label>Predicted by <select class="head">${heads.map(option).join("")}</select></label>
+    <label>Domain <select class="only"><option value="">all</option>${frames.domains.map((d) => option([d, d])).join("")}</select></label></div>
+    <div class="side-bar"><label>Stage <select class="stage">${STAGES.map((s) => option([s.key, s.name])).join("")}</select></label>
+    <label class="grow"><i>p</i> <input type="range" class="order" min="${frames.orders[0]}" max="${frames.orders.at(-1)}" step="0.01" aria-label="p of the ${name} map"></label><output class="order-value"></output></div><p class="side-wait hint" role="status" hidden></p>
+    <div class="map" role="application" aria-label="${name} map"></div><table class="numbers"><tbody></tbody></table></article>`;
+}
+
+export class Side {
+  /** board: the tab that both sides belong to. */
+  constructor(keys, box, frames, board) {
+    this.keys = keys;
+    this.box = box;
+    this.frames = frames; // whose predictions and maps are shown
+    this.board = board;
+    this.cloud = new Cloud(this.$(".map"), 2 * frames.pairs);
+    this.drawing = listen(this.cloud, {
+      wanted: (point) => this.shows(point),
+      hover: (point) => board.hover(point),
+      pick: (point) => board.pick(point),
+      lasso: (points) => board.select(points),
+      lassoMode: () => board.lassoMode,
+      current: () => board.hovered,
+      next: (by) => board.step(by),
+    });
+    this.cloud.painters = this.painters();
+    this.wire();
+  }
+
+  $(selector) {
+    return this.box.querySelector(selector);
+  }
+
+  get chosen() {
+    const { keys } = this;
+    return { p: state[keys.p], stage: state[keys.stage], head: state[keys.head], only: state[keys.only] };
+  }
+
+  get stop() {
+    return this.frames.stop(this.chosen.p);
+  }
+
+  get kind() {
+    const kinds = this.frames.kinds(this.chosen.stage);
+    return kinds.includes(state.map) ? state.map : kinds[0];
+  }
+
+  /** Who predicts here, in words. */
+  get who() {
+    const { head } = this.chosen;
+    if (isMethod(head)) return "nearest class mean";
+    return `${head || "the head"} at p = ${this.frames.orders[this.stop].toFixed(2)}`;
+  }
+
+  said = (pair) => this.frames.classes[this.frames.prediction[this.stop * this.frames.pairs + pair]];
+
+  inDomain(pair) {
+    const { only } = this.chosen;
+    return !only || this.frames.domains[this.frames.domain[pair]] === only;
+  }
+
+  shows(point) {
+    return this.board.inPlay(point) && this.inDomain(point % this.frames.pairs);
+  }
+
+  painters() {
+    const { board, frames } = this;
+    const line = (context, cloud, pair, colour) =>
+      pair !== null && pair >= 0 && this.inDomain(pair) && pairLine(context, cloud, pair, colour);
+    return [
+      axes(() => axisNames(this.kind)),
+      means(
+        () => frames,
+        (point) => this.shows(point),
+      ),
+      (x, c) => line(x, c, state.pin, "#dc2626"),
+      (x, c) => line(x, c, board.hoveredPair, isDark() ? "#38bdf8" : "#1e293b"),
+      (x) => lassoLine(x, this.drawing.polygon),
+    ];
+  }
+
+  wire() {
+    const { keys } = this;
+    this.cloud.onView = (view) => this.board.follow(this, view);
+    this.$(".order").oninput = (event) => {
+      const { orders } = this.frames;
+      change({ [keys.p]: orders[this.frames.stop(+event.target.value)] });
+    };
+    for (const name of ["stage", "head", "only"]) {
+      this.$(`.${name}`).onchange = (event) => change({ [keys[name]]: event.target.value });
+    }
+  }
+
+  /** Fetch the frames of who predicts here; what is shown stays until they are there. */
+  async load(own, onFiner) {
+    const wait = this.$(".side-wait");
+    const name = this.chosen.head;
+    const tell = (step) => {
+      wait.hidden = false;
+      wait.textContent = step?.total
+        ? `Computing maps, ${step.done} of ${step.total}. Pair works meanwhile.`
+        : "Computing…";
+    };
+    if (name) tell(null);
+    try {
+      const found = await framesBy(name, own, tell, onFiner);
+      if (this.chosen.head !== name) return;
+      if (found.pairs !== own.pairs) throw new Refusal("This head’s map is of another set.");
+      this.frames = found;
+      wait.hidden = true;
+      this.$(".order").disabled = isMethod(name);
+    } catch (error) {
+      refused(error, (sentence) => {
+        wait.hidden = false;
+        wait.textContent = sentence;
+      });
+    }
+  }
+
+  show() {
+    const { chosen, stop, frames } = this;
+    for (const name of ["stage", "head", "only"]) this.$(`.${name}`).value = chosen[name];
+    this.$(".order").value = frames.orders[stop];
+    this.$(".order-value").textContent = isMethod(chosen.head) ? "–" : frames.orders[stop].toFixed(2);
+    this.cloud.layers = layersOf(
+      frames,
+      stop,
+      (point) => this.shows(point),
+      (point) => this.board.lit(point % frames.pairs),
+    );
+    this.cloud.show(frames.positions(this.kind, chosen.stage, stop));
+    this.cloud.box.dataset.order = frames.orders[stop];
+    this.$("tbody").innerHTML = `<tr>${MEASURES.map((measure) => this.cell(measure)).join("")}</tr>`;
+  }
+
+  /** The value of a measure here; accuracy only where the head predicts, that is at F̂. */
+  value({ name }) {
+    const { stage, only, head } = this.chosen;
+    const one = OF_ONE_DOMAIN.includes(name);
+    if (only && !one) return NaN;
+    if (name === "accuracy" && stage !== "f_hat" && !isMethod(head)) return NaN;
+    return values(this.frames, name, stage, one ? only : "")?.[this.stop] ?? NaN;
+  }
+
+  cell(measure) {
+    const own = this.value(measure);
+    const other = this.board.sides[0];
+    const off = this === other || !other ? "" : difference(own, other.value(measure));
+    return `<td title="${escaped(measure.help)}"><span>${measure.title}${measure.name === "accuracy" && !this.chosen.only ? ", unseen" : ""}</span><b>${asText(measure.name, own)}</b> ${off && `<small>${off}</small>`}</td>`;
+  }
+}

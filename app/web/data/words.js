@@ -1,0 +1,43 @@
+/** Longer texts of the page: limits, one's own data, glossary. */
+
+export const ABOUT = (simulated) => `<ul>
+  ${simulated ? "<li>Simulated sensors are cleaner and more alike than real ones. Read differences between stages and heads, not absolute accuracy.</li>" : ""}
+  <li>Most encoders were trained on photos. That touch images land far from photos tells as much about the encoder as about touch.</li>
+  <li>A small gap is not a good head: features that are all alike have no gap and no classes. Look at accuracy and margin beside it.</li>
+  <li>p hardly moves in training, and on these sensors heads trained at any p do about equally well. The order of an encoder’s channels has no physical meaning, so neither has “frequency”.</li>
+  <li>Accuracy is on pairs that the head was not trained on.</li></ul>`;
+
+export const OWN = `<h3>Make them</h3><p>A folder of pairs is <code>&lt;root&gt;/&lt;domain&gt;/&lt;class&gt;/&lt;name&gt;_vis.png</code> and <code>…_tac.png</code>.</p>
+<pre tabindex="0">python -m omnivat embed PAIRS --encoder efficientnet-lite0 --out mine.safetensors
+python -m omnivat thumbnails PAIRS --embeddings mine.safetensors
+python -m omnivat train --embeddings mine.safetensors --source DOMAIN --out my-head
+python app.py --head my-head --embeddings mine.safetensors --compare another-head
+python -m omnivat export --what page --out lecture.html</pre>
+<p>Maps are then computed in the background, eleven stops first, and kept for the next start. Head and embeddings have to come from the same encoder. In a notebook: <code>omnivat.notebook.explore("my-head", "mine.safetensors")</code>.</p>`;
+
+const WORDS = [
+  [
+    "VIS, TAC",
+    "the photo of a surface, and the image that a camera behind a soft sensor sees when it is pressed on it",
+  ],
+  ["Domain", "one sensor and one way of collecting pairs"],
+  ["Modality gap", "the distance between the mean directions of VIS and TAC; 0 to 2"],
+  ["Domain gap", "the mean distance between the mean directions of two domains"],
+  ["Cosine margin", "mean cosine of pairs of one class minus that of pairs of different classes"],
+  [
+    "p, fractional order",
+    "how far the discrete fractional Fourier transform (DFrFT) turns an embedding towards its spectrum: 0 not at all, 1 all the way",
+  ],
+  ["MFFA", "Multimodal Fractional Fourier Adapter: DFrFT, ReLU on real and imaginary part, FrATT"],
+  ["FrATT", "attention over the fractional tokens of one modality"],
+  ["MMA", "the loss that pulls VIS and TAC towards LANG while training"],
+  ["DTG, NOD", "Discrete Tree Generation, and the loss that keeps the nodes of one layer at right angles"],
+  [
+    "Photo only, touch only",
+    "the head reads one image and the other is absent; a branch inside a pair is not this",
+  ],
+  ["Familiar", "how near an image is to the training images, against how near they are to one another"],
+  ["Pin", "the current pair: Explore marks it and the other tabs show it"],
+];
+export const glossary = () =>
+  `<dl class="words">${WORDS.map(([word, meaning]) => `<dt>${word}</dt><dd>${meaning}</dd>`).join("")}</dl>`;

@@ -1,0 +1,138 @@
+/** Find pairs: by name, by what only touch can tell, and by histograms whose bars filter. */
+
+import { change, state } from "../shared/store.js";
+
+const BINS = 20;
+const HIGH = 34;
+export const HISTOGRAMS = [
+  {
+    name: "confidence",
+    title: "Confidence",
+    help: "probability of the predicted class, both images, at the learned p",
+  },
+  {
+    name: "cosine",
+    title: "Photo–touch cosine",
+    help: "cosine of the photo’s and the touch’s F̂, each seen alone",
+  },
+];
+
+/** Counts in BINS equal bins over [low, high].
+ * @param {number[]} all @param {number[]} span @param {(i: number) => boolean} wanted */
+export function histogram(all, [low, high], wanted = () => true) {
+  const counts = new Array(BINS).fill(0);
+  all.forEach((v, i) => {
+    if (wanted(i))
+      counts[Math.max(0, Math.min(BINS - 1, Math.floor(((v - low) / (high - low || 1)) * BINS)))] += 1;
+  });
+  return counts;
+}
+
+export class Finder {
+  /** `onChange()` is called when a filter of this box has changed. */
+  constructor(box, scene, onChange) {
+    this.box = box;
+    this.scene = scene;
+    this.onChange = onChange;
+    box.innerHTML = `<label class="search"><span class="sr">Find pairs</span><input type="search" placeholder="Find pairs: name, class, domain" autocomplete="off"></label>
+      <label class="alike" hidden><input type="checkbox"><span>only look-alikes: touch alone can tell <small></small></span></label>
+      <div class="histograms"></div><p class="hint found" role="status"></p>`;
+    this.search = box.querySelector("input[type=search]");
+    this.search.value = state.find;
+    this.search.oninput = () => change({ find: this.search.value.slice(0, 80) });
+    this.alike = box.querySelector(".alike");
+    this.alike.onchange = () => change({ alike: this.alike.querySelector("input").checked ? "1" : "" });
+  }
+
+  /** Lay out what the facts allow. */
+  show() {
+    const { unseen, pairs } = this.scene.facts;
+    const count = pairs?.looks_like.filter(Boolean).length ?? 0;
+    this.alike.hidden = !count;
+    this.alike.querySelector("input").checked = state.alike === "1";
+    this.alike.querySelector("small").textContent = `(${count})`;
+    if (!unseen) return;
+    this.spans = Object.fromEntries(HISTOGRAMS.map(({ name }) => [name, span(unseen.pairs[name])]));
+    this.box.querySelector(".histograms").innerHTML = HISTOGRAMS.map(({ name, title, help }) =>
+      this.figure(name, title, help),
+    ).join("");
+    for (const svg of this.box.querySelectorAll("svg")) this.listen(svg, svg.closest("figure").dataset.name);
+    this.count();
+  }
+
+  figure(name, title, help) {
+    const [low, high] = this.spans[name];
+    return `<figure data-name="${name}" title="${help}"><figcaption>${title} <button type="button" class="link" hidden>clear</button></figcaption>
+      <svg viewBox="0 0 ${BINS} ${HIGH}" preserveAspectRatio="none" role="slider" tabindex="0" aria-label="${title}: drag to keep a range; arrows move its lower end" aria-valuemin="${low}" aria-valuemax="${high}" aria-valuenow="${low}"><path class="all"/><path class="kept"/></svg>
+      <span class="ends"><small>${low.toFixed(2)}</small><small>${high.toFixed(2)}</small></span></figure>`;
+  }
+
+  listen(svg, name) {
+    let from = 0;
+    const at = (event) => {
+      const box = svg.getBoundingClientRect();
+      const [low, high] = this.spans[name];
+      return low + Math.max(0, Math.min(1, (event.clientX - box.left) / box.width)) * (high - low);
+    };
+    svg.onpointerdown = (event) => {
+      svg.setPointerCapture(event.pointerId);
+      from = at(event);
+    };
+    svg.onpointermove = (event) =>
+      event.buttons &&
+      this.set(
+        name,
+        [from, at(event)].sort((a, b) => a - b),
+      );
+    svg.onkeydown = (event) => {
+      const by = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 }[event.key];
+      if (!by) return;
+      event.preventDefault();
+      const [low, high] = this.spans[name];
+      const now = this.scene.ranges[name]?.[0] ?? low;
+      this.set(name, [Math.max(low, Math.min(high, now + (by * (high - low)) / BINS)), high]);
+    };
+    svg.parentElement.querySelector("button").onclick = () => this.set(name, null);
+  }
+
+  set(name, range) {
+    if (range && range[1] > range[0] && range[0] + range[1] !== this.spans[name][0] + this.spans[name][1])
+      this.scene.ranges[name] = range;
+    else delete this.scene.ranges[name];
+    this.onChange();
+  }
+
+  /** Draw what is kept and say how many pairs are shown. */
+  count() {
+    const { frames, ranges, facts, shown } = this.scene;
+    const seen = (pair) => shown(pair) || shown(frames.pairs + pair);
+    let kept = 0;
+    for (let pair = 0; pair < frames.pairs; pair++) kept += seen(pair) ? 1 : 0;
+    this.box.querySelector(".found").textContent =
+      kept === frames.pairs ? "" : `${kept} of ${frames.pairs} pairs shown`;
+    for (const figure of this.box.querySelectorAll("figure")) {
+      const { name } = figure.dataset;
+      const own = facts.unseen.pairs[name];
+      const all = histogram(own, this.spans[name]);
+      const most = Math.max(1, ...all);
+      const bars = (counts) =>
+        counts
+          .map((n, i) =>
+            n ? `M${i + 0.08} ${HIGH}V${HIGH - (n / most) * (HIGH - 2)}H${i + 0.92}V${HIGH}Z` : "",
+          )
+          .join("");
+      figure.querySelector(".all").setAttribute("d", bars(all));
+      figure.querySelector(".kept").setAttribute("d", bars(histogram(own, this.spans[name], seen)));
+      const range = ranges[name];
+      figure.querySelector("button").hidden = !range;
+      const svg = figure.querySelector("svg");
+      svg.setAttribute("aria-valuenow", (range ?? this.spans[name])[0].toFixed(2));
+      svg.setAttribute("aria-valuetext", range ? `${range[0].toFixed(2)} to ${range[1].toFixed(2)}` : "all");
+    }
+  }
+}
+
+function span(all) {
+  const known = all.filter(Number.isFinite);
+  return [Math.floor(20 * Math.min(...known)) / 20, Math.ceil(20 * Math.max(...known)) / 20];
+}

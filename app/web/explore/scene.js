@@ -1,0 +1,106 @@
+/** What Explore shows now: frames, stop, what is filtered, selected, pointed at. */
+
+import { hidden, state } from "../shared/store.js";
+
+export class Scene {
+  /** `own` are the frames of the head itself; another mode shows others of the same pairs. */
+  constructor(own, sprite) {
+    this.own = own;
+    this.frames = own;
+    this.sprite = sprite;
+    this.stop = 0;
+    this.hovered = -1;
+    this.near = []; // points
+    this.selected = new Set(); // points
+    this.highlight = null; // {kind, name} of the filter that is pointed at
+    this.only = null; // {pairs: Set, words}: a cell of the confusion matrix
+    this.ranges = {}; // histogram -> [from, to]
+    this.facts = { unseen: null, pairs: null };
+    this.mask = new Uint8Array(2 * own.pairs).fill(1);
+  }
+
+  get p() {
+    return this.frames.orders[this.stop];
+  }
+
+  shown = (point) => this.mask[point] === 1;
+
+  /** Whether a point is drawn in full colour. */
+  lit = (point) => {
+    if (this.highlight) {
+      const { kind, name } = this.highlight;
+      const pair = point % this.frames.pairs;
+      if (kind === "modality") return (point < this.frames.pairs ? "VIS" : "TAC") === name;
+      return kind === "domain"
+        ? this.frames.domains[this.frames.domain[pair]] === name
+        : this.frames.classes[this.frames.label[pair]] === name;
+    }
+    return !this.selected.size || this.selected.has(point);
+  };
+
+  /** Apply all filters; points that are hidden leave the selection. Returns whether any left. */
+  refilter() {
+    const { frames, mask } = this;
+    const wanted = this.wantedPairs();
+    const seen = ["VIS", "TAC"].map((name) => !hidden("modality").has(name));
+    for (let pair = 0; pair < frames.pairs; pair++) {
+      const keep = wanted(pair);
+      mask[pair] = keep && seen[0] ? 1 : 0;
+      mask[frames.pairs + pair] = keep && seen[1] ? 1 : 0;
+    }
+    const before = this.selected.size;
+    this.selected = new Set([...this.selected].filter(this.shown));
+    if (this.hovered >= 0 && !this.shown(this.hovered)) this.hovered = -1;
+    return before !== this.selected.size;
+  }
+
+  /** Whether a pair passes every filter, as a function of its number. */
+  wantedPairs() {
+    const { frames, facts, only } = this;
+    const domains = frames.domains.map((name) => !hidden("domain").has(name));
+    const classes = frames.classes.map((name) => !hidden("class").has(name));
+    const alike = state.alike === "1" ? facts.pairs?.looks_like : null;
+    const words = state.find.trim().toLowerCase();
+    const text = (pair) =>
+      `${facts.pairs?.name[pair] ?? ""} ${pair} ${frames.classes[frames.label[pair]]} ${frames.domains[frames.domain[pair]]}`.toLowerCase();
+    const ranges = Object.entries(this.ranges).map(([name, [from, to]]) => [
+      facts.unseen?.pairs[name],
+      from,
+      to,
+    ]);
+    return (pair) =>
+      domains[frames.domain[pair]] &&
+      classes[frames.label[pair]] &&
+      alike?.[pair] !== "" &&
+      (!only || only.pairs.has(pair)) &&
+      ranges.every(([own, from, to]) => !own || (own[pair] >= from && own[pair] <= to)) &&
+      (!words || words.split(/\s+/).every((word) => text(pair).includes(word)));
+  }
+
+  /** The one domain that is left by the filters; "" where several are. */
+  loneDomain() {
+    const left = this.frames.domains.filter((name) => !hidden("domain").has(name));
+    return left.length === 1 ? left[0] : "";
+  }
+
+  /** What hides points now, in words; [] where nothing does. */
+  filtering() {
+    const lists = [
+      ["domain", this.frames.domains],
+      ["class", this.frames.classes],
+    ].flatMap(([kind, names]) => {
+      const left = names.filter((name) => !hidden(kind).has(name));
+      return left.length === names.length
+        ? []
+        : [
+            left.length > 2
+              ? `${left.length} ${kind === "class" ? "classes" : "domains"}`
+              : left.join(", ") || `no ${kind}`,
+          ];
+    });
+    if (state.alike === "1" && this.facts.pairs) lists.push("look-alikes");
+    if (this.only) lists.push(this.only.words);
+    if (state.find.trim()) lists.push(`“${state.find.trim()}”`);
+    return [...lists, ...Object.keys(this.ranges)];
+  }
+}

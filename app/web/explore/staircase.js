@@ -1,0 +1,105 @@
+/** The staircase: both gaps and the margin at each step of the head; each step opens its map. */
+
+import { asText, axis, MEASURES, values } from "../shared/measures.js";
+import { stepsOf } from "../shared/stages.js";
+import { escaped } from "../shared/text.js";
+
+const HIGH = 33; // CSS pixels of a row of stairs
+const WORDS = 16; // of them, above the highest tread, for its figure
+const ROWS = MEASURES.filter(({ name }) => name !== "accuracy");
+const symbol = (short) => short.replace("_p", "<sub>p</sub>");
+
+export class Staircase {
+  /** `chosen()` is the open step; `onChoose(key)` opens another. */
+  constructor(box, chosen, onChoose) {
+    this.box = box;
+    this.chosen = chosen;
+    this.onChoose = onChoose;
+    box.onclick = (event) => {
+      const step = event.target.closest("[data-stage]");
+      if (step) onChoose(step.dataset.stage);
+    };
+    box.onkeydown = (event) => this.key(event);
+  }
+
+  /** Lay the steps of other frames out. */
+  replace(frames) {
+    this.frames = frames;
+    this.steps = stepsOf(frames);
+    this.box.style.setProperty("--steps", this.steps.length);
+    const heads = this.steps.map(
+      (s) =>
+        `<button type="button" role="radio" data-stage="${s.key}" title="${escaped(s.explain)}"><b>${symbol(s.short)}</b><span class="long">${s.step}</span><span class="brief">${s.brief}</span></button>`,
+    );
+    const rows = ROWS.map(
+      ({ name, title, help }) =>
+        `<div class="stair" data-name="${name}"><span class="stair-name" title="${help}">${title}</span><div class="treads"><svg viewBox="0 0 ${this.steps.length} ${HIGH}" preserveAspectRatio="none" aria-hidden="true"><path class="under"/><path class="tread"/></svg>${this.steps.map((s) => `<output data-step="${s.key}"></output>`).join("")}</div></div>`,
+    );
+    this.box.innerHTML = `<div class="stair heads"><span class="stair-name">Step</span><div class="treads" role="radiogroup" aria-label="Step of the head; opens its map">${heads.join("")}</div></div>${rows.join("")}
+      <div class="stair right-now"><span class="stair-name" title="share of pairs predicted right, mean over domains that the head never saw">Unseen accuracy</span><div class="treads">${this.steps.map((s) => `<output data-step="${s.key}">${s.key === "f_hat" ? "" : '<small aria-label="not classified here">·</small>'}</output>`).join("")}</div></div>`;
+    this.parts = ROWS.map(({ name }) => {
+      const root = this.box.querySelector(`[data-name="${name}"]`);
+      return {
+        name,
+        ys: axis(frames, name),
+        series: this.steps.map((s) => values(frames, name, s.key)),
+        paths: root.querySelectorAll("path"),
+        outputs: root.querySelectorAll("output"),
+      };
+    });
+    this.accuracy = values(frames, "accuracy", "f_hat");
+    this.right = this.box.querySelector('.right-now [data-step="f_hat"]');
+    this.choose();
+  }
+
+  /** Mark the open step. */
+  choose() {
+    for (const button of this.box.querySelectorAll("[role=radio]")) {
+      const on = button.dataset.stage === this.chosen();
+      button.setAttribute("aria-checked", on);
+      button.tabIndex = on ? 0 : -1;
+    }
+    for (const cell of this.box.querySelectorAll("[data-step]"))
+      cell.classList.toggle("open", cell.dataset.step === this.chosen());
+  }
+
+  /** Write the figures of one stop. */
+  show(stop) {
+    for (const { name, ys, series, paths, outputs } of this.parts) {
+      const now = series.map((own) => own?.[stop]);
+      const heights = levels(now, ys);
+      const line = stairs(heights);
+      paths[0].setAttribute("d", line && `${line}V${HIGH}H0Z`);
+      paths[1].setAttribute("d", line);
+      now.forEach((v, i) => {
+        outputs[i].textContent = asText(name, v, 2);
+        outputs[i].style.transform = `translateY(${(heights[i] - HIGH).toFixed(1)}px)`;
+      });
+    }
+    this.right.textContent = asText("accuracy", this.accuracy?.[stop]);
+  }
+
+  key(event) {
+    const by = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key];
+    if (!by || !event.target.matches("[role=radio]")) return;
+    event.preventDefault();
+    const at = this.steps.findIndex(({ key }) => key === this.chosen());
+    const { key } = this.steps[(at + by + this.steps.length) % this.steps.length];
+    this.onChoose(key);
+    this.box.querySelector(`[role=radio][data-stage="${key}"]`).focus();
+  }
+}
+
+/** Where each tread lies, from the top; a value that is missing keeps the height of the one before.
+ * @param {number[]} now @param {number[]} span */
+export function levels(now, [low, high]) {
+  let y = HIGH;
+  return now.map((v) => {
+    if (Number.isFinite(v)) y = HIGH - 1.5 - ((v - low) / (high - low || 1)) * (HIGH - WORDS - 1.5);
+    return y;
+  });
+}
+
+/** A line of treads, one unit wide each. */
+export const stairs = (heights) =>
+  heights.map((y, i) => `${i ? "V" : "M0 "}${y.toFixed(2)}H${i + 1}`).join("");

@@ -1,0 +1,194 @@
+/** Domains that the head never saw: shares with intervals, confusion, retrieval, look-alikes. */
+
+import { spread, values } from "../shared/measures.js";
+import { radios } from "../shared/radios.js";
+import { change, state, watch } from "../shared/store.js";
+import { escaped, percent } from "../shared/text.js";
+
+export const READINGS = [
+  { key: "fused", label: "Both" },
+  { key: "vis", label: "Photo only", title: "The touch is absent" },
+  { key: "tac", label: "Touch only", title: "The photo is absent" },
+];
+export const UNSEEN = "unseen";
+const NUMBERS = [
+  "no",
+  "one",
+  "two",
+  "three",
+  "four",
+  "five",
+  "six",
+  "seven",
+  "eight",
+  "nine",
+  "ten",
+  "eleven",
+  "twelve",
+];
+export const inWords = (n) => NUMBERS[n] ?? String(n);
+const times = (counts) => counts.flat().reduce((a, b) => Math.max(a, b), 1);
+
+/** The story in one line; the source is named once and marked wherever it stands. */
+export function story({ source, domains }) {
+  const others = domains.filter((name) => name !== source).length;
+  const known = others < domains.length;
+  if (!source) return "";
+  return `Learned from <b class="source">${escaped(source)}</b>${known ? "" : " (not in this set)"}; meets <b>${inWords(others)} ${others === 1 ? "stranger" : "strangers"}</b>.`;
+}
+
+/** What it is worth: the share right in unseen domains at the learned p, and guessing. */
+export function score(facts, order) {
+  const own = facts.unseen["answers/fused"];
+  if (!own) return "";
+  return `<b>${percent(own.share)}</b> of their pairs right, by the loaded head at its learned p = ${order} <small>95 %: ${Math.round(100 * own.low)}–${percent(own.high)} · guessing: ${percent(facts.chance)}</small>`;
+}
+
+const whisker = (own) =>
+  own
+    ? `<i class="range" style="--low:${own.low};--high:${own.high}"></i><i class="mean" style="--share:${own.share}"></i>`
+    : "";
+
+export class Strangers {
+  /** `onCell(cell)` filters the map: {domain, truth, answer} or null. */
+  constructor(box, scene, onCell) {
+    this.box = box;
+    this.scene = scene;
+    this.onCell = onCell;
+    this.domain = UNSEEN;
+    this.cell = null;
+    watch(["reading"], () => this.show());
+  }
+
+  /** Lay out what is known of the head. */
+  show() {
+    const facts = this.scene.facts.unseen;
+    if (!facts) return;
+    this.box.innerHTML = `<div class="readings" role="radiogroup" aria-label="What the head is given"></div>
+      <h3>Share of pairs right <small>95 % intervals</small></h3><div class="bars"></div>
+      <h3>Confusion <small>columns: predicted</small> <select class="of-domain" aria-label="Domain of the confusion matrix"></select></h3><div class="confusion"></div>
+      <p class="hint cell-words">Choose a cell to see its pairs.</p>`;
+    const shown = radios(
+      this.box.querySelector(".readings"),
+      READINGS,
+      () => state.reading,
+      (reading) => {
+        change({ reading });
+        this.box.querySelector(`.readings [data-key="${reading}"]`)?.focus();
+      },
+    );
+    shown();
+    this.box.querySelector(".bars").innerHTML = this.bars(facts);
+    this.listDomains(facts);
+    this.showConfusion();
+    this.mark();
+  }
+
+  bars(facts) {
+    const key = `answers/${state.reading}`;
+    const row = (name, own, kind, note) =>
+      `<div class="bar-row ${kind}" data-domain="${escaped(name)}"><span class="who">${escaped(name)}${kind === "source" ? ' <b class="tag source">source</b>' : ""}</span><span class="scale" style="--chance:${facts.chance}">${whisker(own)}<i class="here" hidden></i></span><output>${own ? percent(own.share) : "–"}</output>${note}</div>`;
+    const domains = facts.domains.map((one) =>
+      row(
+        one.name,
+        one[key],
+        one.is_source ? "source" : "",
+        `<span class="sr">${one.pairs} pairs that were not trained on</span>`,
+      ),
+    );
+    const alike = facts.look_alikes;
+    const rows = [
+      row("mean of strangers", facts.unseen[key], "mean-row", ""),
+      alike && row(`look-alikes (${alike.pairs})`, alike[key], "alike-row", ""),
+      row("photo finds a touch of its class", facts.unseen.retrieval, "retrieval-row", ""),
+    ];
+    return `${domains.join("")}<hr>${rows.filter(Boolean).join("")}<p class="hint">The thin line is guessing. The last row is retrieval: the touch nearest to each photo in its domain, each seen alone, at F̂.${alike ? " Look-alikes wear another material’s looks: only touch can tell." : ""}</p>`;
+  }
+
+  listDomains(facts) {
+    const select = this.box.querySelector(".of-domain");
+    const names = [
+      [UNSEEN, "all strangers"],
+      ...facts.domains.map(({ name, is_source }) => [name, is_source ? `${name} (source)` : name]),
+    ];
+    select.innerHTML = names
+      .map(([key, label]) => `<option value="${escaped(key)}">${escaped(label)}</option>`)
+      .join("");
+    select.value = this.domain;
+    select.onchange = () => {
+      this.domain = select.value;
+      this.choose(null);
+      this.showConfusion();
+    };
+  }
+
+  showConfusion() {
+    const facts = this.scene.facts.unseen;
+    const counts = facts.confusion[state.reading][this.domain];
+    const most = times(counts);
+    const head = facts.classes.map(
+      (name) => `<th scope="col" title="${escaped(name)}">${escaped(name)}</th>`,
+    );
+    const rows = counts.map(
+      (row, truth) =>
+        `<tr><th scope="row">${escaped(facts.classes[truth])}</th>${row.map((n, answer) => this.button(n, n / most, truth, answer)).join("")}</tr>`,
+    );
+    const box = this.box.querySelector(".confusion");
+    box.innerHTML = `<table><thead><tr><th scope="col"><small>true ↓</small></th>${head.join("")}</tr></thead><tbody>${rows.join("")}</tbody></table>`;
+    box.onclick = (event) => {
+      const cell = event.target.closest("[data-truth]");
+      if (cell) this.choose({ truth: +cell.dataset.truth, answer: +cell.dataset.answer });
+    };
+  }
+
+  button(count, strength, truth, answer) {
+    const [is, said] = [truth, answer].map((k) => this.scene.facts.unseen.classes[k]);
+    const on = this.cell?.truth === truth && this.cell?.answer === answer;
+    return `<td class="${truth === answer ? "hit" : ""}"><button type="button" aria-pressed="${on}" data-truth="${truth}" data-answer="${answer}" style="--s:${(100 * strength).toFixed(0)}%" aria-label="${escaped(is)} predicted as ${escaped(said)}: ${count} pairs" ${count ? "" : "disabled"}>${count || ""}</button></td>`;
+  }
+
+  /** Filter the map by a cell; the same cell again, or null, shows all. */
+  choose(cell) {
+    const again = cell && this.cell?.truth === cell.truth && this.cell?.answer === cell.answer;
+    this.cell = again ? null : cell;
+    this.showConfusion();
+    this.onCell(this.cell && { ...this.cell, domain: this.domain, pairs: this.pairsOf(this.cell) });
+    this.box.querySelector(".cell-words").textContent = this.cell
+      ? "The map shows these pairs; the table below lists them."
+      : "Choose a cell to see its pairs.";
+  }
+
+  pairsOf({ truth, answer }) {
+    const { frames, facts } = this.scene;
+    const { counts, answers } = facts.unseen.pairs;
+    const source = frames.domains.indexOf(facts.unseen.source);
+    const domain = frames.domains.indexOf(this.domain);
+    const found = [];
+    for (let pair = 0; pair < frames.pairs; pair++) {
+      const inDomain =
+        this.domain === UNSEEN ? frames.domain[pair] !== source : frames.domain[pair] === domain;
+      if (counts[pair] && inDomain && frames.label[pair] === truth && answers[state.reading][pair] === answer)
+        found.push(pair);
+    }
+    return found;
+  }
+
+  /** Mark on each bar what heads trained at the present p reach. */
+  mark() {
+    const { frames, stop } = this.scene;
+    const there = frames.kind === "retrained" && state.reading === "fused";
+    for (const row of this.box.querySelectorAll(".bar-row")) {
+      const here = row.querySelector(".here");
+      const name = row.classList.contains("mean-row") ? "" : row.dataset.domain;
+      const own =
+        there && !row.matches(".alike-row, .retrieval-row")
+          ? values(frames, "accuracy", "f_hat", name)
+          : null;
+      here.hidden = !Number.isFinite(own?.[stop]);
+      if (here.hidden) continue;
+      const ends = spread(frames, "accuracy", "f_hat", name);
+      here.style.setProperty("--share", own[stop]);
+      here.title = `heads trained at p = ${frames.orders[stop]}: ${percent(own[stop], 1)}${ends ? `, ${percent(ends.low[stop])} to ${percent(ends.high[stop])}` : ""}`;
+    }
+  }
+}

@@ -1,0 +1,21 @@
+/** The head of the page: what this is, whether its data are simulated, light or dark. */
+
+import { refused } from "../shared/api.js";
+import { followTabs } from "../shared/tabs.js";
+import { startTour } from "./tour.js";
+
+export function start(root) {
+  root.querySelector(".theme").onclick = () => document.body.classList.toggle("dark");
+  const tour = root.querySelector(".tour-start");
+  tour.onclick = () =>
+    startTour().catch((error) =>
+      refused(error, (sentence) => {
+        tour.title = sentence;
+        tour.disabled = true;
+      }),
+    );
+  document.addEventListener("omnivat:simulated", (/** @type {CustomEvent} */ event) => {
+    root.querySelector(".badge").hidden = !event.detail;
+  });
+  followTabs();
+}

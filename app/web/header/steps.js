@@ -1,0 +1,144 @@
+/** The tour's six steps: what to set, what to predict, and what the screen then shows. */
+
+import { asText, values } from "../shared/measures.js";
+import { percent } from "../shared/text.js";
+
+const ALL = { domain: "", class: "", modality: "", alike: "", find: "" }; // no filter hides a step's subject
+const NAMES = { relu: "F, after the ReLU", f_bar: "F̄, after attention", f_hat: "F̂, after the tree" };
+const READINGS = { fused: "both", vis: "photo only", tac: "touch only" };
+const CLEAR = 0.1; // of accuracy: a smaller change over p is called small
+
+const b = (text) => `<b>${text}</b>`;
+const ends = (all) => [Math.min(...all), Math.max(...all)];
+
+/**
+ * `at` gives what is on the screen: gap(measure, stage), order, unseen, toy, curve (accuracy over
+ * stops), orders, kind. A step is {title, set, ask, options, right(at), reveal(at)}; options are
+ * [key, words], `right` names the one that the screen shows.
+ */
+export const STEPS = [
+  {
+    title: "The modality gap",
+    set: { stage: "raw", colour: "modality", map: "pca", part: "curves", means: "1", ...ALL },
+    ask: "● is a photo, ▲ the touch of the same surface. Does the encoder place the two close together?",
+    options: [
+      ["near", "Close together"],
+      ["far", "Apart"],
+    ],
+    right: (at) => (at.gap("modality_gap", "raw") > 0.25 ? "far" : "near"),
+    reveal: (at) =>
+      `The mean directions of photos and touches are ${b(at.gap("modality_gap", "raw").toFixed(2))} apart (0: the same, 2: opposite). This is the ${b("modality gap")}: the thick lines on the map.`,
+  },
+  {
+    title: "The domain gap",
+    set: { stage: "raw", colour: "domain", map: "pca", part: "curves", means: "1", ...ALL },
+    ask: "Each colour is now a sensor and its data set. What separates points more: the sensor or the class?",
+    options: [
+      ["domain", "The sensor"],
+      ["class", "The class"],
+    ],
+    right: (at) => (at.gap("domain_gap", "raw") > at.gap("margin", "raw") ? "domain" : "class"),
+    reveal: (at) =>
+      `Two sensors are ${b(at.gap("domain_gap", "raw").toFixed(2))} apart on average: the ${b("domain gap")}. Classes differ by a cosine of ${b(at.gap("margin", "raw").toFixed(2))}. The head learns from ${b(at.unseen.source)} alone and meets the others as strangers.`,
+  },
+  {
+    title: "What p does, on a toy",
+    set: { part: "toy", stage: "frft", ...ALL },
+    ask: "Drag p and watch the two signals at the left. When does the distance between them change?",
+    options: [
+      ["neither", "Never"],
+      ["relu", "Only after the ReLU"],
+      ["both", "After both"],
+    ],
+    right: (_) => "relu",
+    reveal: ({ toy }) => {
+      const [low, high] = ends(toy.distances.signals.clipped);
+      return `The transform turns; it keeps the distance ${b(toy.distances.signals.turned[0].toFixed(2))} at every p. The ReLU clips, and the distance then lies between ${b(low.toFixed(2))} and ${b(high.toFixed(2))}. The real map of Fₚ stands as still as the toy.`;
+    },
+  },
+  {
+    title: "A small gap is not a good head",
+    set: { part: "curves", stage: "f_bar", colour: "class", gap: "modality_gap", ...ALL },
+    ask: "Look at the staircase. At which step is the modality gap smallest?",
+    options: Object.entries(NAMES),
+    right: (at) => smallest(at),
+    reveal: (at) => {
+      const step = smallest(at);
+      const [gap, margin, last] = [
+        at.gap("modality_gap", step),
+        at.gap("margin", step),
+        at.gap("margin", "f_hat"),
+      ];
+      const start = `At ${NAMES[step]}: ${b(gap.toFixed(2))}. Its cosine margin between classes is ${b(margin.toFixed(2))}`;
+      return step !== "f_hat" && margin < last
+        ? `${start}, against ${b(last.toFixed(2))} at F̂: the classes have moved together, too, and the tree spreads them again. So read a gap beside margin and accuracy.`
+        : `${start}. A gap alone tells little: read it beside margin and accuracy.`;
+    },
+  },
+  {
+    title: "Does p matter?",
+    set: { part: "curves", stage: "f_hat", ...ALL },
+    ask: ({ kind }) =>
+      kind === "retrained"
+        ? "Each stop is a head that was trained at that p. Drag p. Does accuracy on unseen domains depend on it?"
+        : "The weights stay and only p moves. Drag p. Does accuracy on unseen domains depend on it?",
+    options: [
+      ["little", "Hardly"],
+      ["much", "A lot"],
+    ],
+    right: ({ curve }) =>
+      curve && ends(known(curve))[1] - ends(known(curve))[0] >= CLEAR ? "much" : "little",
+    reveal: ({ curve, orders, kind }) => {
+      if (!curve)
+        return "These frames do not hold accuracy on unseen domains; make them again with <code>omnivat sweep</code>.";
+      const [low, high] = ends(known(curve));
+      const at = (v) => orders[curve.indexOf(v)].toFixed(2);
+      const range = `Accuracy on unseen domains goes from ${b(percent(low))} (p = ${at(low)}) to ${b(percent(high))} (p = ${at(high)})`;
+      if (kind !== "retrained")
+        return `${range}: the weights belong to the p they were trained with. That says nothing of heads trained elsewhere.`;
+      return high - low < CLEAR
+        ? `${range}. Heads trained at any p do about equally well here.`
+        : `${range}. On this set the right p decides.`;
+    },
+  },
+  {
+    title: "Meeting strangers",
+    set: { part: "strangers", reading: "fused", stage: "f_hat", colour: "domain", ...ALL },
+    ask: "In domains that the head never saw, which is right most often?",
+    options: Object.entries(READINGS),
+    right: ({ unseen }) => best(unseen),
+    reveal: ({ unseen }) => {
+      const own = (key) => unseen.unseen[`answers/${key}`];
+      const shares = Object.entries(READINGS).map(([key, words]) => `${words} ${b(percent(own(key).share))}`);
+      const first = best(unseen);
+      const close = Object.keys(READINGS).filter((key) => key !== first && own(key).high > own(first).low);
+      const doubt = close.length
+        ? ` The intervals of ${[first, ...close].map((key) => READINGS[key]).join(" and ")} overlap.`
+        : "";
+      return `${shares.join(", ")}; guessing ${percent(unseen.chance)}.${doubt} The bars show each domain; the source, ${b(unseen.source)}, is marked. Where data are simulated, none of this is a result on real sensors.`;
+    },
+  },
+];
+
+const known = (curve) => curve.filter(Number.isFinite);
+const smallest = (at) =>
+  Object.keys(NAMES).reduce((least, step) =>
+    at.gap("modality_gap", step) < at.gap("modality_gap", least) ? step : least,
+  );
+const best = (unseen) =>
+  Object.keys(READINGS).reduce((most, key) =>
+    unseen.unseen[`answers/${key}`].share > unseen.unseen[`answers/${most}`].share ? key : most,
+  );
+
+/** What is on the screen for the frames that are shown. */
+export function onScreen(frames, p, facts) {
+  const stop = frames.stop(p);
+  return {
+    ...facts,
+    kind: frames.kind,
+    orders: frames.orders,
+    curve: values(frames, "accuracy", "f_hat"),
+    gap: (measure, stage) => values(frames, measure, stage)?.[stop] ?? NaN,
+    text: (measure, stage) => asText(measure, values(frames, measure, stage)?.[stop], 2),
+  };
+}

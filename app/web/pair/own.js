@@ -1,0 +1,189 @@
+/** The visitor's own pairs: what they really are, a running count, and teaching the head. */
+
+import { ask, bytesOf, get, refused } from "../shared/api.js";
+import { save } from "../shared/save.js";
+import { escaped } from "../shared/text.js";
+import { keyOf, lessonsFor, missing, tally, withoutPair, withPair } from "./tally.js";
+import { best, READINGS } from "./verdict.js";
+import { zipped } from "./zip.js";
+
+export class OwnPairs {
+  /** onAgain: predict again, by another head; onLabel: a label is new; onOpen: show this pair. */
+  constructor(box, { onAgain, onLabel, onOpen }) {
+    this.box = box;
+    this.onAgain = onAgain;
+    this.onLabel = onLabel;
+    this.onOpen = onOpen;
+    this.pairs = [];
+    this.report = null; // what teaching gave
+    this.inUse = false;
+    this.note = "";
+    box.onclick = (event) => this.clicked(event);
+    box.onsubmit = (event) => {
+      event.preventDefault();
+      this.label(box.querySelector("input[name=label]").value.trim());
+    };
+  }
+
+  /** The lessons to send with a question about the pair `now`; none while the plain head is in use. */
+  lessons(now) {
+    const lessons = this.inUse ? lessonsFor(this.pairs, now) : [];
+    return lessons.length ? { lessons } : {};
+  }
+
+  /** Whether the pair is the visitor's own, rather than one whose class the set states. */
+  static isOwn = (pair) => [pair.vis, pair.tac].some((ref) => ref?.startsWith("image:"));
+
+  labelOf(pair) {
+    return this.pairs.find((one) => keyOf(one) === keyOf(pair))?.label ?? "";
+  }
+
+  /** Show the panel for the pair that is open; answer: what the plain head gives it, or null. */
+  show(now, answer, describe) {
+    this.now = now;
+    if (answer) this.answer = answer;
+    if (describe) this.describe = describe;
+    this.box.hidden = !this.pairs.length && !OwnPairs.isOwn(now);
+    if (this.box.hidden || !this.answer) return;
+    this.box.innerHTML = `${OwnPairs.isOwn(now) ? this.question() : ""}${this.counted()}${this.teaching()}<p class="hint" role="status">${escaped(this.note)}</p>`;
+  }
+
+  question() {
+    const chosen = this.labelOf(this.now);
+    const names = [...new Set([...this.answer.classes, ...this.pairs.map((one) => one.label)])];
+    const buttons = names.map(
+      (name) =>
+        `<button type="button" data-label="${escaped(name)}" aria-pressed="${name === chosen}">${escaped(name)}</button>`,
+    );
+    return `<header><h3>What is it really?</h3></header><form class="row labels">${buttons.join("")}<label>other <input type="text" name="label" maxlength="40" size="10"></label><button type="submit">Add</button></form>`;
+  }
+
+  counted() {
+    if (!this.pairs.length)
+      return '<p class="hint">Choose a class and the page counts how often it is right about your pairs.</p>';
+    const found = tally(this.pairs);
+    const parts = READINGS.filter(([reading]) => found[reading]).map(
+      ([reading, title, sign]) =>
+        `<span><span class="sign ${sign}"></span>${title.toLowerCase()} <b>${found[reading].right} of ${found[reading].of}</b></span>`,
+    );
+    const chips = this.pairs.map(
+      (one) =>
+        `<li><button type="button" class="open" data-key="${escaped(keyOf(one))}">${escaped(one.label)}<small>${escaped(one.name)}</small></button><button type="button" class="drop" data-key="${escaped(keyOf(one))}" aria-label="Forget ${escaped(one.name)}">×</button></li>`,
+    );
+    return `<div class="tally"><b>Right so far:</b> ${parts.join(" ")}</div><ul class="chips">${chips.join("")}</ul>`;
+  }
+
+  teaching() {
+    if (!this.pairs.length) return "";
+    const lacking = missing(this.pairs);
+    const use = this.inUse ? "Back to the head as trained" : "Predict with the taught head";
+    return `<div class="row"><button type="button" class="main teach" ${lacking ? "disabled" : ""}>Teach it my pairs</button>${
+      this.report
+        ? `<button type="button" class="use" aria-pressed="${this.inUse}">${use}</button><button type="button" class="save-head">Save the taught head</button>`
+        : ""
+    }<button type="button" class="save-set" title="Their embeddings, as a file that this page and the commands read">Save my pairs as a set</button><button type="button" class="save-pictures" title="The pictures in folders by class, as omnivat embed reads them">Save the pictures</button></div>${lacking ? `<p class="hint">${escaped(lacking)}</p>` : ""}${this.report ? reportHtml(this.report) : ""}`;
+  }
+
+  label(name) {
+    if (!name) return;
+    const { now, answer } = this;
+    const said = {};
+    for (const [reading] of READINGS) {
+      const row = answer.exact.readings[reading];
+      if (row && !(reading === "fused" && !(now.vis && now.tac)))
+        said[reading] = best(answer.classes, row).label;
+    }
+    this.pairs = withPair(this.pairs, { ...now, label: name, said, name: this.describe(now) });
+    this.changed();
+  }
+
+  /** Labels are others: what was taught from the old ones no longer holds. */
+  changed() {
+    this.report = null;
+    this.note = "";
+    const used = this.inUse;
+    this.inUse = false;
+    this.show(this.now);
+    if (used) this.onAgain();
+    else this.onLabel();
+  }
+
+  clicked(event) {
+    const button = event.target.closest("button");
+    if (!button) return;
+    if (button.dataset.label) this.label(button.dataset.label);
+    if (button.matches(".drop")) {
+      this.pairs = withoutPair(this.pairs, button.dataset.key);
+      this.changed();
+    }
+    if (button.matches(".open")) this.onOpen(this.pairs.find((one) => keyOf(one) === button.dataset.key));
+    if (button.matches(".teach")) this.teach();
+    if (button.matches(".use")) {
+      this.inUse = !this.inUse;
+      this.show(this.now);
+      this.onAgain();
+    }
+    if (button.matches(".save-set")) this.keep("save/set", "my-pairs.zip");
+    if (button.matches(".save-pictures")) this.keepPictures();
+    if (button.matches(".save-head")) this.keep("save/head", "taught-head.zip");
+  }
+
+  async teach() {
+    this.say("Teaching…");
+    try {
+      this.report = await ask("teach", { lessons: lessonsFor(this.pairs, {}) });
+      this.note = "";
+      this.show(this.now);
+    } catch (error) {
+      refused(error, (sentence) => this.say(sentence));
+    }
+  }
+
+  async keep(path, name) {
+    try {
+      const body = JSON.stringify({ lessons: lessonsFor(this.pairs, {}) });
+      const headers = { "Content-Type": "application/json" };
+      save(name, await (await get(path, { method: "POST", body, headers })).blob());
+    } catch (error) {
+      refused(error, (sentence) => this.say(sentence));
+    }
+  }
+
+  /** The pictures that this browser still has, in the folders that `omnivat embed` reads. */
+  async keepPictures() {
+    const files = [];
+    for (const [number, pair] of this.pairs.entries()) {
+      for (const modality of ["vis", "tac"]) {
+        const blob = pair[modality] && (await bytesOf(pair[modality], modality));
+        if (!blob) continue;
+        const label = pair.label.replaceAll(/[\\/:]/g, "_");
+        const name = `my-pairs/My pairs/${label}/${number}_${modality}.${ending(blob)}`;
+        files.push([name, new Uint8Array(await blob.arrayBuffer())]);
+      }
+    }
+    if (!files.length) return this.say("This browser holds no pictures of these pairs.");
+    save("my-pictures.zip", new Blob(zipped(files), { type: "application/zip" }));
+  }
+
+  say(sentence) {
+    this.note = sentence;
+    this.box.querySelector("[role=status]").textContent = sentence;
+  }
+}
+
+const ending = ({ type }) =>
+  ({ "image/png": "png", "image/webp": "webp", "image/tiff": "tif", "image/bmp": "bmp" })[type] ?? "jpg";
+
+/** Before and after, pair by pair. */
+export function reportHtml({ judged, right }) {
+  const cell = (label, said) =>
+    `<td class="${said === label ? "right" : "wrong"}">${said === label ? "✓" : "✗"} ${escaped(said)}</td>`;
+  const rows = judged.map(
+    (one) =>
+      `<tr><th scope="row">${escaped(one.label)}</th>${cell(one.label, one.before)}${cell(one.label, one.after)}</tr>`,
+  );
+  const step = Math.round(100 / judged.length);
+  return `<div class="taught"><p><b>Right before: ${right.before} of ${judged.length}. After: ${right.after} of ${judged.length}.</b></p>
+    <p class="hint">Each pair was judged by a head taught on all the others. Only class directions move; features stay. One pair is worth ${step} points here.</p>
+    <div class="scroll" tabindex="0" role="group" aria-label="Your pairs before and after teaching"><table><thead><tr><th scope="col">It is</th><th scope="col">before</th><th scope="col">after</th></tr></thead><tbody>${rows.join("")}</tbody></table></div></div>`;
+}

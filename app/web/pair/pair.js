@@ -1,0 +1,228 @@
+/** Try a pair: choose two images, read the prediction and whether to trust it. */
+
+import { ask, json, refused } from "../shared/api.js";
+import { headLabel, heads } from "../shared/headsets.js";
+import { nodeMap } from "../shared/nodemap.js";
+import { onTheme } from "../shared/palette.js";
+import { somePair } from "../shared/pick.js";
+import { change, state, watch, watchIn } from "../shared/store.js";
+import { theSetSoon } from "../shared/theset.js";
+import { familiarHtml } from "./familiar.js";
+import { Gallery } from "./gallery.js";
+import { Known } from "./known.js";
+import { liveHtml } from "./live.js";
+import { OwnPairs } from "./own.js";
+import { rivalsHtml } from "./rivals.js";
+import { slots } from "./slots.js";
+import { cards, classTable, madeOf, spoken } from "./verdict.js";
+import { WhatIf } from "./what-if.js";
+
+export async function start(root) {
+  const [examples, set, found] = await Promise.all([
+    json("examples").catch(() => []),
+    theSetSoon(),
+    heads().catch(() => []),
+  ]);
+  const tab = new PairTab(
+    root,
+    examples,
+    set,
+    found.filter((one) => one.name && !one.problem),
+  );
+  set.later?.then((late) => tab.adopt(late));
+}
+
+class PairTab {
+  constructor(root, examples, set, rivals) {
+    this.root = root;
+    this.examples = examples;
+    this.set = set;
+    this.rivals = rivals;
+    this.answer = null;
+    this.familiar = null;
+    this.live = null; // the newest answer to a camera's picture
+    this.asking = null;
+    this.known = new Known(examples, set);
+    this.whatIf = new WhatIf(this.$(".what-if-p"));
+    this.own = new OwnPairs(this.$(".own"), {
+      onAgain: () => this.ask(),
+      onLabel: () => this.showVerdict(),
+      onOpen: ({ vis, tac }) => change({ vis, tac }),
+    });
+    this.gallery = new Gallery(this.$(".gallery"), this.$(".take"));
+    this.showSlots = slots(this.$(".slots"), {
+      onRef: (modality, ref) => change({ [modality]: ref }),
+      onProblem: (sentence) => this.problem(sentence),
+      onLive: (found) => this.showLive(found),
+      liveQuestion: (modality) => ({ modality, other: modality === "vis" ? state.tac : state.vis }),
+    });
+    this.placeOnMap();
+    this.gallery.fill(examples, set);
+    this.wire();
+    if (state.vis || state.tac) this.ask();
+    else somePair(examples, set.frames); // which asks in turn
+    if (!state.vis && !state.tac) this.empty();
+  }
+
+  $(selector) {
+    return this.root.querySelector(selector);
+  }
+
+  wire() {
+    watch(["vis", "tac"], () => this.ask());
+    watchIn("pair", ["p"], () => this.whatIf.mark());
+    watch(["view"], () => this.root.querySelectorAll(".slot").forEach((slot) => slot.quiet()));
+    onTheme(() => this.whatIf.repaint());
+    this.$(".familiar").onclick = (event) => {
+      const pair = event.target.closest("button")?.dataset.pair;
+      if (pair) change({ pin: +pair, vis: `row:${pair}`, tac: `row:${pair}` });
+    };
+  }
+
+  placeOnMap() {
+    this.$(".on-map").hidden = !this.set.frames;
+    this.onMap = this.set.frames ? nodeMap(this.$(".on-map"), this.set.frames, { nodes: false }) : null;
+  }
+
+  problem(sentence) {
+    this.$(".problem").textContent = sentence;
+    this.$(".problem").hidden = !sentence;
+  }
+
+  get pair() {
+    return { vis: state.vis, tac: state.tac };
+  }
+
+  truths() {
+    const own = OwnPairs.isOwn(this.pair) ? this.own.labelOf(this.pair) : "";
+    const of = (ref) => (ref ? this.known.of(ref).truth || own : "");
+    return { vis: of(state.vis), tac: of(state.tac) };
+  }
+
+  showInputs() {
+    this.showSlots(state, this.set.sprite, this.set.frames?.pairs ?? 0, (ref) => this.known.of(ref).text);
+    this.gallery.mark([state.vis, state.tac]);
+  }
+
+  /** A new pair, or another head for it: everything is asked for again. */
+  async ask() {
+    this.showInputs();
+    this.asking?.abort();
+    if (!state.vis && !state.tac) return this.empty();
+    const mine = (this.asking = new AbortController());
+    const question = { ...this.pair, ...this.own.lessons(this.pair) };
+    this.$(".results").setAttribute("aria-busy", "true");
+    const slow = setTimeout(
+      () => this.say("Loading the head… the first prediction takes a few seconds."),
+      300,
+    );
+    try {
+      const answer = await ask("pair", question, mine.signal);
+      this.problem("");
+      this.answer = answer;
+      this.familiar = null;
+      this.showAnswer(question);
+      this.askMore(mine.signal);
+    } catch (error) {
+      refused(error, (sentence) => {
+        this.problem(sentence);
+        this.empty();
+      });
+    } finally {
+      clearTimeout(slow);
+      if (this.asking === mine) this.$(".results").setAttribute("aria-busy", "false"); // else the next one still asks
+    }
+  }
+
+  /** What the first answer need not wait for: familiarity, other heads, the place on the map. */
+  async askMore(signal) {
+    const { pair } = this;
+    this.onMap?.(pair, this.answer.learned);
+    const quietly = (asked) =>
+      asked.catch((error) => {
+        if (error.name === "AbortError") throw error;
+        return { problem: error.message };
+      });
+    try {
+      const others = this.rivals.map((one) => quietly(ask("pair", { ...pair, head: one.name }, signal)));
+      const familiar = await quietly(ask("familiar", pair, signal));
+      this.familiar = familiar.problem ? { images: {}, problem: familiar.problem } : familiar;
+      this.showFamiliar();
+      this.showVerdict();
+      this.showRivals(await Promise.all(others));
+    } catch (error) {
+      refused(error, (sentence) => this.problem(sentence));
+    }
+  }
+
+  showRivals(found) {
+    const labelled = found.map((one, i) => ({ ...one, label: headLabel(this.rivals[i]) }));
+    this.$(".rivals").hidden = !found.length;
+    this.$(".rivals").innerHTML = found.length ? rivalsHtml(this.answer, labelled) : "";
+  }
+
+  showAnswer(question) {
+    this.showVerdict();
+    this.own.show(this.pair, question.lessons ? null : this.answer, (pair) => this.known.name(pair));
+    this.whatIf.show(this.answer, question);
+    this.$(".sr").textContent = spoken(this.answer);
+  }
+
+  showVerdict() {
+    if (!this.answer || this.live) return;
+    const truths = this.truths();
+    const taught = this.own.inUse
+      ? '<p class="taught-now"><b class="tag">taught</b> by your pairs; this pair was left out.</p>'
+      : "";
+    this.$(".verdict").innerHTML = `${taught}${madeOf(truths)}${cards(this.answer, this.familiar, truths)}
+      <details class="all-classes"><summary>Every class</summary><div class="bars">${classTable(this.answer.classes, this.answer.exact.readings)}</div></details>
+      <p class="hint">At the learned p = ${this.answer.learned.toFixed(4)}. Photo only and touch only: the other image is absent.</p>`;
+    this.$(".all-classes").open = this.allClasses ?? !this.$(".guess");
+    this.$(".all-classes").ontoggle = (event) => (this.allClasses = event.target.open);
+  }
+
+  showFamiliar() {
+    this.$(".familiar").hidden = !this.familiar;
+    if (!this.familiar) return;
+    this.$(".familiar").innerHTML = this.familiar.problem
+      ? `<p class="hint"></p>`
+      : familiarHtml(this.familiar, this.set);
+    if (this.familiar.problem) this.$(".familiar p").textContent = this.familiar.problem;
+  }
+
+  /** A camera's newest answer takes the verdict; null gives it back. */
+  showLive(found) {
+    const was = this.live;
+    this.live = found;
+    if (!found) return was ? this.ask() : undefined;
+    this.$(".verdict").innerHTML = liveHtml(found);
+  }
+
+  say(sentence) {
+    this.$(".verdict").innerHTML = '<p class="hint"></p>';
+    this.$(".verdict p").textContent = sentence;
+  }
+
+  empty() {
+    this.answer = null;
+    this.say("Choose a pair to see the prediction. One image is enough.");
+    for (const name of [".familiar", ".rivals"]) this.$(name).hidden = true;
+    this.own.show(this.pair);
+    this.whatIf.show(null);
+  }
+
+  /** The set has come after the first answer: its pictures, its pairs to pick, its map. */
+  adopt(late) {
+    this.set = late;
+    this.known = new Known(this.examples, late);
+    this.placeOnMap();
+    this.gallery.fill(this.examples, late);
+    this.showInputs();
+    if (this.answer) {
+      this.showFamiliar();
+      this.showVerdict();
+      this.onMap(this.pair, this.answer.learned);
+    }
+    somePair(this.examples, late.frames);
+  }
+}

@@ -1,0 +1,40 @@
+/** The visitor's own labelled pairs: counting, and what can be taught from them. No DOM here. */
+
+const FEWEST = 2; // pairs of a class, and classes, that teaching needs
+
+/** A pair is known by its two images. */
+export const keyOf = ({ vis, tac }) => `${vis ?? ""} ${tac ?? ""}`;
+
+/** Add a pair, or replace the label that it had. said: reading -> predicted class. */
+export function withPair(pairs, pair) {
+  return [...pairs.filter((one) => keyOf(one) !== keyOf(pair)), pair];
+}
+
+export const withoutPair = (pairs, key) => pairs.filter((one) => keyOf(one) !== key);
+
+/** How many pairs each reading got right, of those that it was there for. */
+export function tally(pairs) {
+  const found = {};
+  for (const { label, said } of pairs) {
+    for (const [reading, answer] of Object.entries(said)) {
+      found[reading] ??= { right: 0, of: 0 };
+      found[reading].of += 1;
+      found[reading].right += answer === label;
+    }
+  }
+  return found;
+}
+
+/** What is still missing before a head can be taught; "" where nothing is. */
+export function missing(pairs) {
+  const counts = new Map();
+  for (const { label } of pairs) counts.set(label, (counts.get(label) ?? 0) + 1);
+  const enough = [...counts.values()].filter((count) => count >= FEWEST).length;
+  if (enough >= FEWEST) return "";
+  const there = [...counts].map(([label, count]) => `${label} ${count}`).join(", ") || "none yet";
+  return `Label two pairs of each of two classes to teach it. So far: ${there}.`;
+}
+
+/** The lessons that a question carries; a pair is never predicted from its own label. */
+export const lessonsFor = (pairs, now) =>
+  pairs.filter((one) => keyOf(one) !== keyOf(now)).map(({ vis, tac, label }) => ({ vis, tac, label }));

@@ -1,0 +1,98 @@
+/** The prediction of one pair in words: both, photo only, touch only. Text in, HTML out. */
+
+import { classColour } from "../shared/palette.js";
+import { escaped, percent } from "../shared/text.js";
+
+/** What the head is given, and how it is called. A branch inside a pair is none of these. */
+export const READINGS = [
+  ["fused", "Both", "both"],
+  ["vis", "Photo only", "vis"],
+  ["tac", "Touch only", "tac"],
+];
+const NOUN = { vis: "photo", tac: "touch" };
+
+/** The class with the largest probability, and that probability. */
+export function best(classes, row) {
+  const at = row.indexOf(Math.max(...row));
+  return { label: classes[at], share: row[at] };
+}
+
+/** The images that a reading uses, of those that are there. */
+export const usedBy = (reading, given) =>
+  reading === "fused" ? given : given.filter((name) => name === reading);
+
+/** The images of a reading that are unlike the training images: its prediction is a guess. */
+export const unlike = (reading, given, images) =>
+  usedBy(reading, given).filter((name) => images?.[name]?.guess);
+
+/**
+ * Three cards. `answer`: what the server says of the pair; `familiar`: of its images, null while
+ * that is on the way; `truths`: the class of each image, where it is known.
+ */
+export function cards(answer, familiar, truths) {
+  const given = ["vis", "tac"].filter((name) => answer.exact.readings[name]);
+  const shown = READINGS.map(([reading, title, sign]) => {
+    const row = answer.exact.readings[reading];
+    const head = `<h3><span class="sign ${sign}"></span>${title}</h3>`;
+    if (!row)
+      return `<article class="reading none" data-reading="${reading}">${head}<p class="hint">No ${NOUN[reading]} here.</p></article>`;
+    if (reading === "fused" && given.length < 2) {
+      return `<article class="reading none" data-reading="${reading}">${head}<p class="hint">Add the ${NOUN[given[0] === "vis" ? "tac" : "vis"]} to see both together.</p></article>`;
+    }
+    const strange = unlike(reading, given, familiar?.images);
+    return `<article class="reading" data-reading="${reading}">${head}${called(answer.classes, row, strange)}${judged(best(answer.classes, row).label, usedBy(reading, given), truths, answer.classes)}</article>`;
+  });
+  return `<div class="readings">${shown.join("")}</div>`;
+}
+
+function called(classes, row, strange) {
+  const { label, share } = best(classes, row);
+  if (!strange.length) return `<p class="said">${escaped(label)} <b>${percent(share)}</b></p>`;
+  const what = strange.length > 1 ? "Both images are" : `The ${NOUN[strange[0]]} is`;
+  return `<p class="said guess">${escaped(label)}?</p><p class="guessed"><b>This is a guess.</b> ${what} unlike anything it has seen.</p>`;
+}
+
+/** Whether a prediction is right; for a photo and a touch of two classes, which one it follows. */
+export function judged(said, used, truths, classes) {
+  const known = used.map((name) => truths[name]).filter(Boolean);
+  if (!known.length) return "";
+  if (known.length > 1 && known[0] !== known[1]) {
+    const follows = used.filter((name) => truths[name] === said);
+    return `<p class="follows">${follows.length ? `It follows the ${NOUN[follows[0]]}.` : "It follows neither."}</p>`;
+  }
+  if (said === known[0]) return '<p class="right">✓ right</p>';
+  const lacks = classes.includes(known[0]) ? "" : ", a class this head never learned";
+  return `<p class="wrong">✗ it is ${escaped(known[0])}${lacks}</p>`;
+}
+
+/** One line above the cards: what a mixed pair is made of. */
+export function madeOf({ vis, tac }) {
+  if (!vis || !tac || vis === tac) return "";
+  return `<p class="made-of">Photo: <b>${escaped(vis)}</b>. Touch: <b>${escaped(tac)}</b>.</p>`;
+}
+
+/** Every class under every reading. */
+export function classTable(classes, readings) {
+  const shown = READINGS.filter(
+    ([reading]) => readings[reading] && !(reading === "fused" && readings.fused === undefined),
+  );
+  const several = shown.length > 2 ? shown : shown.filter(([reading]) => reading !== "fused");
+  const winner = best(classes, readings.fused).label;
+  const head = several.map(
+    ([, title, sign]) => `<th scope="col"><span class="sign ${sign}"></span>${title}</th>`,
+  );
+  const rows = classes.map((name, k) => {
+    const cells = several.map(
+      ([reading, , sign]) =>
+        `<td data-reading="${reading}"><span class="bar ${sign}" style="--share:${readings[reading][k]}"></span><span class="share">${percent(readings[reading][k], 1)}</span></td>`,
+    );
+    return `<tr class="${name === winner ? "best" : ""}"><th scope="row"><i style="background:${classColour(k)}"></i>${escaped(name)}</th>${cells.join("")}</tr>`;
+  });
+  return `<table class="bar-table"><thead><tr><th scope="col">Class</th>${head.join("")}</tr></thead><tbody>${rows.join("")}</tbody></table>`;
+}
+
+/** The prediction in one sentence, for a screen reader. */
+export function spoken(answer) {
+  const { label, share } = best(answer.classes, answer.exact.readings.fused);
+  return `${label}, ${percent(share)}`;
+}

@@ -1,0 +1,115 @@
+/** What if p were different: the same weights at other orders. A what-if, drawn as one. */
+
+import { ask, refused } from "../shared/api.js";
+import { orderBar } from "../shared/order.js";
+import { change, state } from "../shared/store.js";
+import { escaped, percent } from "../shared/text.js";
+import { Attention } from "./attention.js";
+import { Lines } from "./lines.js";
+import { aboutP, band } from "./orders.js";
+import { Spectra } from "./spectrum.js";
+import { best, READINGS } from "./verdict.js";
+
+const STOPS = Array.from({ length: 101 }, (_, i) => i / 100);
+/** A scale for the order bar; before the server has answered, p was learned nowhere. */
+const scale = (answer) => ({
+  orders: answer?.orders ?? STOPS,
+  meta: { head: { learned_order: answer?.learned } },
+  stop: (p) => Math.max(0, Math.min(100, Math.round(100 * p))),
+});
+
+export class WhatIf {
+  constructor(box) {
+    this.box = box;
+    this.answer = null;
+    this.reading = "fused";
+    this.bar = orderBar(this.$(".order-bar"), scale(null));
+    this.lines = new Lines(this.$(".lines"), (p) => change({ p }));
+    this.spectra = new Spectra(this.$(".pictures"));
+    this.attention = new Attention(this.$(".looks"));
+    this.looked = null; // the question whose attention is shown
+    this.$(".which").onclick = (event) => this.choose(event.target.closest("button"));
+    box.addEventListener("toggle", () => this.paint());
+  }
+
+  $(selector) {
+    return this.box.querySelector(selector);
+  }
+
+  /** answer: of the pair; question: what it was asked with. null clears. */
+  show(answer, question) {
+    this.answer = answer;
+    this.question = question;
+    this.box.hidden = !answer;
+    if (!answer) return;
+    if (!answer.stops[this.reading]) this.reading = "fused";
+    if (state.p === null) state.p = scale(answer).stop(answer.learned) / 100;
+    this.bar.replace(scale(answer));
+    this.bar.learned(answer.learned);
+    this.$(".about-p").textContent = aboutP(answer.learned, answer.span, answer.classes);
+    this.paint();
+  }
+
+  /** Draw what is seen only where the section is open. */
+  paint() {
+    if (!this.answer || !this.box.open) return;
+    const { classes, orders, stops, learned, span, spectra } = this.answer;
+    const there = READINGS.filter(
+      ([reading]) => stops[reading] && !(reading === "fused" && Object.keys(stops).length < 3),
+    );
+    if (!there.some(([reading]) => reading === this.reading)) this.reading = there[0][0];
+    this.$(".which").innerHTML = there
+      .map(
+        ([reading, title]) =>
+          `<button type="button" role="radio" data-reading="${reading}" aria-checked="${reading === this.reading}">${title}</button>`,
+      )
+      .join("");
+    this.lines.show(classes, orders, stops[this.reading], learned, band(span));
+    this.spectra.show(spectra);
+    this.look();
+    this.mark();
+  }
+
+  async look() {
+    const { question } = this;
+    if (this.looked === question) return;
+    this.looked = question;
+    this.attention.show(null);
+    try {
+      const found = await ask("attention", question);
+      if (this.question === question) this.attention.show(found);
+    } catch (error) {
+      refused(error, (sentence) => this.attention.show({ problem: sentence }));
+    }
+    this.mark();
+  }
+
+  choose(button) {
+    if (!button || !this.answer) return;
+    this.reading = button.dataset.reading;
+    this.paint();
+    this.$(`[data-reading=${this.reading}]`).focus();
+  }
+
+  /** Show where p is now. */
+  mark() {
+    if (!this.answer || state.p === null) return;
+    const stop = scale(this.answer).stop(state.p);
+    this.bar.show(stop);
+    if (!this.box.open) return;
+    const { classes, orders, stops } = this.answer;
+    this.lines.mark(stop, orders);
+    this.spectra.mark(stop);
+    this.attention.mark(stop);
+    const title = READINGS.find(([reading]) => reading === this.reading)[1].toLowerCase();
+    const { label, share } = best(classes, stops[this.reading][stop]);
+    this.$(".at-p").innerHTML =
+      `With p = ${orders[stop].toFixed(2)}, ${title}: <b>${escaped(label)} ${percent(share)}</b>.`;
+  }
+
+  repaint() {
+    this.spectra.paint();
+    this.attention.paint();
+    this.mark();
+  }
+}

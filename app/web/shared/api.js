@@ -1,0 +1,110 @@
+/** Questions to the server. Every failure becomes a Refusal whose message is one sentence. */
+
+/** Something that a person is told; any other error is a fault of a script and stays one. */
+export class Refusal extends Error {
+  constructor(sentence, status = 0) {
+    super(sentence);
+    this.status = status;
+  }
+}
+
+/** Tell `say` the sentence of a refusal; let faults, and questions called off, pass. */
+export function refused(error, say) {
+  if (error.name === "AbortError") return;
+  if (!(error instanceof Refusal)) throw error;
+  say(error.message);
+}
+
+const ALONE = "This page is a file of its own: there is no server behind it to ask.";
+const LOST = "The server does not answer. Is it still running? The page goes on when it is back.";
+const OTHER = "The server was started again with another head or set. Reload the page to see it.";
+const base = new URL("omnivat/", document.baseURI);
+
+const desk = new URLSearchParams(location.search).get("set"); // a head or set loaded by this visitor
+const held = globalThis.omnivatHeld; // what a page saved as one file carries with it
+
+/** Where a path of the server is; a saved page has some of them inside. */
+export function address(path) {
+  if (held?.[path]) return held[path];
+  const url = new URL(path, base);
+  if (desk) url.searchParams.set("set", desk);
+  return url.href;
+}
+
+let holds = null; // which head and set this page was opened on
+
+async function answered(request) {
+  let response;
+  try {
+    response = await request;
+  } catch (error) {
+    if (error.name === "AbortError") throw error;
+    throw new Refusal(LOST);
+  }
+  const now = response.headers.get("X-Holds");
+  if (now && holds && now !== holds) throw new Refusal(OTHER, 409);
+  holds ??= now;
+  if (response.ok) return response;
+  let sentence = `The server refused (${response.status}).`;
+  try {
+    sentence = (await response.json()).error || sentence;
+  } catch {
+    /* not our server's JSON: the status has to do */
+  }
+  throw new Refusal(sentence, response.status);
+}
+
+export async function get(path, options) {
+  if (held && !held[path]) throw new Refusal(ALONE, 404);
+  return answered(fetch(address(path), options));
+}
+
+export const json = async (path) => (await get(path)).json();
+
+const files = new Map(); // reference -> what was sent, to send it again to a restarted server
+const FORGOTTEN = 410;
+
+/** Ask; where the server has been restarted since an image was sent, send it again first. */
+export async function ask(path, question, signal) {
+  const body = JSON.stringify(question);
+  const headers = { "Content-Type": "application/json" };
+  const asked = async () => (await get(path, { method: "POST", body, headers, signal })).json();
+  try {
+    return await asked();
+  } catch (error) {
+    const pairs = [question, ...(question.lessons ?? [])];
+    const lost = [...new Set(pairs.flatMap(({ vis, tac }) => [vis, tac]))].filter((ref) => files.has(ref));
+    if (error.status !== FORGOTTEN || !lost.length) throw error;
+    await Promise.all(lost.map((ref) => sendImage(...files.get(ref))));
+    return asked();
+  }
+}
+
+export async function sendImage(blob, name) {
+  const path = `image?name=${encodeURIComponent(name)}`;
+  const answer = await (await get(path, { method: "POST", body: blob })).json();
+  files.set(answer.ref, [blob, name]);
+  return answer;
+}
+
+/** The bytes of an image that a reference names; null where the server alone knows it. */
+export async function bytesOf(ref, modality) {
+  if (files.has(ref)) return files.get(ref)[0];
+  if (!ref.startsWith("example:")) return null;
+  const path = ref.slice("example:".length).split("/").map(encodeURIComponent).join("/");
+  return (await get(`example/${path}/${modality}`)).blob();
+}
+
+/** Send an image with a question about it: "occlusion" or "live". */
+export async function askOfImage(what, blob, { modality, other, order }) {
+  const query = new URLSearchParams({ modality });
+  if (Number.isFinite(order)) query.set("order", order);
+  if (other) query.set("other", other);
+  return (await get(`${what}?${query}`, { method: "POST", body: blob })).json();
+}
+
+/** Send one file of a head or set; returns what to call it in `loadParts`. */
+export async function sendPart(name, file) {
+  return (await (await get(`part?name=${encodeURIComponent(name)}`, { method: "POST", body: file })).json())
+    .part;
+}

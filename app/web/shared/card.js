@@ -1,0 +1,62 @@
+/** The card of one pair: both thumbnails, what it is, what the head says of it. */
+
+import { escaped } from "./text.js";
+
+/** A thumbnail out of the sprite: pair i VIS is tile i, TAC is tile N + i. */
+export function thumbnail(sprite, tile, side, label) {
+  if (!sprite) return `<span class="thumb none" role="img" aria-label="${label}">${label}</span>`;
+  const scale = side / sprite.tile;
+  const column = tile % sprite.columns;
+  const row = Math.floor(tile / sprite.columns);
+  const rows = Math.ceil(sprite.count / sprite.columns);
+  return `<span class="thumb" role="img" aria-label="${label}" style="width:${side}px;height:${side}px;
+    background-image:url('${sprite.url}');background-position:${-column * side}px ${-row * side}px;
+    background-size:${sprite.columns * sprite.tile * scale}px ${rows * sprite.tile * scale}px"></span>`;
+}
+
+export const thumbnailPair = (frames, sprite, pair, side) =>
+  `<span class="thumbs"><figure>${thumbnail(sprite, pair, side, "VIS")}<figcaption>VIS</figcaption></figure>
+   <figure>${thumbnail(sprite, frames.pairs + pair, side, "TAC")}<figcaption>TAC</figcaption></figure></span>`;
+
+/** What the head says of a pair at one stop. */
+export function verdict(frames, pair, stop) {
+  const at = stop * frames.pairs + pair;
+  return {
+    domain: frames.domains[frames.domain[pair]],
+    truth: frames.classes[frames.label[pair]],
+    said: frames.classes[frames.prediction[at]],
+    right: frames.prediction[at] === frames.label[pair],
+    confidence: frames.confidence[at] / 255,
+  };
+}
+
+/** What a pair imitates, in words; "" where it imitates nothing. */
+export function imitation(pairs, pair) {
+  const [looks, feels] = ["looks_like", "feels_like"].map((column) => pairs?.[column][pair]);
+  if (looks) return `looks like ${looks}: only touch can tell`;
+  return feels ? `feels like ${feels}` : "";
+}
+
+/** `sample` stands in until a visitor points at a pair; -1 for none. `pairs` names them, once known. */
+export function card(frames, sprite, pair, stop, pinned, sample = -1, pairs = null) {
+  if (pair < 0) {
+    const example = sample < 0 ? "" : thumbnailPair(frames, sprite, sample, 124);
+    const names = sample < 0 ? "" : `: ${escaped(frames.classes[frames.label[sample]])}`;
+    return `<h3>A photo and a touch${names}</h3>${example}<p class="hint">Each pair is two points: ● the photo (VIS) and ▲ the touch (TAC).
+      <span class="keys"><b>Point</b> at one to see both. </span><b>Choose</b> one to pin its pair for the other tabs.
+      <span class="keys"><kbd>N</kbd> <kbd>B</kbd> step, <kbd>Enter</kbd> pins.</span></p>`;
+  }
+  const v = verdict(frames, pair, stop);
+  const note = imitation(pairs, pair);
+  const source = v.domain === frames.source ? ' <small class="source">source</small>' : "";
+  return `<h3>Pair ${pair}${pinned ? ' <span class="tag">pinned</span>' : ""}</h3>
+    ${thumbnailPair(frames, sprite, pair, 124)}
+    <dl><dt>Domain</dt><dd>${escaped(v.domain)}${source}</dd><dt>Class</dt><dd>${escaped(v.truth)}${note ? ` <small>${escaped(note)}</small>` : ""}</dd>
+    <dt>Predicted</dt><dd class="${v.right ? "right" : "wrong"}">${v.right ? "✓" : "✗"} ${escaped(v.said)}, ${Math.round(100 * v.confidence)} %</dd></dl>
+    ${
+      pinned
+        ? `<div class="near"><h4>Nearest by cosine to <span><button type="button" class="find" data-of="0">VIS</button> <button type="button" class="find" data-of="1">TAC</button></span></h4><div class="found"></div></div>
+    <div class="row"><button type="button" class="open">Open in Pair ›</button><button type="button" class="unpin">Unpin</button></div>`
+        : ""
+    }`;
+}

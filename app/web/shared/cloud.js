@@ -1,0 +1,173 @@
+/** The map: points on one canvas, marks on another above it; zoom and pan survive every stop. */
+
+import { isDark } from "./palette.js";
+import { Pixels } from "./points.js";
+
+const GROUND = { light: "#ffffff", dark: "#0f172a" };
+const MARGIN = 0.06; // of the shorter side, kept free around all points
+
+export class Cloud {
+  /** `count` points: the first half VIS, the second half TAC. */
+  constructor(box, count) {
+    this.box = box;
+    this.ground = document.createElement("canvas");
+    this.marks = document.createElement("canvas");
+    this.marks.tabIndex = 0;
+    this.marks.setAttribute(
+      "aria-label",
+      "Points: arrows pan, plus and minus zoom, 0 fits, N and B step through pairs, Enter pins, S selects what is in view, Escape clears the selection",
+    );
+    this.marks.setAttribute("role", "img");
+    box.append(this.ground, this.marks);
+    this.pixels = new Pixels(this.ground.getContext("2d", { alpha: false }));
+    this.count = count;
+    this.x = new Float32Array(count); // device pixels of each point, of the last drawing
+    this.y = new Float32Array(count);
+    this.view = { zoom: 1, dx: 0, dy: 0 };
+    this.layers = []; // [{style, at: Int32Array, count}]
+    this.painters = []; // what draws marks above the points
+    this.pending = 0;
+    this.onView = null; // told of every zoom and pan by hand
+    new ResizeObserver(() => this.resize()).observe(box);
+    this.resize();
+  }
+
+  resize() {
+    const { width, height } = this.box.getBoundingClientRect();
+    this.ratio = Math.min(window.devicePixelRatio || 1, 2);
+    this.width = Math.max(1, Math.round(width * this.ratio));
+    this.height = Math.max(1, Math.round(height * this.ratio));
+    for (const canvas of [this.ground, this.marks]) {
+      canvas.width = this.width;
+      canvas.height = this.height;
+    }
+    this.redraw();
+  }
+
+  /** Show other positions: u16 pairs within bounds [[xmin, ymin], [xmax, ymax]]. */
+  show(frame) {
+    this.frame = frame;
+    this.redraw();
+  }
+
+  /** Device pixels from u16: x = u·ax + bx, y = v·ay + by; one scale for both axes. */
+  transform() {
+    const [[x0, y0], [x1, y1]] = this.frame.bounds;
+    const free = MARGIN * Math.min(this.width, this.height);
+    const fit = Math.min((this.width - 2 * free) / (x1 - x0 || 1), (this.height - 2 * free) / (y1 - y0 || 1));
+    const scale = fit * this.view.zoom;
+    const middle = { x: (x0 + x1) / 2, y: (y0 + y1) / 2 };
+    const ox = this.width / 2 + this.view.dx * this.ratio;
+    const oy = this.height / 2 + this.view.dy * this.ratio;
+    return {
+      ax: (scale * (x1 - x0)) / 65535,
+      bx: ox + scale * (x0 - middle.x),
+      ay: (-scale * (y1 - y0)) / 65535,
+      by: oy - scale * (y0 - middle.y),
+      scale,
+      middle,
+      ox,
+      oy,
+    };
+  }
+
+  redraw() {
+    if (this.pending) return;
+    this.pending = requestAnimationFrame(() => {
+      this.pending = 0;
+      this.draw();
+    });
+  }
+
+  draw() {
+    if (!this.frame) return;
+    const { ax, bx, ay, by } = this.transform();
+    const { points } = this.frame;
+    const { x, y } = this;
+    for (let i = 0; i < this.count; i++) {
+      x[i] = points[2 * i] * ax + bx;
+      y[i] = points[2 * i + 1] * ay + by;
+    }
+    this.pixels.begin(this.width, this.height, isDark() ? GROUND.dark : GROUND.light);
+    for (const layer of this.layers) {
+      const radius = layer.style.radius * this.ratio * Math.min(2, this.view.zoom ** 0.3);
+      this.pixels.stampAll({ ...layer.style, radius }, layer.at, layer.count, x, y);
+    }
+    this.pixels.end();
+    this.paintMarks();
+  }
+
+  paintMarks() {
+    if (!this.frame) return;
+    const context = this.marks.getContext("2d");
+    context.setTransform(1, 0, 0, 1, 0, 0);
+    context.clearRect(0, 0, this.width, this.height);
+    context.scale(this.ratio, this.ratio);
+    for (const paint of this.painters) paint(context, this);
+  }
+
+  /** CSS pixels of a point. */
+  place(point) {
+    return [this.x[point] / this.ratio, this.y[point] / this.ratio];
+  }
+
+  /** The point nearest to a place in CSS pixels, of those `wanted`, within `reach`; or -1. */
+  nearest(px, py, wanted, reach = 12) {
+    const cx = px * this.ratio;
+    const cy = py * this.ratio;
+    let best = -1;
+    let least = (reach * this.ratio) ** 2;
+    for (let i = 0; i < this.count; i++) {
+      const distance = (this.x[i] - cx) ** 2 + (this.y[i] - cy) ** 2;
+      if (distance < least && wanted(i)) {
+        least = distance;
+        best = i;
+      }
+    }
+    return best;
+  }
+
+  /** Zoom by a factor around a place in CSS pixels (the middle where none is given). */
+  zoomBy(factor, px = this.width / this.ratio / 2, py = this.height / this.ratio / 2) {
+    const zoom = Math.max(0.5, Math.min(40, this.view.zoom * factor));
+    const real = zoom / this.view.zoom;
+    const mx = this.width / this.ratio / 2;
+    const my = this.height / this.ratio / 2;
+    this.setView({
+      zoom,
+      dx: px - mx - (px - mx - this.view.dx) * real,
+      dy: py - my - (py - my - this.view.dy) * real,
+    });
+  }
+
+  panBy(dx, dy) {
+    this.setView({ ...this.view, dx: this.view.dx + dx, dy: this.view.dy + dy });
+  }
+
+  resetView() {
+    this.setView({ zoom: 1, dx: 0, dy: 0 });
+  }
+
+  setView(view, quiet = false) {
+    this.view = view;
+    this.redraw();
+    if (!quiet) this.onView?.(view);
+  }
+}
+
+/** Points inside a polygon of CSS places: the even-odd rule. */
+export function inside(cloud, polygon, wanted) {
+  const found = [];
+  for (let i = 0; i < cloud.count; i++) {
+    if (!wanted(i)) continue;
+    const [x, y] = cloud.place(i);
+    let within = false;
+    for (let a = 0, b = polygon.length - 1; a < polygon.length; b = a++) {
+      const [xa, ya] = polygon[a];
+      const [xb, yb] = polygon[b];
+      if (ya > y !== yb > y && x < ((xb - xa) * (y - ya)) / (yb - ya) + xa) within = !within;
+    }
+    if (within) found.push(i);
+  }
+  return found;
+}

@@ -1,0 +1,62 @@
+/** Legend and filters in one: what each colour means, and a switch for each name. */
+
+import { COLOURINGS, TAC_COLOUR, VIS_COLOUR } from "./palette.js";
+import { hidden, state, toggle } from "./store.js";
+import { escaped } from "./text.js";
+
+/** @type {[string, string, (f: any) => string[]][]} */
+const KINDS = [
+  ["domain", "Domains", (f) => f.domains],
+  ["class", "Classes", (f) => f.classes],
+  ["modality", "Modalities", () => ["VIS", "TAC"]],
+];
+const SIGNS = { VIS: "●", TAC: "▲" };
+
+/** Draw the switches; the kind that colours the map carries its colours. */
+export function showFilters(box, frames, onPoint) {
+  const colours = new Map(COLOURINGS[state.colour].groups(frames));
+  const legend = ["correctness", "confidence"].includes(state.colour)
+    ? `<fieldset class="legend"><legend>${COLOURINGS[state.colour].label}</legend>${[...colours]
+        .map(
+          ([name, colour]) => `<span class="key"><i style="background:${colour}"></i>${escaped(name)}</span>`,
+        )
+        .join("")}</fieldset>`
+    : "";
+  box.innerHTML =
+    legend +
+    KINDS.map(([kind, title, names]) => {
+      const off = hidden(kind);
+      const switches = names(frames).map((name) => {
+        const colour = state.colour === kind ? colours.get(name) : null;
+        const sign =
+          kind === "modality"
+            ? `<i class="sign" style="color:${colour ?? (state.colour === "modality" ? { VIS: VIS_COLOUR, TAC: TAC_COLOUR }[name] : "currentColor")}">${SIGNS[name]}</i>`
+            : colour
+              ? `<i style="background:${colour}"></i>`
+              : "";
+        return `<label data-kind="${kind}" data-name="${escaped(name)}"><input type="checkbox" ${off.has(name) ? "" : "checked"}>${sign}<span>${escaped(name)}${name === frames.source ? ' <b class="source" title="the domain that the head was trained on">source</b>' : ""}</span></label>`;
+      });
+      return `<fieldset><legend>${title}</legend>${switches.join("")}</fieldset>`;
+    }).join("");
+  box.onchange = (event) => {
+    const label = event.target.closest("label");
+    toggle(label.dataset.kind, label.dataset.name);
+  };
+  box.onpointerover = (event) => {
+    const label = event.target.closest("label");
+    onPoint(label ? { kind: label.dataset.kind, name: label.dataset.name } : null);
+  };
+  box.onpointerleave = () => onPoint(null);
+}
+
+/** Whether a point is shown, as a function of its number. */
+export function shownBy(frames) {
+  const domains = frames.domains.map((name) => !hidden("domain").has(name));
+  const classes = frames.classes.map((name) => !hidden("class").has(name));
+  const modalities = ["VIS", "TAC"].map((name) => !hidden("modality").has(name));
+  return (point) => {
+    const tac = point >= frames.pairs;
+    const pair = tac ? point - frames.pairs : point;
+    return modalities[+tac] && domains[frames.domain[pair]] && classes[frames.label[pair]];
+  };
+}

@@ -1,0 +1,120 @@
+/** Read the binary of frames: exact map positions for every stop of p, and the curves. */
+
+import { address, get, Refusal } from "./api.js";
+import { featuresOf } from "./stages.js";
+
+const MAGIC = "OVFRAMES";
+const ARRAYS = { u8: Uint8Array, u16: Uint16Array };
+
+export class Frames {
+  constructor(buffer) {
+    const magic = new TextDecoder().decode(new Uint8Array(buffer, 0, 8));
+    if (magic !== MAGIC) throw new Refusal("The frames file is of another kind; make it again.");
+    const length = new DataView(buffer).getUint32(8, true);
+    this.meta = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 12, length)));
+    this.buffer = buffer;
+    this.start = 12 + length; // offsets of arrays count from the end of the JSON
+    this.orders = this.meta.orders;
+    this.pairs = this.meta.pairs;
+    this.domains = this.meta.domains;
+    this.classes = this.meta.classes;
+    this.domain = this.array("domain");
+    this.label = this.array("label");
+    this.prediction = this.array("prediction");
+    this.confidence = this.array("confidence");
+  }
+
+  /** "moved": one head whose p moves. "retrained": a head for each stop. "every": one head for every p. */
+  get kind() {
+    return this.meta.head?.kind ?? "moved";
+  }
+
+  /** Where training left p; NaN where every stop has a head of its own. */
+  get learned() {
+    return this.meta.head?.learned_order ?? NaN;
+  }
+
+  /** The domain that the head was trained on; "" where it is unknown. */
+  get source() {
+    return this.meta.head?.source ?? "";
+  }
+
+  array(name) {
+    const entry = this.meta.arrays[name];
+    const count = entry.shape.reduce((a, b) => a * b, 1);
+    return new ARRAYS[entry.dtype](this.buffer, this.start + entry.offset, count);
+  }
+
+  /** The stop nearest to p: an index into `orders`. */
+  stop(p) {
+    let best = 0;
+    this.orders.forEach((order, i) => {
+      if (Math.abs(order - p) < Math.abs(this.orders[best] - p)) best = i;
+    });
+    return best;
+  }
+
+  /** The kinds of map that a stage has: "pca", "umap". */
+  kinds(stage) {
+    const names = Object.keys(this.meta.maps).map((name) => name.split("/"));
+    return names.filter(([, of]) => of === featuresOf(stage)).map(([kind]) => kind);
+  }
+
+  /** Positions at one stop of one map; `drawn` is the stop that they belong to. */
+  positions(kind, stage, stop) {
+    const map = this.meta.maps[`${kind}/${featuresOf(stage)}`];
+    let index = 0;
+    map.orders.forEach((order, i) => {
+      if (Math.abs(order - stop) < Math.abs(map.orders[index] - stop)) index = i;
+    });
+    const size = 4 * this.pairs;
+    const all = this.array(map.array);
+    return {
+      points: all.subarray(index * size, (index + 1) * size),
+      drawn: map.orders[index],
+      stops: map.orders.length,
+      bounds: map.bounds,
+      error: (2 * map.max_error) / (map.bounds[1][0] - map.bounds[0][0]), // share of the radius
+    };
+  }
+}
+
+/** p for people: two digits, or three where the stop lies between two hundredths. */
+export const orderText = (p) => (Math.abs(p - +p.toFixed(2)) < 1e-9 ? p.toFixed(2) : p.toFixed(3));
+
+const query = (head, mode) => {
+  const asked = new URLSearchParams({ ...(head && { head }), ...(mode && { mode }) }).toString();
+  return asked ? `frames?${asked}` : "frames";
+};
+
+/** Fetch the frames, telling `onWait` how far the server is while it still computes them. */
+export async function fetchFrames(onWait, head = "", mode = "") {
+  for (;;) {
+    const response = await get(query(head, mode));
+    if (response.status === 200) {
+      const coarse = response.headers.get("X-Frames") === "coarse";
+      return { frames: new Frames(await response.arrayBuffer()), coarse };
+    }
+    onWait((await response.json()).step);
+    await new Promise((resolve) => setTimeout(resolve, 700));
+  }
+}
+
+/** Wait for finer frames after coarse ones were shown. */
+export async function whenFine(onWait, head = "") {
+  for (;;) {
+    await new Promise((resolve) => setTimeout(resolve, 1500));
+    const { step } = await (
+      await get(`frames?progress=1${head && `&head=${encodeURIComponent(head)}`}`)
+    ).json();
+    if (!step) return (await fetchFrames(onWait, head)).frames;
+    onWait(step);
+  }
+}
+
+/** The sprite of thumbnails, or null where the set has none. */
+export async function fetchThumbnails() {
+  const response = await get("thumbnails.json").catch(() => null);
+  if (!response) return null;
+  return { ...(await response.json()), url: address("thumbnails.webp") };
+}

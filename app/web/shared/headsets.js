@@ -1,0 +1,74 @@
+/** Who can answer in a view: the head, comparison heads with frames of their own, simple methods. */
+
+import { ask, json } from "./api.js";
+import { fetchFrames, whenFine } from "./frames.js";
+
+const METHOD = "method:";
+const cache = new Map();
+let listed = null;
+
+/** The heads that the server has: [{name, folder, generation, source, …}], the first one first. */
+export const heads = () =>
+  (listed ??= json("heads").catch((error) => {
+    listed = null;
+    throw error;
+  }));
+
+export const headLabel = (one) =>
+  `${one.name || one.folder}${one.problem ? "" : ` · ${one.source} · ${one.mffa ? one.generation : "no MFFA"}`}`;
+export const METHODS = [[`${METHOD}nearest_mean`, "nearest class mean (raw embedding)"]];
+export const isMethod = (name) => name.startsWith(METHOD);
+
+/** Frames by which `name` answers; "" is the first head, whose frames are at hand.
+ * Where coarse ones come first, `onFiner` is told once there are finer ones to ask for. */
+export function framesBy(name, own, onWait, onFiner = () => {}) {
+  if (!name) return Promise.resolve(own);
+  if (!cache.has(name)) {
+    const making = isMethod(name) ? byMethod(name, own) : fetched(name, onWait, onFiner);
+    cache.set(
+      name,
+      making.catch((error) => {
+        cache.delete(name);
+        throw error;
+      }),
+    );
+  }
+  return cache.get(name);
+}
+
+async function fetched(name, onWait, onFiner) {
+  const { frames, coarse } = await fetchFrames(onWait, name);
+  if (coarse) {
+    whenFine(() => {}, name).then(
+      (finer) => {
+        cache.set(name, Promise.resolve(finer));
+        onFiner();
+      },
+      () => {},
+    ); // what is shown stays as it is
+  }
+  return frames;
+}
+
+/** The same maps with the answers of a method, which knows no p. */
+async function byMethod(name, own) {
+  const found = await ask("answers", { method: name.slice(METHOD.length) });
+  const index = found.classes.map((label) => own.classes.indexOf(label));
+  const frames = Object.create(own);
+  const repeat = (values) => {
+    const all = new Uint8Array(own.orders.length * own.pairs);
+    own.orders.forEach((_, stop) => all.set(values, stop * own.pairs));
+    return all;
+  };
+  const said = found.prediction.map((k) => index[k]);
+  frames.prediction = repeat(said);
+  frames.confidence = repeat(found.confidence);
+  const curves = Object.fromEntries(
+    Object.entries(own.meta.curves).filter(([key]) => !/^(accuracy|macro_f1)/.test(key)),
+  );
+  for (const [name, value] of Object.entries(found.accuracy)) {
+    curves[`accuracy/${name}`] = own.orders.map(() => value);
+  }
+  frames.meta = { ...own.meta, curves };
+  return frames;
+}

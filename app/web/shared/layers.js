@@ -1,0 +1,53 @@
+/** Which points are drawn how: one layer for each colour and shape, dimmed ones first. */
+
+import { COLOURINGS, isDark } from "./palette.js";
+import { state } from "./store.js";
+
+const DIM = 0.13;
+const shade = (hex, by) =>
+  `#${[1, 3, 5]
+    .map((i) =>
+      Math.max(0, Math.min(255, Math.round(parseInt(hex.slice(i, i + 2), 16) * by)))
+        .toString(16)
+        .padStart(2, "0"),
+    )
+    .join("")}`;
+
+/**
+ * shown(point) and lit(point) say which points are drawn, and which of them in full colour.
+ * dim is how strong the others are.
+ * Returns [{style, at, count}], lit ones last.
+ */
+export function layersOf(frames, stop, shown, lit, dim = DIM, colour = state.colour) {
+  const colouring = COLOURINGS[colour];
+  const groups = colouring.groups(frames);
+  const of = colouring.of(frames, stop);
+  const total = 2 * frames.pairs;
+  const radius = total > 12_000 ? 2 : total > 5_000 ? 2.6 : 3.4;
+  const edge = isDark() ? 0.55 : 0.62;
+  const layers = [];
+  for (const alpha of [dim, 0.92]) {
+    for (const tac of [0, 1]) {
+      for (const [, colour] of groups) {
+        const style = {
+          shape: tac ? "triangle" : "circle",
+          colour,
+          edge: shade(colour, edge),
+          radius,
+          alpha,
+        };
+        layers.push({ style, at: new Int32Array(frames.pairs), count: 0 });
+      }
+    }
+  }
+  const bright = layers.length / 2;
+  for (let tac = 0; tac < 2; tac++) {
+    for (let pair = 0; pair < frames.pairs; pair++) {
+      const point = pair + tac * frames.pairs;
+      if (!shown(point)) continue;
+      const layer = layers[(lit(point) ? bright : 0) + tac * groups.length + of(pair, tac)];
+      layer.at[layer.count++] = point;
+    }
+  }
+  return layers.filter((layer) => layer.count);
+}

@@ -1,0 +1,93 @@
+/** The middle of each group's VIS and TAC points and the line between them: the gaps, drawn. */
+
+import { COLOURINGS, isDark } from "./palette.js";
+import { state } from "./store.js";
+
+const ALL = { of: () => () => 0, groups: () => [["all pairs", null]] };
+const SIZE = 8; // CSS pixels, less on a small map
+
+/** A painter: one line a domain or class, or one for all, of the points that `shown(point)` names. */
+export function means(frames, shown) {
+  return (context, cloud) => {
+    if (state.means !== "1") return;
+    const grouping = ["domain", "class"].includes(state.colour) ? COLOURINGS[state.colour] : ALL;
+    const groups = grouping.groups(frames());
+    const of = grouping.of(frames());
+    const pairs = cloud.count / 2;
+    const sums = new Float64Array(groups.length * 6); // x, y, count of VIS, then of TAC
+    for (let point = 0; point < cloud.count; point++) {
+      if (!shown(point)) continue;
+      const tac = point >= pairs;
+      const at = 6 * of(tac ? point - pairs : point) + (tac ? 3 : 0);
+      sums[at] += cloud.x[point];
+      sums[at + 1] += cloud.y[point];
+      sums[at + 2] += 1;
+    }
+    const edge = isDark() ? "#0b1220" : "#ffffff";
+    const places = groups.map(([, colour], i) => {
+      const mean = (at) =>
+        sums[at + 2] && [sums[at] / sums[at + 2] / cloud.ratio, sums[at + 1] / sums[at + 2] / cloud.ratio];
+      return { colour: colour ?? (isDark() ? "#f8fafc" : "#0f172a"), vis: mean(6 * i), tac: mean(6 * i + 3) };
+    });
+    for (const [width, stroke] of /** @type {[number, (p: any) => string][]} */ ([
+      [7, () => edge],
+      [3.4, (p) => p.colour],
+    ])) {
+      for (const place of places)
+        if (place.vis && place.tac) line(context, place.vis, place.tac, width, stroke(place));
+    }
+    const size = cloud.width / cloud.ratio < 260 ? 0.7 * SIZE : SIZE;
+    for (const { colour, vis, tac } of places) {
+      if (vis) shape(context, colour, edge, () => context.arc(...vis, size, 0, 7));
+      if (tac) shape(context, colour, edge, () => triangle(context, ...tac, size));
+    }
+    const source = grouping.groups(frames()).findIndex(([name]) => name === frames().source);
+    if (source >= 0 && state.colour === "domain") label(context, places[source], "source", edge);
+  };
+}
+
+/** Name a group at its VIS and TAC middles. */
+function label(context, { vis, tac, colour }, text, edge) {
+  context.font = "700 12px system-ui, sans-serif";
+  context.textAlign = "center";
+  context.lineWidth = 4;
+  context.lineJoin = "round";
+  for (const place of [vis, tac].filter(Boolean)) {
+    context.strokeStyle = edge;
+    context.strokeText(text, place[0], place[1] - 15);
+    context.fillStyle = colour;
+    context.fillText(text, place[0], place[1] - 15);
+  }
+}
+
+function line(context, a, b, width, colour) {
+  context.beginPath();
+  context.moveTo(...a);
+  context.lineTo(...b);
+  context.lineWidth = width;
+  context.lineCap = "round";
+  context.strokeStyle = colour;
+  context.stroke();
+}
+
+function triangle(context, x, y, size) {
+  context.moveTo(x, y - 1.2 * size);
+  context.lineTo(x + 1.15 * size, y + 0.85 * size);
+  context.lineTo(x - 1.15 * size, y + 0.85 * size);
+  context.closePath();
+}
+
+function shape(context, colour, edge, outline) {
+  for (const [width, stroke] of [
+    [6.5, edge],
+    [2, "#0f172a"],
+  ]) {
+    context.beginPath();
+    outline();
+    context.lineWidth = width;
+    context.strokeStyle = stroke;
+    context.stroke();
+  }
+  context.fillStyle = colour;
+  context.fill();
+}

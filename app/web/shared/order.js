@@ -1,0 +1,76 @@
+/** The bar that moves p: slider, play, and where training left it. */
+
+import { orderText } from "./frames.js";
+import { change, state } from "./store.js";
+
+const FINE = 0.001; // of the slider, so that it can stand at any learned p
+const FAR = 10; // stops of Page Up and Page Down
+
+export function orderBar(bar, frames) {
+  const $ = (selector) => bar.querySelector(selector);
+  const slider = $(".order");
+  const play = $(".play");
+  let playing = false;
+  let orders = frames.orders;
+
+  const go = (stop) => change({ p: orders[Math.max(0, Math.min(orders.length - 1, stop))] });
+  slider.addEventListener("input", () => go(frames.stop(+slider.value)));
+  slider.addEventListener("keydown", (event) => {
+    const by = {
+      ArrowRight: 1,
+      ArrowUp: 1,
+      ArrowLeft: -1,
+      ArrowDown: -1,
+      PageUp: FAR,
+      PageDown: -FAR,
+      Home: -orders.length,
+      End: orders.length,
+    }[event.key];
+    if (!by || event.ctrlKey || event.metaKey || event.altKey) return;
+    event.preventDefault();
+    go(frames.stop(state.p) + by);
+  });
+
+  function step() {
+    if (!playing || !bar.isConnected) return;
+    change({ p: orders[(frames.stop(state.p) + 1) % orders.length] });
+    requestAnimationFrame(() => setTimeout(() => requestAnimationFrame(step), orders.length > 50 ? 20 : 220));
+  }
+  play.onclick = () => {
+    playing = !playing;
+    play.textContent = playing ? "❚❚" : "▶";
+    play.setAttribute("aria-pressed", playing);
+    step();
+  };
+
+  function replace(finer) {
+    frames = finer;
+    orders = finer.orders;
+    slider.min = orders[0];
+    slider.max = orders.at(-1);
+    slider.step = FINE;
+  }
+  /** Say where training left p. */
+  function learned(p) {
+    $(".learned").hidden = !Number.isFinite(p);
+    $(".learned-mark").hidden = !(p >= orders[0] && p <= orders.at(-1));
+    if (!Number.isFinite(p)) return;
+    $(".learned").textContent = `learned p = ${p.toFixed(3)}`;
+    $(".learned").title = "Go to the order that training arrived at";
+    $(".learned").onclick = () => go(frames.stop(p));
+    bar.style.setProperty("--at", (p - orders[0]) / (orders.at(-1) - orders[0]));
+  }
+  replace(frames);
+  learned(frames.meta.head?.learned_order ?? NaN);
+
+  return {
+    learned,
+    replace,
+    show(stop) {
+      const text = orderText(orders[stop]);
+      if (Math.abs(+slider.value - orders[stop]) >= FINE / 2) slider.value = orders[stop];
+      slider.setAttribute("aria-valuetext", `p ${text}`);
+      $(".order-value").textContent = text;
+    },
+  };
+}

@@ -1,0 +1,82 @@
+/** Colours and shapes. Domains take the hues of Okabe and Ito, classes those of Tol's bright
+ * scheme: both are told apart by colour-blind eyes, and neither is taken for the other. */
+
+const OKABE_ITO = ["#e69f00", "#56b4e9", "#009e73", "#d55e00", "#0072b2", "#cc79a7", "#f0e442", "#8c8c8c"];
+const TOL_BRIGHT = ["#4477aa", "#ee6677", "#228833", "#ccbb44", "#aa3377", "#66ccee", "#bbbbbb", "#332288"];
+const CIVIDIS = ["#00224e", "#27406f", "#575d6d", "#7d7c78", "#a59c74", "#d2c060", "#fee838"];
+
+export const VIS_COLOUR = "#56b4e9";
+export const TAC_COLOUR = "#e69f00";
+export const isDark = () => document.body.classList.contains("dark");
+
+/** Call `action` when light and dark change places. */
+export function onTheme(action) {
+  new MutationObserver(action).observe(document.body, { attributeFilter: ["class"] });
+}
+
+const domainColour = (index) => OKABE_ITO[index % OKABE_ITO.length];
+export const classColour = (index) => TOL_BRIGHT[index % TOL_BRIGHT.length];
+
+/** How points may be coloured: each gives names, colours, and the group of a point. */
+export const COLOURINGS = {
+  domain: {
+    label: "Domain",
+    groups: (f) => f.domains.map((name, i) => [name, domainColour(i)]),
+    of: (f) => (pair) => f.domain[pair],
+  },
+  class: {
+    label: "Class",
+    groups: (f) => f.classes.map((name, i) => [name, classColour(i)]),
+    of: (f) => (pair) => f.label[pair],
+  },
+  modality: {
+    label: "Modality",
+    groups: () => [
+      ["VIS", VIS_COLOUR],
+      ["TAC", TAC_COLOUR],
+    ],
+    of: () => (_, tac) => (tac ? 1 : 0),
+  },
+  correctness: {
+    label: "Correctness",
+    groups: () => [
+      ["right", "#009e73"],
+      ["wrong", "#d55e00"],
+    ],
+    of: (f, stop) => {
+      const from = stop * f.pairs;
+      return (pair) => (f.prediction[from + pair] === f.label[pair] ? 0 : 1);
+    },
+  },
+  confidence: {
+    label: "Confidence",
+    groups: (f) => {
+      const low = 1 / f.classes.length;
+      const step = (1 - low) / CIVIDIS.length;
+      return CIVIDIS.map((colour, i) => [`≥ ${Math.round(100 * (low + i * step))} %`, colour]);
+    },
+    of: (f, stop) => {
+      const from = stop * f.pairs;
+      const low = 1 / f.classes.length;
+      const scale = CIVIDIS.length / (1 - low);
+      return (pair) => {
+        const bin = Math.floor((f.confidence[from + pair] / 255 - low) * scale);
+        return Math.max(0, Math.min(CIVIDIS.length - 1, bin));
+      };
+    },
+  },
+};
+
+export const rgb = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16));
+
+/** A ramp from paper to ink for pictures of magnitudes: 256 colours as [r, g, b]. */
+export function ramp(dark) {
+  const stops = (
+    dark ? ["#0b1220", "#16456e", "#2f9ec4", "#f4e7a1"] : ["#ffffff", "#a9d4e6", "#2b7cb0", "#0a2342"]
+  ).map(rgb);
+  return Array.from({ length: 256 }, (_, i) => {
+    const at = (i / 255) * (stops.length - 1);
+    const low = Math.min(stops.length - 2, Math.floor(at));
+    return stops[low].map((v, c) => Math.round(v + (stops[low + 1][c] - v) * (at - low)));
+  });
+}

@@ -1,0 +1,45 @@
+/** The current pair where a visitor has chosen none: the first example, or the set's first pair. */
+
+import { change, state } from "./store.js";
+
+export function somePair(examples, frames) {
+  if (state.vis || state.tac) return;
+  const ref = examples.length ? `example:${inOrder(examples, frames)[0].name}` : frames ? "row:0" : null;
+  if (ref) change({ vis: ref, tac: ref });
+}
+
+/** Examples as the set orders its domains and classes. */
+function inOrder(examples, frames) {
+  const rank = (names, name) => (names?.includes(name) ? names.indexOf(name) : 1000);
+  return [...examples].sort(
+    (a, b) =>
+      rank(frames?.domains, a.domain) - rank(frames?.domains, b.domain) ||
+      rank(frames?.classes, a.class) - rank(frames?.classes, b.class),
+  );
+}
+
+/** What the gallery offers: the examples, or of the set one pair for each domain and class. */
+export function shelf(examples, frames) {
+  if (examples.length || !frames) {
+    return inOrder(examples, frames).map((one) => ({
+      ref: `example:${one.name}`,
+      domain: one.domain,
+      truth: one.class,
+      path: one.name,
+    }));
+  }
+  const seen = new Set();
+  const found = [];
+  for (let pair = 0; pair < frames.pairs; pair++) {
+    const key = frames.domain[pair] * 1000 + frames.label[pair];
+    if (seen.has(key)) continue;
+    seen.add(key);
+    found.push({
+      ref: `row:${pair}`,
+      domain: frames.domains[frames.domain[pair]],
+      truth: frames.classes[frames.label[pair]],
+      pair,
+    });
+  }
+  return found;
+}

@@ -1,0 +1,36 @@
+/** A row of buttons of which one is chosen: arrows move, the group is one stop of the Tab key. */
+
+import { escaped } from "./text.js";
+
+/** options: [{key, label, title}]. Returns what shows which one is chosen. */
+export function radios(box, options, chosen, onChoose) {
+  box.innerHTML = options
+    .map(
+      ({ key, label, title = "" }) =>
+        `<button type="button" role="radio" data-key="${key}" title="${escaped(title)}">${escaped(label)}</button>`,
+    )
+    .join("");
+  const buttons = [...box.querySelectorAll("button")];
+  box.onclick = (event) => {
+    const button = event.target.closest("button");
+    if (button) onChoose(button.dataset.key);
+  };
+  box.onkeydown = (event) => {
+    const by = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key];
+    if (!by) return;
+    event.preventDefault();
+    const at = buttons.findIndex((button) => button.dataset.key === chosen());
+    const next = buttons[(at + by + buttons.length) % buttons.length];
+    onChoose(next.dataset.key);
+    next.focus();
+  };
+  const show = () => {
+    for (const button of buttons) {
+      const on = button.dataset.key === chosen();
+      button.setAttribute("aria-checked", on);
+      button.tabIndex = on ? 0 : -1;
+    }
+  };
+  show();
+  return show;
+}

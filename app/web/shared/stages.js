@@ -1,0 +1,78 @@
+/** The steps that features take through the head, and what each teaches while p moves. */
+
+export const STAGES = [
+  {
+    key: "raw",
+    brief: "raw",
+    short: "E",
+    name: "Raw embedding",
+    step: "embedding",
+    colour: "#94a3b8",
+    explain:
+      "The frozen encoder’s output. It does not depend on p, so nothing here moves. Photos and touches lie apart, and so do the sensors.",
+  },
+  {
+    key: "projection",
+    brief: "proj.",
+    short: "E′",
+    name: "Projection",
+    step: "projection",
+    colour: "#7c8aa5",
+    explain: "The head first projects E to its own width. That changes the gaps; p does not.",
+  },
+  {
+    key: "frft",
+    brief: "DFrFT",
+    short: "F_p",
+    name: "Transform",
+    step: "transform",
+    colour: "#475569",
+    explain:
+      "The fractional Fourier transform is unitary: it turns the whole space and keeps every distance and every cosine, at every p. So no point moves and both gaps are flat lines.",
+  },
+  {
+    key: "relu",
+    brief: "ReLU",
+    short: "F",
+    name: "F after ReLU",
+    step: "ReLU",
+    colour: "#0284c7",
+    explain:
+      "The ReLU clips the real and the imaginary part. Each p turns another half of the space into the part that is clipped, so from here on distances depend on p.",
+  },
+  {
+    key: "f_bar",
+    brief: "FrATT",
+    short: "F̄",
+    name: "F̄ after FrATT",
+    step: "attention",
+    colour: "#d97706",
+    explain:
+      "Attention over the fractional tokens pulls photo and touch together. The classes move together, too: compare the margin with that of the step before.",
+  },
+  {
+    key: "f_hat",
+    brief: "DTG",
+    short: "F̂",
+    name: "F̂ after DTG",
+    step: "tree",
+    colour: "#7c3aed",
+    explain:
+      "The mean of the tree’s nodes is added to both modalities. These features are classified, so accuracy belongs to this step.",
+  },
+];
+
+export const stageNamed = (key) => STAGES.find((stage) => stage.key === key) ?? STAGES.at(-1);
+
+/** Whose features and map a stage shows: the transform keeps all distances of the projection. */
+export const featuresOf = (stage) => (stage === "projection" ? "frft" : stage);
+
+/** Whether the head projects E, so that E and what is transformed are two maps. */
+export const projects = ({ meta: { maps } }) => maps["pca/raw"]?.array !== maps["pca/frft"]?.array;
+
+/** The steps that a head takes. */
+export const stepsOf = (frames) => STAGES.filter(({ key }) => key !== "projection" || projects(frames));
+
+/** Stages whose map and gaps stand still while p moves. */
+export const isStill = (stage, frames) =>
+  stage === "raw" || (["projection", "frft"].includes(stage) && frames.kind !== "retrained");

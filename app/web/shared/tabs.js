@@ -1,0 +1,36 @@
+/** Open a tab from elsewhere in the page, and keep the open one in the address. */
+
+import { change, state } from "./store.js";
+
+const AGAIN = 100; // ms
+
+const button = (view) =>
+  document.getElementById(`view-${view}-button`) ??
+  document.querySelector(`[role=tab][aria-controls="view-${view}"]`);
+
+export function openTab(view) {
+  button(view)?.click();
+}
+
+/** Open the tab of the address: a click before Gradio has laid out its tabs is lost, so look twice. */
+function openFirst(view, seen = 0) {
+  if (state.view !== view || seen > 1) return; // the visitor went elsewhere, or it stays open
+  const open =
+    button(view)?.getAttribute("aria-selected") === "true" && document.getElementById(`view-${view}`);
+  if (!open) openTab(view);
+  setTimeout(openFirst, AGAIN, view, open ? seen + 1 : 0);
+}
+
+export function followTabs() {
+  document.addEventListener(
+    "click",
+    (event) => {
+      const target = /** @type {HTMLElement} */ (event.target);
+      const id = target.closest?.("[role=tab]")?.id ?? "";
+      const view = /^view-(\w+)-button$/.exec(id)?.[1];
+      if (view) change({ view });
+    },
+    true,
+  );
+  if (state.view !== "explore") openFirst(state.view);
+}

@@ -1,0 +1,69 @@
+/** The map of a run: F̂ of the set's pairs at one epoch. */
+
+import { Cloud } from "../shared/cloud.js";
+import { layersOf } from "../shared/layers.js";
+import { axes, axisNames } from "../shared/marks.js";
+import { COLOURINGS, onTheme } from "../shared/palette.js";
+import { listen } from "../shared/pointer.js";
+import { escaped } from "../shared/text.js";
+
+export class RunMap {
+  constructor(box, legend) {
+    this.box = box;
+    this.legend = legend;
+    this.cloud = null;
+    this.colour = "domain";
+    onTheme(() => this.paint());
+  }
+
+  /** A new run: which pairs its maps show. */
+  begin(started) {
+    const pairs = started.domain.length;
+    this.frames = { pairs, ...started };
+    this.bounds = [
+      [-started.reach, -started.reach],
+      [started.reach, started.reach],
+    ];
+    this.box.innerHTML = "";
+    this.cloud = new Cloud(this.box, 2 * pairs);
+    this.cloud.painters = [axes(() => axisNames("pca"))];
+    const nothing = () => {};
+    listen(this.cloud, {
+      wanted: () => false,
+      hover: nothing,
+      pick: nothing,
+      lasso: nothing,
+      next: nothing,
+      lassoMode: () => false,
+      current: () => -1,
+    });
+  }
+
+  /** coded: base64 of u16 pairs. */
+  show(coded) {
+    if (!this.cloud || !coded) return;
+    const bytes = Uint8Array.from(atob(coded), (c) => c.charCodeAt(0));
+    this.points = new Uint16Array(bytes.buffer);
+    this.paint();
+  }
+
+  paint() {
+    if (!this.cloud || !this.points) return;
+    this.cloud.layers = layersOf(
+      this.frames,
+      0,
+      () => true,
+      () => true,
+      0.13,
+      this.colour,
+    );
+    this.cloud.show({ points: this.points, bounds: this.bounds });
+    this.legend.innerHTML = COLOURINGS[this.colour]
+      .groups(this.frames)
+      .map(
+        ([name, colour]) =>
+          `<span class="key"><i style="background:${colour}"></i>${escaped(name)}${name === this.frames.source ? " <b>source</b>" : ""}</span>`,
+      )
+      .join("");
+  }
+}

@@ -1,0 +1,187 @@
+/** Train here: choose, press Train, watch epoch by epoch, scrub back, use the head. */
+
+import { ask, get, refused } from "../shared/api.js";
+import { save } from "../shared/save.js";
+import { escaped } from "../shared/text.js";
+import { charts } from "./lines.js";
+import { mapAt, result, standing } from "./progress.js";
+import { RunMap } from "./run-map.js";
+import { chosen, formHtml, inWords } from "./settings.js";
+
+const LOOK = 400; // milliseconds between two questions about a training
+
+export async function start(root) {
+  const problem = root.querySelector(".problem");
+  try {
+    new TrainTab(root, await ask("trainings", {}));
+  } catch (error) {
+    refused(error, (sentence) => {
+      problem.textContent = sentence;
+      problem.hidden = false;
+    });
+  }
+}
+
+/** A name for this visitor, so that the server holds one training for each. */
+function visitor() {
+  const key = "omnivat-visitor";
+  const made =
+    sessionStorage.getItem(key) ??
+    [...crypto.getRandomValues(new Uint32Array(4))].map((n) => n.toString(36)).join("");
+  sessionStorage.setItem(key, made);
+  return made;
+}
+
+class TrainTab {
+  constructor(root, offers) {
+    this.root = root;
+    this.run = null; // {name, question, total, epochs, state}
+    this.earlier = [];
+    this.at = 0; // the epoch that is shown; the newest while it follows
+    this.follows = true;
+    this.map = new RunMap(this.$(".map"), this.$(".legend"));
+    this.$(".choices").innerHTML = formHtml(offers);
+    this.wire();
+    this.show();
+  }
+
+  $(selector) {
+    return this.root.querySelector(selector);
+  }
+
+  wire() {
+    this.$(".choices").onsubmit = (event) => {
+      event.preventDefault();
+      this.begin(chosen(new FormData(event.target)));
+    };
+    this.$(".stop").onclick = () => this.cancel();
+    this.$(".scrubber input").oninput = (event) => {
+      this.at = +event.target.value;
+      this.follows = this.at === this.run.epochs.length;
+      this.show();
+    };
+    this.$(".colouring").onchange = (event) => {
+      this.map.colour = event.target.value;
+      this.map.paint();
+    };
+    this.$(".actions").onclick = (event) => {
+      if (event.target.matches(".use")) this.use();
+      if (event.target.matches(".save")) this.save();
+    };
+  }
+
+  problem(sentence) {
+    this.$(".problem").textContent = sentence;
+    this.$(".problem").hidden = !sentence;
+  }
+
+  async begin(question) {
+    this.problem("");
+    this.$(".go").disabled = true;
+    try {
+      const started = await ask("train", { ...question, visitor: visitor() });
+      this.run = {
+        name: started.run,
+        question,
+        total: started.total,
+        classes: started.classes.length,
+        epochs: [],
+        state: { state: "waiting", place: 1, text: "", problem: "", set: "" },
+      };
+      this.follows = true;
+      this.at = 0;
+      this.map.begin(started);
+      this.show();
+      await this.follow(this.run);
+    } catch (error) {
+      refused(error, (sentence) => this.problem(sentence));
+    } finally {
+      this.$(".go").disabled = false;
+    }
+  }
+
+  /** Ask for new epochs until the training has ended. */
+  async follow(run) {
+    while (this.run === run) {
+      const { epochs, ...state } = await ask("training", { run: run.name, since: run.epochs.length });
+      run.epochs.push(...epochs);
+      run.state = state;
+      if (this.follows) this.at = run.epochs.length;
+      this.show();
+      if (["done", "failed", "cancelled"].includes(state.state)) break;
+      await new Promise((resolve) => setTimeout(resolve, LOOK));
+    }
+    if (run.state.state === "done") this.remember(run);
+  }
+
+  async cancel() {
+    try {
+      await ask("training/cancel", { run: this.run.name });
+    } catch (error) {
+      refused(error, (sentence) => this.problem(sentence));
+    }
+  }
+
+  show() {
+    const { run } = this;
+    const active = run && ["waiting", "running"].includes(run.state.state);
+    this.$(".stop").hidden = !active;
+    this.$(".bench").classList.toggle("has-run", Boolean(run?.epochs.length));
+    if (!run) return;
+    const done = run.epochs.length;
+    this.$(".status").textContent = standing(run.state, { epochs: done, total: run.total });
+    this.$(".bar-of-epochs").hidden = !active;
+    this.$(".bar-of-epochs i").style.width = `${(100 * done) / run.total}%`;
+    this.showActions();
+    this.$(".scrubber").hidden = done < 2;
+    const slider = this.$(".scrubber input");
+    slider.max = Math.max(1, done);
+    slider.value = this.at;
+    this.$(".scrubber output").textContent = `${this.at} of ${run.total}`;
+    if (!done) return;
+    this.$(".charts").innerHTML = charts(run.epochs, run.total, Math.max(1, this.at), run.classes);
+    this.map.show(mapAt(run.epochs, this.at)?.map);
+  }
+
+  showActions() {
+    const made = this.run.state.set;
+    this.$(".actions").hidden = !made;
+    if (made && this.$(".actions").dataset.set !== made) {
+      this.$(".actions").dataset.set = made;
+      this.$(".actions").innerHTML =
+        '<button type="button" class="main use">Open it in Explore</button><button type="button" class="save">Download the head</button><span class="hint">It is loaded for this visit only.</span>';
+    }
+  }
+
+  remember(run) {
+    this.earlier.push({ words: inWords(run.question), ...result(run.epochs) });
+    const rows = this.earlier.map(
+      (one) =>
+        `<tr><th scope="row">${escaped(one.words)}</th><td>${one.order?.toFixed(3) ?? "–"}</td><td>${one.unseen}</td><td>${one.modality}</td><td>${one.domain}</td></tr>`,
+    );
+    this.$(".earlier").hidden = false;
+    this.$(".earlier").innerHTML =
+      `<h3>Trained in this visit</h3><div class="scroll" tabindex="0" role="group" aria-label="Heads trained in this visit"><table><thead><tr><th scope="col">Settings</th><th scope="col">p</th><th scope="col">accuracy, unseen</th><th scope="col">modality gap</th><th scope="col">domain gap</th></tr></thead><tbody>${rows.join("")}</tbody></table></div><p class="hint">One training each: differences of a few points are within the spread between seeds.</p>`;
+  }
+
+  use() {
+    const address = new URL(location.href);
+    address.search = "";
+    address.searchParams.set("set", this.run.state.set);
+    location.assign(address);
+  }
+
+  async save() {
+    try {
+      const body = JSON.stringify({ run: this.run.name });
+      const response = await get("save/trained", {
+        method: "POST",
+        body,
+        headers: { "Content-Type": "application/json" },
+      });
+      save("trained-head.zip", await response.blob());
+    } catch (error) {
+      refused(error, (sentence) => this.problem(sentence));
+    }
+  }
+}

@@ -1,0 +1,164 @@
+/** Tree: the nodes that grow from the current pair or a domain's, for each head side by side. */
+
+import { ask, json, refused } from "../shared/api.js";
+import { heads } from "../shared/headsets.js";
+import { nodeMap } from "../shared/nodemap.js";
+import { orderBar } from "../shared/order.js";
+import { onTheme } from "../shared/palette.js";
+import { somePair } from "../shared/pick.js";
+import { change, state, watchIn } from "../shared/store.js";
+import { escaped } from "../shared/text.js";
+import { theSetSoon } from "../shared/theset.js";
+import { ALONE, grove } from "./grove.js";
+
+const STOPS = Array.from({ length: 101 }, (_, i) => i / 100);
+const NEAR = 0.005; // half a stop: within it p is meant to be the learned one
+const scale = {
+  orders: STOPS,
+  meta: { head: {} },
+  stop: (p) => Math.max(0, Math.min(100, Math.round(100 * p))),
+};
+
+export async function start(root) {
+  const tab = new TreeTab(root);
+  const [set, found, examples] = await Promise.all([
+    theSetSoon(),
+    heads().catch(() => tab.known),
+    state.vis || state.tac ? [] : json("examples").catch(() => []),
+  ]);
+  tab.known = found.filter((one) => !one.problem || !one.name);
+  if (!set.frames) {
+    somePair(examples, null);
+    tab.soon();
+  }
+  const { frames } = await (set.later ?? set);
+  tab.adopt(frames);
+  somePair(examples, frames);
+  tab.soon();
+}
+
+class TreeTab {
+  constructor(root) {
+    this.root = root;
+    this.bar = orderBar(this.$(".order-bar"), scale);
+    this.known = [{ name: "" }];
+    this.answers = [];
+    this.votes = new Map(); // head -> what its nodes give the set's pairs
+    this.asking = null;
+    this.queued = 0;
+    this.onMap = null;
+    this.$(".of").onchange = (event) => change({ tree: event.target.value });
+    watchIn("tree", ["vis", "tac", "tree", "p"], () => this.soon());
+    onTheme(() => this.answers.length && this.show());
+  }
+
+  $(selector) {
+    return this.root.querySelector(selector);
+  }
+
+  say(sentence, problem = false) {
+    this.$(".wait").textContent = sentence;
+    this.$(".wait").hidden = !sentence;
+    this.$(".wait").classList.toggle("problem", problem);
+  }
+
+  /** The set's map has come: its domains can be chosen, and nodes placed on it. */
+  adopt(frames) {
+    this.$(".of").innerHTML += frames.domains
+      .map((name) => `<option value="${escaped(name)}">all of ${escaped(name)}</option>`)
+      .join("");
+    if (state.tree && !frames.domains.includes(state.tree)) state.tree = "";
+    this.$(".of").value = state.tree;
+    this.onMap = nodeMap(this.$(".on-map"), frames);
+  }
+
+  /** While p is dragged, ask at most every 60 ms. */
+  soon() {
+    if (state.p !== null) this.bar.show(scale.stop(state.p));
+    if (!this.queued) this.queued = setTimeout(() => this.grow(), 60);
+  }
+
+  /** The p to ask for: null is the learned one, which the nearest stop stands for. */
+  get order() {
+    const learned = this.answers[0]?.learned;
+    return state.p !== null && Math.abs(state.p - learned) < NEAR ? null : state.p;
+  }
+
+  async grow() {
+    this.queued = 0;
+    this.asking?.abort();
+    if (!state.tree && !state.vis && !state.tac) {
+      this.$(".groves").innerHTML = "";
+      this.say("Choose a pair first: click a point in Explore, or pick an example in Try a pair.");
+      return;
+    }
+    this.asking = new AbortController();
+    const { signal } = this.asking;
+    const slow = setTimeout(() => this.say("Loading the head…"), 400);
+    const question = state.tree ? { domain: state.tree } : { vis: state.vis, tac: state.tac };
+    try {
+      this.answers = await Promise.all(this.known.map((one, i) => this.grown(one, i, question, signal)));
+      this.say("");
+      this.show();
+      this.onMap?.(state.tree ? null : question, this.answers[0].order);
+      this.vote();
+    } catch (error) {
+      refused(error, (sentence) => {
+        this.$(".groves").innerHTML = "";
+        this.say(sentence, true);
+      });
+    } finally {
+      clearTimeout(slow);
+    }
+  }
+
+  /** One head's nodes, or why it has none; without the first head there is nothing to show. */
+  async grown(one, place, question, signal) {
+    try {
+      const found = await ask("tree", { ...question, order: this.order, head: one.name }, signal);
+      return { ...one, ...found };
+    } catch (error) {
+      if (!place || error.name === "AbortError") throw error;
+      let problem = "";
+      refused(error, (sentence) => (problem = sentence));
+      return { ...one, problem };
+    }
+  }
+
+  /** Ask once for each head which nodes give one class to every pair; the tree does not wait for it. */
+  async vote() {
+    for (const { name, nodes } of this.answers) {
+      if (!nodes || this.votes.has(name)) continue;
+      this.votes.set(name, null);
+      try {
+        this.votes.set(name, await ask("votes", { head: name }));
+        this.show();
+      } catch (error) {
+        refused(error, () => {}); // a set that the head cannot read: the tree stands without it
+      }
+    }
+  }
+
+  show() {
+    const [first] = this.answers;
+    if (state.p === null) change({ p: STOPS[scale.stop(first.order)] });
+    this.bar.learned(first.learned);
+    this.bar.show(scale.stop(state.p));
+    this.$(".whose").textContent =
+      `${whose(first)} at p = ${first.order.toFixed(3)}${first.order === first.learned ? " (learned)" : ", a what-if: weights are those of the learned p"}`;
+    const voted = this.answers.map((one) => {
+      const found = this.votes.get(one.name ?? "");
+      return { ...one, votes: found?.votes, of_pairs: found?.pairs };
+    });
+    const several = voted.length > 1;
+    this.$(".groves").innerHTML = voted.map((one) => grove(one, several)).join("") + (several ? "" : ALONE);
+    this.$(".on-map").hidden = !this.onMap || Boolean(state.tree);
+  }
+}
+
+/** Whose tree it is, in words. */
+function whose(first) {
+  if (state.tree) return `Mean over its ${first.pairs} pairs`;
+  const refs = [...new Set([state.vis, state.tac].filter(Boolean))];
+  return refs.join(" and ").replaceAll("row:", "Pair ").replaceAll("example:", "");
+}

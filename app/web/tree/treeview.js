@@ -1,0 +1,89 @@
+/** Draw the nodes in layers, the root on top. */
+
+import { classColour, rgb } from "../shared/palette.js";
+import { escaped, percent } from "../shared/text.js";
+
+const ROW = 132;
+const RADIUS = 27; // of the node with the largest norm
+const COLUMN = 122; // between the nodes of a series
+const LABEL = 46; // height of what stands under a disc
+
+/** How deep each node lies, and its place among the nodes of that depth. */
+function laidOut(parents) {
+  const depth = [];
+  const rows = [];
+  parents.forEach((parent, i) => {
+    depth[i] = parent < 0 ? 0 : depth[parent] + 1;
+    (rows[depth[i]] ??= []).push(i);
+  });
+  return { depth, rows };
+}
+
+/** Nodes in one line, left to right, where each grows from the one before or from nothing. */
+function drawLine({ classes, nodes, parents, constant }) {
+  const width = Math.max(620, nodes.length * COLUMN);
+  const largest = Math.max(...nodes.map((node) => node.norm)) || 1;
+  const radius = (i) => RADIUS * Math.sqrt(nodes[i].norm / largest);
+  /** @type {(i: number) => [number, number]} */
+  const place = (i) => [((i + 0.5) / nodes.length) * width, 36];
+  const edges = parents.map((parent, i) =>
+    parent < 0
+      ? ""
+      : `<path class="edge" d="M${place(parent)[0] + radius(parent)} 36H${place(i)[0] - radius(i)}"/>`,
+  );
+  const discs = nodes.map((node, i) =>
+    disc(node, i, place(i), radius(i), classes, nodes.length <= 8, constant[i]),
+  );
+  return `<svg class="tree-view" viewBox="0 0 ${width} 128" role="list" aria-label="${nodes.length} nodes in a line">${edges.join("")}${discs.join("")}</svg>`;
+}
+
+export function drawTree({ classes, nodes, parents, constant = [] }) {
+  if (nodes.length > 2 && parents.every((parent, i) => parent === i - 1 || parent < 0))
+    return drawLine({ classes, nodes, parents, constant });
+  const { depth, rows } = laidOut(parents);
+  const widest = Math.max(...rows.map((row) => row.length));
+  const width = Math.max(620, widest * 140);
+  const fits = widest <= 8;
+  const largest = Math.max(...nodes.map((node) => node.norm)) || 1;
+  const radius = (i) => RADIUS * Math.sqrt(nodes[i].norm / largest);
+  /** @type {(i: number) => [number, number]} */
+  const place = (i) => {
+    const row = rows[depth[i]];
+    return [((row.indexOf(i) + 0.5) / row.length) * width, 36 + depth[i] * ROW];
+  };
+  const edges = parents.map((parent, i) => {
+    if (parent < 0) return "";
+    const [x0, above] = place(parent);
+    const y0 = above + radius(parent) + (fits ? LABEL + (nodes[0].right === undefined ? 0 : 14) : 0);
+    const [x1, y1] = place(i);
+    const middle = (y0 + y1) / 2;
+    return `<path class="edge" d="M${x0} ${y0}C${x0} ${middle} ${x1} ${middle} ${x1} ${y1}"/>`;
+  });
+  const discs = nodes.map((node, i) => disc(node, i, place(i), radius(i), classes, fits, constant[i]));
+  return `<svg class="tree-view" viewBox="0 0 ${width} ${44 + (rows.length - 1) * ROW + 84}" role="list" aria-label="Tree of ${nodes.length} nodes">${edges.join("")}${discs.join("")}</svg>`;
+}
+
+const isDeep = (hex) => rgb(hex).reduce((sum, v, c) => sum + v * [0.3, 0.59, 0.11][c], 0) < 110;
+
+function disc({ norm, probabilities, right }, i, [x, y], r, classes, fits, fixed) {
+  const best = probabilities.indexOf(Math.max(...probabilities));
+  const parts = classes.map((name, k) => `${name} ${percent(probabilities[k], 1)}`).join(", ");
+  const title = `<title>Node ${i + 1}${fixed ? ", one class for nearly every pair" : ""}: norm ${norm.toFixed(3)}; ${escaped(parts)}</title>`;
+  const label = fits
+    ? `<text class="name" x="${x}" y="${y + r + 17}">${escaped(classes[best])} ${percent(probabilities[best])}</text>
+    ${bar(probabilities, x - 46, y + r + 23)}<text x="${x}" y="${y + r + 43}">norm ${norm.toFixed(2)}</text>${typeof right !== "number" ? "" : `<text x="${x}" y="${y + r + 57}">${percent(right)} right</text>`}`
+    : "";
+  return `<g tabindex="0" role="listitem" aria-label="Node ${i + 1}, norm ${norm.toFixed(2)}, ${escaped(parts)}">${title}
+    <circle class="disc${fixed ? " fixed" : ""}" cx="${x}" cy="${y}" r="${r}" style="fill:${classColour(best)}"/><text class="index${isDeep(classColour(best)) ? " pale" : ""}" x="${x}" y="${y + 5}">${i + 1}</text>${label}</g>`;
+}
+
+function bar(probabilities, left, top) {
+  let x = left;
+  return probabilities
+    .map((p, k) => {
+      const rect = `<rect x="${x.toFixed(1)}" y="${top}" width="${(92 * p).toFixed(1)}" height="6" style="fill:${classColour(k)}"/>`;
+      x += 92 * p;
+      return rect;
+    })
+    .join("");
+}

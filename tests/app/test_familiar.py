@@ -1,0 +1,49 @@
+"""How familiar an image is, and its nearest training pairs."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+
+from app.familiar import familiar
+from omnivat.calibration import familiarity_of
+
+
+@pytest.fixture
+def knowing(resources):
+    """Return resources whose head knows how near its training images lie to one another."""
+    embeddings, head = resources.embeddings(), resources.head()
+    own = embeddings.in_domain(head.source)
+    known = familiarity_of(torch.from_numpy(own.vis), torch.from_numpy(own.tac), own.rows["object"])
+    resources.head._made[:] = [replace(head, familiarity=known)]
+    return resources
+
+
+def test_the_nearest_pairs_are_training_pairs_and_never_the_pair_itself(resources):
+    got = familiar(resources, {"vis": "row:3", "tac": "row:50"})
+    embeddings = resources.embeddings()
+    unit = embeddings.vis / np.linalg.norm(embeddings.vis, axis=1, keepdims=True)
+    cosines = unit @ unit[3]
+    cosines[3] = -1
+    cosines[embeddings.domain != 0] = -1
+    wanted = np.argsort(-cosines)[:3]
+    near = got["images"]["vis"]["nearest"]
+    assert [one["pair"] for one in near] == wanted.tolist()
+    assert [one["cosine"] for one in near] == pytest.approx(cosines[wanted], abs=1e-3)
+    assert got["of"] == "the training pairs of TAG-sim"
+    assert all(embeddings.domain[one["pair"]] == 0 for one in got["images"]["tac"]["nearest"])
+
+
+def test_a_training_image_is_familiar_and_noise_is_a_guess(knowing, png):
+    ref, _ = knowing.take_image(png(seed=5), "noise.png")
+    images = familiar(knowing, {"vis": "row:3", "tac": str(ref)})["images"]
+    assert (images["vis"]["words"], images["vis"]["guess"]) == ("familiar", False)
+    assert (images["tac"]["words"], images["tac"]["guess"]) == ("unlike the training images", True)
+
+
+def test_a_head_that_does_not_know_its_training_images_makes_no_claim(resources):
+    resources.head._made[:] = [replace(resources.head(), familiarity=None)]
+    images = familiar(resources, {"vis": "row:3"})["images"]
+    assert set(images) == {"vis"}
+    assert "words" not in images["vis"]

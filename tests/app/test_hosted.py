@@ -1,0 +1,179 @@
+"""The repository as a hosted demo: its environment, a read-only disk, its memory."""
+
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from pathlib import Path
+from urllib.error import HTTPError
+from urllib.request import Request, urlopen
+
+import pytest
+
+from app import hosted
+from app.server import parser
+
+ROOT = Path(__file__).resolve().parents[2]
+SPACE = {
+    "GRADIO_SERVER_NAME": "0.0.0.0",
+    "GRADIO_SERVER_PORT": "7999",
+    "SPACE_ID": "me/demo",
+    "SPACE_HOST": "me-demo.example",
+}
+# written into the server's interpreter: notes whatever is opened for writing outside its folder
+WATCH = """
+import os, sys
+_told = os.open(os.environ["WATCHED"], os.O_WRONLY | os.O_CREAT | os.O_APPEND)
+_free = (os.path.realpath(os.environ["TMPDIR"]), "/dev/", "/proc/")
+def _watch(event, given):
+    if event == "open":
+        path, mode, flags = given
+        writes = (flags or 0) & (os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_APPEND)
+    elif event in ("os.mkdir", "os.rename", "os.remove", "os.truncate", "os.symlink"):
+        path, writes = given[1 if event == "os.rename" else 0], True
+        folder = given[-1]  # names may be relative to an open folder
+        if isinstance(folder, int) and folder >= 0 and event in ("os.mkdir", "os.rename", "os.remove"):
+            path = os.path.join(os.readlink(f"/proc/self/fd/{folder}"), os.fsdecode(path))
+    else:
+        return
+    if writes and isinstance(path, (str, bytes)):
+        path = os.path.realpath(os.fsdecode(path))
+        if not path.startswith(_free):
+            os.write(_told, f"{event} {path}\\n".encode())
+sys.addaudithook(_watch)
+"""
+
+
+def test_a_service_says_where_to_listen_and_by_which_name_it_calls():
+    chosen = parser(SPACE).parse_args([])
+    assert (chosen.host, chosen.port) == ("0.0.0.0", 7999)
+    assert chosen.allow_host == ["me-demo.example"]
+    assert chosen.allow_framing
+    assert chosen.no_browser
+    assert hosted.keeps_nothing(SPACE)
+
+
+def test_arguments_are_above_the_environment():
+    chosen = parser(SPACE).parse_args(["--host", "127.0.0.1", "--port", "8001"])
+    assert (chosen.host, chosen.port) == ("127.0.0.1", 8001)
+    assert parser(SPACE).parse_args([]).port == 7999
+
+
+def test_without_a_service_nothing_is_open():
+    chosen = parser({}).parse_args([])
+    assert (chosen.host, chosen.port, chosen.allow_host) == ("127.0.0.1", None, [])
+    assert not (chosen.allow_framing or chosen.no_browser or hosted.keeps_nothing({}))
+    assert not hosted.keeps_nothing({**SPACE, "OMNIVAT_CACHE": "/data"})
+
+
+def test_a_port_that_is_none_is_refused(capsys):
+    with pytest.raises(SystemExit):
+        parser({**SPACE, "GRADIO_SERVER_PORT": "many"}).parse_args([])
+    assert "'many' is no port" in capsys.readouterr().err
+
+
+class Demo:
+    """`python app.py` as a service starts it, watched for what it writes."""
+
+    def __init__(self, place: Path) -> None:
+        self.tmp, self.told = place / "tmp", place / "writes"
+        self.tmp.mkdir()
+        (place / "watch").mkdir()
+        (place / "watch" / "sitecustomize.py").write_text(WATCH, encoding="utf-8")
+        with socket.socket() as probe:
+            probe.bind(("127.0.0.1", 0))
+            self.port = probe.getsockname()[1]
+        kept = {name: os.environ[name] for name in ("PATH", "LANG") if name in os.environ}
+        environ = kept | SPACE
+        environ |= {
+            "GRADIO_SERVER_PORT": str(self.port),
+            "HOME": "/nowhere",
+            "TMPDIR": str(self.tmp),
+            "WATCHED": str(self.told),
+            "PYTHONPATH": str(place / "watch"),
+            "PYTHONDONTWRITEBYTECODE": "1",
+            "OMP_NUM_THREADS": "1",
+        }
+        self.log = (place / "log").open("w+", encoding="utf-8")
+        self.process = subprocess.Popen(
+            [sys.executable, "app.py"], cwd=ROOT, env=environ, stdout=self.log, stderr=self.log
+        )
+
+    def ask(self, path: str, question: object = None) -> bytes:
+        """Return the answer to a request that comes by the service's name."""
+        return self.send(path, None if question is None else json.dumps(question).encode())
+
+    def send(self, path: str, content: bytes | None) -> bytes:
+        """Return the answer to some bytes."""
+        headers = {"Host": "me-demo.example", "Content-Type": "application/octet-stream"}
+        request = Request(f"http://127.0.0.1:{self.port}/{path}", data=content, headers=headers)
+        with urlopen(request, timeout=120) as answer:
+            return bytes(answer.read())
+
+    def until_up(self) -> bytes:
+        """Return the page once the server gives it."""
+        until = time.monotonic() + 300
+        while time.monotonic() < until:
+            try:
+                return self.ask("")
+            except HTTPError:
+                raise
+            except OSError:
+                if self.process.poll() is not None:
+                    break
+                time.sleep(0.1)
+        self.log.seek(0)
+        raise AssertionError(self.log.read())
+
+    def peak_bytes(self) -> int:
+        """Return the largest memory that the process has held."""
+        status = Path(f"/proc/{self.process.pid}/status").read_text(encoding="utf-8")
+        return int(status.split("VmHWM:")[1].split()[0]) * 1024
+
+    def stop(self) -> None:
+        """Stop as a service does."""
+        self.process.send_signal(signal.SIGTERM)
+        self.process.wait(timeout=60)
+        self.log.close()
+
+
+@pytest.fixture
+def demo(tmp_path):
+    found = Demo(tmp_path)
+    try:
+        yield found
+    finally:
+        found.process.kill()
+
+
+@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="memory is read from /proc")
+def test_a_hosted_demo_writes_to_its_temporary_folder_alone_and_stays_below_a_gigabyte(demo, png):
+    assert b"OmniVaT" in demo.until_up()
+    pair = {"vis": "row:0", "tac": "row:0"}
+    sent = json.loads(demo.send("omnivat/image?name=a.png", png()))
+    for path, question in (
+        ("omnivat/pair", {"vis": sent["ref"], "tac": None}),
+        ("omnivat/pair", pair),
+        ("omnivat/familiar", pair),
+        ("omnivat/tree", pair),
+        ("omnivat/votes", {}),
+        ("omnivat/answers", {"method": "nearest_mean"}),
+    ):
+        demo.ask(path, question)
+    source = json.loads(demo.ask("omnivat/trainings", {}))["first"]["source"]
+    wanted = {"source": source, "width": 16, "epochs": 5, "lang": False, "visitor": "me"}
+    run = json.loads(demo.ask("omnivat/train", wanted))["run"]
+    state = {"state": "waiting"}
+    for _ in range(600):
+        state = json.loads(demo.ask("omnivat/training", {"run": run, "since": 5}))
+        if state["state"] in ("done", "failed", "cancelled"):
+            break
+        time.sleep(0.2)
+    assert state["state"] == "done", state
+    assert demo.peak_bytes() < 1_000_000_000
+    demo.stop()
+    assert demo.told.read_text(encoding="utf-8") == ""
+    assert not list(demo.tmp.glob("omnivat-*"))

@@ -1,0 +1,200 @@
+"""Jobs: who goes first, who is stopped, and that every job ends in a state and a sentence."""
+
+from threading import Event, active_count
+from time import monotonic, sleep
+
+import pytest
+
+from app.jobs import BusyError, CancelledError, Jobs, UnexpectedError
+from app.messages import UNEXPECTED
+from omnivat.errors import DataError
+from omnivat.progress import Step
+
+
+@pytest.fixture
+def jobs():
+    jobs = Jobs({"long": 1, "quick": 2})
+    yield jobs
+    jobs.close()
+
+
+def held(jobs, **more):
+    """Start a job that runs until it is let go; return it and the event that lets it go."""
+    go, there = Event(), Event()
+
+    def work(job):
+        there.set()
+        while not go.wait(0.005):
+            job.check()
+        return "held"
+
+    job = jobs.start(work, lane="long", **more)
+    return job, go, there
+
+
+def test_a_job_gives_what_its_work_returns(jobs):
+    job = jobs.start(lambda job: 3, lane="quick")
+    assert job.wait(5) == 3
+    assert job.status().state == "done"
+    assert job.status().ended
+
+
+def test_waiting_jobs_have_places_and_the_better_priority_goes_first(jobs):
+    first, go, there = held(jobs)
+    there.wait(5)
+    order = []
+    late = jobs.start(lambda job: order.append("late"), lane="long", priority=2)
+    soon = jobs.start(lambda job: order.append("soon"), lane="long", priority=1)
+    assert (first.status().place, soon.status().place, late.status().place) == (0, 1, 2)
+    assert late.status().state == "waiting"
+    go.set()
+    late.wait(5)
+    assert order == ["soon", "late"]
+
+
+def test_a_running_job_gives_way_to_a_better_one_and_goes_on_after_it(jobs):
+    slow, go, there = held(jobs, priority=5)
+    there.wait(5)
+    assert jobs.start(lambda job: "first look", lane="long", priority=0).wait(5) == "first look"
+    assert slow.status().state == "running"
+    go.set()
+    assert slow.wait(5) == "held"
+
+
+def test_lanes_do_not_wait_for_one_another(jobs):
+    _, go, there = held(jobs)
+    there.wait(5)
+    assert jobs.start(lambda job: 1, lane="quick").wait(5) == 1
+    go.set()
+
+
+def test_no_lane_runs_more_than_its_slots(jobs):
+    inside, most = [], []
+
+    def work(job):
+        inside.append(1)
+        most.append(len(inside))
+        sleep(0.005)
+        inside.pop()
+
+    for job in [jobs.start(work, lane="quick") for _ in range(10)]:
+        job.wait(5)
+    assert max(most) == 2
+
+
+def test_the_work_of_an_owner_who_is_gone_is_stopped_running_or_waiting(jobs):
+    running, _, there = held(jobs, owner="gone")
+    there.wait(5)
+    waiting, _, _ = held(jobs, owner="gone")
+    other, go, _ = held(jobs, owner="here")
+    go.set()
+    jobs.cancel_owner("gone")
+    assert other.wait(5) == "held"
+    for job in (running, waiting):
+        with pytest.raises(CancelledError, match="was cancelled"):
+            job.wait(5)
+        assert job.status().state == "cancelled"
+
+
+def test_a_paused_job_can_be_cancelled(jobs):
+    slow, _, there = held(jobs, priority=5)
+    there.wait(5)
+    better, go, up = held(jobs, priority=0)
+    up.wait(5)
+    slow.cancel()
+    with pytest.raises(CancelledError):
+        slow.wait(5)
+    go.set()
+    assert better.wait(5) == "held"
+
+
+@pytest.mark.parametrize(
+    "error",
+    [ZeroDivisionError(), MemoryError(), UnicodeEncodeError("utf-8", "\udc80", 0, 1, "no"), SystemExit(3)],
+    ids=lambda error: type(error).__name__,
+)  # fmt: skip
+def test_whatever_is_raised_ends_in_a_sentence_and_the_lane_goes_on(jobs, error):
+    def work(job):
+        raise error
+
+    job = jobs.start(work, lane="long")
+    with pytest.raises(UnexpectedError):
+        job.wait(5)
+    assert job.status().problem == UNEXPECTED
+    assert job.status().state == "failed"
+    assert jobs.start(lambda job: 1, lane="long").wait(5) == 1
+
+
+def test_a_refusal_keeps_its_own_sentence(jobs):
+    def work(job):
+        raise DataError("The set is empty; choose another.")
+
+    job = jobs.start(work, lane="long")
+    with pytest.raises(DataError):
+        job.wait(5)
+    assert job.status().problem == "The set is empty; choose another."
+
+
+def test_a_job_past_its_time_is_stopped_in_a_sentence_and_waiting_does_not_count(jobs):
+    slow, go, there = held(jobs, priority=1)
+    there.wait(5)
+    late, _, _ = held(jobs, priority=1, deadline_s=0.1)
+    sleep(0.15)
+    assert late.status().state == "waiting"
+    go.set()
+    began = monotonic()
+    with pytest.raises(BusyError, match="longer than allowed"):
+        late.wait(5)
+    assert monotonic() - began > 0.05
+    assert slow.wait(5) == "held"
+
+
+def test_progress_is_seen_while_the_job_runs(jobs):
+    go, told = Event(), Event()
+
+    def work(job):
+        job.report(Step(done=1, total=3, text="epoch 1"))
+        told.set()
+        go.wait(5)
+
+    job = jobs.start(work, lane="long")
+    told.wait(5)
+    assert job.status().step == Step(done=1, total=3, text="epoch 1")
+    go.set()
+    job.wait(5)
+
+
+def test_one_owner_cannot_fill_the_queue_and_nor_can_all(jobs, monkeypatch):
+    monkeypatch.setattr("app.jobs.OWN_JOBS", 2)
+    monkeypatch.setattr("app.jobs.WAITING_JOBS", 3)
+    _, _, there = held(jobs, owner="a")
+    there.wait(5)
+    held(jobs, owner="a")
+    with pytest.raises(BusyError, match="Too much is waiting"):
+        held(jobs, owner="a")
+    held(jobs, owner="b")
+    held(jobs, owner="c")
+    with pytest.raises(BusyError, match="Too much is waiting"):
+        held(jobs, owner="d")
+
+
+def test_a_closed_runner_leaves_no_thread_and_takes_nothing(jobs):
+    before = active_count()
+    job, _, there = held(jobs)
+    there.wait(5)
+    jobs.close()
+    assert job.status().state == "cancelled"
+    assert active_count() == before
+    with pytest.raises(BusyError, match="stopping"):
+        jobs.start(lambda job: 1, lane="quick")
+
+
+def test_a_job_that_gets_no_thread_fails_in_a_sentence_and_frees_its_slot(jobs, monkeypatch):
+    def none_left(self):
+        raise RuntimeError("can't start new thread")
+
+    with monkeypatch.context() as patched:
+        patched.setattr("app.jobs.Thread.start", none_left)
+        job = jobs.start(lambda job: 1, lane="long")
+    assert "no thread left" in job.status().problem
+    assert jobs.start(lambda job: 1, lane="long").wait(5) == 1

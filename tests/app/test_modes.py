@@ -1,0 +1,120 @@
+"""Which frames and sets a visitor may choose, and what Explore is told of the set."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from starlette.applications import Starlette
+from starlette.testclient import TestClient
+
+from app.desks import Desks
+from app.modes import fitting_files, mode_files, modes
+from app.resources import Resources
+from app.routes import routes
+from app.views import explore
+from omnivat.frames import read_frames, write_frames
+from omnivat.frames.file import frames_header
+
+
+@pytest.fixture(scope="module")
+def trained(head_folder, tmp_path_factory) -> Path:
+    """Return a folder with the small set and frames beside it that pass for retrained ones."""
+    from omnivat.checkpoint import load_head
+    from omnivat.data.store import load_embeddings
+    from omnivat.frames import build_frames
+
+    folder = tmp_path_factory.mktemp("trained")
+    made = folder / "set.safetensors"
+    made.write_bytes((head_folder.parent / "set.safetensors").read_bytes())
+    frames = build_frames(
+        load_head(head_folder).model,
+        load_embeddings(made),
+        orders=(0.0, 0.5, 1.0),
+        maps={"pca/raw": 1, "pca/f_hat": 3},
+        provenance={"kind": "retrained", "source": "TAG-sim"},
+    )
+    write_frames(folder / "trained.bin", frames)
+    return folder
+
+
+@pytest.fixture
+def beside(small_places, trained) -> Resources:
+    return Resources(replace(small_places, embeddings=trained / "set.safetensors"))
+
+
+@pytest.fixture
+def client(beside) -> TestClient:
+    return TestClient(Starlette(routes=routes(beside)))
+
+
+def test_frames_beside_the_set_are_a_mode_of_their_own(beside, client):
+    assert modes(beside)["modes"] == ["trained", "moved"]
+    answer = client.get("/omnivat/frames?mode=trained")
+    assert answer.content.startswith(b"OVFRAMES")
+    assert answer.headers["X-Holds"] == beside.holds
+
+
+def test_frames_of_another_set_are_left_out(beside, trained, tmp_path, caplog):
+    other = tmp_path / "set.safetensors"
+    other.write_bytes(beside.where.embeddings.read_bytes())
+    frames = read_frames(trained / "trained.bin")
+    foreign = replace(frames, embeddings={**frames.embeddings, "weights_hash": "else"})
+    write_frames(tmp_path / "trained.bin", foreign)
+    (tmp_path / "every.bin").write_bytes(b"OVFRAMES no")
+    found = Resources(replace(beside.where, embeddings=other))
+    assert set(mode_files(found.where)) == {"trained", "every"}
+    assert fitting_files(found) == {}
+    assert "of another set" in caplog.text
+    assert modes(found)["modes"] == ["moved"]
+
+
+def test_a_mode_that_is_not_there_is_refused_in_a_sentence(client):
+    for mode in ("every", "..", "x" * 100):
+        answer = client.get(f"/omnivat/frames?mode={mode}")
+        assert answer.status_code == 404
+        assert "no frames of the kind" in answer.json()["error"]
+
+
+def test_without_embeddings_the_page_still_says_what_may_be_chosen(small_places, tmp_path):
+    lost = Resources(replace(small_places, embeddings=tmp_path / "none.safetensors"))
+    assert modes(lost)["modes"] == ["moved"]
+
+
+def test_the_header_of_frames_is_read_without_their_arrays(trained):
+    header = frames_header(trained / "trained.bin")
+    assert header["head"]["kind"] == "retrained"
+    assert header["pairs"] == 80
+
+
+def test_explore_is_told_what_the_head_does_in_unseen_domains(beside, client):
+    found = client.get("/omnivat/unseen").json()
+    assert found["source"] == "TAG-sim"
+    assert [own["name"] for own in found["domains"]] == ["TAG-sim", "OF Real-sim"]
+    assert len(found["pairs"]["cosine"]) == 80
+    assert explore.unseen(beside) is explore.unseen(beside)  # computed once
+    json.dumps(found, allow_nan=False)
+
+
+def test_pairs_have_names_to_search_for_and_what_they_imitate(beside):
+    told = explore.pairs(beside)
+    assert len(set(map(len, told.values()))) == 1
+    assert set(told) == {"name", "looks_like", "feels_like"}
+
+
+def test_the_toy_is_served(client):
+    assert len(client.get("/omnivat/toy").json()["orders"]) == 101
+
+
+def test_a_shipped_set_is_opened_by_its_name_once(beside, trained, monkeypatch):
+    (trained / "head").mkdir(exist_ok=True)
+    for module in ("app.desks", "app.resources", "app.modes"):
+        shipped = {"chirps": (trained, trained / "set.safetensors")}
+        monkeypatch.setattr(f"{module}.shipped_sets", lambda shipped=shipped: shipped)
+    desks = Desks(Resources(beside.where))
+    other = desks.named("chirps")
+    assert other is desks.named("chirps")
+    assert other.where.head == trained / "head"
+    assert modes(other)["sets"] == [{"name": "chirps", "title": "Chirps", "shown": True}]
+    same = Desks(Resources(other.where))
+    assert same.named("chirps") is same.first

@@ -1,0 +1,26 @@
+"""A head whose photos and touches have an encoder each: an image that is sent has a vector for both."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from app.resources import Resources
+
+
+def test_a_sent_image_is_read_by_the_encoder_of_the_modality_it_is_used_for(
+    resources: Resources, encoder: Any, png: Callable[..., bytes], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from omnivat.encoders.paired import PairEncoder
+
+    class Doubled(type(encoder)):  # type: ignore[misc]
+        def embed(self, images: Any) -> Any:
+            return 2 * super().embed(images)
+
+    pair = PairEncoder(encoder, Doubled())
+    monkeypatch.setattr(resources, "encoder", lambda: pair)
+    ref, _ = resources.take_image(png(), "a.png")
+    seen, felt = (resources.embedding(ref, name) for name in ("vis", "tac"))
+    assert seen.shape == felt.shape == (encoder.width,)
+    assert seen.any() and np.array_equal(felt, 2 * seen)

@@ -1,0 +1,73 @@
+"""A visitor's own labelled pairs: teaching, and saving what they make."""
+
+import io
+import zipfile
+
+import pytest
+
+from app.teaching import MOST_LESSONS, head_for, own_set, save_set, save_taught, teach
+from app.views.pair import answer
+from omnivat.checkpoint import load_head
+from omnivat.data.store import load_embeddings
+from omnivat.errors import DataError
+
+LESSONS = [
+    {"vis": f"row:{row}", "tac": f"row:{row}", "label": label}
+    for row, label in ((40, "cork"), (41, "cork"), (72, "glass"), (73, "glass"))
+]
+
+
+def test_teaching_reports_every_pair_before_and_after(resources):
+    got = teach(resources, {"lessons": LESSONS})
+    assert [one["label"] for one in got["judged"]] == ["cork", "cork", "glass", "glass"]
+    assert got["right"]["before"] <= 2  # the head lacks cork
+    assert got["classes"][-1] == "cork"
+
+
+def test_a_pair_can_be_predicted_by_the_taught_head(resources):
+    question = {"vis": "row:40", "tac": "row:40"}
+    plain = answer(resources, question)
+    own = answer(resources, {**question, "lessons": LESSONS})
+    assert own["classes"] == [*plain["classes"], "cork"]
+    assert head_for(resources, {"lessons": LESSONS}) is head_for(resources, {"lessons": LESSONS})
+    assert head_for(resources, {}) is resources.head()
+
+
+def test_labelled_pairs_are_saved_as_a_set_that_loads(resources, tmp_path):
+    photo = {"vis": "row:1", "tac": None, "label": "wood"}
+    content = save_set(resources, {"lessons": [*LESSONS, photo]})
+    zipfile.ZipFile(io.BytesIO(content)).extractall(tmp_path)
+    found = load_embeddings(tmp_path / "my-pairs" / "embeddings.safetensors")
+    assert (len(found), found.header.classes) == (4, ("cork", "glass"))
+    resources.head().require_embeddings(found)
+    assert (found.vis == resources.embeddings().vis[[40, 41, 72, 73]]).all()
+
+
+def test_the_taught_head_is_saved_as_a_folder_that_loads(resources, tmp_path):
+    content = save_taught(resources, {"lessons": LESSONS})
+    zipfile.ZipFile(io.BytesIO(content)).extractall(tmp_path)
+    assert load_head(tmp_path / "taught-head").settings.classes[-1] == "cork"
+
+
+@pytest.mark.parametrize(
+    ("lessons", "sentence"),
+    [
+        ("all", "has to be a list"),
+        ([{"vis": "row:1", "label": ""}], "A label is ''"),
+        ([{"vis": "row:1", "label": 7}], "A label is 7"),
+        ([{"vis": "row:1", "label": "a" * 50}], "1 to 40 letters"),
+        ([LESSONS[0]] * (MOST_LESSONS + 1), "61 labelled pairs were sent"),
+        ([{"label": "wood"}], "Choose a pair first"),
+        (LESSONS[:1], "two or more pairs of each of two or more classes"),
+    ],
+)
+def test_lessons_that_cannot_be_used_are_refused_in_a_sentence(resources, lessons, sentence):
+    with pytest.raises(DataError, match=sentence):
+        teach(resources, {"lessons": lessons})
+
+
+def test_nothing_is_saved_where_there_is_nothing(resources):
+    with pytest.raises(DataError, match="no taught head"):
+        save_taught(resources, {})
+    with pytest.raises(DataError, match="label at least one photo with its touch"):
+        own_set(resources, {"lessons": [{"vis": "row:1", "label": "wood"}]})

@@ -1,0 +1,145 @@
+"""Train here: plans, one training at a time, what there is to watch, the finished head."""
+
+import base64
+import io
+import time
+import zipfile
+
+import numpy as np
+import pytest
+
+from app.desks import Desks
+from app.state import ForgottenError
+from app.training import REACH, Trainings, coded_map
+from app.training_plan import looked_at, offers, plan_from
+from omnivat.checkpoint import load_head
+from omnivat.errors import DataError
+
+SMALL = {"source": "TAG-sim", "width": 16, "epochs": 5, "visitor": "ann"}
+
+
+@pytest.fixture
+def desks(resources):
+    found = Desks(resources)
+    yield found
+    found.shared.close()
+
+
+def until_ended(trainings, run, seconds=60):
+    """Return the last state of a training, with all its epochs."""
+    for _ in range(int(seconds / 0.05)):
+        state = trainings.state({"run": run, "since": 0})
+        if state["state"] in ("done", "failed", "cancelled"):
+            return state
+        time.sleep(0.05)
+    raise AssertionError(f"still {state['state']}")
+
+
+def test_a_training_is_watched_to_its_end_and_its_head_is_loaded_and_saved(desks, tmp_path):
+    trainings = Trainings(desks)
+    started = trainings.start(desks.first, SMALL, "")
+    assert started["total"] == 5
+    assert len(started["domain"]) == len(started["label"]) == 80
+    state = until_ended(trainings, started["run"])
+    assert (state["state"], state["problem"]) == ("done", "")
+    assert [one["epoch"] for one in state["epochs"]] == [1, 2, 3, 4, 5]
+    last = state["epochs"][-1]
+    assert last["loss"] > 0
+    assert 0 <= last["measures"]["accuracy/unseen"] <= 1
+    assert len(base64.b64decode(last["map"])) == 2 * 80 * 2 * 2
+    desk = desks.named(state["set"])
+    assert desk.head().settings.width == 16
+    assert len(desk.embeddings()) == 80
+    zipfile.ZipFile(io.BytesIO(trainings.saved({"run": started["run"]}))).extractall(tmp_path)
+    assert load_head(tmp_path / "trained-head").source == "TAG-sim"
+
+
+def test_only_new_epochs_are_sent(desks):
+    trainings = Trainings(desks)
+    run = trainings.start(desks.first, SMALL, "")["run"]
+    until_ended(trainings, run)
+    assert [one["epoch"] for one in trainings.state({"run": run, "since": 3})["epochs"]] == [4, 5]
+
+
+def test_one_training_runs_and_the_next_visitor_is_told_the_place(desks):
+    trainings = Trainings(desks)
+    first = trainings.start(desks.first, {**SMALL, "epochs": 100}, "")["run"]
+    second = trainings.start(desks.first, {**SMALL, "visitor": "bob"}, "")["run"]
+    state = trainings.state({"run": second})
+    assert (state["state"], state["place"]) == ("waiting", 1)
+    with pytest.raises(DataError, match="still runs or waits; cancel it first"):
+        trainings.start(desks.first, SMALL, "")
+    trainings.cancel({"run": first})
+    assert until_ended(trainings, first)["state"] == "cancelled"
+    assert until_ended(trainings, second)["state"] == "done"
+    again = trainings.start(desks.first, SMALL, "")["run"]
+    assert until_ended(trainings, again)["state"] == "done"
+
+
+def test_what_is_offered_can_be_trained(resources):
+    embeddings = resources.embeddings()
+    found = offers(embeddings.header.domains, resources.head().source)
+    plan = plan_from(found["first"], embeddings)
+    assert (plan.source, plan.head["width"], plan.training.mma_weight) == ("TAG-sim", 64, 10.0)
+    assert plan.head["learn_order"]
+
+
+@pytest.mark.parametrize(
+    ("order", "learned", "searched", "drawn"),
+    [
+        ("gradient", True, False, "none"),
+        ("fixed", False, False, "none"),
+        ("search", True, True, "none"),
+        ("every", False, False, "batch"),
+    ],
+)
+def test_what_p_does_becomes_settings(resources, order, learned, searched, drawn):
+    plan = plan_from({**SMALL, "order": order, "p": 0.3}, resources.embeddings())
+    assert (plan.head["learn_order"], plan.head["order"]) == (learned, 0.3)
+    assert (plan.training.order_search, plan.training.order_draw) == (searched, drawn)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "sentence"),
+    [
+        ({"source": "Mars"}, "source is 'Mars'; choose one of TAG-sim, OF Real-sim"),
+        ({"source": ["TAG-sim"]}, "source is"),
+        ({"width": 4096}, "width is 4096; choose one of 16, 32, 64, 128"),
+        ({"width": True}, "width is True"),
+        ({"order": "up"}, "order is 'up'"),
+        ({"p": 7}, "p is 7; give a number from 0 to 1"),
+        ({"p": float("nan")}, "p is nan"),
+        ({"epochs": 10**9}, "epochs is 1000000000; give a whole number from 5 to 100"),
+        ({"epochs": 7.5}, "epochs is 7.5; give a whole number"),
+        ({"levels": "3"}, "levels is '3'"),
+    ],
+)
+def test_settings_that_cannot_be_are_refused_with_what_is_wanted(resources, wrong, sentence):
+    with pytest.raises(DataError, match=sentence):
+        plan_from({**SMALL, **wrong}, resources.embeddings())
+
+
+def test_of_a_large_set_all_of_the_source_and_a_part_of_the_rest_is_looked_at(
+    make_embeddings, monkeypatch
+):
+    embeddings = make_embeddings()
+    assert looked_at(embeddings, "TAG-sim") is embeddings
+    monkeypatch.setattr("app.training_plan.MOST_LOOKED_AT", 10)
+    some = looked_at(embeddings, "TAG-sim")
+    assert np.bincount(some.domain).tolist() == [40, 10]
+
+
+def test_a_training_that_is_not_there_is_told_so(desks):
+    trainings = Trainings(desks)
+    with pytest.raises(ForgottenError, match="no longer has this training"):
+        trainings.state({"run": "nothing"})
+    with pytest.raises(DataError, match="visitor has to be a short name"):
+        trainings.start(desks.first, {**SMALL, "visitor": None}, "")
+
+
+def test_a_map_keeps_its_places_within_a_step_of_its_grid():
+    flat = np.random.default_rng(0).uniform(-1, 1, (20, 2))
+    rows = np.array([0, 4])
+    coded = np.frombuffer(base64.b64decode(coded_map(flat, rows)), "<u2").reshape(-1, 2)
+    found = coded / 65535 * 2 * REACH - REACH
+    np.testing.assert_allclose(found, flat[[0, 4, 10, 14]], atol=2 * REACH / 65535)

@@ -1,0 +1,282 @@
+"""Explore's story in a real Chromium: modes of p, staircase, strangers, toy, finder, saved page."""
+
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from omnivat.frames import read_frames, write_frames
+from omnivat.heads import EXAMPLES
+
+from .gestures import MAP, place_of_a_point
+
+pytestmark = pytest.mark.browser
+MOVED = "?mode=moved"
+PHONE = {"viewport": {"width": 400, "height": 800}, "has_touch": True, "is_mobile": True}
+
+
+@pytest.fixture(scope="module")
+def trained(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return frames that pass for those of heads trained at three stops."""
+    frames = read_frames(EXAMPLES / "frames.bin")
+    stops = [0, len(frames.orders) // 2, len(frames.orders) - 1]
+    maps = {
+        name: replace(found, points=found.points[at], orders=tuple(range(len(at))))
+        for name, found in frames.maps.items()
+        if (at := [found.orders.index(s) for s in stops if s in found.orders])
+    }
+    curves = {name: [values[s] for s in stops] for name, values in frames.curves.items()}
+    for end, share in (("mean", 0.62), ("low", 0.58), ("high", 0.66)):
+        for of in ("unseen", *frames.domains):
+            curves[f"seeds:accuracy/{of}/{end}"] = [share] * 3
+    made = replace(
+        frames,
+        orders=tuple(frames.orders[s] for s in stops),
+        prediction=frames.prediction[stops],
+        confidence=frames.confidence[stops],
+        maps=maps,
+        curves=curves,
+        head={**frames.head, "kind": "retrained", "learned_order": None, "seeds": [0, 1, 2]},
+    )
+    file = tmp_path_factory.mktemp("trained") / "trained.bin"
+    write_frames(file, made)
+    return file
+
+
+@pytest.fixture
+def two_modes(new_page: Callable[..., Any], address: str, trained: Path) -> Any:
+    """Return the page where heads trained at each stop lie beside the set."""
+    page = new_page()
+    listed = {"modes": ["trained", "moved"], "sets": []}
+    page.route("**/omnivat/modes*", lambda route: route.fulfill(json=listed))
+    page.route("**/omnivat/frames?mode=trained*", lambda route: route.fulfill(path=trained))
+    page.goto(address, wait_until="commit")
+    page.wait_for_selector(MAP)
+    return page
+
+
+def words(page: Any, selector: str) -> str:
+    """Return the text of the first element of Explore that matches."""
+    text: str = page.locator(f".explore {selector}").first.inner_text()
+    return text.replace("\xa0", " ")
+
+
+def test_the_first_mode_is_a_head_for_each_stop_and_the_other_a_what_if(two_modes: Any) -> None:
+    page = two_modes
+    assert "A head for each stop" in words(page, ".mode-words")
+    assert "3 trainings a stop" in words(page, ".mode-words")
+    assert words(page, ".curves [data-name=accuracy] output") == "62.0 %"
+    assert page.locator(".explore .curves [data-name=accuracy] .spread").get_attribute("d")
+    page.click('.explore .modes [data-key="moved"]')
+    page.wait_for_selector(".explore[data-kind=moved]")
+    assert "What if only p moved?" in words(page, ".mode-words")
+    assert page.locator(".explore .curves .band").count() == 4
+    assert not page.locator(".explore .curves [data-name=accuracy] .spread").get_attribute("d")
+    page.wait_for_function("location.search.includes('mode=moved')")
+
+
+def test_the_learned_p_is_a_stop_of_its_own_and_its_figure_the_headline(
+    open_page: Callable[..., Any],
+) -> None:
+    learned = read_frames(EXAMPLES / "frames.bin").head["learned_order"]
+    page = open_page(MOVED)
+    page.wait_for_selector(MAP)
+    page.wait_for_selector(".explore .score b")
+    assert f"learned p = {learned:.3f}" in words(page, ".score")
+    assert "guessing" in words(page, ".score")
+    page.click(".explore .learned")
+    shown = float(page.locator(MAP).get_attribute("data-order"))
+    assert abs(shown - learned) <= 0.005
+
+
+def test_every_step_of_the_staircase_has_its_figures_and_opens_its_map(
+    open_page: Callable[..., Any],
+) -> None:
+    frames = read_frames(EXAMPLES / "frames.bin")
+    page = open_page(f"{MOVED}&p=0.3")
+    page.wait_for_selector(MAP)
+    stop = frames.orders.index(0.3)
+    for stage in ("raw", "frft", "relu", "f_bar", "f_hat"):
+        for name in ("modality_gap", "domain_gap", "margin"):
+            value = frames.curves[f"{name}/{stage}"][stop]
+            shown = words(page, f'.stair[data-name="{name}"] [data-step="{stage}"]')
+            assert shown == f"{value:.2f}".replace("-0.00", "0.00") or shown == f"{value:.2f}"
+        page.click(f'.explore [data-stage="{stage}"]')
+        page.wait_for_selector(f'.explore [data-stage="{stage}"][aria-checked=true]')
+    page.wait_for_function("!location.search.includes('stage=')")
+
+
+def test_accuracy_stands_at_the_classified_step_alone(two_modes: Any) -> None:
+    shown = two_modes.locator(".explore .right-now output").all_inner_texts()
+    assert [text.replace("\xa0", " ") for text in shown if "%" in text] == ["62.0 %"]
+    assert "%" in shown[-1]
+
+
+def test_strangers_have_a_bar_each_and_a_cell_of_the_matrix_filters_the_map(
+    open_page: Callable[..., Any],
+) -> None:
+    frames = read_frames(EXAMPLES / "frames.bin")
+    page = open_page(f"{MOVED}&part=strangers")
+    page.wait_for_selector(".explore .bar-row")
+    assert page.locator(".explore .bar-row .range").count() >= len(frames.domains)
+    assert page.locator(".explore .bar-row.source").count() == 1
+    both = page.locator(".explore .bar-row output").all_inner_texts()
+    page.click('.explore .readings [data-key="tac"]')
+    assert page.locator(".explore .bar-row output").all_inner_texts() != both
+    cell = page.locator(".explore .confusion button:not(:disabled)").first
+    count = int(cell.inner_text())
+    cell.click()
+    page.wait_for_selector(".explore .selection:visible")
+    assert words(page, ".selection h3") == f"{2 * count} points selected"
+    assert words(page, ".finder .found") == f"{count} of {frames.pairs} pairs shown"
+    assert "predicted as" in words(page, ".now .map-title")
+    page.locator('.explore .confusion [aria-pressed="true"]').click()
+    page.wait_for_selector(".explore .selection", state="hidden")
+
+
+def test_on_the_toy_the_transform_keeps_the_distance_and_the_relu_does_not(
+    open_page: Callable[..., Any],
+) -> None:
+    page = open_page(f"{MOVED}&part=toy&p=0.1")
+    page.wait_for_selector(".explore .toy .plane path")
+    before = [words(page, f".toy .{name}") for name in ("d-turned", "d-clipped", "g-clipped")]
+    page.focus(".explore .order")
+    for _ in range(6):
+        page.keyboard.press("PageUp")
+    after = [words(page, f".toy .{name}") for name in ("d-turned", "d-clipped", "g-clipped")]
+    assert after[0] == before[0]
+    assert after[2] != before[2]
+
+
+def test_pairs_are_found_by_class_and_hidden_points_leave_the_selection(
+    open_page: Callable[..., Any],
+) -> None:
+    page = open_page(MOVED)
+    page.wait_for_selector(MAP)
+    page.wait_for_selector(".explore .histograms svg")
+    page.focus(".explore .map canvas + canvas")
+    page.keyboard.press("s")
+    page.wait_for_selector(".explore .selection:visible")
+    all_of = int(words(page, ".selection h3").split()[0])
+    page.fill(".explore .finder input[type=search]", "wood")
+    page.wait_for_selector(".explore .finder .found:has-text('pairs shown')")
+    left = int(words(page, ".selection h3").split()[0])
+    assert 0 < left < all_of
+    page.click(".explore .save summary")
+    assert words(page, '.menu [data-save="csv"]') == f"The {left} selected points as CSV"
+
+
+def test_a_histogram_filters_by_dragging_and_by_keys(open_page: Callable[..., Any]) -> None:
+    page = open_page(MOVED)
+    page.wait_for_selector(MAP)
+    page.wait_for_selector(".explore .histograms svg")
+    page.focus(".explore .histograms svg")
+    for _ in range(8):
+        page.keyboard.press("ArrowRight")
+    page.wait_for_selector(".explore .finder .found:has-text('pairs shown')")
+    page.locator(".explore .histograms button").first.click()
+    assert words(page, ".finder .found") == ""
+
+
+def test_a_filter_changes_title_and_curves_alike(open_page: Callable[..., Any]) -> None:
+    frames = read_frames(EXAMPLES / "frames.bin")
+    lone, others = frames.domains[1], [n for i, n in enumerate(frames.domains) if i != 1]
+    page = open_page(f"{MOVED}&p=0.3&domain={'~'.join(others)}")
+    page.wait_for_selector(MAP)
+    value = frames.curves[f"modality_gap/f_hat/{lone}"][frames.orders.index(0.3)]
+    assert words(page, ".curves [data-name=modality_gap] output") == f"{value:.3f}"
+    assert f"modality gap in {lone} {value:.2f}" in words(page, ".now .map-title")
+    assert lone in words(page, ".curves [data-name=modality_gap] .of")
+
+
+def test_both_maps_are_by_the_same_method_and_say_which(open_page: Callable[..., Any]) -> None:
+    page = open_page(f"{MOVED}&map=umap")
+    page.wait_for_selector(MAP)
+    for panel in ("before", "now"):
+        assert words(page, f".{panel} .map-title small") == "UMAP"
+    assert "its scale is its own" in words(page, ".approximate")
+
+
+def test_the_pictures_of_a_pair_are_at_the_pointer_and_on_the_map_far_in(
+    open_page: Callable[..., Any],
+) -> None:
+    page = open_page(MOVED)
+    page.wait_for_selector(MAP)
+    x, _ = place_of_a_point(page)
+    page.wait_for_selector(".explore .peek:visible")
+    box = page.locator(".explore .peek").bounding_box()
+    assert min(abs(box["x"] - x), abs(box["x"] + box["width"] - x)) < 40
+    page.focus(".explore .map canvas + canvas")
+    for _ in range(16):
+        page.keyboard.press("+")
+    page.wait_for_selector(".explore .map.pictured")
+
+
+def test_a_link_of_a_forgotten_set_says_so_and_leads_home(
+    new_page: Callable[..., Any], address: str
+) -> None:
+    page = new_page()
+    page.goto(f"{address}?set=forgotten", wait_until="commit")
+    page.wait_for_selector(".explore .wait.problem")
+    assert "no longer has" in words(page, ".wait")
+    assert not page.locator(".explore .order").is_visible()
+    page.click(".explore .wait a")
+    page.wait_for_selector(MAP)
+
+
+def test_letters_of_charts_are_large_enough_on_a_projector(open_page: Callable[..., Any]) -> None:
+    page = open_page(MOVED, viewport={"width": 1280, "height": 720})
+    page.wait_for_selector(MAP)
+    small = page.evaluate(
+        """() => [...document.querySelectorAll('.explore svg text')].filter((t) => t.checkVisibility())
+          .map((t) => parseFloat(getComputedStyle(t).fontSize) * t.ownerSVGElement.getScreenCTM().a)
+          .filter((size) => size < 11.4)"""
+    )
+    assert small == []
+
+
+def test_on_a_phone_the_hint_covers_nothing_goes_by_itself_and_no_keys_are_named(
+    open_page: Callable[..., Any],
+) -> None:
+    page = open_page(MOVED, **PHONE)
+    page.wait_for_selector(MAP)
+    over = page.evaluate(
+        """() => {
+          const hint = document.querySelector('.explore .coach').getBoundingClientRect();
+          return [...document.querySelectorAll('.explore [data-stage], .explore .modes button, .explore .learned')]
+            .filter((e) => e.checkVisibility()).map((e) => e.getBoundingClientRect())
+            .filter((b) => b.left < hint.right && b.right > hint.left && b.top < hint.bottom && b.bottom > hint.top).length;
+        }"""
+    )
+    assert over == 0
+    assert not page.locator(".explore .card kbd").first.is_visible()
+    page.wait_for_selector(".explore .coach", state="hidden", timeout=60_000)
+
+
+def test_the_saved_page_works_from_disk_with_its_toy_and_tour(
+    chromium: Any, tmp_path: Path
+) -> None:
+    from app.export import export_page, where_from
+
+    where = where_from(None, None)
+    export_page(where, EXAMPLES / "frames.bin", tmp_path / "page.html")
+    page = chromium.new_page(viewport={"width": 1440, "height": 900})
+    failed: list[str] = []
+    page.on("pageerror", lambda error: failed.append(str(error)))
+    page.on(
+        "request", lambda r: None if r.url.startswith(("file:", "data:")) else failed.append(r.url)
+    )
+    page.goto((tmp_path / "page.html").as_uri())
+    page.wait_for_selector(MAP)
+    page.wait_for_selector(".explore .score b")
+    page.click('.explore [data-part="toy"]')
+    page.wait_for_selector(".explore .toy .plane path")
+    page.click(".tour-start")
+    page.wait_for_selector(".tour h3:has-text('1 of 6')")
+    page.keyboard.press("Enter")
+    assert re.search(r"\d\.\d\d", page.locator(".tour p").inner_text())
+    page.close()
+    assert failed == []

@@ -1,0 +1,34 @@
+/** The few things of a browser that scripts touch when they are imported; each test file has its own. */
+
+globalThis.document ??= {
+  querySelector: () => null,
+  body: { classList: { contains: () => false } },
+  baseURI: "http://x/",
+};
+globalThis.location ??= { search: "", href: "http://x/" };
+globalThis.MutationObserver ??= class {
+  observe() {}
+};
+
+/** Frames of two pairs at three stops, with what a test needs changed. */
+export function frames({ curves = {}, head = {}, orders = [0, 0.5, 1], ...more } = {}) {
+  const meta = {
+    curves,
+    head: { source: "A", ...head },
+    maps: { "pca/raw": { array: 1 }, "pca/frft": { array: 1 } },
+  };
+  return {
+    meta,
+    orders,
+    pairs: 2,
+    domains: ["A", "B"],
+    classes: ["wood", "steel"],
+    domain: [0, 1],
+    label: [0, 1],
+    kind: meta.head.kind ?? "moved",
+    learned: meta.head.learned_order ?? Number.NaN,
+    source: meta.head.source,
+    stop: (p) => orders.reduce((best, o, i) => (Math.abs(o - p) < Math.abs(orders[best] - p) ? i : best), 0),
+    ...more,
+  };
+}
