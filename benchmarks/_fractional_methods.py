@@ -10,7 +10,7 @@ import torch
 from torch import Tensor
 
 from omnivat.fractional import basis, coefficients, dfrft, synthesise
-from omnivat.fractional.plans import build_split
+from omnivat.fractional.build import build_split
 from omnivat.packages import need
 
 Transform = Callable[[Tensor, float | Tensor], Tensor]

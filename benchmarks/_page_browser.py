@@ -179,7 +179,7 @@ def resident_mb(pid: int) -> float:
 def live(page: Any, pictures: int) -> dict[str, float]:
     """Answer Chromium's own camera, a moving test picture, and return how fast."""
     page.evaluate("document.getElementById('view-pair-button').click()")
-    page.wait_for_selector(".pair .bars table")
+    page.wait_for_selector(".pair .reading")
     answered: list[dict[str, Any]] = []
     page.on(
         "requestfinished",

@@ -1,0 +1,55 @@
+"""Sets of signals for the study of the order: chirps, channels of embeddings, rows of pictures."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from omnivat.data.store import Embeddings, load_embeddings
+from omnivat.thumbnails import sheet_of
+
+WIDTH = 64
+
+
+def permuted(embeddings: Embeddings, seed: int = 0) -> Embeddings:
+    """Return the set with its channels in another order, the same for every pair and modality."""
+    order = np.random.default_rng(seed).permutation(embeddings.width)
+    return _with(embeddings, embeddings.vis[:, order], embeddings.tac[:, order])
+
+
+def some_channels(embeddings: Embeddings, seed: int = 0) -> Embeddings:
+    """Return 64 channels of the set, drawn at random and kept in their order."""
+    chosen = np.random.default_rng(seed).permutation(embeddings.width)[:WIDTH]
+    chosen.sort()
+    return _with(embeddings, embeddings.vis[:, chosen], embeddings.tac[:, chosen])
+
+
+def picture_rows(file: Path) -> Embeddings:
+    """Return the middle rows of the set's thumbnails as signals of 64 samples.
+
+    The grey of the middle eight rows of each picture is averaged and resampled to 64 samples, less
+    its mean. VIS is the photo's row, TAC that of the tactile image.
+    """
+    embeddings = load_embeddings(file)
+    sheet = Image.open(sheet_of(file)).convert("L")
+    layout = json.loads(sheet_of(file).with_suffix(".json").read_text(encoding="utf-8"))
+    tile, columns = layout["tile"], layout["columns"]
+    rows = [_row(sheet, tile, columns, place) for place in range(2 * len(embeddings))]
+    signals = np.stack(rows).astype(np.float32)
+    return _with(embeddings, signals[: len(embeddings)], signals[len(embeddings) :])
+
+
+def _row(sheet: Image.Image, tile: int, columns: int, place: int) -> NDArray[np.float32]:
+    left, top = tile * (place % columns), tile * (place // columns)
+    middle = top + tile // 2
+    strip = sheet.crop((left, middle - 4, left + tile, middle + 4)).convert("F")
+    row = np.asarray(strip.resize((WIDTH, 1), Image.Resampling.BOX), dtype=np.float32)[0]
+    signal: NDArray[np.float32] = row - row.mean() + np.float32(1e-3)  # never of length zero
+    return signal
+
+
+def _with(embeddings: Embeddings, vis: NDArray[np.float32], tac: NDArray[np.float32]) -> Embeddings:
+    return replace(embeddings, vis=vis, tac=tac, vis_flip=None, tac_flip=None)

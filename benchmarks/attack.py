@@ -1,0 +1,179 @@
+"""Attack the page and say what happened, by count: `python -m benchmarks.attack`.
+
+Hostile images, heads, sets, questions and callers are sent to the page's own routes. What counts as
+held: an answer below 500 within the time, one sentence where it is a refusal, no folder of the
+server in any sentence. What fell is written out with its seed.
+"""
+
+import argparse
+import json
+import random
+import sys
+from collections import Counter
+from dataclasses import dataclass, field
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from benchmarks._attack_files import heads, images, questions, sets
+
+SLOW_S = 5.0  # an answer that takes longer has fallen
+OUT = Path("docs/benchmarks/attack.json")
+
+
+@dataclass(slots=True)
+class Counts:
+    """What came of one kind of attack."""
+
+    held: int = 0
+    statuses: Counter[int] = field(default_factory=Counter)
+    slowest_s: float = 0.0
+    fell: list[str] = field(default_factory=list)
+
+    def take(self, response: Any, seconds: float, what: str) -> None:
+        """Judge one answer."""
+        self.statuses[response.status_code] += 1
+        self.slowest_s = max(self.slowest_s, seconds)
+        problem = judged(response, seconds)
+        if problem:
+            self.fell.append(f"{what}: {problem}")
+        else:
+            self.held += 1
+
+
+def judged(response: Any, seconds: float) -> str:
+    """Return what is wrong with an answer; "" where it held."""
+    if response.status_code >= 500 and response.status_code != 503:
+        return f"status {response.status_code}"
+    if seconds > SLOW_S:
+        return f"{seconds:.1f} s"
+    if response.status_code < 400:
+        return ""
+    try:
+        said = response.json()["error"]
+    except (ValueError, KeyError, TypeError):
+        return f"no sentence: {response.text[:80]!r}"
+    if not said.endswith(".") or "\n" in said or "Traceback" in said:
+        return f"no sentence: {said[:80]!r}"
+    folders = [name for name in ("tmp", "home", "root", "work", "var") if f"/{name}/" in said]
+    return f"a folder of the server: {said[:120]!r}" if folders else ""
+
+
+def attack(client: Any, resources: Any, seed: int, count: int) -> dict[str, Counts]:
+    """Send `count` hostile things of each kind; return what came of them."""
+    from app.routes import QUESTIONS
+
+    found = {name: Counts() for name in ("images", "questions", "heads", "sets", "callers")}
+
+    def send(kind: str, what: str, address: str, **more: Any) -> Any:
+        began = perf_counter()
+        response = client.post(address, **more)
+        found[kind].take(response, perf_counter() - began, f"seed {seed}, {what}")
+        return response
+
+    client.post("/omnivat/pair", json={"vis": "row:0"})  # the head and the set are loaded
+    client.post("/omnivat/image", content=next(iter(images(random.Random(0), 1))))  # the encoder
+    for k, content in enumerate(images(random.Random(seed), count)):
+        send("images", f"image {k}", "/omnivat/image?name=x", content=content)
+    for k, asked in enumerate(questions(random.Random(seed), count)):
+        name = list(QUESTIONS)[k % len(QUESTIONS)]
+        content = json.dumps(asked).encode()
+        send("questions", f"{name} {asked!r:.200}", f"/omnivat/{name}", content=content)
+    where = resources.where
+    for kind, files in (
+        ("heads", heads(where.head, random.Random(seed), count)),
+        ("sets", sets(where.embeddings, random.Random(seed), count)),
+    ):
+        for k, parts in enumerate(files):
+            loaded = load(client, parts)
+            response = send(kind, f"{kind} {k}", "/omnivat/load", json={"parts": loaded})
+            if response.status_code == 200:
+                used(client, response.json()["set"], found[kind], f"seed {seed}, {kind} {k}")
+    for k, headers in enumerate(callers(random.Random(seed), count)):
+        response = send("callers", f"caller {k}", "/omnivat/pair", json={}, headers=headers)
+        if response.status_code != 403:
+            found["callers"].fell.append(f"served {headers}")
+    return found
+
+
+def load(client: Any, parts: dict[str, bytes]) -> dict[str, str]:
+    """Send the files of a head or set; return what each is called."""
+    return {
+        name: client.post(f"/omnivat/part?name={name}", content=content).json().get("part", "")
+        for name, content in parts.items()
+    }
+
+
+def used(client: Any, name: str, counts: Counts, what: str) -> None:
+    """Use a head or set that was taken: what it says of itself, and one pair."""
+    for address in ("about", "heads", "matrix"):
+        began = perf_counter()
+        response = client.get(f"/omnivat/{address}?set={name}")
+        counts.take(response, perf_counter() - began, f"{what}, then {address}")
+    for address in ("pair", "tree"):
+        began = perf_counter()
+        asked = {"vis": "row:1", "tac": "row:1"}
+        response = client.post(f"/omnivat/{address}?set={name}", json=asked)
+        counts.take(response, perf_counter() - began, f"{what}, then {address}")
+
+
+def callers(chance: random.Random, count: int) -> list[dict[str, str]]:
+    """Return headers of pages of other sites and of names that are not this server's."""
+    sites = ["https://evil.example", "null", "http://127.0.0.1.evil.example", "file://", "http://["]
+    names = ["evil.example", "127.0.0.1.evil.example", "10.0.0.1", "localhost.evil.example", "x@y"]
+    made = []
+    for _ in range(count):
+        way = chance.randrange(3)
+        made.append(
+            {"host": chance.choice(names)}
+            if way == 0
+            else {"origin": chance.choice(sites)}
+            if way == 1
+            else {"sec-fetch-site": chance.choice(["cross-site", "same-site"])}
+        )
+    return made
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the attack and print the counts."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--count", type=int, default=200, help="hostile things of each kind")
+    parser.add_argument("--out", type=Path, default=OUT)
+    chosen = parser.parse_args(arguments)
+    from starlette.applications import Starlette
+    from starlette.middleware import Middleware
+    from starlette.testclient import TestClient
+
+    from app import parts
+    from app.guard import Guard, rules
+    from app.resources import Resources, places
+    from app.routes import routes
+    from omnivat.files import write_json
+
+    vars(parts)["KEPT_PARTS"] = 10**6  # one process plays all visitors
+    resources = Resources(places())
+    guarded = [Middleware(Guard, rules=rules("127.0.0.1"))]
+    application = Starlette(routes=routes(resources), middleware=guarded)
+    with TestClient(application, base_url="http://127.0.0.1") as client:
+        found = attack(client, resources, chosen.seed, chosen.count)
+    resources.shared.close()
+    record: dict[str, dict[str, Any]] = {
+        name: {
+            "held": counts.held,
+            "fell": counts.fell,
+            "statuses": {str(status): n for status, n in sorted(counts.statuses.items())},
+            "slowest_s": round(counts.slowest_s, 2),
+        }
+        for name, counts in found.items()
+    }
+    write_json(chosen.out, {"seed": chosen.seed, "count": chosen.count, "attacks": record})
+    for name, one in record.items():
+        print(f"{name:10} held {one['held']:5}  fell {len(one['fell'])}  {one['statuses']}")
+        for line in one["fell"][:10]:
+            print("   ", line)
+    return int(any(counts.fell for counts in found.values()))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

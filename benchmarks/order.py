@@ -1,0 +1,239 @@
+"""When does a fractional order help? The measurements behind docs/order.md, one a subcommand.
+
+    python -m benchmarks.order STUDY [--jobs N] [--seeds N] [--out DIR]
+
+    basin     loss against p around a trained head's own p, for D = 16 to 512, and its width
+    strength  chirps: what the right order gains over p = 0 and p = 1, by strength and domain shift
+    search    chirps: where the search ends, p* drawn anew for every seed, and what it costs
+    channels  channels in their order against permuted ones, projected or not, and rows of pictures
+    power     how many runs a difference of one point needs, from the spread over seeds
+
+Each writes DIR/order_STUDY.json; `python -m benchmarks.order_figures` draws the figures.
+"""
+
+import argparse
+import json
+import time
+from collections.abc import Callable
+from pathlib import Path
+from statistics import fmean, stdev
+from typing import Any
+
+import numpy as np
+import torch
+
+from benchmarks._order_runs import (
+    CHIRP_HEAD,
+    CHIRP_TRAINING,
+    QUICK_SENSORS,
+    carried_out,
+    chirp_head,
+    head_at,
+    other_seed,
+    scored,
+)
+from benchmarks._order_sets import WIDTH, permuted, picture_rows, some_channels
+from benchmarks.measure import machine
+from omnivat.data.store import Embeddings, load_embeddings
+from omnivat.evaluate import predicted_probabilities
+from omnivat.frames import read_frames
+from omnivat.from_pairs import plan_training
+from omnivat.heads import EXAMPLES, default_embeddings
+from omnivat.model.head import OmniVaT
+from omnivat.simulate.chirps import ChirpSettings, chirp_embeddings
+from omnivat.train import TrainSettings, train
+
+WIDTHS = (16, 32, 64, 128, 256, 512)
+OFFSETS = np.linspace(-6.0, 6.0, 97)  # of p from the head's own, in units of 1/D quarter turns
+STRENGTHS = (0.0, 0.5, 1.0, 2.0, 3.0, 4.0)
+SHIFTS = (0.0, 1.0)
+STOPS = (0.0, 0.25, 0.5, 0.75, 1.0)
+
+
+def basin(options: argparse.Namespace) -> list[dict[str, Any]]:
+    """Loss on training pairs against p, weights fixed."""
+    jobs = [(width, away) for width in WIDTHS for away in (0.0, 0.15) if width <= options.widest]
+    return list(carried_out(basin_of, jobs, options.jobs))
+
+
+def basin_of(width: int, away: float) -> dict[str, Any]:
+    """Train at p* + away, then move p: the loss at each offset, and the half width of its valley."""
+    settings = ChirpSettings(width=width, seed=1)
+    made = chirp_embeddings(settings)
+    order = settings.order + away
+    source = made.in_domain(settings.domain_names[0], split="train")
+    model = chirp_head(settings, made, order)
+    losses = [_loss(model, source, order + float(offset) / width) for offset in OFFSETS]
+    return {
+        "width": width,
+        "p_star": settings.order,
+        "trained_at": order,
+        "offsets": (OFFSETS / width).tolist(),
+        "loss": losses,
+        "loss_at_p_star": _loss(model, source, settings.order),
+        "half_width": half_width(OFFSETS / width, losses),
+    }
+
+
+def half_width(offsets: np.ndarray[Any, Any], losses: list[float]) -> float:
+    """Return how far from the middle the loss has risen half way to its median, the mean side."""
+    middle, level = len(losses) // 2, np.array(losses)
+    half = (level[middle] + np.median(level)) / 2
+    sides = []
+    for step in (1, -1):
+        place = middle
+        while 0 < place < len(level) - 1 and level[place] < half:
+            place += step
+        sides.append(abs(float(offsets[place])))
+    return fmean(sides)
+
+
+def _loss(model: OmniVaT, pairs: Embeddings, order: float) -> float:
+    shares = predicted_probabilities(model, pairs, order=order)["fused"]
+    right = shares[torch.arange(len(pairs)), torch.from_numpy(np.array(pairs.label))]
+    return float(-right.double().clamp_min(1e-12).log().mean())
+
+
+def strength(options: argparse.Namespace) -> list[dict[str, Any]]:
+    """Accuracy of heads trained at p*, 0 and 1."""
+    jobs = [
+        (value, shift, seed)
+        for value in STRENGTHS
+        for shift in SHIFTS
+        for seed in range(options.seeds)
+    ]
+    return list(carried_out(strength_of, jobs, options.jobs))
+
+
+def strength_of(value: float, shift: float, seed: int) -> dict[str, Any]:
+    """Score heads at three orders on one set of chirps."""
+    settings = other_seed(ChirpSettings(strength=value, shift=shift), seed)
+    made, source = chirp_embeddings(settings), settings.domain_names[0]
+    found = {
+        name: scored(chirp_head(settings, made, order), made, source)
+        for name, order in (("p*", settings.order), ("0", 0.0), ("1", 1.0))
+    }
+    return {
+        "strength": value,
+        "shift": shift,
+        "seed": seed,
+        "p_star": settings.order,
+        "unseen": {name: score.unseen for name, score in found.items()},
+        "source_test": {name: score.source_test for name, score in found.items()},
+    }
+
+
+def search(options: argparse.Namespace) -> list[dict[str, Any]]:
+    """Search for p* from a random start, a new p* for every seed; the gradient alone beside it."""
+    return list(carried_out(search_of, [(seed,) for seed in range(options.seeds)], options.jobs))
+
+
+def search_of(seed: int) -> dict[str, Any]:
+    """Run one search and one training by gradient alone."""
+    settings = other_seed(ChirpSettings(), seed)
+    made, source = chirp_embeddings(settings), settings.domain_names[0]
+    pairs = made.in_domain(source, split="train")
+    start = float(np.random.default_rng([7, seed]).uniform(-2, 2))
+    values = {"width": WIDTH, "order": start, **CHIRP_HEAD}
+    head = plan_training(made, source, head=values, training=CHIRP_TRAINING).settings
+    found: dict[str, Any] = {"seed": seed, "p_star": settings.order, "start": start}
+    for name, asked in (("search", True), ("gradient", False)):
+        training = TrainSettings(epochs=40, lang=False, order_search=asked)
+        before = time.process_time()
+        trained = train(pairs, head, training, seed=seed)
+        found[name] = {
+            "order": trained.model.order,
+            "unseen": scored(trained.model, made, source).unseen,
+            "cpu_s": round(time.process_time() - before, 2),
+            "search_steps": trained.search.get("steps", 0),
+        }
+    return found
+
+
+def channels(options: argparse.Namespace) -> list[dict[str, Any]]:
+    """Heads at five orders on channels in their order and permuted."""
+    jobs = [
+        (kind, shuffled, order, seed)
+        for seed in range(options.seeds)
+        for kind in ("chirps", "projected", "unprojected", "rows")
+        for shuffled in (False, True)
+        for order in STOPS
+    ]
+    return list(carried_out(channels_of, jobs, options.jobs))
+
+
+def channels_of(kind: str, shuffled: bool, order: float, seed: int) -> dict[str, Any]:
+    """Score one head; chirps have their spike at the order 0.25."""
+    if kind == "chirps":
+        made = chirp_embeddings(ChirpSettings(order=0.25, seed=1))
+        source, training, head = made.header.domains[0], CHIRP_TRAINING, dict(CHIRP_HEAD)
+    else:
+        made = {"projected": load_embeddings, "unprojected": _some, "rows": picture_rows}[kind](
+            default_embeddings()
+        )
+        source, training, head = "TAG-sim", QUICK_SENSORS, {}
+    made = permuted(made) if shuffled else made
+    model = head_at(made, source, order, seed, training, {**head, "width": WIDTH})
+    found = scored(model, made, source)
+    return {
+        "kind": kind,
+        "permuted": shuffled,
+        "order": order,
+        "seed": seed,
+        "unseen": found.unseen,
+        "source_test": found.source_test,
+    }
+
+
+def _some(file: Path) -> Embeddings:
+    return some_channels(load_embeddings(file))
+
+
+def power(options: argparse.Namespace) -> list[dict[str, Any]]:
+    """Runs that a difference of one point needs: two-sided 5 %, power 80 %."""
+    frames = read_frames(options.frames)
+    deviations = [100 * (s or 0.0) for s in frames.curves["seeds:accuracy/unseen/std"]]
+    means = [100 * (m or 0.0) for m in frames.curves["seeds:accuracy/unseen/mean"]]
+    pooled = float(np.sqrt(np.mean(np.square(deviations))))
+    seeds = len(frames.head["seeds"])
+    return [
+        {
+            "orders": len(means),
+            "seeds": seeds,
+            "pooled_std": pooled,
+            "runs_for_one_point": int(np.ceil(2 * (1.96 + 0.8416) ** 2 * pooled**2)),
+            "std_of_means": stdev(means),
+            "std_of_means_expected_from_seeds": pooled / seeds**0.5,
+            "range_of_means": max(means) - min(means),
+        }
+    ]
+
+
+STUDIES: dict[str, Callable[[argparse.Namespace], list[dict[str, Any]]]] = {
+    "basin": basin,
+    "strength": strength,
+    "search": search,
+    "channels": channels,
+    "power": power,
+}
+
+
+def main() -> None:
+    """Run one study and write its rows."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("study", choices=STUDIES)
+    parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--seeds", type=int, default=3)
+    parser.add_argument("--widest", type=int, default=512, help="of basin")
+    parser.add_argument("--frames", type=Path, default=EXAMPLES / "trained.bin", help="of power")
+    parser.add_argument("--out", type=Path, default=Path("docs/benchmarks"))
+    options = parser.parse_args()
+    rows = STUDIES[options.study](options)
+    record = {"study": options.study, "machine": machine(), "rows": rows}
+    file = options.out / f"order_{options.study}.json"
+    file.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
+    print(f"{len(rows)} rows written to {file}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,126 @@
+"""Draw the figures of docs/order.md from the records of `python -m benchmarks.order`.
+
+python -m benchmarks.order_figures [--records DIR] [--out DIR]
+"""
+
+import argparse
+import json
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from benchmarks._curves import curve_plot
+from omnivat.reports.intervals import Spread, spread
+from omnivat.reports.plot import line_plot
+
+Rows = list[dict[str, Any]]
+
+
+def basins(rows: Rows) -> str:
+    """Loss against p - p0 for each width, for heads trained at p*."""
+    own = [row for row in rows if row["p_star"] == row["trained_at"]]
+    return curve_plot(
+        "Loss against p, weights fixed",
+        "p less the order that the head was trained at",
+        "log loss",
+        {f"D = {row['width']}": (row["offsets"], row["loss"]) for row in own},
+    )
+
+
+def widths(rows: Rows) -> str:
+    """Half width of the valley times D."""
+    own = [row for row in rows if row["p_star"] == row["trained_at"]]
+    return line_plot(
+        "Half width of the valley, times D",
+        "width D of the head",
+        [str(row["width"]) for row in own],
+        {"half width · D": [spread([row["half_width"] * row["width"]]) for row in own]},
+        unit="",
+    )
+
+
+def gains(rows: Rows) -> str:
+    """Accuracy at p* less the better of p = 0 and p = 1, against strength."""
+    strengths = sorted({row["strength"] for row in rows})
+    shifts = sorted({row["shift"] for row in rows})
+    return line_plot(
+        "Chirps: gain of the right order over p = 0 and p = 1",
+        "norm of the interference over that of the signal",
+        [f"{value:g}" for value in strengths],
+        {
+            f"shift {shift:g}": [
+                spread(
+                    [
+                        _gain(row)
+                        for row in rows
+                        if (row["strength"], row["shift"]) == (value, shift)
+                    ]
+                )
+                for value in strengths
+            ]
+            for shift in shifts
+        },
+        unit="points",
+    )
+
+
+def _gain(row: Mapping[str, Any]) -> float:
+    unseen = row["unseen"]
+    return float(unseen["p*"] - max(unseen["0"], unseen["1"]))
+
+
+def controls(rows: Rows, kind: str, title: str) -> str:
+    """Accuracy in unseen domains against p, channels in their order and permuted."""
+    own = [row for row in rows if row["kind"] == kind]
+    orders = sorted({row["order"] for row in own})
+    return line_plot(
+        title,
+        "order p that the head was trained at",
+        [f"{order:g}" for order in orders],
+        {
+            name: _scores(own, orders, shuffled)
+            for name, shuffled in (("in order", False), ("permuted", True))
+        },
+    )
+
+
+def _scores(rows: Rows, orders: Sequence[float], shuffled: bool) -> list[Spread]:
+    return [
+        spread([r["unseen"] for r in rows if (r["order"], r["permuted"]) == (order, shuffled)])
+        for order in orders
+    ]
+
+
+FIGURES: dict[str, tuple[str, Callable[[Rows], str]]] = {
+    "order_basin": ("basin", basins),
+    "order_width": ("basin", widths),
+    "order_gain": ("strength", gains),
+    "order_chirps": ("channels", lambda rows: controls(rows, "chirps", "Chirps")),
+    "order_projected": (
+        "channels",
+        lambda rows: controls(rows, "projected", "Sensors, learned projection"),
+    ),
+    "order_unprojected": (
+        "channels",
+        lambda rows: controls(rows, "unprojected", "Sensors, 64 channels as they are"),
+    ),
+    "order_rows": ("channels", lambda rows: controls(rows, "rows", "Rows of the pictures")),
+}
+
+
+def main() -> None:
+    """Draw every figure whose record is there."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--records", type=Path, default=Path("docs/benchmarks"))
+    parser.add_argument("--out", type=Path, default=Path("docs/benchmarks"))
+    options = parser.parse_args()
+    for name, (study, draw) in FIGURES.items():
+        record = options.records / f"order_{study}.json"
+        if record.is_file():
+            rows = json.loads(record.read_text(encoding="utf-8"))["rows"]
+            (options.out / f"{name}.svg").write_text(draw(rows), encoding="utf-8")
+            print(f"{name}.svg")
+
+
+if __name__ == "__main__":
+    main()
