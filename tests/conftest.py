@@ -1,8 +1,10 @@
 """What all tests share: Hypothesis profiles, and small sets and heads made on the spot."""
 
+import importlib.util
 import os
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -20,6 +22,18 @@ CLASSES = ("wood", "steel", "plastic", "ceramic", "glass")
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Put tests that start an event loop before those of the browser, whose driver keeps one running."""
     items.sort(key=lambda item: not item.nodeid.startswith("tests/app/"))
+
+
+@pytest.fixture(scope="session")
+def clips() -> Any:
+    """Return the maker of small CLIPs in each layout; skips where transformers is not installed."""
+    pytest.importorskip("transformers")
+    file = Path(__file__).parent / "unit" / "encoders" / "clips.py"
+    spec = importlib.util.spec_from_file_location("small_clips", file)
+    assert spec and spec.loader
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
 
 
 @pytest.fixture(scope="session")
@@ -56,6 +70,8 @@ def make_embeddings() -> Callable[..., object]:
             "object": [f"{name.rsplit('/', 1)[0]}/{i // 2}" for i, name in enumerate(names)],
             "split": [("train", "test")[i // 2 % 2] if split else "" for i in range(len(names))],
             "part": [""] * len(names),
+            "looks_like": [""] * len(names),
+            "feels_like": [""] * len(names),
         }
         header = Header(
             encoder="test-encoder",
