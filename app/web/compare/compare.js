@@ -147,7 +147,7 @@ class CompareTab {
     if (this.apart) {
       return `${escaped(state.only2)} and ${escaped(state.only)} share no pairs: a lasso in one lights the same classes in the other.`;
     }
-    if (!this.judged) return "Counting…";
+    if (!this.judged || !this.sides.every((side) => side.ready)) return "Counting…";
     const only = state.only || state.only2;
     const { frames } = this;
     const pairs = this.judged.filter((pair) => !only || frames.domains[frames.domain[pair]] === only);

@@ -43,6 +43,7 @@ export class Side {
     this.box = box;
     this.frames = frames; // whose predictions and maps are shown
     this.board = board;
+    this.loaded = null; // the head whose frames these are
     this.cloud = new Cloud(this.$(".map"), 2 * frames.pairs);
     this.drawing = listen(this.cloud, {
       wanted: (point) => this.shows(point),
@@ -80,6 +81,11 @@ export class Side {
     const { head } = this.chosen;
     if (isMethod(head)) return "nearest class mean";
     return `${head || "the head"} at p = ${this.frames.orders[this.stop].toFixed(2)}`;
+  }
+
+  /** Whether what is shown is of the head that is chosen. */
+  get ready() {
+    return this.loaded === this.chosen.head;
   }
 
   said = (pair) => this.frames.classes[this.frames.prediction[this.stop * this.frames.pairs + pair]];
@@ -137,6 +143,7 @@ export class Side {
       if (this.chosen.head !== name) return;
       if (found.pairs !== own.pairs) throw new Refusal("This head’s map is of another set.");
       this.frames = found;
+      this.loaded = name;
       wait.hidden = true;
       this.$(".order").disabled = isMethod(name);
     } catch (error) {
