@@ -143,7 +143,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 1
     if told := warning(chosen.host, chosen.port):
         print(told, file=sys.stderr, flush=True)
-    for one in (signal.SIGTERM, getattr(signal, "SIGHUP", signal.SIGTERM)):
+    for one in (signal.SIGINT, signal.SIGTERM, getattr(signal, "SIGHUP", signal.SIGTERM)):
         signal.signal(one, signal.default_int_handler)  # ends as Ctrl+C does, leaving nothing
     sweep()
     shared, where = Shared(), places(chosen.head, chosen.embeddings, chosen.compare)

@@ -130,7 +130,7 @@ def test_the_saved_page_asks_nothing_of_outside_and_holds_its_frames(
     text = out.read_text(encoding="utf-8")
     assert not re.search(r'(src|href)="(?!data:)', text)
     assert "https://" not in text
-    assert "data:application/octet-stream;base64,T1ZGUkFNRVM" in text  # OVFRAMES
+    assert "data:application/octet-stream;base64,T1ZGUkFNRV" in text  # OVFRAMES
     assert "simulated" in text
     held = json.loads(re.search(r"globalThis.omnivatHeld = (\{.*?\});", text)[1])
     assert {"frames", "modes", "pairs", "toy", "unseen"} <= set(held)
