@@ -76,7 +76,8 @@ def _downloaded(repository: str) -> Path:
     """Download the settings, the tokenizer and one file of weights; safetensors where offered."""
     from huggingface_hub import HfApi, snapshot_download
 
-    offered = set(HfApi().list_repo_files(repository))
+    # One request: a listing of files is tried again for half a minute where there is no network.
+    offered = {file.rfilename for file in HfApi().model_info(repository).siblings or ()}
     weights = next((name for name in WEIGHTS if name in offered), None)
     if weights is None:
         raise FileNotFoundError(f"{repository} offers no weights")

@@ -11,6 +11,7 @@ from benchmarks import stability
 @pytest.fixture(autouse=True)
 def _small(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(stability, "QUICK", (4, 12))
+    monkeypatch.setattr(stability, "STEPS", 20)
     monkeypatch.setattr(stability, "plot", lambda cells, path: None)
 
 
