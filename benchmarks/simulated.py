@@ -59,7 +59,7 @@ def print_sensors(features: Features) -> None:
     shares = sensor_accuracy(
         features.tac, domains=features.column("domain"), splits=features.column("split")
     )
-    print("## Sensor told by the nearest TAC neighbour (test pairs against training pairs, %)\n")
+    print("## Sensor identified by the nearest TAC neighbour (test pairs against training pairs, %)\n")
     print("| domain | sensor | right |\n| --- | --- | ---: |")
     for domain, cell in shares.items():
         sensor = DOMAINS[paper_name(domain)].sensor
