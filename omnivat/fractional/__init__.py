@@ -1,8 +1,8 @@
 """The discrete fractional Fourier transform: exact, fast, differentiable in x and in the order.
 
-`dfrft(x, order)` transforms; `coefficients(x)` is what to keep while the order moves and
-`synthesise(coefficients, order)` turns it into the same as `dfrft(x, order)` at a fraction of the
-cost; `project` fuses a linear map with that. The mathematics: docs/fractional.md.
+`dfrft(x, order)` is the transform. To change the order of the same x, keep `coefficients(x)`:
+`synthesise(coefficients, order)` equals `dfrft(x, order)` at a fraction of the cost. `project`
+fuses it with a linear map. The mathematics: docs/fractional.md.
 """
 
 from omnivat.fractional.basis import Basis, basis

@@ -1,4 +1,4 @@
-"""What users hand in, checked at the border: vectors, axes and orders."""
+"""Check arguments: vectors, axes and orders."""
 
 from __future__ import annotations
 
@@ -17,26 +17,27 @@ _KEPT = (torch.float32, torch.float64, torch.complex64, torch.complex128)
 
 
 def working_precision(x: Tensor) -> Tensor:
-    """x as it is computed with: half precision, integers and booleans become single precision."""
+    """Convert half precision, integers and booleans to single precision."""
     if x.dtype in _KEPT:
         return x
     return x.to(torch.complex64 if x.is_complex() else torch.float32)
 
 
 def axis_from_end(x: Tensor, dim: int) -> int:
-    """dim counted from the end (-1 is the last axis), checked to exist and to hold samples."""
+    """Return dim counted from the end (-1 is the last axis). The axis must exist and have
+    samples."""
     shape = tuple(x.shape)
     if not -len(shape) <= dim < len(shape):
-        raise ShapeError(f"x has shape {shape}, expected an axis {dim}: choose one that it has.")
+        raise ShapeError(f"x has shape {shape}, expected an axis {dim}: choose an existing axis.")
     if shape[dim] == 0:
         raise ShapeError(f"x has shape {shape}, expected one sample or more along axis {dim}.")
     return dim - len(shape) if dim >= 0 else dim
 
 
 def under_transform(*tensors: Tensor) -> bool:
-    """True inside `torch.func` transforms (vmap, jvp, grad) and where a tensor carries a tangent.
+    """True inside `torch.func` transforms (vmap, jvp, grad) and for tensors with a tangent.
 
-    Values cannot be read there, and work has to pass through nodes of the graph.
+    Their values cannot be read, and every operation must be an autograd function.
     """
     if torch._C._are_functorch_transforms_active():
         return True
@@ -44,10 +45,10 @@ def under_transform(*tensors: Tensor) -> bool:
 
 
 def checked_order(order: float | Tensor | Any, device: torch.device) -> Tensor:
-    """The order as float64 on `device`, in the graph if it was.
+    """Return the order as float64 on `device`; it stays in the graph.
 
-    A Python int is reduced modulo 4 exactly, however large it is. An order that already lies on an
-    accelerator, or under a `torch.func` transform, is not read back: there NaN gives NaN rows.
+    A Python int of any size is reduced modulo 4 exactly. An order on an accelerator or under a
+    `torch.func` transform is not read back, so there NaN gives NaN rows.
     Raises SettingsError for NaN, infinite or complex orders.
     """
     if isinstance(order, int):
@@ -77,12 +78,12 @@ def _shortened(order: Tensor) -> str:
 
 
 def split_for(values: Tensor) -> Split:
-    """The split that fits the last axis, the precision and the device of `values`."""
+    """Return the split for the last axis, the precision and the device of `values`."""
     return splits.get(values.shape[-1], values.dtype.to_real(), values.device)
 
 
 def full_precision(device: torch.device) -> AbstractContextManager[object]:
-    """Autocast off: in bfloat16 the transform would be wrong in its third digit."""
+    """Turn autocast off: in bfloat16 the transform would be wrong in its third digit."""
     kind = device.type
     if torch.amp.is_autocast_available(kind) and torch.is_autocast_enabled(kind):
         return torch.autocast(kind, enabled=False)

@@ -1,4 +1,4 @@
-"""The eigenbasis itself, for those who want to look at it or test against it."""
+"""The eigenbasis itself, for inspection and tests."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ class Basis(NamedTuple):
 def basis(
     size: int, *, dtype: torch.dtype = torch.float64, device: torch.device | str = "cpu"
 ) -> Basis:
-    """The Hermite-like eigenvectors of the DFT of length N by rising number of sign changes k.
+    """Return the Hermite-like eigenvectors of the DFT of length N, ordered by sign changes k.
 
-    k = 0 … N-2 and N for even N, 0 … N-1 for odd N. Each vector's sign is arbitrary.
+    k = 0 … N-2 and N for even N, 0 … N-1 for odd N. The sign of each vector is arbitrary.
     The transform of order p is vectors · diag(exp(-iπp·indices/2)) · vectorsᵀ.
 
     Raises ShapeError when the size is below 1 or the dtype is not float32 or float64.

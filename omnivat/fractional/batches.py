@@ -1,6 +1,6 @@
-"""The maps between samples and eigenbasis on whole batches, without a graph.
+"""Apply V and Vᵀ to whole batches, without a graph.
 
-Work goes in pieces that stay in the cache: rows of coefficients with the phases they need.
+A batch is processed in pieces that fit the cache: rows of coefficients with their phases.
 """
 
 from __future__ import annotations
@@ -18,17 +18,17 @@ from omnivat.fractional.phases import phases
 from omnivat.fractional.splits import Split
 from omnivat.fractional.workers import for_each
 
-_ELEMENTS = 2**17  # of one real plane; with its scratch it fills a core's second-level cache
-_WORTH_A_LOOP = 16  # rows; below that, phases row by row cost less than a piece for each order
-_WORTH_WORKERS = 2**18  # numbers in the result; below, handing over costs more than it saves
+_ELEMENTS = 2**17  # of one real plane; with its scratch space it fills a core's L2 cache
+_WORTH_A_LOOP = 16  # rows; with fewer, phases for each row are cheaper than a piece for each order
+_WORTH_WORKERS = 2**18  # numbers in the result; fewer are not worth a second thread
 
 
 @dataclass(frozen=True)
 class Piece:
     """Some rows of coefficients.
 
-    rows: where they lie in the broadcast batch; values (b, N); orders (1 or b,); shared: the phases
-    if other pieces have the same, else they are left to whoever works on the piece.
+    rows: their place in the broadcast batch; values (b, N); orders (1 or b,); shared: phases shared
+    with other pieces, else None, and the piece computes its own.
     """
 
     rows: slice
@@ -45,7 +45,7 @@ class Piece:
 
 
 def slices(rows: Tensor) -> Iterator[slice]:
-    """Cut rows (R, N) for the cache; an accelerator takes all at once."""
+    """Split rows (R, N) into slices for the cache; on an accelerator, one slice."""
     count, size = rows.shape
     step = max(16, _ELEMENTS // size) if rows.device.type == "cpu" else max(count, 1)
     for start in range(0, count, step):
@@ -53,7 +53,7 @@ def slices(rows: Tensor) -> Iterator[slice]:
 
 
 def leading_shape(values: Tensor, order: Tensor) -> torch.Size:
-    """The batch of the result: the leading axes of the values and the order's, broadcast."""
+    """Return the batch shape: leading axes of the values and axes of the order, broadcast."""
     if not order.dim():  # broadcast_shapes is written in Python and slow
         return values.shape[:-1]
     shape: torch.Size = torch.broadcast_shapes(values.shape[:-1], order.shape)
@@ -67,16 +67,16 @@ def _planar_phases(order: Tensor, indices: Tensor, like: Tensor) -> Tensor:
 
 
 def pieces(values: Tensor, order: Tensor, indices: Tensor) -> Iterator[Piece]:
-    """All rows of the broadcast batch, first to last. values (..., N), order (...) float64.
+    """Yield all rows of the broadcast batch in order. values (..., N), order (...) float64.
 
-    Phases are computed once for each order where many rows share it, else row by row.
+    If many rows share an order, its phases are computed once; otherwise for each row.
     """
     lead, size = leading_shape(values, order), values.shape[-1]
     if not math.prod(lead):
         return
     rows = values.expand(*lead, size)
     order = order.reshape((1,) * (len(lead) - order.dim()) + order.shape)
-    varying = len(lead) if order.numel() > 1 else 0  # axes up to the last on which it varies
+    varying = len(lead) if order.numel() > 1 else 0  # axes along which it varies
     while varying and order.shape[varying - 1] == 1:
         varying -= 1
     sharing = math.prod(lead[varying:])
@@ -104,7 +104,7 @@ def planes(x: Tensor) -> Tensor:
 
 
 def _spread(rows: Tensor) -> bool:
-    """Whether rows (R, N) are worth a second thread of ours."""
+    """True if rows (R, N) are enough for several threads."""
     return rows.device.type == "cpu" and rows.numel() >= _WORTH_WORKERS
 
 
@@ -178,10 +178,10 @@ def synthesise_rows(
 def turned_back(
     split: Split, values: Tensor, order: Tensor, grad: Tensor, *, planar: bool
 ) -> tuple[Tensor, Tensor]:
-    """Gradients in the values and in the order for the gradient of the result.
+    """Return the gradients of values and order, given the gradient of the result.
 
-    With G = Vᵀ grad and U = conj(λ^p) ⊙ G: the values get U (its real part if they are real), the
-    order gets Σ (π/2) k Im(conj(U) ⊙ values).
+    With G = Vᵀ grad and U = conj(λ^p) ⊙ G, they are U for the values (its real part if they are
+    real) and Σ (π/2) k Im(conj(U) ⊙ values) for the order.
     """
     size, shape = values.shape[-1], (*leading_shape(values, order), values.shape[-1])
     to_values = empty(shape, values.dtype, values.device).view(-1, size)

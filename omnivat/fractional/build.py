@@ -1,4 +1,4 @@
-"""Splits by length, precision and device: built once in float64, cast, kept within a bound."""
+"""Build splits of V in float64, cast them, and cache a bounded number of them."""
 
 from __future__ import annotations
 
@@ -23,26 +23,26 @@ from omnivat.fractional.workers import side_by_side
 
 _TINY = 3
 _KEPT = 16
-_WORTH_THREADS = 128  # size of a parity block; below, handing over costs more than it saves
+_WORTH_THREADS = 128  # size of a parity block; smaller ones are not worth a second thread
 
 _limiting = threading.RLock()
 T = TypeVar("T")
 
 
 def indices_by_parity(size: int) -> Array:
-    """k of the even, then of the odd eigenvectors; for even N the last k is N, not N - 1."""
+    """Return k of the even and of the odd eigenvectors; for even N, N replaces N - 1."""
     even, odd = np.arange(size // 2 + 1), np.arange((size - 1) // 2)
     return np.concatenate([2 * even, 2 * odd + 1]).astype(np.float64)
 
 
 def _tiny_vectors(size: int) -> Array:
-    """V for N = 1, 2, 3, in closed form, columns as in `indices_by_parity`."""
+    """Return V for N = 1, 2, 3 in closed form, columns as in `indices_by_parity`."""
     if size == 1:
         return np.ones((1, 1))
     if size == 2:
         angle = np.pi / 8
         return np.array([[np.cos(angle), np.sin(angle)], [np.sin(angle), -np.cos(angle)]])
-    first = np.sqrt((1 + np.sqrt(1 / 3)) / 2)  # the DFT's own eigenvectors: 2a² - 1 = 1/√3
+    first = np.sqrt((1 + np.sqrt(1 / 3)) / 2)  # eigenvectors of the DFT itself: 2a² - 1 = 1/√3
     other = np.sqrt((1 - np.sqrt(1 / 3)) / 4)
     pair = np.sqrt(0.5)
     last = np.sqrt(2.0) * other, -first * pair
@@ -50,7 +50,7 @@ def _tiny_vectors(size: int) -> Array:
 
 
 def build_split(size: int, like: Tensor) -> Split:
-    """The cheapest split for length N on the device and in the precision of `like`."""
+    """Build the cheapest split for length N, on the device and in the precision of `like`."""
     if size <= _TINY:
         vectors = torch.from_numpy(_tiny_vectors(size)).to(like)
         return PlainSplit(vectors, torch.from_numpy(indices_by_parity(size)).to(like.device))
@@ -59,7 +59,7 @@ def build_split(size: int, like: Tensor) -> Split:
 
 
 def _both(refine: Callable[[Tridiagonal], T], blocks: ParityBlocks) -> list[T]:
-    """Even and odd eigenvectors side by side: neither needs the other."""
+    """Compute even and odd eigenvectors in parallel; they are independent."""
     calls = [functools.partial(refine, block) for block in (blocks.even, blocks.odd)]
     return side_by_side(calls, spread=len(blocks.even) > _WORTH_THREADS)
 
@@ -81,17 +81,17 @@ def _build_from_blocks(size: int, like: Tensor) -> Split:
 
 @functools.cache
 def _blas_controller() -> Any:
-    import_module("scipy.linalg")  # its library must be loaded before it can be limited
+    import_module("scipy.linalg")  # load the library first: only a loaded one can be limited
     return import_module("threadpoolctl").ThreadpoolController()
 
 
 @contextmanager
 def one_blas_thread() -> Iterator[None]:
-    """Keep numpy's BLAS to one thread: a second one mostly spins (8 ms to 80 in short builds).
+    """Limit numpy's BLAS to one thread: a second one spins (short builds: 80 ms instead of 8).
 
-    The parities take a core each instead, and the result is the same to the last bit for any number
-    of threads. One build at a time, as the limit is the process's and is put back at the end.
-    Without threadpoolctl, which scikit-learn brings, nothing is limited.
+    Each parity uses one core instead, so results are identical to the last bit for any number of
+    threads. The limit applies to the whole process until the build ends, so one build runs at a
+    time. Without threadpoolctl (a dependency of scikit-learn) there is no limit.
     """
     if find_spec("threadpoolctl") is None:
         yield
@@ -101,7 +101,7 @@ def one_blas_thread() -> Iterator[None]:
 
 
 class BoundedCache:
-    """A few most recently used splits; safe to share between threads, each is built once."""
+    """The most recently used splits. Threads may share it; each split is built once."""
 
     def __init__(self, build: Callable[[int, Tensor], Split], limit: int = _KEPT) -> None:
         self._build, self._limit = build, limit
@@ -113,7 +113,7 @@ class BoundedCache:
         return len(self._kept)
 
     def clear(self) -> None:
-        """Forget all."""
+        """Remove all splits."""
         with self._lock:
             self._kept.clear()
 
@@ -124,7 +124,7 @@ class BoundedCache:
         return found
 
     def get(self, size: int, dtype: torch.dtype, device: torch.device) -> Split:
-        """The split of that length, real precision and device, built if it is not kept."""
+        """Return the split for that length, real precision and device; build it if needed."""
         key = (size, dtype, device)
         with self._lock:
             found = self._find(key)

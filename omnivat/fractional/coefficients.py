@@ -1,4 +1,4 @@
-"""What is kept of a vector while the order moves."""
+"""The coefficients of vectors, which do not depend on the order."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class Coefficients:
     """The vectors of a tensor in the eigenbasis of the transform.
 
     values (..., N): coefficients, transformed axis last; real for real input, else complex.
-    dim: where the transformed axis stood, counted from the end (-1 is the last axis).
+    dim: position of the transformed axis in the input, counted from the end (-1 is the last).
     """
 
     values: Tensor
@@ -38,9 +38,9 @@ class Coefficients:
         return self.shape[0]
 
     def __getitem__(self, index: Any) -> Coefficients:
-        """Choose along the leading axes only; the transformed axis stays whole and in its place.
+        """Index the leading axes; the transformed axis stays whole and in its place.
 
-        Raises ShapeError for several tensors or lists at once where axes follow the transformed one.
+        Raises ShapeError for several tensors or lists at once if axes follow the transformed one.
         """
         parts = index if isinstance(index, tuple) else (index,)
         if not any(part is Ellipsis for part in parts):
@@ -53,14 +53,14 @@ class Coefficients:
         return replace(self, values=self.values.to(*args, **kwargs))
 
     def detach(self) -> Coefficients:
-        """The same coefficients, cut from the graph."""
+        """The same coefficients, detached from the graph."""
         return replace(self, values=self.values.detach())
 
     @staticmethod
     def cat(parts: Sequence[Coefficients]) -> Coefficients:
-        """Join along the first leading axis.
+        """Concatenate along the first leading axis.
 
-        Raises ShapeError where lengths, axes or centring differ.
+        Raises ShapeError if lengths, axes or centring differ.
         """
         if len({(part.size, part.dim, part.centered) for part in parts}) != 1:
             sizes = sorted({part.size for part in parts})
@@ -72,7 +72,7 @@ class Coefficients:
 
 
 def _axes_left(parts: tuple[Any, ...], shape: torch.Size, *, after: int) -> int:
-    """Return how many of the last `after` leading axes an index keeps, new ones among them.
+    """Return how many of the last `after` leading axes an index keeps, including new ones.
 
     parts  an index of the leading axes `shape` with one Ellipsis
     """
@@ -86,7 +86,7 @@ def _axes_left(parts: tuple[Any, ...], shape: torch.Size, *, after: int) -> int:
     axis, kept = 0, 0
     for part in parts:
         step = len(shape) - used if part is Ellipsis else _consumed(part)
-        inside = min(max(axis + step - (len(shape) - after), 0), step)  # how many lie behind it
+        inside = min(max(axis + step - (len(shape) - after), 0), step)  # axes after it
         if part is Ellipsis:
             kept += inside
         elif part is None:
@@ -102,7 +102,7 @@ def _axes_left(parts: tuple[Any, ...], shape: torch.Size, *, after: int) -> int:
 
 
 def _consumed(part: Any) -> int:
-    """Return how many axes one part of an index, not an Ellipsis, stands for."""
+    """Return how many axes one part of an index covers; the part is not an Ellipsis."""
     if part is None or part is Ellipsis:
         return 0
     return torch.as_tensor(part).dim() if _is_mask(part) else 1

@@ -1,7 +1,7 @@
-"""The matrix S that commutes with the DFT, cut by parity into two tridiagonal blocks.
+"""The matrix S that commutes with the DFT, split by parity into two tridiagonal blocks.
 
-S has 2cos(2πn/N) on its diagonal and ones beside it, cyclically. Even vectors and odd vectors are
-each mapped to themselves, and in the bases (e_j ± e_{N-j})/√2 both blocks are tridiagonal.
+S has 2cos(2πn/N) on its diagonal and ones next to it, cyclically. S maps even vectors to even
+vectors and odd to odd. In the bases (e_j ± e_{N-j})/√2, both blocks are tridiagonal.
 Source: Candan, Kutay, Ozaktas, "The discrete fractional Fourier transform", 2000.
 """
 
@@ -26,9 +26,9 @@ from omnivat.fractional.double_double import (
 
 @dataclass(frozen=True)
 class Tridiagonal:
-    """A symmetric tridiagonal matrix of size n with ones beside its diagonal.
+    """A symmetric tridiagonal matrix of size n with ones next to its diagonal.
 
-    diagonal (n), doubled; root_first, root_last: whether the first and the last of the ones is √2.
+    diagonal (n), in double-double; root_first, root_last: replace the first, the last one by √2.
     """
 
     diagonal: Pair
@@ -40,7 +40,7 @@ class Tridiagonal:
 
     @property
     def beside(self) -> Array:
-        """The n - 1 entries beside the diagonal, rounded to float64."""
+        """The n - 1 entries next to the diagonal, rounded to float64."""
         values = np.ones(max(len(self) - 1, 0))
         values[:1] = SQRT2.high if self.root_first else values[:1]
         values[-1:] = SQRT2.high if self.root_last else values[-1:]
@@ -67,7 +67,7 @@ class Tridiagonal:
 
 
 def _exchange(y: Pair, x: Array, one: int, other: int) -> None:
-    """Add (√2 - 1) times each of two rows of x to the other's row of y, in place."""
+    """Add (√2 - 1) times each of two rows of x to the other row of y, in place."""
     for to, source in ((one, other), (other, one)):
         root = multiply(Pair(x[source], 0 * x[source]), SQRT2)
         more = add(root, Pair(-x[source], 0 * x[source]))
@@ -85,7 +85,7 @@ class ParityBlocks:
 def _taylor(square: Pair, first: int) -> Pair:
     """1 - s/(f·(f+1)) · (1 - s/((f+2)·(f+3)) · …), s = x² ≤ (π/4)²: cos x for f = 1.
 
-    The first four terms are doubled; the rest is so small that float64 is enough.
+    The first four terms are in double-double; float64 is enough for the rest.
     """
     tail = np.ones_like(square.high)
     for n in range(first + 24, first + 6, -2):
@@ -98,7 +98,7 @@ def _taylor(square: Pair, first: int) -> Pair:
 
 
 def doubled_cosines(size: int) -> Pair:
-    """2cos(2πj/N) for j = 0 … N//2, doubled; the octant is found in integers."""
+    """Return 2cos(2πj/N), j = 0 … N//2, in double-double; integers select the octant."""
     angle = 2 * np.arange(size // 2 + 1)  # in units of π/N
     second = 2 * angle > size
     angle = np.where(second, size - angle, angle)  # cos(π - t) = -cos t
@@ -116,7 +116,7 @@ def doubled_cosines(size: int) -> Pair:
 
 
 def _shift_last(values: Pair, by: float) -> Pair:
-    """A copy with `by` added to the last entry."""
+    """Return a copy with `by` added to the last entry."""
     high, low = values.high.copy(), values.low.copy()
     last = exact_sum(high[-1:], np.array([by]))
     high[-1:], low[-1:] = last.high, low[-1:] + last.low
@@ -124,13 +124,13 @@ def _shift_last(values: Pair, by: float) -> Pair:
 
 
 def parity_blocks(size: int) -> ParityBlocks:
-    """Both blocks of S for length N ≥ 3."""
+    """Return both blocks of S for length N ≥ 3."""
     cosines = doubled_cosines(size)
     half = (size - 1) // 2
     odd = cosines.part(slice(1, half + 1))
     if size % 2 == 0:
         return ParityBlocks(Tridiagonal(cosines, root_first=True, root_last=True), Tridiagonal(odd))
-    # For odd N the middle samples are each other's neighbour and mirror image at once.
+    # For odd N the two middle samples are both neighbours and mirror images.
     return ParityBlocks(
         Tridiagonal(_shift_last(cosines, 1.0), root_first=True),
         Tridiagonal(_shift_last(odd, -1.0)),

@@ -1,6 +1,6 @@
-"""Arithmetic in pairs of float64: a value is `high + low`, about 32 digits.
+"""Double-double arithmetic: a value is `high + low`, about 32 digits.
 
-Only what the residual of an eigenvector needs: sums and products whose rounding error is kept.
+It has only the sums and products that the residual of an eigenvector needs.
 Source: Dekker 1971 (product), Knuth 1969 (sum).
 """
 
@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-_SPLITTER = 134217729.0  # 2**27 + 1 cuts a float64 into two halves of 26 bits
+_SPLITTER = 134217729.0  # 2**27 + 1 splits a float64 into two halves of 26 bits
 
 
 class Pair(NamedTuple):
-    """An array known to about 32 digits: the sum of `high` and a much smaller `low`."""
+    """An array with about 32 digits: `high` plus a much smaller `low`."""
 
     high: Array
     low: Array
@@ -38,7 +38,7 @@ def exact_sum(a: Array, b: Array) -> Pair:
 
 
 def halves(a: Array) -> Pair:
-    """a cut into two numbers of 26 bits, whose products are exact in float64."""
+    """Split a into two numbers of 26 bits; their products are exact in float64."""
     scaled = _SPLITTER * a
     high = scaled - (scaled - a)
     return Pair(high, a - high)
@@ -60,7 +60,7 @@ def add(a: Pair, b: Pair) -> Pair:
 
 
 def multiply(a: Pair, b: Pair) -> Pair:
-    """a * b; the product of the low parts is below 32 digits and dropped."""
+    """a * b; the product of the low parts is below 32 digits and is dropped."""
     product = exact_product(a.high, b.high)
     return Pair(product.high, product.low + (a.high * b.low + a.low * b.high))
 

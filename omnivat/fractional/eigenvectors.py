@@ -1,13 +1,13 @@
-"""Eigenvectors of a parity block, whole or by halves: LAPACK, then one correction.
+"""Eigenvectors of a parity block, whole or in halves: LAPACK, then one correction.
 
-LAPACK leaves an error of about eps/gap (3e-14 at N = 1024). One step of first-order perturbation
-theory squares that error away, provided that its residual is known beyond float64.
+LAPACK has an error of about eps/gap (3e-14 at N = 1024). One step of first-order perturbation
+theory squares the error, provided that the residual is more accurate than float64.
 
-For N = 4M a block falls into halves once more. The reversal with alternating signs Q,
+For N = 4M a block splits into halves again. The reversal with alternating signs Q,
 (Qv)_j = (-1)^j v_{n-1-j}, anticommutes with a parity block T of S. So T maps Q = +1 to Q = -1 and
-back: T = [[0, Bᵀ], [B, 0]]. A singular triplet B w = σ u, Bᵀ u = σ w is two eigenvectors (w, u)/√2
-and (w, -u)/√2 with eigenvalues σ and -σ, and the one sample in the middle makes one side larger by
-the null vector of B. Derivation: docs/fractional.md.
+back: T = [[0, Bᵀ], [B, 0]]. A singular triplet B w = σ u, Bᵀ u = σ w gives two eigenvectors,
+(w, u)/√2 and (w, -u)/√2, with eigenvalues σ and -σ. The middle sample adds the null vector of B
+to one side. Derivation: docs/fractional.md.
 """
 
 from __future__ import annotations
@@ -31,28 +31,28 @@ from omnivat.fractional.double_double import (
     multiply,
 )
 
-_COLUMNS = 128  # doubled arithmetic makes dozens of passes; so many columns stay in the cache
+_COLUMNS = 128  # double-double makes dozens of passes; this many columns stay in the cache
 
 
 @dataclass(frozen=True)
 class Spectrum:
-    """Eigenvalues (n), falling, and eigenvectors (n, n) of unit length in columns."""
+    """Eigenvalues (n) in decreasing order, and unit eigenvectors (n, n) in columns."""
 
     values: Array
     vectors: Array
 
 
 def blocks_of_columns(count: int) -> Iterator[slice]:
-    """Slices that cover `count` columns, few enough at a time for the cache."""
+    """Return slices of `count` columns; each slice fits the cache."""
     for start in range(0, count, _COLUMNS):
         yield slice(start, min(start + _COLUMNS, count))
 
 
 @functools.cache
 def _dstevd() -> Callable[..., None]:
-    """LAPACK's `dstevd` at its address: scipy's wrapper keeps Python's lock, a ctypes call frees it.
+    """Return LAPACK's `dstevd` for ctypes, which releases Python's lock; scipy's wrapper holds it.
 
-    Source: scipy.linalg.cython_lapack, which offers its routines in this way.
+    Source: the C pointers that scipy.linalg.cython_lapack exports.
     """
     capsule = import_module("scipy.linalg.cython_lapack").__pyx_capi__["dstevd"]
     python = ctypes.pythonapi
@@ -65,9 +65,9 @@ def _dstevd() -> Callable[..., None]:
 
 
 def lapack_spectrum(block: Tridiagonal) -> Spectrum:
-    """Both to float64 accuracy by divide and conquer (`dstevd`).
+    """Compute eigenvalues and eigenvectors to float64 accuracy by divide and conquer (`dstevd`).
 
-    The faster `dstemr` loses orthogonality at N = 4096, or fails when asked for half a spectrum.
+    The faster `dstemr` loses orthogonality at N = 4096, and fails for half a spectrum.
     """
     n = len(block)
     if n < 2:
@@ -84,21 +84,22 @@ def lapack_spectrum(block: Tridiagonal) -> Spectrum:
 
 
 def residual(product: Pair, values: Array, vectors: Array) -> Array:
-    """product - vectors · diag(values), rounded only at the end."""
+    """Return product - vectors · diag(values), rounded only at the end."""
     scaled = exact_product(-values[None, :], vectors)
     total = add(product, scaled)
     return np.asarray(total.high + total.low)
 
 
 def inverse_gaps(values: Array) -> Array:
-    """1 / (values[k] - values[i]) at row i, column k; zero on the diagonal."""
+    """Return 1 / (values[k] - values[i]) at row i, column k; zero on the diagonal."""
     gaps = values[None, :] - values[:, None]
     np.fill_diagonal(gaps, np.inf)
     return np.asarray(1.0 / gaps)
 
 
 def refined_spectrum(block: Tridiagonal) -> Array:
-    """Eigenvectors of a tridiagonal block, (n, n), by falling eigenvalue, right to an ulp or two."""
+    """Return the eigenvectors (n, n) of a tridiagonal block by decreasing eigenvalue, to 1-2
+    ulp."""
     rough = lapack_spectrum(block)
     x = rough.vectors
     if len(block) < 2:
@@ -115,11 +116,11 @@ def refined_spectrum(block: Tridiagonal) -> Array:
 
 @dataclass(frozen=True)
 class QuarterFactor:
-    """Singular vectors of one parity block, by falling σ, in columns of unit length.
+    """Unit singular vectors of one parity block in columns, by decreasing σ.
 
-    large (m+1, m+1): m vectors and last the null vector; rows are samples, the middle one last.
+    large (m+1, m+1): m vectors, then the null vector; rows are samples, the middle one last.
     small (m, m): their partners.
-    middle_is_plus: whether `large` lives where Q = +1.
+    middle_is_plus: True if `large` belongs to Q = +1.
     """
 
     large: Array
@@ -135,7 +136,7 @@ def alternating(size: int) -> Array:
 
 
 def _rough(block: Tridiagonal) -> tuple[Array, QuarterFactor]:
-    """Singular values (m) and vectors from LAPACK's eigenvectors of the whole block."""
+    """Return singular values (m) and vectors from LAPACK's eigenvectors of the whole block."""
     m = len(block) // 2
     spectrum = lapack_spectrum(block)
     vectors = spectrum.vectors[:, : m + 1]
@@ -149,7 +150,7 @@ def _rough(block: Tridiagonal) -> tuple[Array, QuarterFactor]:
 
 
 def _to_small(block: Tridiagonal, large: Array) -> Pair:
-    """B times vectors of the large side (m+1, c): T's leading block, and √2 from the middle."""
+    """Return B times vectors of the large side (m+1, c)."""
     y = block.times(large[:-1])
     middle = multiply(Pair(large[-1:], 0 * large[-1:]), SQRT2)
     y.high[-1:], y.low[-1:] = add(y.part(slice(-1, None)), middle)
@@ -157,14 +158,14 @@ def _to_small(block: Tridiagonal, large: Array) -> Pair:
 
 
 def _to_large(block: Tridiagonal, small: Array) -> Pair:
-    """Bᵀ times vectors of the small side (m, c)."""
+    """Return Bᵀ times vectors of the small side (m, c)."""
     y = block.times(small)
     middle = multiply(Pair(small[-1:], 0 * small[-1:]), SQRT2)
     return Pair(np.vstack([y.high, middle.high]), np.vstack([y.low, middle.low]))
 
 
 def refined_quarter(block: Tridiagonal) -> QuarterFactor:
-    """Singular vectors of a parity block of size n = 2m + 1 ≥ 3, right to an ulp or two."""
+    """Return the singular vectors of a parity block of size n = 2m + 1 ≥ 3, to 1-2 ulp."""
     values, rough = _rough(block)
     leading = block.leading(len(values))
     w, u, null = rough.large[:, :-1], rough.small, rough.large[:, -1:]
@@ -179,11 +180,11 @@ def refined_quarter(block: Tridiagonal) -> QuarterFactor:
     sigma = values + shift
     off_u -= u * shift
     off_w -= w * shift
-    # First-order mixing with the other eigenvectors (w, u), with their mirrors (w, -u), with null.
+    # First-order corrections along the others (w, u), their mirrors (w, -u), and the null vector.
     with_w, with_u = w.T @ off_w, u.T @ off_u
     same = 0.5 * (with_w + with_u) * inverse_gaps(sigma)
     sums = sigma[None, :] + sigma[:, None]
-    np.fill_diagonal(sums, np.inf)  # the diagonal would only rescale w against u: `excess` does it
+    np.fill_diagonal(sums, np.inf)  # it would only rescale w against u: see `excess`
     mirror = 0.5 * (with_w - with_u) / sums
     new_w = w + (w @ (same + mirror) + null * ((null.T @ off_w) / sigma) - w * excess_w)
     new_u = u + (u @ (same - mirror) - u * excess_u)

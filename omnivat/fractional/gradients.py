@@ -1,7 +1,7 @@
-"""The maps as nodes of the graph, with their gradients in closed form; any number of times.
+"""V and Vᵀ as autograd functions with closed-form gradients of any order.
 
-V is orthogonal, so each of `Analyse` and `Restore` is the other's gradient. `Synthesise` fuses
-phases and `Restore`; when its own gradient must be differentiated it is written with the two.
+V is orthogonal, so `Analyse` and `Restore` are each other's gradient. `Synthesise` fuses the phases
+and `Restore`. For higher derivatives, its gradient is composed of these two.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ def synthesise(values: Tensor, order: Tensor, split: Split, planar: bool) -> Ten
 
 
 def _wants_gradient(*tensors: Tensor) -> bool:
-    """Whether the work must be a node of the graph: for gradients, tangents or `torch.func`."""
+    """True if an autograd function is needed: for gradients, tangents or `torch.func`."""
     if torch.is_grad_enabled() and any(tensor.requires_grad for tensor in tensors):
         return True
     return under_transform(*tensors)
@@ -140,7 +140,7 @@ class _Synthesise(Function):
 
 
 def _padded(batched: Tensor, axes: int) -> Tensor:
-    """Axes of length 1 put behind the first, until there are `axes`: the others broadcast."""
+    """Insert axes of length 1 after the first, up to `axes` axes, so that the others broadcast."""
     missing = (1,) * (axes - batched.dim())
     return batched.reshape(batched.shape[0], *missing, *batched.shape[1:])
 
@@ -148,7 +148,7 @@ def _padded(batched: Tensor, axes: int) -> Tensor:
 def _differentiable_back(
     split: Split, values: Tensor, order: Tensor, grad: Tensor, planar: bool
 ) -> tuple[Tensor, Tensor]:
-    """`batches.turned_back` in operations that can be differentiated again."""
+    """The same as `batches.turned_back`, in differentiable operations."""
     grad = torch.complex(grad[0], grad[1]) if planar else grad
     back = smooth_phases(order, split.indices).to(grad.dtype).conj() * analyse(grad, split)
     to_values = back if values.is_complex() else back.real

@@ -1,4 +1,4 @@
-"""The transform as a layer that owns its order."""
+"""The transform as a layer with its own order."""
 
 from __future__ import annotations
 
@@ -14,10 +14,11 @@ from omnivat.fractional.transform import dfrft
 class FractionalTransform(nn.Module):
     """`dfrft` with a learnable order.
 
-    order: where it starts, in quarter turns. For real input the gradient of a modulus or a real
-    part is exactly zero at 0 and 2: start elsewhere. Kept in float64 whatever the layer is cast to,
-    because a float32 order alone moves the result by 1e-5.
-    learnable: whether the order is a parameter; else it is a buffer.
+    order: initial value, in quarter turns. For real input, the gradient of a modulus or a real part
+    is exactly zero at 0 and 2, so do not start there. The order stays float64 when the layer is
+    cast,
+    because rounding it to float32 changes the result by 1e-5.
+    learnable: True makes the order a parameter, False a buffer.
     dim, centered, planar: as in `dfrft`.
     """
 
@@ -41,15 +42,15 @@ class FractionalTransform(nn.Module):
         self.dim, self.centered, self.planar = dim, centered, planar
 
     def forward(self, x: Tensor) -> Tensor:
-        """The transform of x along `dim`; complex, or planar (2, ...) if asked for."""
+        """Transform x along `dim`; complex, or (2, ...) if `planar`."""
         return dfrft(x, self.order, self.dim, centered=self.centered, planar=self.planar)
 
     def extra_repr(self) -> str:
-        """What `print(module)` shows."""
+        """Return the text for `print(module)`."""
         return f"order={self.order.item():.6g}, dim={self.dim}, centered={self.centered}"
 
     def _apply(self, fn: Callable[[Tensor], Tensor], recurse: bool = True) -> FractionalTransform:
-        """Follow a move to another device, not a change of precision."""
+        """Move to another device, but keep the precision."""
         exact = self.order.detach().clone()
         super()._apply(fn, recurse)  # type: ignore[no-untyped-call]
         if self.order.dtype != torch.float64:

@@ -11,7 +11,7 @@ _GRID = 2.0**30  # k · (p rounded to this grid) is exact in float64 for k < 2**
 
 
 def turned_quarters(order: Tensor, indices: Tensor) -> Tensor:
-    """k·p modulo 4, in (-8, 8), error below 2e-16: order (..., 1), indices (N,), both float64."""
+    """Return k·p modulo 4 in (-8, 8), error below 2e-16; order (..., 1), indices (N,), float64."""
     order = torch.fmod(order, 4.0)
     coarse = torch.round(order * _GRID) / _GRID
     return torch.addcmul(torch.fmod(coarse * indices, 4.0), order - coarse, indices)
@@ -21,7 +21,7 @@ def phases(order: Tensor, indices: Tensor) -> Tensor:
     """exp(-iπpk/2), complex128 (..., N), on the order's device.
 
     order (...) float64 in quarter turns; indices (N,) float64 on the same device.
-    The nearest quarter turn is taken out as an exact factor, so whole turns give exactly ±1, ±i.
+    The nearest quarter turn is an exact factor, so whole orders give exactly ±1 and ±i.
     """
     turns = turned_quarters(order[..., None], indices)
     quarter = torch.round(turns)
@@ -33,9 +33,9 @@ def phases(order: Tensor, indices: Tensor) -> Tensor:
 
 
 def smooth_phases(order: Tensor, indices: Tensor) -> Tensor:
-    """The same as one complex128 tensor (..., N) that can be differentiated any number of times.
+    """Return the same phases, (..., N) complex128, differentiable any number of times.
 
-    The exact value is a constant; the second factor is 1, with the derivative -iπk/2 · exp(…).
+    The exact value is a constant. A second factor of value 1 has the derivative -iπk/2 · exp(…).
     """
     with torch.no_grad():
         exact = phases(order, indices)

@@ -1,13 +1,13 @@
-"""How vectors are carried to the eigenbasis and back: one class for each way to cut V into blocks.
+"""Multiply by V and Vᵀ: one class for each way to split V into blocks.
 
-Every split offers the same two maps on rows, V orthogonal and real:
-`analyse(x, out)` is out = x V on (R, N), `restore(z, out)` is out = z Vᵀ on (..., N), z used up.
-Columns of V stand in the order of `indices`, which differs between the splits.
+V is orthogonal and real. Every split has the same two maps on rows: `analyse(x, out)` sets
+out = x V on (R, N); `restore(z, out)` sets out = z Vᵀ on (..., N) and overwrites z. `indices` gives
+the order of the columns of V, which differs between splits.
 
-The quarter split, for N = 4M: four blocks of N/4 and butterflies, a quarter of the work of V.
-Samples j, N/2-j, N/2+j and N-j make one butterfly (parity and Q), coefficients k and their mirror
-images one more. j = 0 and the middle j = M are their own partners and are treated apart. The signs
-(-1)^j are hidden in the blocks of Q = -1, which makes every butterfly one fused multiply-add.
+The quarter split (N = 4M) has four blocks of N/4 and two butterflies, a quarter of the work of V.
+One butterfly combines samples j, N/2-j, N/2+j and N-j (parity and Q), the other coefficients k and
+their mirror images. j = 0 and the middle j = M are their own partners and are treated separately.
+The blocks of Q = -1 include the signs (-1)^j, so each butterfly is one fused multiply-add.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ from omnivat.fractional.double_double import Array
 from omnivat.fractional.eigenvectors import QuarterFactor, alternating
 
 _FEW_ROWS = 32
-_FEW_ROWS_UP_TO = 1024  # N; beyond it the products are dear enough
+_FEW_ROWS_UP_TO = 1024  # N; for larger N, products dominate
 
 
 class Split(Protocol):
-    """V, cut into blocks, on one device and in one precision."""
+    """V, split into blocks, on one device and in one precision."""
 
     indices: Tensor
     """k of every column, (N,) float64."""
@@ -39,7 +39,7 @@ class Split(Protocol):
 
 
 class PlainSplit:
-    """V whole, for N so small that halves would be empty."""
+    """V as one block, for N so small that halves would be empty."""
 
     def __init__(self, vectors: Tensor, indices: Tensor) -> None:
         self.vectors, self.indices = vectors, indices
@@ -52,10 +52,10 @@ class PlainSplit:
 
 
 class HalfSplit:
-    """Even and odd vectors apart: two blocks of N/2, half the work of V.
+    """Separate even and odd vectors: two blocks of N/2, half the work of V.
 
     even (N//2+1, N//2+1), odd ((N-1)//2, (N-1)//2): the first half of the samples of the
-    eigenvectors, columns by rising k. A sample and its mirror image are both read off one row.
+    eigenvectors, columns by increasing k. One row gives a sample and its mirror image.
     """
 
     def __init__(self, even: Tensor, odd: Tensor, indices: Tensor) -> None:
@@ -79,9 +79,9 @@ class HalfSplit:
 
 
 class _Parity:
-    """The two blocks of one parity: where their coefficients lie, and their weights.
+    """The two blocks of one parity: positions of their coefficients, and their weights.
 
-    Coefficients of a parity stand as [σ > 0 by falling σ | null vector | their mirror images].
+    Coefficients of a parity are ordered [σ > 0, decreasing | null vector | their mirror images].
     """
 
     def __init__(self, factor: QuarterFactor, start: int, first: int, like: Tensor) -> None:
@@ -90,13 +90,13 @@ class _Parity:
         self.low = slice(start, self.null)
         self.high = slice(self.null + 1, self.null + 1 + pairs)
         self.plus_is_large = factor.middle_is_plus
-        # In restore the large side takes the null vector too: it stands next to either half.
+        # In restore the large side also uses the null vector, which lies next to both halves.
         large = (
             slice(start, self.null + 1) if self.plus_is_large else slice(self.null, self.high.stop)
         )
         self.large = large
         self.sides = (large, self.high) if self.plus_is_large else (self.low, large)
-        # samples that this parity has in [0, M) and, for the large side, the middle one after it
+        # samples of this parity in [0, M) and, for the large side, the middle one
         self.first = first
         width = pairs + first
         scale = np.full((pairs + 1, 1), 2.0**-1.5)
@@ -114,7 +114,8 @@ class _Parity:
         self._place(wide, narrow, width, like)
 
     def _place(self, wide: Array, narrow: Array, width: int, like: Tensor) -> None:
-        """Weights padded with zeros to M samples and M coefficients: odd widths multiply slower."""
+        """Pad weights with zeros to M samples and M coefficients: odd widths multiply more
+        slowly."""
         pairs, first = len(narrow), self.first
 
         def tensor(block: Array) -> Tensor:
@@ -154,7 +155,8 @@ class QuarterSplit:
         self._halves: HalfSplit | None = None
 
     def _for_few_rows(self, rows: int) -> HalfSplit | None:
-        """The half split where calls cost more than products: its 9 operations instead of 30."""
+        """Return the half split, faster where calls cost more than products: 9 operations, not
+        30."""
         if rows > _FEW_ROWS or self.quarter > _FEW_ROWS_UP_TO // 4:
             return None
         if self._halves is None:

@@ -24,11 +24,11 @@ from omnivat.shapes import require_shapes
 def coefficients(x: Tensor, dim: int = -1, *, centered: bool = False) -> Coefficients:
     """The part of the transform that does not depend on the order: x in the eigenbasis.
 
-    x: any shape, real or complex; float64 stays so, half and integers are computed in float32.
+    x: any shape, real or complex. float64 stays float64; half and integers use float32.
     dim: the axis of length N that is transformed.
-    centered: take sample N//2 instead of sample 0 as the origin, in and out.
+    centered: the origin is sample N//2 instead of sample 0, in input and output.
 
-    Raises ShapeError when the axis is missing or empty.
+    Raises ShapeError if the axis is missing or empty.
     """
     dim = axis_from_end(x, dim)
     x = working_precision(x)
@@ -46,15 +46,16 @@ def synthesise(
     planar: bool = False,
     out: Tensor | None = None,
 ) -> Tensor:
-    """The transform of order `order` of the vectors whose coefficients are given.
+    """Return the transform of order `order` from coefficients.
 
-    order: a number, or a tensor that broadcasts against the leading axes: (B,) is one order per
+    order: a number, or a tensor that broadcasts against the leading axes: (B,) is one order for
+    each
     row of (B, N); (P, 1) gives P transforms of all rows, (P, B, N). In quarter turns, period 4.
-    planar: give real and imaginary part stacked, real (2, ..., N), instead of complex (..., N).
-    out: a contiguous tensor to write to, of the shape and dtype of the result, outside autograd and
-    for the last axis only; saves the time that a new large tensor costs.
+    planar: stack real and imaginary part, real (2, ..., N), instead of complex (..., N).
+    out: a contiguous tensor for the result, with its shape and dtype; outside autograd and for the
+    last axis only. It avoids allocating a large tensor.
 
-    Raises SettingsError for NaN or infinite orders, ShapeError when the axes do not fit.
+    Raises SettingsError for NaN or infinite orders, ShapeError if the axes do not fit.
     """
     values, dim = coefficients.values, coefficients.dim
     p = checked_order(order, values.device)
@@ -83,15 +84,17 @@ def dfrft(
     centered: bool = False,
     planar: bool = False,
 ) -> Tensor:
-    """The discrete fractional Fourier transform of x along dim; order 1 is the unitary DFT.
+    """Return the discrete fractional Fourier transform of x along dim; order 1 is the unitary DFT.
 
     F_p = V diag(exp(-iπpk/2)) Vᵀ with the Hermite-like eigenvectors V of the DFT, k = 0 … N-2 and N
-    for even N, 0 … N-1 for odd N. Arguments as in `coefficients` and `synthesise`; the result is
-    complex and shaped like x, but for the axes that a tensor of orders adds.
+    for even N, 0 … N-1 for odd N. Arguments as in `coefficients` and `synthesise`. The result is
+    complex and has the shape of x, plus the axes that a tensor of orders adds.
 
     Unitary, additive in the order, differentiable in x and in the order any number of times. Orders
-    0, 1, 2, 3 (mod 4) take the identity, the FFT, the reversal and the inverse FFT when no gradient
-    is wanted (the FFT where no prime factor of N exceeds 13: beyond, libraries lose digits). To move the order over the same x, keep `coefficients(x)` and call `synthesise`.
+    0, 1, 2, 3 (mod 4) use the identity, the FFT, the reversal and the inverse FFT if no gradient is
+    needed (the FFT only if no prime factor of N exceeds 13: beyond, libraries lose digits). For
+    many
+    orders of the same x, keep `coefficients(x)` and call `synthesise`.
 
     Source: Candan, Kutay, Ozaktas, "The discrete fractional Fourier transform", 2000.
     """
@@ -113,7 +116,9 @@ def _check_out(
     kind = coefficients.values.dtype
     wanted = ((2, *shape), kind.to_real()) if planar else (shape, kind.to_complex())
     if coefficients.dim != -1 or coefficients.centered:
-        raise ShapeError("`out` is for the last axis without centring: leave it out here.")
+        raise ShapeError(
+            "`out` works only for the last axis without centring: do not pass it here."
+        )
     if (tuple(out.shape), out.dtype) != wanted or not out.is_contiguous():
         raise ShapeError(
             f"out has shape {tuple(out.shape)} and {out.dtype}, expected contiguous "
@@ -122,13 +127,15 @@ def _check_out(
 
 
 def project(coefficients: Coefficients, order: float | Tensor, directions: Tensor) -> Tensor:
-    """Sums Σ_n F_p(x)_n directions[d, n] for every vector, complex (..., D).
+    """Return the sums Σ_n F_p(x)_n directions[d, n] for every vector, complex (..., D).
 
-    order: as in `synthesise`. directions (D, N), real or complex, not conjugated: a real map a of
-    the real part plus b of the imaginary part is the real part of the result for a - ib.
+    order: as in `synthesise`. directions (D, N): real or complex, not conjugated. For real maps a
+    of
+    the real part and b of the imaginary part, pass a - ib and use the real part of the result.
 
     F_p is symmetric, so the sum is Σ_k λ_k^p c_k (Vᵀ directions)_k: one product with (N, 2D)
-    weights. A picture of 20,000 vectors costs a tenth of the transform. Differentiable in all three.
+    weights. A map of 20,000 vectors costs a tenth of the transform. Differentiable in all three
+    arguments.
     """
     values = coefficients.values
     require_shapes(values=(values, "... N"), directions=(directions, "D N"))

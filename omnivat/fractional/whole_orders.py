@@ -13,9 +13,9 @@ from omnivat.fractional.arguments import under_transform
 
 
 def whole_turns(order: float | Tensor | Any) -> int | None:
-    """0, 1, 2 or 3 if the order is one whole number (mod 4), else None.
+    """Return 0, 1, 2 or 3 if the order is a single whole number (mod 4), else None.
 
-    An order on an accelerator or under a transform is not read back, so it never counts as whole.
+    An order on an accelerator or under a `torch.func` transform is not read back and gives None.
     """
     if isinstance(order, Tensor):
         unreadable = order.device.type != "cpu" or under_transform(order)
@@ -31,10 +31,10 @@ def whole_turns(order: float | Tensor | Any) -> int | None:
 
 @functools.lru_cache(maxsize=1024)
 def fft_is_exact(size: int) -> bool:
-    """Whether the library's FFT of that length is right to the last digits on every processor.
+    """True if the library's FFT of that length is accurate on every processor.
 
-    It is where no prime factor exceeds 13. Beyond, MKL loses up to two digits in float64 on
-    processors with AVX-512 (1.8e-14 at N = 511 = 7 · 73), so the eigenbasis does the work.
+    That requires that no prime factor exceeds 13. For larger ones, MKL loses up to two digits in
+    float64 on processors with AVX-512 (1.8e-14 at N = 511 = 7 · 73); the eigenbasis is used then.
     """
     for prime in (2, 3, 5, 7, 11, 13):
         while size % prime == 0:
@@ -43,7 +43,7 @@ def fft_is_exact(size: int) -> bool:
 
 
 def quarter_turn(x: Tensor, turns: int, dim: int, *, centered: bool) -> Tensor:
-    """The transform of order `turns` along dim, complex and a new tensor."""
+    """Return the transform of order `turns` along dim as a new complex tensor."""
     x = torch.fft.ifftshift(x, dim) if centered else x
     if turns == 0:
         result = x.to(x.dtype.to_complex(), copy=True)

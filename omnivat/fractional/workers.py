@@ -1,7 +1,7 @@
-"""Work on many pieces side by side: one thread of ours for each core, one of torch's in each.
+"""Process many pieces in parallel: one worker for each core, each with one torch thread.
 
-torch splits every operation over its threads and waits for all of them at its end, about forty
-times a piece. Whole pieces side by side wait once, and each core keeps its piece in its own cache.
+Torch divides every operation among its threads and waits for all of them, about forty times for
+each piece. Parallel pieces wait once, and each core keeps its piece in its own cache.
 """
 
 from __future__ import annotations
@@ -16,14 +16,15 @@ import torch
 
 T = TypeVar("T")
 
-_MOST = 8  # more would mostly wait for Python's lock: then torch has several threads in each
+_MOST = 8  # more would wait for Python's lock; torch then uses several threads in each worker
 
 _pools: dict[int, ThreadPoolExecutor] = {}
 _lock = threading.Lock()
 
 
 def _forget() -> None:
-    """After a fork the child has the pools but not their threads, perhaps with the lock held."""
+    """Reset after a fork: the child has the pools without their threads, and perhaps a held
+    lock."""
     global _lock
     _lock = threading.Lock()
     _pools.clear()
@@ -34,15 +35,15 @@ if hasattr(os, "register_at_fork"):  # not on Windows
 
 
 def _pool(count: int) -> ThreadPoolExecutor:
-    """Workers for `count` threads of torch, all started."""
+    """Return started workers for `count` torch threads."""
     with _lock:
         if count not in _pools:
             workers = min(count, _MOST)
             started = threading.Barrier(workers + 1)
 
             def start() -> None:
-                torch.get_num_threads()  # a thread's first call takes over the process's number
-                # for this thread only, but threads to come would copy it: hence the reset below
+                torch.get_num_threads()  # a thread's first call copies the number of the process
+                # for this thread only, but new threads would copy it: hence the reset below
                 torch.set_num_threads(count // workers)
                 started.wait()
 
@@ -55,21 +56,21 @@ def _pool(count: int) -> ThreadPoolExecutor:
 
 
 def side_by_side(calls: Sequence[Callable[[], T]], *, spread: bool = True) -> list[T]:
-    """What the calls return, made at once where torch may use several threads."""
+    """Return the results of the calls, run in parallel if torch may use several threads."""
     count = torch.get_num_threads()
     if not spread or count == 1:
         return [call() for call in calls]
     pool = _pool(count)
     running = [pool.submit(call) for call in calls]
-    wait(running)  # also when one fails: the others still write to what the caller holds
+    wait(running)  # wait even if one fails: the others still write to the caller's tensors
     return [done.result() for done in running]
 
 
 def for_each(work: Callable[[T], object], parts: Iterable[T], *, spread: bool) -> None:
-    """Call `work` for every part, without a graph; no two parts may write to the same place.
+    """Call `work` for every part, without a graph. No two parts may write to the same memory.
 
-    spread: whether the work is long enough, and on the processor, to be shared between threads.
-    What a part computes does not depend on the number of threads, to the last bit.
+    spread: True if the work runs on the CPU and is long enough for several threads. The result of a
+    part does not depend on the number of threads, to the last bit.
     """
     count = torch.get_num_threads()
     if not spread or count == 1:
