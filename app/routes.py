@@ -5,7 +5,8 @@ asks of a head or set that was loaded through the page.
 """
 
 from collections.abc import Callable, Mapping
-from functools import partial
+from functools import cache, partial
+from pathlib import Path
 from typing import Any
 
 from starlette.background import BackgroundTask
@@ -98,11 +99,36 @@ async def nothing_here(_: Request) -> Response:
 
 async def web_file(request: Request) -> Response:
     """Serve one of the page's scripts or styles; nothing else of the folder is served."""
-    known = {p.relative_to(WEB).as_posix(): p for p in WEB.rglob("*") if p.suffix in TYPES}
-    path = known.get(request.path_params["name"])
+    path = web_files().get(request.path_params["name"])
     if path is None:
         return refusal("The page has no such file.", 404)
-    return FileResponse(path, media_type=TYPES[path.suffix], headers=FRESH)
+    return file_answer(request, path, media_type=TYPES[path.suffix])
+
+
+@cache
+def web_files() -> dict[str, Path]:
+    """Return the page's scripts and styles by their names in an address."""
+    return {p.relative_to(WEB).as_posix(): p for p in WEB.rglob("*") if p.suffix in TYPES}
+
+
+def file_answer(
+    request: Request, file: Path, headers: Mapping[str, str] | None = None, **options: Any
+) -> Response:
+    """Serve a file, or 304 without a byte of it where the browser holds it as it is now.
+
+    headers  of either answer
+    """
+    sent = FileResponse(
+        file, stat_result=file.stat(), headers={**FRESH, **(headers or {})}, **options
+    )
+    tag = sent.headers["etag"]
+    if tag not in request.headers.get("if-none-match", ""):
+        return sent
+    return Response(
+        status_code=304,
+        headers={**FRESH, **(headers or {}), "ETag": tag},
+        background=options.get("background"),
+    )
 
 
 async def frames(desks: Desks, request: Request) -> Response:
@@ -114,7 +140,7 @@ async def frames(desks: Desks, request: Request) -> Response:
     resources = desk_of(desks, request)
     mode = request.query_params.get("mode", "")
     if mode:
-        return mode_frames(resources, mode)
+        return mode_frames(request, resources, mode)
     name = request.query_params.get("head", "")
     require_name(name, resources.frame_jobs)
     state = resources.frame_jobs[name].state()
@@ -127,24 +153,25 @@ async def frames(desks: Desks, request: Request) -> Response:
         return refusal(state.problem, 404)
     if state.file is None or "progress" in request.query_params:
         return JSONResponse({"step": step, "ready": state.file is not None}, status_code=202)
-    headers = {**FRESH, HOLDS: resources.holds, "X-Frames": "coarse" if step else "fine"}
-    return FileResponse(
+    return file_answer(
+        request,
         state.file,
+        headers={HOLDS: resources.holds, "X-Frames": "coarse" if step else "fine"},
         media_type="application/octet-stream",
-        headers=headers,
         background=BackgroundTask(resources.warm),
     )
 
 
-def mode_frames(resources: Resources, mode: str) -> Response:
+def mode_frames(request: Request, resources: Resources, mode: str) -> Response:
     """Serve the frames of heads trained otherwise than the one that is loaded."""
     file = mode_files(resources.where).get(mode)
     if file is None:
         return refusal(f"There are no frames of the kind '{mode:.20}' beside this set.", 404)
-    return FileResponse(
+    return file_answer(
+        request,
         file,
+        headers={HOLDS: resources.holds, "X-Frames": "fine"},
         media_type="application/octet-stream",
-        headers={**FRESH, HOLDS: resources.holds, "X-Frames": "fine"},
     )
 
 
@@ -158,7 +185,7 @@ async def thumbnails(desks: Desks, request: Request) -> Response:
     }.get(request.path_params["kind"])
     if file is None or not file.is_file():
         return refusal("This set has no thumbnails; the page shows names instead.", 404)
-    return FileResponse(file, headers=FRESH)
+    return file_answer(request, file)
 
 
 async def example_image(desks: Desks, request: Request) -> Response:
@@ -169,7 +196,7 @@ async def example_image(desks: Desks, request: Request) -> Response:
     file = example_named(desk_of(desks, request).examples(), name).file(modality)
     if not file.is_file():
         return refusal("This example's image is no longer there; reload the page.", 404)
-    return FileResponse(file, headers=FRESH)
+    return file_answer(request, file)
 
 
 def in_json(said: Any, resources: Resources) -> Response:

@@ -9,6 +9,14 @@ from PIL import Image
 VIEWS = ("explore", "pair", "train", "tree", "compare", "data")
 MAP = ".explore .map[data-order]"
 ANSWERED = ".pair .results[aria-busy=false] .reading"
+READY = {  # what each tab shows once it is there
+    "explore": MAP,
+    "pair": ANSWERED,
+    "train": ".train .choices .go",
+    "tree": ".tree .tree-view",
+    "compare": ".compare .map[data-order]",
+    "data": ".data .facts .panel",
+}
 
 
 def texture(seed: int) -> dict[str, Any]:

@@ -265,6 +265,8 @@ def test_a_head_is_trained_scrubbed_used_and_saved(open_page: Callable[..., Any]
 def test_a_training_can_be_cancelled(open_page: Callable[..., Any]) -> None:
     page = open_page("?view=train")
     page.wait_for_selector(".train .go")
+    page.select_option(".train [name=width]", "16")
+    page.uncheck(".train [name=lang]")
     page.fill(".train [name=epochs]", "100")
     page.click(".train .go")
     page.wait_for_selector(".train .status:has-text('Training: epoch')", timeout=60_000)

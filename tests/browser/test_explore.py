@@ -239,10 +239,13 @@ def test_letters_of_charts_are_large_enough_on_a_projector(open_page: Callable[.
 
 
 def test_on_a_phone_the_hint_covers_nothing_goes_by_itself_and_no_keys_are_named(
-    open_page: Callable[..., Any],
+    new_page: Callable[..., Any], address: str
 ) -> None:
-    page = open_page(MOVED, **PHONE)
+    page = new_page(**PHONE)
+    page.clock.install()
+    page.goto(address + MOVED, wait_until="commit")
     page.wait_for_selector(MAP)
+    assert page.locator(".explore .coach").is_visible()
     over = page.evaluate(
         """() => {
           const hint = document.querySelector('.explore .coach').getBoundingClientRect();
@@ -253,7 +256,8 @@ def test_on_a_phone_the_hint_covers_nothing_goes_by_itself_and_no_keys_are_named
     )
     assert over == 0
     assert not page.locator(".explore .card kbd").first.is_visible()
-    page.wait_for_selector(".explore .coach", state="hidden", timeout=60_000)
+    page.clock.fast_forward(10_000)
+    page.wait_for_selector(".explore .coach", state="hidden")
 
 
 def test_the_saved_page_works_from_disk_with_its_toy_and_tour(

@@ -5,6 +5,8 @@ from http.server import BaseHTTPRequestHandler, HTTPServer
 
 import pytest
 
+from .gestures import READY, VIEWS, open_tab
+
 pytestmark = pytest.mark.browser
 
 TRIES = """async (target) => {
@@ -44,12 +46,12 @@ def foreign():
 
 
 def test_every_tab_works_under_the_pages_own_policy(open_page):
-    page = open_page()
-    page.wait_for_selector("#views button[role=tab]")
-    tabs = page.locator("#views button[role=tab]:visible")
-    for k in range(tabs.count()):
-        tabs.nth(k).click()
-        page.wait_for_timeout(700)
+    page = open_page("?vis=row:0&tac=row:0")
+    page.wait_for_selector(READY["explore"])
+    for view in VIEWS:
+        open_tab(page, view)
+        page.wait_for_selector(READY[view])
+    page.wait_for_load_state("networkidle")
     # `open_page` fails for an error on the console, as one of the policy would be
 
 
@@ -58,12 +60,14 @@ def test_a_script_that_is_put_into_the_page_does_not_run(new_page, address, chro
     page.goto(address)
     page.wait_for_selector("#views button[role=tab]")
     page.evaluate("""() => {
+      window.stopped = 0;
+      document.addEventListener("securitypolicyviolation", () => window.stopped++);
       const script = document.createElement("script");
       script.textContent = "window.ran = true";
       document.body.append(script);
       document.body.insertAdjacentHTML("beforeend", '<img src=x onerror="window.ran = true">');
     }""")
-    page.wait_for_timeout(300)
+    page.wait_for_function("() => window.stopped >= 2")  # the script, and what the image would do
     assert page.evaluate("() => window.ran") is None
     page.close()
 
@@ -74,8 +78,9 @@ def test_a_page_of_another_site_neither_sends_nor_reads_nor_frames(chromium, add
     tried = page.evaluate(TRIES, address)
     assert tried["omnivat/about"] in ("blocked", 403)
     assert tried["omnivat/pair"] in ("blocked", "opaque")  # and refused: see test_guard
-    page.set_content(f'<iframe src="{address}" id="frame"></iframe>')
-    page.wait_for_timeout(1500)
+    with page.expect_event("framenavigated", lambda frame: frame != page.main_frame):
+        page.set_content(f'<iframe src="{address}" id="frame"></iframe>')
     inner = page.frames[-1]
+    inner.wait_for_load_state()
     assert inner.url.startswith("chrome-error") or not inner.query_selector("#views")
     page.close()

@@ -1,22 +1,15 @@
 """For all people: keys alone, screen readers, phones, large letters, light and dark."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
 
-from .gestures import ANSWERED, MAP, VIEWS, open_tab, pixels
+from .conftest import watched
+from .gestures import ANSWERED, MAP, READY, VIEWS, open_tab, pixels
 
 pytestmark = pytest.mark.browser
 
-READY = {
-    "explore": MAP,
-    "pair": ANSWERED,
-    "train": ".train .choices .go",
-    "tree": ".tree .tree-view",
-    "compare": ".compare .map[data-order]",
-    "data": ".data .facts .panel",
-}
 PAIR = "?vis=row:0&tac=row:0&pin=3"
 COLOURS = {"runOnly": ["color-contrast"]}  # what alone differs between light and dark
 
@@ -81,11 +74,22 @@ PASSED = """() => {
 }"""
 
 
+@pytest.fixture(scope="module")
+def walked(desktop: Any, address: str) -> Iterator[Any]:
+    """Return one page whose tabs are walked through by keys, one after the other."""
+    problems: list[str] = []
+    page = watched(desktop.new_page(), address, problems)
+    page.goto(address + PAIR, wait_until="commit")
+    page.wait_for_selector(MAP)
+    yield page
+    page.close()
+    assert problems == []
+
+
 @pytest.mark.parametrize("view", VIEWS)
-def test_the_tab_key_comes_to_everything_and_shows_where_it_is(
-    open_page: Callable[..., Any], view: str
-) -> None:
-    page = open_page(f"{PAIR}&view={view}")
+def test_the_tab_key_comes_to_everything_and_shows_where_it_is(walked: Any, view: str) -> None:
+    page = walked
+    open_tab(page, view)
     page.wait_for_selector(READY[view])
     found = page.evaluate(REACH, view)
     assert found["count"] >= 2
