@@ -10,9 +10,9 @@ from omnivat.model.settings import HeadSettings
 
 
 def parents(arrangement: str, count: int) -> list[int]:
-    """Return the node that each of `count` nodes grows from; -1 for none.
+    """Return the parent of each of `count` nodes; -1 for none.
 
-    arrangement  "tree", "series", "parallel", or one whose nodes do not grow from one another
+    arrangement  "tree", "series", "parallel", or another, whose nodes have no parents
 
     >>> parents("tree", 7)
     [-1, 0, 0, 1, 1, 2, 2]
@@ -27,7 +27,7 @@ def parents(arrangement: str, count: int) -> list[int]:
 
 
 def groups(arrangement: str, count: int) -> list[range]:
-    """Return the groups of nodes that NOD keeps apart: the levels of a tree.
+    """Return the groups of nodes that NOD pushes apart: the levels of a tree.
 
     >>> groups("tree", 7)
     [range(0, 1), range(1, 3), range(3, 7)]
@@ -41,20 +41,22 @@ def groups(arrangement: str, count: int) -> list[range]:
 
 
 class Grown(NamedTuple):
-    """Nodes and how NOD looks at them."""
+    """Nodes, and their groups for NOD."""
 
     nodes: Tensor  # (B, N, D), the root first
-    groups: list[Tensor]  # (B, n, D) each: the root, then nodes that should point different ways
+    groups: list[Tensor]  # (B, n, D) each: the root, then the groups for NOD
 
 
 class DTG(nn.Module):
     """Discrete tree generation (DTG).
 
-    Node 0 is the input T; in a tree, node n has the children 2n + 1 and 2n + 2, each W T + b of its
-    own. R levels hold 2^R - 1 nodes. No activation, so the mean over the tree is one affine map,
-    which `fold` gives.
-    For comparison as many matrices can stand in series (every node the child of the one before)
-    or parallel (every node a child of the root).
+    Node 0 is the input T. In a tree, node n has the children 2n + 1 and 2n + 2; each child is W x +
+    b
+    of its parent x, with its own W and b. R levels have 2^R - 1 nodes. There is no activation, so
+    the
+    mean over the tree is one affine map, which `fold` returns.
+    For comparison, the same number of matrices can be in series (each node is the child of the
+    previous one) or parallel (each node is a child of the root).
     Source: paper, Eq. 7 to 11, and its ablation of generation.
     """
 
@@ -77,7 +79,7 @@ class DTG(nn.Module):
 
     @classmethod
     def from_settings(cls, settings: HeadSettings) -> "DTG":
-        """Build what the settings describe; without generation of its own, a root alone."""
+        """Build the DTG of these settings; without learned generation, it is a single root."""
         if not settings.edges:
             return cls(settings.width, levels=1)
         return cls(
@@ -97,7 +99,7 @@ class DTG(nn.Module):
         return Grown(nodes, [nodes[:, :1], *found] if self.arrangement == "series" else found)
 
     def layers(self, root: Tensor) -> list[Tensor]:
-        """Return the groups that NOD looks at, the root (B, 1, D) first; in a tree, its levels."""
+        """Return the groups for NOD, the root (B, 1, D) first; in a tree, its levels."""
         return self.grow(root).groups
 
     def nodes(self, root: Tensor) -> Tensor:
@@ -107,7 +109,7 @@ class DTG(nn.Module):
     def fold(self, dtype: torch.dtype | None = None) -> tuple[Tensor, Tensor]:
         """Return M (D, D) and b (D,): the mean over all nodes of root T is T @ M.T + b, exactly.
 
-        dtype  precision to multiply in; that of the weights where None
+        dtype  precision of the products; None means that of the weights
         """
         dtype = dtype or self.weight.dtype
         weights, biases = self.weight.to(dtype), self.bias.to(dtype)
@@ -121,9 +123,9 @@ class DTG(nn.Module):
 
 
 def interpolated(features: list[Tensor], levels: int) -> Tensor:
-    """Return points (B, 2^R - 1, D), evenly inside the segment between VIS and TAC features.
+    """Return evenly spaced points (B, 2^R - 1, D) between VIS and TAC features.
 
-    features  (B, D) of VIS and TAC; of one alone, every point is that one
+    features  (B, D) of VIS and TAC; with one modality, every point is that feature
     """
     count = 2**levels
     first, last = features[0], features[-1]
@@ -132,10 +134,10 @@ def interpolated(features: list[Tensor], levels: int) -> Tensor:
 
 
 def _initialise(weight: Tensor, init: str) -> None:
-    """Fill one W (D, D) in place: "orthogonal" keeps node norms equal, so the tree is readable."""
+    """Fill one W (D, D) in place. "orthogonal" keeps node norms equal, so nodes are comparable."""
     if init == "orthogonal":
         nn.init.orthogonal_(weight)
     elif init == "default":
         nn.init.kaiming_uniform_(weight, a=5**0.5)
-    else:  # identity with a little noise: all nodes alike at first
+    else:  # identity with a little noise: nodes start almost equal
         weight.copy_(torch.eye(len(weight)) + 0.01 * torch.randn_like(weight))

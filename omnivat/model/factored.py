@@ -1,8 +1,8 @@
-"""FrATT over the few vectors that its tokens are multiples of: exact, whatever E is.
+"""FrATT over base vectors: exact for every E.
 
 A token is ReLU(θ x) = ReLU(θ) ReLU(x) + ReLU(-θ) ReLU(-x), so the tokens of a sample are multiples
-of r base vectors: r = C for C channels (Re and Im) while no θ is negative, else 2 C. Scores between
-tokens follow from the r x r scores between base vectors.
+of r base vectors. For C channels (Re and Im), r = C if no θ is negative, else 2 C. The r x r scores
+between base vectors determine the scores between tokens.
 
 Axes here: r base vectors, C channels, M modalities, B pairs, D width, T = C E tokens.
 """
@@ -14,22 +14,22 @@ from torch import Tensor
 
 
 class Tables(NamedTuple):
-    """How tokens are made of base vectors; all follow from θ."""
+    """Coefficients of tokens in base vectors; they depend on θ only."""
 
     tokens: Tensor  # (M, r, T): token t is the sum over s of tokens[s, t] times base vector s
-    pairs: Tensor  # (M, r * r, T * T): the same for all pairs of tokens, query first
-    columns: Tensor  # (M, r, T * T): for what a key adds to its column, whoever asks
-    halves: Tensor  # (M, h): mean over θ of ReLU(θ) and, where there is one, of ReLU(-θ)
+    pairs: Tensor  # (M, r * r, T * T): the same for pairs of tokens, query first
+    columns: Tensor  # (M, r, T * T): for the part of a score that depends on the key only
+    halves: Tensor  # (M, h): mean over θ of ReLU(θ), and of ReLU(-θ) if any θ < 0
 
 
 def base_vectors(channels: Tensor, halves: int) -> Tensor:
-    """Return ReLU(x), and ReLU(-x) where there are two halves: (C, M, B, D) -> (r, M, B, D)."""
+    """Return ReLU(x), and ReLU(-x) if there are two halves: (C, M, B, D) -> (r, M, B, D)."""
     positive = torch.relu(channels)
     return positive if halves == 1 else torch.cat((positive, torch.relu(-channels)))
 
 
 def _halves(theta: Tensor) -> Tensor:
-    """Return ReLU(θ), and ReLU(-θ) where any θ is negative: (M, E) -> (M, h, E)."""
+    """Return ReLU(θ), and ReLU(-θ) if any θ is negative: (M, E) -> (M, h, E)."""
     signs = (theta, -theta) if bool((theta < 0).any()) else (theta,)
     return torch.relu(torch.stack(signs, dim=1))
 
@@ -40,12 +40,12 @@ def _token_table(weights: Tensor, channels: int) -> Tensor:
 
 
 def token_table(theta: Tensor, channels: int) -> Tensor:
-    """Return how tokens are made of base vectors (M, r, T), for θ (M, E); see `Tables`."""
+    """Return the tokens' coefficients (M, r, T) in base vectors, for θ (M, E); see `Tables`."""
     return _token_table(_halves(theta), channels)
 
 
 def tables(theta: Tensor, channels: int) -> Tables:
-    """Return the tables for θ (M, E). Looks at the signs of θ: half the work without a negative."""
+    """Return the tables for θ (M, E). If no θ is negative, they need half the work."""
     weights = _halves(theta)
     tokens = _token_table(weights, channels)
     pairs = torch.einsum("mri,msj->mrsij", tokens, tokens)
@@ -54,7 +54,7 @@ def tables(theta: Tensor, channels: int) -> Tables:
 
 
 def dots(queries: Tensor, keys: Tensor) -> Tensor:
-    """Return all products of a sample: (q, M, B, D) and (r, M, B, D) -> (M, B, q, r)."""
+    """Return all dot products within a sample: (q, M, B, D) and (r, M, B, D) -> (M, B, q, r)."""
     return torch.einsum("qmbd,rmbd->mbqr", queries, keys)
 
 
@@ -63,7 +63,7 @@ def mean_weights(scores: Tensor, key_scores: Tensor, table: Tables, root: float)
 
     scores      (M, B, r, r) between base vectors
     key_scores  (M, B, r) of base vectors as keys with the bias of the queries
-    root        what scores are divided by
+    root        divisor of the scores
     """
     count = table.tokens.shape[-1]
     full = scores.flatten(2) @ table.pairs + key_scores @ table.columns  # (M, B, T * T)

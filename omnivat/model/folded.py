@@ -1,8 +1,9 @@
-"""Prediction with everything folded that can be folded exactly: the fast path of the head.
+"""Prediction with folded weights: the fast path of the head.
 
-Scores need only θ_Qᵀ θ_K; θ_V follows the mean over tokens and goes into the first layer of the
-feed-forward network; the tree's mean is one matrix; the class token is one constant vector. Products
-of weights are taken in double precision once, so that folding costs no accuracy.
+Scores need only θ_Qᵀ θ_K. θ_V comes after the mean over tokens, so it is merged into the first
+layer of the feed-forward network. The mean of the tree is one matrix, and the class token is one
+constant vector. Products of weights are computed once in double precision, so folding loses no
+accuracy.
 """
 
 from collections.abc import Callable, Sequence
@@ -21,14 +22,14 @@ from omnivat.model.mffa import MFFA
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FoldedMFFA:
-    """MFFA for given modalities with its weights multiplied out; gradients do not pass.
+    """MFFA for given modalities with folded weights, without gradients.
 
     Source: docs/method.md, "Folding"; `MFFA.attend` is the unfolded form.
     """
 
     table: factored.Tables
-    scores: Tensor  # (D, D): base vector u asks v by u @ scores @ v
-    key_scores: Tensor  # (D,): v adds key_scores @ v, whoever asks
+    scores: Tensor  # (D, D): the score of query u and key v is u @ scores @ v
+    key_scores: Tensor  # (D,): key v adds key_scores @ v to every score
     first: Tensor  # (4D, D): θ_V, then the first layer
     first_bias: Tensor  # (4D,)
     second: nn.Linear
@@ -52,7 +53,7 @@ class FoldedMFFA:
 
 @torch.no_grad()
 def fold_mffa(mffa: MFFA, names: Sequence[str]) -> FoldedMFFA:
-    """Return MFFA of the modalities `names` in its folded form."""
+    """Return the folded MFFA of the modalities `names`."""
     fratt: FrATT = mffa.fratt
     dtype = fratt.query.weight.dtype
     score_root, value_root = fratt.roots
@@ -84,9 +85,10 @@ def fold_tree(tree: DTG) -> tuple[Tensor, Tensor]:
 
 
 def versions(module: nn.Module) -> list[tuple[int, int, torch.dtype]]:
-    """Return what changes whenever a weight does: in place, by loading, or by conversion."""
+    """Return a value that changes whenever a weight does: in place, by loading, or by
+    conversion."""
     found, left = [], [module]
-    while left:  # `Module.modules` takes twice as long, and this is asked at every prediction
+    while left:  # `Module.modules` takes twice as long, and this runs at every prediction
         part = left.pop()
         for tensor in (*part._parameters.values(), *part._buffers.values()):
             if tensor is not None:
@@ -97,20 +99,20 @@ def versions(module: nn.Module) -> list[tuple[int, int, torch.dtype]]:
 
 
 class Folds:
-    """What has been folded, kept until a weight changes."""
+    """Cache of folded weights, valid until a weight changes."""
 
     def __init__(self) -> None:
         self._kept: dict[tuple[str, ...], Any] = {}
         self._versions: object = None
 
     def refresh(self, module: nn.Module) -> None:
-        """Forget everything once a weight of `module` has changed."""
+        """Clear the cache if a weight of `module` has changed."""
         current = versions(module)
         if self._versions != current:
             self._kept, self._versions = {}, current
 
     def get(self, name: tuple[str, ...], make: Callable[[], Any]) -> Any:
-        """Return what `make` gave when it was first asked for under this name."""
+        """Return the cached value, or call `make` and cache its result."""
         if name not in self._kept:
             self._kept[name] = make()
         return self._kept[name]

@@ -1,4 +1,4 @@
-"""Fractional attention (FrATT): one query set attends to expanded fractional tokens."""
+"""Fractional Fourier attention (FrATT): queries attend to expanded fractional tokens."""
 
 from typing import NamedTuple
 
@@ -8,7 +8,7 @@ from torch.nn.functional import linear
 
 
 class Attended(NamedTuple):
-    """What attention gives, and where it looked."""
+    """The output of attention, and its weights."""
 
     feature: Tensor  # (B, D)
     weights: Tensor  # (B, Q, T), each row sums to one
@@ -19,7 +19,7 @@ class FrATT(nn.Module):
 
     One head; biases on all linear layers; no output projection, residual or normalisation.
     The same weights serve VIS, TAC and LANG. The bias of the keys and the class token in the keys
-    add the same to a whole row of scores, which the softmax ignores.
+    add a constant to a row of scores, which the softmax ignores.
     Source: paper, Eq. 4 and 6.
     """
 
@@ -35,7 +35,7 @@ class FrATT(nn.Module):
 
     @property
     def roots(self) -> tuple[float, float]:
-        """What the scores and what the values are divided by: √D for the one or the other."""
+        """Divisors of the scores and of the values: √D for one of them, 1 for the other."""
         root = float(self.query.in_features**0.5)
         return (root, 1.0) if self.scale == "inside" else (1.0, root)
 
@@ -58,14 +58,15 @@ class FrATT(nn.Module):
         )
 
     def forward(self, queries: Tensor, tokens: Tensor) -> Attended:
-        """Attend from `queries` to `tokens`, average over the queries, feed forward.
+        """Attend from `queries` to `tokens`, average over the queries, apply the network.
 
         queries  (B, Q, D)
         tokens   (B, T, D) keys and values, with the class token already added
         return   feature (B, D) and the attention weights (B, Q, T)
 
-        The mean over queries is taken of the weights, before the values: the same by linearity,
-        and Q times cheaper.
+        The mean over queries is applied to the weights, before the values. By linearity the result
+        is
+        the same, at 1/Q of the cost.
         """
         score_root, value_root = self.roots
         scores = self.query(queries) @ self.key(tokens).mT
@@ -90,6 +91,6 @@ class FrATT(nn.Module):
 
 
 def _complex_linear(layer: nn.Linear, parts: Tensor) -> Tensor:
-    """Apply a real layer to (B, 2, N, D): its bias goes to the real part alone."""
+    """Apply a real layer to (B, 2, N, D); its bias is added to the real part only."""
     real = layer(parts[:, :1])
     return torch.cat((real, linear(parts[:, 1:], layer.weight)), dim=1)

@@ -1,9 +1,9 @@
-"""Late fusion: logits of the VIS and TAC branches become one prediction for the pair.
+"""Late fusion: combine the logits of the VIS and TAC branches into one prediction.
 
 mean        mean of the two softmaxes
 product     softmax of the mean of the two log-probabilities, a product of experts
-confidence  mean of the softmaxes weighted by certainty: log K less the entropy of each
-learned     softmax of a weighted sum of the two log-probabilities; the weight of VIS was fitted on
+confidence  mean of the softmaxes, weighted by certainty: log K minus the entropy
+learned     softmax of a weighted sum of the two log-probabilities; the weight of VIS is fitted on
             held-out source pairs
 feature     one classification of the sum of the two features
 """
@@ -26,10 +26,10 @@ def _ones() -> dict[str, float]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Calibration:
-    """What was fitted on held-out source pairs; ones and a half where nothing was.
+    """Values fitted on held-out source pairs. Without a fit: temperatures 1, share 0.5.
 
-    temperature  of "fused", "vis" and "tac": log-probabilities are divided by it, so it changes
-                 confidence and never a prediction
+    temperature  of "fused", "vis" and "tac": log-probabilities are divided by it. It changes the
+                 confidence, never the predicted class
     share        weight of VIS, 0 to 1, in a learned fusion
     """
 
@@ -51,7 +51,7 @@ def fuse(
     logits  "vis" and "tac" -> (B, K)
     pair    (B, K) logits of the summed features, for "feature"
 
-    Where the temperature is one, "mean" is the plain mean of the softmaxes.
+    With temperature 1, "mean" is the plain mean of the softmaxes.
     """
     temperature = calibration.temperature["fused"]
     if kind == "feature":
@@ -77,11 +77,11 @@ def fused_logs(kind: str, vis: Tensor, tac: Tensor, share: float = 0.5) -> Tenso
 
 
 def certainty(logs: Tensor) -> Tensor:
-    """Return log K less the entropy, (..., 1), of log-probabilities (..., K): 0 for a uniform one."""
+    """Return log K minus the entropy, (..., 1), of log-probabilities (..., K); 0 if uniform."""
     return (math.log(logs.shape[-1]) + (logs.exp() * logs).sum(-1, keepdim=True)).clamp_min(TINY)
 
 
 def plain(calibration: Calibration) -> dict[str, Any]:
-    """Return the calibration as plain values, for JSON; equal ones give equal text."""
+    """Return the calibration as plain values for JSON; equal calibrations give equal text."""
     temperature = {name: calibration.temperature[name] for name in ("fused", "vis", "tac")}
     return {"temperature": temperature, "share": calibration.share}

@@ -1,4 +1,4 @@
-"""Training's features with gradients in closed form: fewer calls, one product for each weight."""
+"""Training features with closed-form gradients: fewer calls, one product for each weight."""
 
 from omnivat.model.closed.features import Pass, closed_features
 

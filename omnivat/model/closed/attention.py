@@ -1,9 +1,9 @@
-"""FrATT over base vectors, forward and back in closed form; `MFFA.attend` is the printed form.
+"""FrATT over base vectors with a closed-form gradient; `MFFA.attend` is the printed form.
 
-A query is a token, so a sum of base vectors and the bias, or F-bar of LANG. All that can ask stands
-in one list of A vectors, r base vectors, the bias and the guide; a table says who is asking.
+A query is a token (a sum of base vectors, plus the bias) or F-bar of LANG. All query vectors are
+stacked: r base vectors, the bias and the guide, A in all. A table maps queries to these vectors.
 
-Axes here: M modalities, B pairs, r base vectors, T tokens, A askers, Q queries, D width.
+Axes here: M modalities, B pairs, r base vectors, T tokens, A query vectors, Q queries, D width.
 """
 
 from typing import NamedTuple
@@ -30,10 +30,10 @@ class Weights(NamedTuple):
 
 
 class Attention(NamedTuple):
-    """What attention gives, and what its way back needs."""
+    """The output of attention, and what the backward pass needs."""
 
     feature: Tensor  # (M, B, D) F-bar
-    raw: Tensor  # (M B, D) before its length was taken
+    raw: Tensor  # (M B, D) before normalization
     base: Tensor  # (M, B, r, D)
     tokens: Tensor  # (M, r, T) table of tokens
     askers: Tensor  # (M, A, Q) table of queries
@@ -43,7 +43,7 @@ class Attention(NamedTuple):
     scores: Tensor  # (M, B r, A)
     mixed: Tensor  # (M, B Q, r)
     attended: Tensor  # (M, B, Q, T)
-    heard: Tensor  # (B or 1, Q, 1) how much each query counts
+    heard: Tensor  # (B or 1, Q, 1) weight of each query
     shares: Tensor  # (M, B, r) of base vectors
     pooled: Tensor  # (M B, D)
     values: Tensor  # (M B, D)
@@ -52,14 +52,14 @@ class Attention(NamedTuple):
 
 
 class Rows(NamedTuple):
-    """A weight's gradient as a product still to take: outputs' gradients and inputs, row by row."""
+    """A weight's gradient as a pending product: gradients of outputs, and inputs, row by row."""
 
     grads: Tensor
     inputs: Tensor
 
 
 class AttentionBack(NamedTuple):
-    """Gradients of attention; those of weights as rows, for one product over all modalities."""
+    """Gradients of attention; those of weights as `Rows`, for one product over all modalities."""
 
     base: Tensor  # (M, B, r, D)
     pooled: Tensor  # (M, B, D), also that of the class tokens
@@ -74,7 +74,7 @@ class AttentionBack(NamedTuple):
 
 
 def asker_table(tokens: Tensor, guided: bool) -> Tensor:
-    """Return (M, A, Q): every token asks, with the bias; then the guide, which has the bias in it."""
+    """Return (M, A, Q): each token plus the bias is a query; the last query is the guide, bias included."""
     count, rank, queries = tokens.shape
     table = tokens.new_zeros(count, rank + 1 + guided, queries + guided)
     table[:, :rank, :queries] = tokens
@@ -85,7 +85,7 @@ def asker_table(tokens: Tensor, guided: bool) -> Tensor:
 
 
 def query_shares(tokens: Tensor, guided: Tensor | None) -> Tensor:
-    """Return (B or 1, Q): tokens count alike, or the guide alone where guided (B,)."""
+    """Return the weights (B or 1, Q) of the queries: all tokens equally; where guided (B,), the guide."""
     queries = tokens.shape[-1]
     if guided is None:
         return tokens.new_full((1, queries), 1 / queries)
@@ -143,7 +143,7 @@ def attend(
 def attend_back(
     grad: Tensor, saved: Attention, weights: Weights, roots: tuple[float, float], *, unit: bool
 ) -> AttentionBack:
-    """Return all gradients for the gradient (M, B, D) of F-bar."""
+    """Return all gradients, given the gradient (M, B, D) of F-bar."""
     count, batch, rank, width = saved.base.shape
     vectors = saved.base.reshape(-1, rank, width)
     score_root, value_root = roots
@@ -164,7 +164,7 @@ def attend_back(
     held = saved.attended * to_mean
     to_full = torch.sub(held, saved.attended * held.sum(-1, keepdim=True))
     to_full = to_full.mul_(saved.heard / score_root).view(count, -1, to_tokens.shape[-1])
-    # scores between tokens, then between base vectors and askers
+    # scores between tokens, then between base vectors and query vectors
     to_tokens.baddbmm_(saved.mixed.mT, to_full)
     to_mixed = torch.bmm(to_full, saved.tokens.mT).view(count, batch, -1, rank)
     to_mixed = to_mixed.mT.reshape(count, batch * rank, -1)

@@ -1,7 +1,8 @@
-"""F-bar of LANG, VIS and TAC for training: forward and gradients in closed form, as one node.
+"""F-bar of LANG, VIS and TAC for training: one autograd function with a closed-form gradient.
 
-LANG comes first, since it guides the others; on the way back it comes last. Rows of both meet in
-one product for each weight: half the memory that two products and their sum would pass through.
+LANG is computed first, because it guides the others; its gradient is computed last. Each weight's
+gradient is one product over the rows of all modalities. Two products and a sum would move twice the
+memory.
 """
 
 from collections.abc import Sequence
@@ -26,26 +27,26 @@ from omnivat.model.factored import token_table
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pass:
-    """What a training pass is told beside embeddings and weights."""
+    """The other inputs of a training pass, apart from embeddings and weights."""
 
     length: float  # of embeddings
     unit: bool
     roots: tuple[float, float]
     channels: int  # Re and Im, or Re alone
     lang_on: Tensor  # (B,) bool
-    class_mix: Tensor | None  # (B, B): a pair's class token is this mix of the batch's tokens
-    agnostic: Tensor | None  # (M, B, D): plus this, LANG first where there is LANG
+    class_mix: Tensor | None  # (B, B): class tokens as mixtures of the batch's tokens
+    agnostic: Tensor | None  # (M, B, D): added to them, LANG first if present
 
 
 class ClosedFeatures(NamedTuple):
-    """F-bar and mean tokens, LANG first where there is LANG."""
+    """F-bar and mean tokens, LANG first if present."""
 
     features: Tensor  # (M, B, D)
     tokens: Tensor  # (M, B, D), without gradient
 
 
 class Stage(NamedTuple):
-    """One of the two stages, LANG or images, as its way back needs it."""
+    """One stage, LANG or images, kept for the backward pass."""
 
     turn: Turn
     inner: Tensor
@@ -64,7 +65,7 @@ def closed_features(
     """Return F-bar of all modalities.
 
     embedding  (M, B, D) of VIS and TAC, of length `given.length`;  lang  (1, B, D) or None
-    order      () or (M, 1) or (1, B);  theta  (M, E): LANG first where there is LANG
+    order      () or (M, 1) or (1, B);  theta  (M, E): LANG first if present
     weights    those of FrATT in the order of `Weights`
     """
     features, tokens = _Features.apply(given, embedding, lang, order, theta, *weights)  # type: ignore[no-untyped-call]
@@ -108,7 +109,7 @@ class _Features(torch.autograd.Function):
         found, by_turn = _stage_back(given, grad[first:], images, own)
         ways, turns = [found], [by_turn]
         if first:
-            assert found.guide is not None, "images are guided where there is LANG"
+            assert found.guide is not None, "with LANG, images need a guide"
             on = given.lang_on[:, None]
             to_guide = found.guide + by_turn.embedding.sum(0) * on
             to_lang = torch.add(grad[:1], to_guide, alpha=given.length)
@@ -129,7 +130,7 @@ class _Features(torch.autograd.Function):
 
 
 def _turn_rows(turn: Turn, rows: slice) -> Turn:
-    """Return the transform of some modalities, where each has its own order."""
+    """Return the transform of some modalities; each may have its own order."""
     return turn if len(turn.planes) == 1 else turn._replace(planes=turn.planes[rows])
 
 
@@ -142,7 +143,7 @@ def _stage(
     first: int,
     guide: Tensor | None = None,
 ) -> Stage:
-    """Return F-bar and mean tokens of some modalities; `first` is their first row in all."""
+    """Return F-bar and mean tokens of some modalities; `first` is the index of the first one."""
     channels, inner = turned(embedding, turn, given.channels)
     positive = torch.relu(channels)
     halves = table.shape[1] // given.channels
@@ -162,7 +163,7 @@ def _stage(
 def _stage_back(
     given: Pass, grad: Tensor, stage: Stage, weights: Weights
 ) -> tuple[AttentionBack, TurnedBack]:
-    """Return the gradients of one stage for the gradient (M, B, D) of its features."""
+    """Return the gradients of one stage, given the gradient (M, B, D) of its features."""
     saved = stage.attention
     found = attend_back(grad, saved, weights, given.roots, unit=given.unit)
     to_base = found.base
@@ -180,7 +181,7 @@ def _stage_back(
 
 
 def theta_back(grad: Tensor, theta: Tensor, rank: int, channels: int) -> Tensor:
-    """Return the gradient (M, E) of θ for that of the table of tokens (M, r, C E)."""
+    """Return the gradient (M, E) of θ, given that of the token table (M, r, C E)."""
     shaped = grad.view(len(grad), rank // channels, channels, channels, -1)
     by_half = shaped.diagonal(dim1=2, dim2=3).sum(-1)  # (M, h, E)
     found = by_half[:, 0] * (theta > 0)
@@ -188,7 +189,7 @@ def theta_back(grad: Tensor, theta: Tensor, rank: int, channels: int) -> Tensor:
 
 
 def weight_gradients(ways: Sequence[AttentionBack]) -> tuple[Tensor, ...]:
-    """Return the gradients of `Weights`: one product for each, over the rows of all modalities."""
+    """Return the gradients of `Weights`, one product each over the rows of all modalities."""
     query = _joined([rows for way in ways for rows in way.query])
     key, value, first, second = (
         _joined([getattr(way, name) for way in ways])

@@ -1,4 +1,4 @@
-"""Growing nodes from a root by matrices: forward and gradients without copies of the matrices."""
+"""Grow nodes from a root by matrices, without copying the matrices in either direction."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -11,8 +11,8 @@ from torch.autograd.function import once_differentiable
 def grown_nodes(root: Tensor, weight: Tensor, bias: Tensor, parents: Sequence[int]) -> Tensor:
     """Return all nodes (B, N, D) from the root (B, D): node n is W p + b of its parent p.
 
-    weight, bias  (N - 1, D, D) and (N - 1, D): those of node n stand at n - 1
-    parents       of nodes 1, 2, …; each before its children
+    weight, bias  (N - 1, D, D) and (N - 1, D): those of node n are at index n - 1
+    parents       of nodes 1, 2, …; a parent comes before its children
     """
     nodes: Tensor = _Grow.apply(root, weight, bias, tuple(parents))  # type: ignore[no-untyped-call]
     return nodes.movedim(0, 1)

@@ -1,4 +1,4 @@
-"""Rows brought to length one, and the gradient in closed form."""
+"""Scale rows to unit length, with a closed-form gradient."""
 
 from typing import Any
 
@@ -6,17 +6,17 @@ import torch
 from torch import Tensor
 from torch.autograd.function import once_differentiable
 
-EPS = 1e-12  # the least length that is divided by, as in torch.nn.functional.normalize
+EPS = 1e-12  # the smallest divisor, as in torch.nn.functional.normalize
 
 
 def unit_rows(raw: Tensor) -> Tensor:
-    """Return rows (..., D) at length one."""
+    """Return rows (..., D) scaled to unit length."""
     lengths: Tensor = torch.linalg.vector_norm(raw, dim=-1, keepdim=True).clamp_min_(EPS)
     return raw / lengths
 
 
 def unit_rows_back(grad: Tensor, raw: Tensor) -> Tensor:
-    """Return the gradient of raw rows (..., D) for that of `unit_rows`."""
+    """Return the gradient of the rows (..., D), given that of `unit_rows`."""
     length = torch.linalg.vector_norm(raw, dim=-1, keepdim=True)
     feature = raw / length.clamp_min(EPS)
     along = (grad * feature).sum(-1, keepdim=True) * (length > EPS)
@@ -24,10 +24,9 @@ def unit_rows_back(grad: Tensor, raw: Tensor) -> Tensor:
 
 
 def unit(x: Tensor) -> Tensor:
-    """Return x (..., D) at length one, whatever its size: squares neither overflow nor vanish.
+    """Return x (..., D) scaled to unit length without overflow or underflow.
 
-    Rows are divided by their largest entry first. A row of zeros stays one, and passes no gradient:
-    it has no direction to turn.
+    Each row is first divided by its largest entry. A row of zeros stays zero and has no gradient.
     """
     if not (torch.is_grad_enabled() and x.requires_grad):
         return unit_rows(x / _largest(x))

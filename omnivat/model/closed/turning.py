@@ -1,6 +1,6 @@
-"""The transform of the few rows of a training batch, by the whole eigenbasis, and its way back.
+"""The transform of the few rows of a training batch, with its gradient.
 
-A batch holds so few rows that calls cost more than products: V whole beats V in blocks.
+For so few rows, calls cost more than products, so the full matrix V beats V in blocks.
 """
 
 from functools import lru_cache
@@ -14,7 +14,7 @@ from omnivat.fractional.phases import phases
 
 
 class Turn(NamedTuple):
-    """A transform of order p as training uses it."""
+    """A transform of order p, prepared for training."""
 
     vectors: Tensor  # V (D, D)
     slope: Tensor  # π k / 2 of every column (D,), float64
@@ -22,7 +22,7 @@ class Turn(NamedTuple):
 
 
 class Turned(NamedTuple):
-    """Channels, and what their way back needs."""
+    """Channels, and what the backward pass needs."""
 
     channels: Tensor  # (M, B, C, D): Re and Im, or Re alone
     inner: Tensor  # (M, B, 1, D) in the eigenbasis
@@ -42,9 +42,9 @@ def _eigenbasis(width: int, dtype: torch.dtype, device: torch.device) -> Basis:
 
 
 def turn_of(order: Tensor, like: Tensor) -> Turn:
-    """Return the transform for embeddings like (..., D).
+    """Prepare the transform for embeddings like (..., D).
 
-    order  () for all; (M, 1) one for each modality; (1, B) one for each row
+    order  () for all, (M, 1) for each modality, or (1, B) for each row
     """
     vectors, indices = _eigenbasis(like.shape[-1], like.dtype, like.device)
     orders = order.detach().reshape(order.shape or (1, 1))  # (O, R)
@@ -60,9 +60,10 @@ def turned(embedding: Tensor, turn: Turn, channels: int) -> Turned:
 
 
 def turned_back(grad: Tensor, inner: Tensor, turn: Turn) -> TurnedBack:
-    """Return the gradients for the gradient (M, B, C, D) of the channels.
+    """Return the gradients, given the gradient (M, B, C, D) of the channels.
 
-    With θ = πpk/2 the planes are cos θ and -sin θ; each one's slope is the other's value.
+    With θ = πpk/2 the planes are cos θ and -sin θ. The derivative of each is the other plane, up to
+    sign.
     """
     count = grad.shape[2]
     within = grad @ turn.vectors
