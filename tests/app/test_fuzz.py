@@ -10,6 +10,7 @@ from app.routes import routes
 from benchmarks.attack import Counts, attack, judged
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 2])
 def test_a_small_attack_is_held_with_a_sentence_for_every_refusal(resources, seed, monkeypatch):
     monkeypatch.setattr("app.parts.KEPT_PARTS", 10**6)

@@ -154,6 +154,7 @@ def demo(tmp_path):
         found.process.kill()
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="memory is read from /proc")
 def test_a_hosted_demo_writes_to_its_temporary_folder_alone_and_stays_below_a_gigabyte(demo, png):
     assert b"OmniVaT" in demo.until_up()

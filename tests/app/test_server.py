@@ -45,10 +45,12 @@ def loaded() -> list[set[str]]:
     return [set(one.split()[1:]) for one in done.stdout.splitlines() if one.startswith("LOADED")]
 
 
+@pytest.mark.slow
 def test_the_first_page_loads_neither_torch_nor_umap_nor_plotly(loaded):
     assert loaded[0] == set()
 
 
+@pytest.mark.slow
 def test_the_check_itself_sees_a_heavy_import(loaded):
     assert "torch" in loaded[1]
 
@@ -129,6 +131,7 @@ raise SystemExit(main(["--desktop"]))
 """
 
 
+@pytest.mark.slow
 def test_the_desktop_window_shows_the_page_while_it_is_open():
     """In a process of its own: a stopped server leaves an event loop behind."""
     done = subprocess.run(

@@ -50,6 +50,7 @@ def test_a_head_or_set_that_is_not_there_is_refused_in_a_sentence(capsys, tmp_pa
     assert "No embeddings file" in refusal(capsys, "--embeddings", tmp_path / "none")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("how", [signal.SIGTERM, signal.SIGINT])
 def test_a_server_that_is_told_to_stop_leaves_no_folder(how, tmp_path, monkeypatch):
     with socket.socket() as probe:

@@ -307,6 +307,7 @@ print(report.resumed)
 """
 
 
+@pytest.mark.slow
 def test_a_process_that_is_killed_leaves_parts_that_the_next_one_uses(tmp_path: Path) -> None:
     """With the real encoder, in processes of their own."""
     make_pairs(tmp_path / "pairs", 9)

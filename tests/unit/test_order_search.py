@@ -40,6 +40,7 @@ def found(chirps):
     return searched(chirps, order=-1.3)
 
 
+@pytest.mark.slow
 def test_the_order_of_chirps_is_found_from_a_far_start(chirps, found):
     unseen = chirps.in_domain(CHIRPS.domain_names[1])
     answers = predicted_probabilities(found.model, unseen)["fused"].argmax(1).numpy()
@@ -53,6 +54,7 @@ def test_the_gradient_alone_stays_where_it_starts(chirps):
     assert abs(trained.model.order - 0.2) < 0.05
 
 
+@pytest.mark.slow
 def test_the_record_of_a_search_holds_its_curve_and_what_it_cost(chirps, found):
     search = found.search
     coarse = [

@@ -206,6 +206,7 @@ def test_another_setting_another_seed_or_other_data_is_another_question(file, ru
     assert done(file, [run], out) == 0
 
 
+@pytest.mark.slow
 def test_processes_side_by_side_give_the_same_records(file, runs, tmp_path):
     done(file, runs, tmp_path / "one.jsonl")
     done(file, runs, tmp_path / "two.jsonl", jobs=2)

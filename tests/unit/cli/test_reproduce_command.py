@@ -118,6 +118,7 @@ def test_a_set_that_is_there_twice_is_refused_with_both_places(root: Path, put: 
         find_paper_sets(root)
 
 
+@pytest.mark.slow
 def test_one_command_writes_the_papers_tables_and_goes_on_from_where_it_stopped(
     clips: Any,
     root: Path,

@@ -163,6 +163,7 @@ for _ in range(20):
 """
 
 
+@pytest.mark.slow
 def test_two_processes_that_write_the_same_entries_never_read_half_of_one(tmp_path: Path) -> None:
     command = [sys.executable, "-c", FILL, str(tmp_path)]
     processes = [subprocess.Popen(command) for _ in range(2)]

@@ -83,6 +83,7 @@ def embed(pairs: Path, address: str, *more: str) -> "subprocess.CompletedProcess
     )
 
 
+@pytest.mark.slow
 def test_a_model_is_downloaded_once_and_then_found_in_the_cache_without_a_network(
     served: tuple[str, Path], pairs: Path
 ) -> None:

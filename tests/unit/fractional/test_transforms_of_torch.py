@@ -100,11 +100,13 @@ class _Real(torch.nn.Module):
         return dfrft(x, 0.3).real
 
 
+@pytest.mark.slow
 def test_an_exported_program_transforms_other_vectors_too(x):
     program = torch.export.export(_Real(), (x,), strict=False)
     torch.testing.assert_close(program.module()(2 * x), dfrft(2 * x, 0.3).real)
 
 
+@pytest.mark.slow
 def test_compiled_code_breaks_the_graph_and_stays_right(x):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # dynamo reports each break

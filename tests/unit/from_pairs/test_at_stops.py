@@ -54,6 +54,7 @@ def test_heads_that_are_there_are_not_trained_again(plan, folder):
     assert heads_at_stops(longer, (0.0,), folder, seeds=(7,)) == 1  # other settings, other heads
 
 
+@pytest.mark.slow
 def test_processes_give_the_same_heads_as_one(plan, folder, tmp_path):
     assert heads_at_stops(plan, ORDERS[:2], tmp_path, jobs=2) == 2
     for order in ORDERS[:2]:

@@ -35,6 +35,7 @@ def test_the_set_lists_what_lies_on_disk(built: Path) -> None:
     assert {row["domain"] for row in rows} == {"TAG-sim", "TQ-T3D-sim"}
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_bytes_and_another_seed_others(
     built: Path, tmp_path: Path
 ) -> None:
