@@ -1,4 +1,4 @@
-"""Multimodal alignment (MMA) loss: VIS and TAC are drawn to LANG."""
+"""Multimodal alignment (MMA) loss: it pulls VIS and TAC towards LANG."""
 
 from typing import Any
 
@@ -12,9 +12,9 @@ from omnivat.shapes import require_shapes
 def mma_loss(lang: Tensor, vis: Tensor | None = None, tac: Tensor | None = None) -> Tensor:
     """Multimodal alignment (MMA): KL(LANG || VIS) + KL(LANG || TAC), without the weight λ.
 
-    lang, vis, tac  (B, D) features; a softmax over D makes each a distribution. A modality that is
-                    not there (None) has no term
-    return          () nats, >= 0, mean over the batch; 0 where they agree
+    lang, vis, tac  (B, D) features; a softmax over D makes each a distribution. An absent modality
+                    (None) has no term
+    return          () nats, >= 0, mean over the batch; 0 if they agree
 
     LANG is the reference, the first argument of the divergence. Gradients flow to all.
     Raises ShapeError if shapes differ.
@@ -29,7 +29,7 @@ def mma_loss(lang: Tensor, vis: Tensor | None = None, tac: Tensor | None = None)
 
 
 class _Alignment(torch.autograd.Function):
-    """KL from the first of (M, B, D) to each of the others; its gradient in closed form."""
+    """KL from the first of (M, B, D) to each of the others, with a closed-form gradient."""
 
     @staticmethod
     def forward(ctx: Any, features: Tensor) -> Tensor:
@@ -45,6 +45,6 @@ class _Alignment(torch.autograd.Function):
     @once_differentiable
     def backward(ctx: Any, grad: Tensor) -> Tensor:
         shares, excess, divergence = ctx.saved_tensors
-        found: Tensor = shares - shares[:1]  # where the others are drawn
+        found: Tensor = shares - shares[:1]  # the gradient of the others
         torch.mul(shares[0], excess - divergence, out=found[0])
         return found.mul_(grad / len(divergence))

@@ -1,4 +1,4 @@
-"""Node diversity (NOD) loss: nodes of one tree level should point different ways."""
+"""Node diversity (NOD) loss: it pushes the nodes of a tree level apart."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -11,13 +11,13 @@ EPS = 1e-12  # below this length a node has no direction
 
 
 def nod_loss(layers: Sequence[Tensor]) -> Tensor:
-    """Node diversity (NOD): how far each level's cosines are from the identity.
+    """Node diversity (NOD): the distance of each level's cosine matrix from the identity.
 
     layers  one (B, 2^(r-1), D) for each level r = 1..R
     return  () >= 0: Frobenius norms summed over levels, mean over the batch
 
-    Level 1 has one node and no cosine to reduce: it is left out, since the gradient of a norm
-    at zero would be NaN. A negative cosine is punished like a positive one, as printed.
+    Level 1 has one node and is left out, because the gradient of a norm at zero would be NaN.
+    Negative and positive cosines count equally, as printed.
     Source: paper, Eq. 9 and 10.
     """
     total = layers[0].new_zeros(())
@@ -27,7 +27,7 @@ def nod_loss(layers: Sequence[Tensor]) -> Tensor:
 
 
 class _Diversity(torch.autograd.Function):
-    """The term of one level, its gradient in closed form."""
+    """The term of one level, with a closed-form gradient."""
 
     @staticmethod
     def forward(ctx: Any, nodes: Tensor) -> Tensor:

@@ -1,4 +1,4 @@
-"""The joint loss that trains the head, and its parts for the log."""
+"""The joint loss of the head, and its parts for the log."""
 
 from typing import NamedTuple
 
@@ -33,11 +33,11 @@ def joint_loss(
 ) -> Losses:
     """Return λ MMA + NOD + CE.
 
-    features  F-bar (B, D) of "vis", "tac" or both and, where there is LANG, "lang"
+    features  F-bar (B, D) of "vis", "tac" or both, and of "lang" if present
     layers    the tree's levels (B, n, D)
     logits    (B, K) of "vis", "tac" or both; CE is their mean
     labels    (B,)
-    aligned   (B,) bool: pairs that MMA acts on; all where None
+    aligned   (B,) bool: pairs that MMA acts on; None: all
     Source: paper, Eq. 12.
     """
     zero = layers[0].new_zeros(())

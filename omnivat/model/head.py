@@ -1,4 +1,4 @@
-"""The OmniVaT head: frozen embeddings in, class probabilities and every stage out."""
+"""The OmniVaT head: from frozen embeddings to class probabilities and all stages."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -24,12 +24,12 @@ from omnivat.threads import FEW_PAIRS, one_thread
 __all__ = ["OmniVaT", "PairCoefficients", "build_head", "class_means", "parameter_count"]
 
 IMAGE_MODALITIES = ("vis", "tac")
-CHUNK = 512  # pairs that are predicted at once
+CHUNK = 512  # pairs predicted at once
 
 
 @dataclass(frozen=True, slots=True)
 class PairCoefficients:
-    """What stays fixed while p moves: eigenbasis coefficients (M, B, D) of B pairs."""
+    """Eigenbasis coefficients (M, B, D) of B pairs; they do not depend on p."""
 
     names: tuple[str, ...]  # of the M modalities
     stacked: Coefficients
@@ -45,9 +45,9 @@ class PairCoefficients:
 class OmniVaT(nn.Module):
     """MFFA, then DTG, then one cosine classifier shared by VIS and TAC.
 
-    Called with VIS and TAC embeddings it predicts; LANG exists only in `training_pass`.
-    The prediction of a pair does not depend on the other pairs of its batch.
-    Source: paper, Fig. 2; docs/method.md says how open points were settled.
+    A call with VIS and TAC embeddings predicts. LANG is used only in `training_pass`.
+    The prediction for a pair does not depend on the other pairs of its batch.
+    Source: paper, Fig. 2; docs/method.md lists the choices that the paper leaves open.
     """
 
     def __init__(self, settings: HeadSettings) -> None:
@@ -78,13 +78,13 @@ class OmniVaT(nn.Module):
 
     @property
     def orders(self) -> dict[str, float]:
-        """The learned order of each modality, LANG included: the same unless each has its own."""
+        """The learned order of each modality, LANG included; they differ if `order_per_modality` is set."""
         own = self.mffa.order.detach().expand(len(MODALITIES)).tolist()
         return dict(zip(MODALITIES, own, strict=True))
 
     @property
     def dtype(self) -> torch.dtype:
-        """The precision the head computes in."""
+        """The precision of the head."""
         return self.classifier.dtype
 
     def forward(
@@ -103,10 +103,10 @@ class OmniVaT(nn.Module):
             return self.from_coefficients(kept, order, nodes=nodes, attention=attention)
 
     def coefficients(self, vis: Tensor | None, tac: Tensor | None) -> PairCoefficients:
-        """Return what to keep while p moves.
+        """Return the coefficients of B pairs; keep them to change p.
 
-        vis, tac  (B, input_width) as the encoder gave them; either may be None, not both
-        Raises DataError when both are missing, ShapeError on a wrong width or differing B.
+        vis, tac  (B, input_width) from the encoder; one of them may be None
+        Raises DataError if both are missing, ShapeError for a wrong width or unequal B.
         """
         given = {n: e for n, e in (("vis", vis), ("tac", tac)) if e is not None}
         return PairCoefficients(tuple(given), coefficients(self.embedded(given)))
@@ -119,15 +119,16 @@ class OmniVaT(nn.Module):
         nodes: bool = False,
         attention: bool = False,
     ) -> HeadOutput:
-        """Predict at one order, or at one order a pair.
+        """Predict at one order, or at one order for each pair.
 
         kept       from `coefficients`
-        order      quarter turns: a number, or (B,) for one order a pair; the learned one if None
+        order      quarter turns: a number, or (B,) for one order for each pair; None: the learned
+        one
         nodes      also return the tree's nodes
         attention  also return attention weights
 
-        Where neither gradients nor attention weights are asked for, weights are folded once and
-        pairs pass in chunks that stay in the processor's cache.
+        Without gradients and attention weights, the head uses folded weights and processes pairs in
+        chunks that fit the processor's cache.
         """
         names, stacked = kept.names, kept.stacked
         order = self.mffa.orders(names) if order is None else order
@@ -161,7 +162,7 @@ class OmniVaT(nn.Module):
         attention: bool = False,
         fold: bool = False,
     ) -> HeadOutput:
-        """Predict from stacked coefficients (M, B, N), with folded weights or live ones."""
+        """Predict from stacked coefficients (M, B, N), with folded or unfolded weights."""
         parts = synthesise(kept, order, planar=True)  # (2, M, B, D)
         weights: dict[str, Tensor] = {}
         if not self.settings.mffa:
@@ -187,7 +188,7 @@ class OmniVaT(nn.Module):
         alone = f_hat if len(names) == 1 else self._alone(found, fold)
         logits = self.classify(torch.stack((f_hat, alone)), fold=fold)
         grown = grow(self, found, root) if nodes else None
-        if len(relu) == 1:  # |F| or Re F alone: nothing is left of the imaginary part
+        if len(relu) == 1:  # |F| or Re F alone: there is no imaginary part
             relu = torch.cat((relu, torch.zeros_like(relu)))
         return HeadOutput(
             logits=dict(zip(names, logits[0], strict=True)),
@@ -204,7 +205,7 @@ class OmniVaT(nn.Module):
         )
 
     def classify(self, features: Tensor, *, fold: bool = False) -> Tensor:
-        """Return logits (..., K) of features (..., D): tree nodes can be asked, too."""
+        """Return logits (..., K) of features (..., D), such as F-hat or tree nodes."""
         if self.settings.feature_scale == "literal":
             return linear(features, self.classifier)
         directions = (
@@ -215,7 +216,7 @@ class OmniVaT(nn.Module):
         return logits
 
     def _directions(self) -> Tensor:
-        """Return the classes' directions (K, D), of the length of the logits' scale."""
+        """Return the class directions (K, D); their length is the logit scale."""
         return self.settings.logit_scale * normalize(self.classifier, dim=-1)
 
     def _mean(self, found: Tensor, root: Tensor, fold: bool) -> Tensor | None:
@@ -223,11 +224,11 @@ class OmniVaT(nn.Module):
         if self.settings.generation == "none":
             return None
         if self.settings.generation == "interpolation":
-            return root / len(found)  # points lie evenly between the features
+            return root / len(found)  # points are evenly spaced between the features
         return linear(root, *(self._fold_tree() if fold else self.dtg.fold()))
 
     def _alone(self, found: Tensor, fold: bool) -> Tensor:
-        """Return F-hat (M, B, D) of each modality with the other image absent: T is its own F-bar."""
+        """Return F-hat (M, B, D) of each modality with the other image absent: T is its F-bar."""
         if not self.settings.tree_at_inference:
             return found
         means = [self._mean(rows[None], rows, fold) for rows in found]
@@ -254,15 +255,15 @@ class OmniVaT(nn.Module):
         token_on: Tensor | None = None,
         order: Tensor | None = None,
     ) -> TrainingOutput:
-        """Run one batch with LANG and class tokens, as the losses need it.
+        """Run one training batch with LANG and class tokens.
 
-        vis, tac  (B, input_width), one of which may be None
+        vis, tac  (B, input_width); one may be None
         lang      (B, lang_width) of each pair's class, or None
         labels    (B,) class indices
-        lang_on   (B,) bool: pairs whose VIS and TAC are guided by LANG; all where None
-        token_on  (B,) bool: pairs that see their own class's token; others see the
-                  class-agnostic one, as in prediction, where labels are not known
-        order     () or (B,) float64: orders in place of the learned one; no gradient reaches them
+        lang_on   (B,) bool: pairs whose VIS and TAC are guided by LANG; None: all
+        token_on  (B,) bool: pairs that use the token of their class; the others use the
+                  class-agnostic one, as in prediction
+        order     () or (B,) float64: orders that replace the learned one, without gradient
         """
         given = {n: e for n, e in (("vis", vis), ("tac", tac)) if e is not None}
         return training_pass(
@@ -271,16 +272,15 @@ class OmniVaT(nn.Module):
 
     @property
     def length(self) -> float:
-        """Length given to a unit vector before the transform: √D, so that entries are near 1."""
+        """Length of an embedding before the transform: √D, so that entries are near 1."""
         return 1.0 if self.settings.feature_scale == "literal" else float(self.settings.width**0.5)
 
     def embedded(self, given: Mapping[str, Tensor]) -> Tensor:
-        """Return embeddings (M, B, D) as the transform wants them: projected, of length √D.
+        """Return embeddings (M, B, D) for the transform: projected, of length √D.
 
-        given  VIS and TAC (B, input_width), or LANG alone (B, lang_width), as the encoders gave
-               them
+        given  VIS and TAC (B, input_width), or LANG alone (B, lang_width), from the encoders
 
-        Raises DataError where nothing is given, ShapeError for other widths or numbers of pairs.
+        Raises DataError if none is given, ShapeError for wrong widths or unequal numbers of pairs.
         """
         if not given:
             raise DataError("Neither VIS nor TAC was given; give one of them or both.")
@@ -316,20 +316,20 @@ def _by_name(names: tuple[str, ...], channels: Tensor) -> dict[str, Tensor]:
 
 
 def _rows(order: float | Tensor, rows: slice) -> float | Tensor:
-    """Return the orders of some pairs, where each has its own; one order serves all."""
+    """Return the orders of some pairs; a single order serves all."""
     apart = isinstance(order, Tensor) and order.ndim == 1 and len(order) > 1
     return order[rows] if apart and isinstance(order, Tensor) else order
 
 
 def build_head(settings: HeadSettings, *, seed: int = 0) -> OmniVaT:
-    """Return a head with fresh weights that depend on `seed` alone."""
+    """Return a head with initial weights; they depend on `seed` only."""
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(seed)
         return OmniVaT(settings)
 
 
 def parameter_count(settings: HeadSettings) -> int:
-    """Return how many trainable numbers the head has, without making them."""
+    """Return the number of trainable parameters, without allocating them."""
     with torch.device("meta"):
         head = OmniVaT(replace(settings, tree_init="default"))
     return sum(p.numel() for p in head.parameters() if p.requires_grad)

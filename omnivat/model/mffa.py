@@ -16,13 +16,13 @@ MODALITIES = ("lang", "vis", "tac")
 
 
 def expanded(parts: Tensor, theta: Tensor) -> Tensor:
-    """Expand by θ_e, then ReLU on each part: the tokens that attention sees.
+    """Expand by θ_e and apply ReLU to each part; the results are the tokens.
 
     parts   (B, C, D) channels of the transformed embedding, such as its real and imaginary part
-    theta   (E,) the expansion; it commutes with the transform, which is linear
+    theta   (E,) the expansion; it commutes with the linear transform
     return  (B, C E, D), E real tokens and then E imaginary ones
 
-    The tokens are multiples of at most four vectors: the rank is 4 whatever E is.
+    The tokens are multiples of at most four vectors, so their rank is at most 4 for every E.
     Source: paper, Eq. 3, with Re and Im stacked as tokens.
     """
     tokens = torch.relu(theta[:, None] * parts[:, :, None, :])  # (B, C, E, D)
@@ -30,7 +30,7 @@ def expanded(parts: Tensor, theta: Tensor) -> Tensor:
 
 
 class Expanded(NamedTuple):
-    """Transformed embeddings, and the base vectors that their tokens are multiples of."""
+    """Transformed embeddings, and the base vectors of their tokens."""
 
     parts: Tensor  # (2, M, B, D) Re and Im
     base: Tensor  # (r, M, B, D)
@@ -40,9 +40,9 @@ class Expanded(NamedTuple):
 class MFFA(nn.Module):
     """Multimodal fractional Fourier adapter (MFFA).
 
-    Holds the order p (one for all modalities, or one each; float64: rounding it to float32 moves
-    the transform by 1e-5), θ_e for each modality, FrATT, and the bank of class tokens. Switched
-    off it holds nothing that is learned.
+    Its parameters are the order p (one for all modalities or one each), θ_e for each modality,
+    FrATT, and the bank of class tokens. p is float64, because rounding it to float32 changes the
+    transform by 1e-5. With MFFA switched off, nothing is learned here.
     Source: paper, Eq. 3 to 6.
     """
 
@@ -50,7 +50,7 @@ class MFFA(nn.Module):
     fratt: FrATT
     bank: Tensor
     bank_seen: Tensor
-    as_printed = False  # compute token by token, as `attend` does: slower, the same answer
+    as_printed = False  # compute token by token, like `attend`: slower, same result
 
     def __init__(self, settings: HeadSettings) -> None:
         super().__init__()
@@ -76,11 +76,11 @@ class MFFA(nn.Module):
 
     @property
     def has_closed_form(self) -> bool:
-        """Whether `closed` knows the gradients of what becomes of complex numbers."""
+        """True if `closed` has gradients for this `complex_to_real`."""
         return self.real in ("tokens", "real")
 
     def orders(self, names: Sequence[str]) -> Tensor:
-        """Return the learned order: () for all, or (M, 1), one for each of the modalities."""
+        """Return the learned order: () for all modalities, or (M, 1) for each."""
         if self.order.ndim == 0:
             return self.order
         return self.order[[MODALITIES.index(name) for name in names], None]
@@ -88,25 +88,25 @@ class MFFA(nn.Module):
     def parts(
         self, names: Sequence[str], embedding: Tensor, order: Tensor | float | None = None
     ) -> Tensor:
-        """Transform embeddings (M, B, D), by the learned order if None -> Re and Im, (2, M, B, D)."""
+        """Transform embeddings (M, B, D) to Re and Im (2, M, B, D). order None: the learned one."""
         return dfrft(embedding, self.orders(names) if order is None else order, planar=True)
 
     def channels(self, parts: Tensor) -> Tensor:
-        """Return what becomes tokens: Re and Im, their modulus, or Re. (2, ...) -> (C, ...)."""
+        """Return the channels for tokens: Re and Im, their modulus, or Re. (2, ...) -> (C, ...)."""
         if self.real == "magnitude":
             modulus: Tensor = torch.linalg.vector_norm(parts, dim=0, keepdim=True)
             return modulus
         return parts[:1] if self.real == "real" else parts
 
     def thetas(self, names: Sequence[str]) -> Tensor:
-        """Return θ_e (M, E) as it multiplies the channels; a modulus takes its modulus."""
+        """Return θ_e (M, E), the factor of the channels; for the modulus, |θ_e|."""
         theta = torch.stack([self.theta[name] for name in names])
         return theta.abs() if self.real == "magnitude" else theta
 
     # ---- class tokens ------------------------------------------------------------------------
 
     def class_agnostic_tokens(self, names: Sequence[str]) -> Tensor:
-        """Return the mean (M, D) of the class tokens seen in training: labels are not needed."""
+        """Return the mean (M, D) over the class tokens of training; it needs no labels."""
         seen = self.bank_seen.to(self.bank.dtype)
         rows = self.bank[[MODALITIES.index(name) for name in names]]
         mean: Tensor = (seen @ rows) / seen.sum().clamp_min(1)
@@ -135,15 +135,16 @@ class MFFA(nn.Module):
         self.bank_seen |= count[:, 0] > 0
 
     def expand(self, names: Sequence[str], parts: Tensor) -> Expanded:
-        """Return what the tokens of parts (2, M, B, D) are made of."""
+        """Return the base vectors of the tokens of parts (2, M, B, D)."""
         channels = self.channels(parts)
         table = factored.tables(self.thetas(names), len(channels))
         return Expanded(parts, factored.base_vectors(channels, table.halves.shape[1]), table)
 
     def mean_tokens(self, own: Expanded) -> Tensor:
-        """Return the mean over its tokens of every sample (M, B, D).
+        """Return the mean (M, B, D) over the tokens of each sample.
 
-        With complex attention it is that of the real tokens, to which class tokens are added.
+        With complex attention it is the mean of the real tokens, because class tokens are added to
+        them.
         """
         if self.real == "hermitian":
             return factored.mean_channels(own.base, own.table)[0]
@@ -160,11 +161,11 @@ class MFFA(nn.Module):
         guided: Tensor | None = None,
         token: Tensor | None = None,
     ) -> Tensor:
-        """Return F-bar (M, B, D) of several modalities; equals `attend` on each.
+        """Return F-bar (M, B, D) of several modalities; equal to `attend` on each.
 
         own     from `expand`
-        guide   (B, D) F-bar of LANG: replaces token queries where guided (B,) is true
-        token   (M, B, D) or (M, 1, D) class tokens; the class-agnostic ones where None
+        guide   (B, D) F-bar of LANG: replaces token queries where guided (B,) is True
+        token   (M, B, D) or (M, 1, D) class tokens; None: the class-agnostic ones
         """
         if not self.class_token:
             token = None
@@ -220,11 +221,11 @@ class MFFA(nn.Module):
         guided: Tensor | None = None,
         token: Tensor | None = None,
     ) -> Attended:
-        """Return F-bar of one modality and where it looked, token by token as printed.
+        """Return F-bar of one modality and its attention weights, token by token as printed.
 
         parts   (B, 2, D) Re and Im of the transformed embedding
         guide, guided  as in `features`
-        token   (B, D) or (D,) class token F_g; the class-agnostic one where None
+        token   (B, D) or (D,) class token F_g; None: the class-agnostic one
         return  feature (B, D), of unit length unless feature_scale is "literal", and weights
         """
         channels = self.channels(parts.movedim(1, 0)).movedim(0, 1)
@@ -257,15 +258,15 @@ class MFFA(nn.Module):
 
 
 def _halved(tokens: Tensor) -> Tensor:
-    """Return real and imaginary tokens apart: (B, 2E, D) -> (B, 2, E, D)."""
+    """Separate real and imaginary tokens: (B, 2E, D) -> (B, 2, E, D)."""
     return tokens.reshape(len(tokens), 2, -1, tokens.shape[-1])
 
 
 def _theta(settings: HeadSettings) -> Tensor:
-    """Return θ_e (E,) at the start of training.
+    """Return the initial θ_e (E,).
 
-    Equal numbers have equal gradients and stay equal, so E tokens would be E copies of one: E = 4
-    would equal E = 1. "spread" sets them evenly from 0.5 to 1.5, which breaks the symmetry.
+    Equal numbers have equal gradients and stay equal: E tokens would be E copies of one. "spread"
+    sets them evenly from 0.5 to 1.5, which breaks the symmetry.
     """
     count = settings.expansion
     if settings.theta_init == "spread" and count > 1:

@@ -1,11 +1,12 @@
-"""The head's output: class probabilities of every reading, and every stage on the way to them.
+"""The head's output: class probabilities of every reading, and all stages.
 
-A reading says which images a prediction is made from:
+A reading is a prediction from certain images:
 
 fused       both images
 vis, tac    the photo alone, the touch alone: the other image is absent
-vis_branch, tac_branch  one branch inside a pair. DTG grows from T = F-bar of VIS plus F-bar of TAC, so
-            a branch has the other image in it and is no single-modality reading
+vis_branch, tac_branch  one branch inside a pair. DTG grows from T = F-bar of VIS plus F-bar of TAC,
+so
+            a branch depends on both images and is not a single-modality reading
 """
 
 from collections.abc import Sequence
@@ -23,16 +24,16 @@ READINGS = ("fused", "vis", "tac", "vis_branch", "tac_branch")
 class HeadOutput:
     """Predictions for B pairs, and the features behind them, by modality ("vis", "tac").
 
-    Only modalities that were given are there.
-    logits     (B, K) of the cosine classifier, one branch each
-    alone      (B, K) the same with the other image absent: equal to a call with this one alone
+    It contains only the given modalities.
+    logits     (B, K) of the cosine classifier, for each branch
+    alone      (B, K) the same with the other image absent, as in a call with one image
     pair       (B, K) of the sum of both F-hat
-    fusion     how branches become one prediction, and what was fitted on held-out source pairs
+    fusion     late fusion of the branches, and its calibration on held-out source pairs
     frft       (B, 2, D) Re and Im of the transformed embedding
     relu       (B, 2, D) F: after θ_e and ReLU, mean over the E tokens
     f_bar      (B, D) after FrATT;  f_hat  (B, D) after DTG
-    attention  (B, T, T) weights, where asked for; T = 2E tokens, or E where Re and Im are one
-    nodes      (B, 2^R - 1, D) tree nodes in heap order, where asked for and there are any
+    attention  (B, T, T) weights, if requested; T = 2E tokens, or E if Re and Im are one channel
+    nodes      (B, 2^R - 1, D) tree nodes in heap order, if requested and present
     """
 
     logits: dict[str, Tensor]
@@ -62,7 +63,7 @@ class HeadOutput:
 
     @property
     def probabilities(self) -> Tensor:
-        """Class probabilities (B, K) from all that was given."""
+        """Class probabilities (B, K) from all given images."""
         if len(self.logits) == 1:
             return next(iter(self.alone_probabilities.values()))
         return fuse(self.fusion, self.logits, self.pair, self.calibration)
@@ -79,7 +80,7 @@ class HeadOutput:
 
     @property
     def readings(self) -> dict[str, Tensor]:
-        """Class probabilities (B, K) by reading; branches only where both images were given."""
+        """Class probabilities (B, K) by reading; branches only if both images are given."""
         found = {"fused": self.probabilities, **self.alone_probabilities}
         if len(self.logits) > 1:
             found |= {f"{name}_branch": p for name, p in self.branch_probabilities.items()}
@@ -90,14 +91,14 @@ class HeadOutput:
 class TrainingOutput:
     """What the losses need from one forward pass in training."""
 
-    features: dict[str, Tensor]  # F-bar: "vis", "tac" and "lang" where there is LANG; (B, D)
-    layers: list[Tensor]  # groups (B, n, D) that NOD looks at: the tree's levels, root first
+    features: dict[str, Tensor]  # F-bar (B, D): "vis", "tac", and "lang" if present
+    layers: list[Tensor]  # groups (B, n, D) for NOD: the tree's levels, root first
     logits: dict[str, Tensor]  # (B, K)
     tokens: dict[str, Tensor]  # mean token (B, D) of each modality, for the bank of class tokens
 
 
 def joined(outputs: Sequence[HeadOutput]) -> HeadOutput:
-    """Return the output of many pairs from those of chunks of them."""
+    """Concatenate the outputs of chunks of pairs."""
     first = outputs[0]
 
     def cat(name: str) -> dict[str, Tensor]:

@@ -1,4 +1,4 @@
-"""Whole heads by name: the profiles that the paper's parameter counts were read with."""
+"""Named settings of whole heads, by which the paper's parameter counts were checked."""
 
 from dataclasses import replace
 
@@ -7,7 +7,7 @@ from omnivat.model.settings import HeadSettings, literal
 from omnivat.tables import suggestion
 
 PROFILES = ("core", "match", "literal", "light")
-STYLE_NUMBERS = 80 * 512  # of PromptStyler's word vectors, which no head holds
+STYLE_NUMBERS = 80 * 512  # of PromptStyler's word vectors, which are not part of a head
 
 
 def settings_for_profile(
@@ -16,9 +16,10 @@ def settings_for_profile(
     """Return the settings of a named head.
 
     core     D = 512, projections only where widths differ: 4.47 M at the widths of CLIP ViT-B/16
-    match    with learned projections, one of images and one of text: 4.99 M, and 5.03 M with the styles,
-             as near to the paper's 5.1 M as its equations come
-    literal  the core as printed; known not to train
+    match    with learned projections, one for images and one for text: 4.99 M, and 5.03 M with the
+    styles,
+             the closest that the equations come to the paper's 5.1 M
+    literal  the core as printed; it does not train
     light    D = 64: 0.17 M, and 0.21 M with the styles (the paper's 0.2 M)
 
     Raises SettingsError for an unknown name.

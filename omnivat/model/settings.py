@@ -1,4 +1,4 @@
-"""Everything that shapes the head, frozen and flat."""
+"""Settings of the head, frozen and flat."""
 
 from dataclasses import dataclass, replace
 
@@ -18,33 +18,34 @@ COMPLEX_TO_REAL = ("tokens", "hermitian", "magnitude", "real")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HeadSettings:
-    """How an OmniVaT head is built. Letters are the paper's; defaults are docs/method.md's."""
+    """How an OmniVaT head is built. Letters as in the paper; docs/method.md explains the
+    defaults."""
 
     classes: tuple[str, ...]
     input_width: int  # of the image encoder
     lang_width: int = 384  # of the LANG bank
     width: int = 512  # D
-    project: bool = False  # learn input projections even where widths agree
+    project: bool = False  # learn input projections even if widths agree
     shared_projection: bool = False  # one map for VIS and TAC (docs/decisions/0004)
-    expansion: int = 4  # E, tokens a modality is expanded to
-    levels: int = 3  # R, tree levels with the root
-    order: float = 0.5  # p at the start, in quarter turns
+    expansion: int = 4  # E, tokens for each channel
+    levels: int = 3  # R, tree levels, root included
+    order: float = 0.5  # initial p, in quarter turns
     learn_order: bool = True
     ffn_ratio: int = 4
     class_token: bool = True  # F_g
-    tree_at_inference: bool = True  # off is the paper's Alg. 2 to the letter
+    tree_at_inference: bool = True  # off: Alg. 2 of the paper as printed
     attention_scale: str = "inside"  # of the softmax; "outside" is Eq. 4 as printed
-    feature_scale: str = "unit"  # "literal" uses embeddings and features as they come
-    theta_init: str = "spread"  # equal numbers would stay equal: E tokens would be one
+    feature_scale: str = "unit"  # "literal" does not normalize embeddings and features
+    theta_init: str = "spread"  # equal numbers would stay equal
     tree_init: str = "orthogonal"
     logit_scale: float = 10.0  # of the cosine classifier
-    generation: str = "tree"  # of nodes; series and parallel hold as many matrices, the rest none
-    mffa: bool = True  # off: the tree grows from the embeddings themselves
+    generation: str = "tree"  # of nodes; series and parallel have as many matrices, the rest none
+    mffa: bool = True  # off: the tree grows from the embeddings
     complex_to_real: str = "tokens"  # Re and Im as tokens, |F|, Re alone, or complex attention
-    order_per_modality: bool = False  # a p each for LANG, VIS and TAC
+    order_per_modality: bool = False  # separate p for LANG, VIS and TAC
     guide: str = "both"  # F-bar of LANG in training: added to embeddings (Eq. 5), query (Eq. 6)
-    guide_length: str = "embedding"  # of that F-bar: √D as embeddings have it, or 1 as printed
-    fusion: str = "mean"  # of the VIS and TAC branches when predicting (model/fusion.py)
+    guide_length: str = "embedding"  # of that F-bar: √D like embeddings, or 1 as printed
+    fusion: str = "mean"  # late fusion of VIS and TAC in prediction (model/fusion.py)
 
     def __post_init__(self) -> None:
         for name, low, high in (
@@ -78,29 +79,29 @@ class HeadSettings:
 
     @property
     def guides_by_default(self) -> bool:
-        """Whether LANG guides as the closed form of training has it."""
+        """True if LANG guides in the default way, which the closed form covers."""
         return self.guide == "both" and self.guide_length == "embedding"
 
     @property
     def edges(self) -> int:
-        """How many matrices grow nodes: 2^R - 2, or none."""
+        """The number of matrices that grow nodes: 2^R - 2, or none."""
         return 2**self.levels - 2 if self.generation in ("tree", "series", "parallel") else 0
 
     @property
     def projects(self) -> bool:
-        """Whether embeddings pass a learned linear map to width D first."""
+        """True if a learned linear map projects embeddings to width D."""
         return self.project or self.input_width != self.width
 
     @property
     def projects_apart(self) -> bool:
-        """Whether VIS and TAC pass a map each."""
+        """True if VIS and TAC have separate maps."""
         return self.projects and not self.shared_projection
 
 
 def literal(settings: HeadSettings) -> HeadSettings:
-    """Return the settings that follow the printed equations where ours differ.
+    """Return the settings that follow the printed equations.
 
-    Known not to train: features stay so small that biases and NOD swamp the classes.
+    Such a head does not train: its features are so small that biases and NOD dominate.
     """
     return replace(
         settings, attention_scale="outside", feature_scale="literal", tree_at_inference=False

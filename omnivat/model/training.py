@@ -1,4 +1,4 @@
-"""One batch through the head as the losses need it: with LANG, class tokens and the whole tree."""
+"""One training batch through the head: with LANG, class tokens and the whole tree."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def _closed(
     token_on: Tensor | None,
     order: Tensor | None,
 ) -> TrainingOutput:
-    """The same with gradients in closed form: half the time of a step of the light head."""
+    """The same with closed-form gradients: half the time for a step of the light head."""
     mffa, names = model.mffa, tuple(given) if lang is None else ("lang", *given)
     text = None if lang is None else model.embedded({"lang": lang})
     mix, agnostic = None, None
@@ -132,12 +132,12 @@ def _output(
 
 
 def grow(model: OmniVaT, found: Tensor, root: Tensor) -> Grown | None:
-    """Return all nodes of features (M, B, D) with the root (B, D), or None where none grow."""
+    """Return all nodes of features (M, B, D) with the root (B, D), or None without generation."""
     if model.settings.generation == "none":
         return None
     if model.settings.generation == "interpolation":
         points = interpolated(list(found), model.settings.levels)
-        return Grown(points, [root[:, None]])  # on one line: NOD does not apply
+        return Grown(points, [root[:, None]])  # points on a line: NOD does not apply
     return model.dtg.grow(root)
 
 
@@ -149,9 +149,9 @@ def _class_tokens(
     token_on: Tensor | None,
     tokens: dict[str, Tensor],
 ) -> Tensor | None:
-    """Return class tokens (M, B, D): a pair's own class's, or the class-agnostic one.
+    """Return class tokens (M, B, D): of the pair's class, or the class-agnostic one.
 
-    The mean token of each pair goes into `tokens`, for the bank.
+    The mean token of each pair is added to `tokens`, for the bank.
     """
     if not model.settings.class_token:
         return None
@@ -164,11 +164,11 @@ def _class_tokens(
 
 
 def class_means(values: Tensor, labels: Tensor) -> Tensor:
-    """Return for each sample the mean over its class in the batch: (..., B, D), (B,) -> same."""
+    """Return each sample's class mean in the batch: (..., B, D), (B,) -> (..., B, D)."""
     return class_mix(labels, values.dtype) @ values
 
 
 def class_mix(labels: Tensor, dtype: torch.dtype) -> Tensor:
-    """Return (B, B): in row i, one part of n for each of the n samples of i's class."""
+    """Return (B, B): row i is 1/n at the n samples of the class of i, else 0."""
     same = (labels[:, None] == labels[None]).to(dtype)
     return same / same.sum(1, keepdim=True)

@@ -74,7 +74,8 @@ class AttentionBack(NamedTuple):
 
 
 def asker_table(tokens: Tensor, guided: bool) -> Tensor:
-    """Return (M, A, Q): each token plus the bias is a query; the last query is the guide, bias included."""
+    """Return (M, A, Q): the queries are each token plus the bias, then the guide (bias
+    included)."""
     count, rank, queries = tokens.shape
     table = tokens.new_zeros(count, rank + 1 + guided, queries + guided)
     table[:, :rank, :queries] = tokens
@@ -85,7 +86,8 @@ def asker_table(tokens: Tensor, guided: bool) -> Tensor:
 
 
 def query_shares(tokens: Tensor, guided: Tensor | None) -> Tensor:
-    """Return the weights (B or 1, Q) of the queries: all tokens equally; where guided (B,), the guide."""
+    """Return query weights (B or 1, Q): all tokens equally, or the guide alone where guided
+    (B,)."""
     queries = tokens.shape[-1]
     if guided is None:
         return tokens.new_full((1, queries), 1 / queries)
