@@ -5,15 +5,18 @@ from typing import Any
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch import Tensor
 
 from omnivat.checkpoint import Head
+from omnivat.data.arrays import walked
 from omnivat.data.store import Embeddings
 from omnivat.errors import DataError
 from omnivat.gaps.confusion import accuracy, confusion, macro_f1
 from omnivat.model.head import OmniVaT
 from omnivat.model.output import HeadOutput
 
+Rows = NDArray[np.int64]
 CHUNK = 512  # pairs a forward pass: memory stays bounded for any set
 
 
@@ -23,6 +26,7 @@ def predicted_probabilities(
     *,
     order: float | None = None,
     modalities: Sequence[str] = ("vis", "tac"),
+    rows: Rows | None = None,
 ) -> dict[str, Tensor]:
     """Return class probabilities (N, K) by reading (omnivat/model/output.py).
 
@@ -31,10 +35,12 @@ def predicted_probabilities(
 
     order       quarter turns; the learned one where None
     modalities  what the head is given: "vis", "tac" or both
+    rows        indices of the pairs; all where None
 
     Raises DataError where there are no pairs.
     """
-    return _joined([output.readings for output in _outputs(model, embeddings, order, modalities)])
+    outputs = _outputs(model, embeddings, order, modalities, rows)
+    return _joined([output.readings for output in outputs])
 
 
 def predicted_logits(
@@ -57,18 +63,17 @@ def _joined(batches: Sequence[dict[str, Tensor]]) -> dict[str, Tensor]:
 
 @torch.inference_mode()
 def _outputs(
-    model: OmniVaT, embeddings: Embeddings, order: float | None, modalities: Sequence[str]
+    model: OmniVaT,
+    embeddings: Embeddings,
+    order: float | None,
+    modalities: Sequence[str],
+    rows: Rows | None = None,
 ) -> Iterator[HeadOutput]:
     device = model.classifier.device
-    for start in range(0, len(embeddings), CHUNK):
-        rows = slice(start, start + CHUNK)
-        given = {
-            name: torch.from_numpy(np.array(getattr(embeddings, name)[rows])).to(device)
-            if name in modalities
-            else None
-            for name in ("vis", "tac")
-        }
-        yield model(given["vis"], given["tac"], order=order)
+    blocks = [walked(getattr(embeddings, name), rows, size=CHUNK) for name in modalities]
+    for some in zip(*blocks, strict=True):
+        given = {n: torch.from_numpy(b).to(device) for n, b in zip(modalities, some, strict=True)}
+        yield model(given.get("vis"), given.get("tac"), order=order)
 
 
 def label_map(head_classes: Sequence[str], data_classes: Sequence[str]) -> np.ndarray[Any, Any]:
@@ -103,25 +108,26 @@ def evaluate(
     head.require_embeddings(embeddings)
     given = trained_modalities(head) if modalities is None else tuple(modalities)
     return [
-        _evaluate_domain(head, embeddings.in_domain(name, split="test"), name, order, given)
-        for name in embeddings.header.domains
+        _evaluate_domain(head, embeddings, name, order, given) for name in embeddings.header.domains
     ]
 
 
 def _evaluate_domain(
     head: Head,
-    pairs: Embeddings,
+    embeddings: Embeddings,
     domain: str,
     order: float | None,
     modalities: Sequence[str],
 ) -> dict[str, Any]:
     classes = head.settings.classes
-    labels = label_map(classes, pairs.header.classes)[pairs.label]
+    rows = embeddings.rows_of(domain, split="test")
+    labels = label_map(classes, embeddings.header.classes)[embeddings.label[rows]]
     known = labels >= 0
+    split = embeddings.rows["split"]
     record: dict[str, Any] = {
         "domain": domain,
         "is_source": domain == head.source,
-        "trained_on": domain == head.source and not any(pairs.rows["split"]),
+        "trained_on": domain == head.source and not any(split[row] for row in rows),
         "order": head.model.order if order is None else order,
         "pairs": int(known.sum()),
         "left_out": int((~known).sum()),
@@ -130,7 +136,7 @@ def _evaluate_domain(
         return record | {"scores": {}}
     truth = torch.from_numpy(labels[known])
     probabilities = predicted_probabilities(
-        head.model, pairs.select(known), order=order, modalities=modalities
+        head.model, embeddings, order=order, modalities=modalities, rows=rows[known]
     )
     answers = {name: values.argmax(-1) for name, values in probabilities.items()}
     record["scores"] = {name: _scores(truth, answer) for name, answer in answers.items()}

@@ -1,5 +1,6 @@
 """Explore: the whole set on a map that answers while p moves."""
 
+from base64 import b64encode
 from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 
 TITLE = "Explore"
 NEIGHBOURS = 6
+STEPS = 10_000  # of a share or a cosine: four digits
 
 
 def neighbours(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
@@ -89,6 +91,7 @@ def staged(model: "OmniVaT", embeddings: "Embeddings", stage: str, order: float)
 def unseen(resources: Resources) -> dict[str, Any]:
     """Return how the first head does in domains that it never saw; see `omnivat.unseen`.
 
+    What is known of each pair is `packed`: a list of numbers would take five times as many bytes.
     Raises DataError where head and set do not fit.
     """
     from omnivat.unseen import unseen_summary
@@ -96,8 +99,35 @@ def unseen(resources: Resources) -> dict[str, Any]:
     kept = resources.answers.get("unseen")
     if kept is None:
         found = unseen_summary(resources.head(), resources.embeddings())
+        known = found["pairs"]
+        found["pairs"] = {
+            "counts": packed(known["counts"], "u1"),
+            "answers": {
+                name: packed(answer, "u1" if len(found["classes"]) <= 256 else "u2")
+                for name, answer in known["answers"].items()
+            },
+            "confidence": packed(known["confidence"], "u2", STEPS),
+            "cosine": packed(known["cosine"], "i2", STEPS),
+        }
         kept = resources.answers.keep("unseen", found)
     return kept
+
+
+def packed(values: "Array", kind: str, steps: int = 1) -> dict[str, Any]:
+    """Return numbers (N,) as whole numbers of 1 / steps, little-endian, in base64: for JSON.
+
+    kind  "u1", "u2" or "i2", as numpy names it
+
+    Raises DataError where a number is not finite.
+    """
+    import numpy as np
+
+    if not np.isfinite(values).all():
+        raise DataError(
+            "The head gives values that are not finite numbers; its weights are damaged. Train it again."
+        )
+    whole = np.rint(values.astype(np.float64) * steps).astype(f"<{kind}")
+    return {"kind": kind, "steps": steps, "data": b64encode(whole.tobytes()).decode()}
 
 
 def pairs(resources: Resources) -> dict[str, list[str]]:

@@ -12,21 +12,27 @@ from omnivat.errors import SettingsError
 if TYPE_CHECKING:
     from torch import Tensor
 
+    from omnivat.checkpoint import Head
     from omnivat.data.store import Embeddings
 
 STAGES = ("raw", "frft", "relu", "f_bar", "f_hat")
 LARGE = 50_000  # pairs from which the cost is told first
-SECONDS_A_PAIR = 6e-5  # one stage at one order, measured on two cores at width 512
-STILL = ("raw", "frft")  # the same at every order
+COPIES = 2  # of the features that are held at once
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StageFeatures:
-    """Rows of VIS and TAC, (N, W) each, and where they come from; order is None at "raw"."""
+    """Points (2N, W) of length one, VIS above TAC, and where they come from; no order at "raw"."""
 
     embeddings: "Embeddings"
-    rows: "dict[str, Tensor]"
+    points: "Tensor"
     order: float | None
+
+    @property
+    def rows(self) -> "dict[str, Tensor]":
+        """Rows of VIS and TAC, (N, W) each."""
+        vis, tac = self.points.chunk(2)
+        return {"vis": vis, "tac": tac}
 
     @property
     def about(self) -> str:
@@ -58,46 +64,67 @@ def add_stage(parser: argparse.ArgumentParser) -> None:
 
 
 def size_warning(pairs: int, width: int) -> str:
-    """Return how much memory and time a large set will take, roughly; "" for a small one.
+    """Return how much memory a large set will take, roughly; "" for a small one.
 
-    Seven copies of single-precision rows are held at most; a stage costs what `docs/scale.md` has.
+    Features of a stage are held once, and as much again while they are measured; the two stages of
+    the transform are twice as wide, for Re and Im.
     """
     if pairs <= LARGE:
         return ""
-    memory, minutes = 7 * 2 * 4 * pairs * width / 1e9, pairs * SECONDS_A_PAIR / 60
+    memory = COPIES * 2 * 4 * pairs * width / 1e9
     return (
-        f"{pairs:,} pairs of width {width}: about {memory:.1f} GB and {max(1, minutes):.0f} min or "
-        "more; --sample 20000 takes a random part"
+        f"{pairs:,} pairs of width {width}: about {memory:.1f} GB and some minutes (docs/scale.md has "
+        "the times of one machine); --sample 20000 takes a random part"
     )
 
 
-def stage_features(options: argparse.Namespace) -> StageFeatures:
-    """Load what the options name and compute that one stage; no head is loaded for "raw"."""
+def stage_features(options: argparse.Namespace, *, by_domain: bool = False) -> StageFeatures:
+    """Load what the options name and compute that one stage; no head is loaded for "raw".
+
+    by_domain  put the points in the order of their domains, so that a domain's lie together
+    """
     import numpy as np
     import torch
 
     from omnivat.data.store import load_embeddings
-    from omnivat.devices import current
 
     if options.sample < 0:
         raise SettingsError(f"--sample is {options.sample}; give a number of pairs, or 0 for all.")
     embeddings = load_embeddings(options.embeddings).sampled(options.sample)
     if told := size_warning(len(embeddings), embeddings.width):
         print(told, file=sys.stderr, flush=True)
-    device = current()
-    if options.stage == "raw":
-        rows = {
-            name: torch.from_numpy(np.array(getattr(embeddings, name), dtype=np.float32)).to(device)
-            for name in ("vis", "tac")
-        }
-        return StageFeatures(embeddings=embeddings, rows=rows, order=None)
-    from omnivat.checkpoint import load_head
-    from omnivat.sweep import walk
+    place = np.arange(len(embeddings))
+    if by_domain:
+        place[np.argsort(embeddings.domain, kind="stable")] = np.arange(len(embeddings))
+    head, order = None, None
+    if options.stage != "raw":
+        from omnivat.checkpoint import load_head
 
-    head = load_head(options.head)
-    head.require_embeddings(embeddings)
-    order = head.model.order if options.order is None else options.order
-    found = next(iter(walk(head.model, embeddings, [order], stages=[options.stage], answers=False)))
-    return StageFeatures(
-        embeddings=embeddings, rows=dict(found.features[options.stage]), order=order
-    )
+        head = load_head(options.head)
+        head.require_embeddings(embeddings)
+        order = head.model.order if options.order is None else options.order
+    points = _points(head, embeddings, order, options.stage, torch.from_numpy(place))
+    return StageFeatures(embeddings=embeddings, points=points, order=order)
+
+
+def _points(
+    head: "Head | None",
+    embeddings: "Embeddings",
+    order: float | None,
+    stage: str,
+    place: "Tensor",
+) -> "Tensor":
+    """Return unit rows (2N, W), each at its place among VIS, and then among TAC."""
+    import torch
+
+    from omnivat.devices import current
+    from omnivat.gaps.unit import unit
+    from omnivat.sweep.walk import stage_blocks
+
+    count, points = len(embeddings), torch.empty(0, 0)
+    for rows, found in stage_blocks(head.model if head else None, embeddings, order, stage):
+        for k, name in enumerate(("vis", "tac")):
+            if not len(points):
+                points = torch.empty(2 * count, found[name].shape[1], device=current())
+            points[k * count + place[rows]] = unit(found[name]).to(points)
+    return points

@@ -28,7 +28,7 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Compute the features, measure, print the matrices."""
-    found = stage_features(options)
+    found = stage_features(options, by_domain=True)
     record = {
         "stage": options.stage,
         "order": found.order,
@@ -56,42 +56,45 @@ def run(options: argparse.Namespace) -> None:
 
 
 def gaps_of(found: StageFeatures, measure: str) -> dict[str, Any]:
-    """Return "modality_gap": domain (or "all") -> value, "domain_gap": modality -> a -> b -> value."""
-    import torch
+    """Return "modality_gap": domain (or "all") -> value, "domain_gap": modality -> a -> b -> value.
+
+    found  points in the order of their domains, as `stage_features(by_domain=True)` gives them
+    """
+    import numpy as np
 
     from omnivat.gaps.domain import pairwise_gaps
-    from omnivat.gaps.unit import unit
     from omnivat.tables import load
 
     gap = load(GAPS, measure, kind="gap")
     names = found.embeddings.header.domains
-    domain = torch.from_numpy(found.embeddings.domain.copy())
-    members = {name: domain == i for i, name in enumerate(names) if bool((domain == i).any())}
-    units = {modality: unit(rows) for modality, rows in found.rows.items()}
-    everywhere = {"all": torch.ones_like(domain, dtype=torch.bool)}
-    modality_gap = {
-        name: float(gap(units["vis"][inside], units["tac"][inside]))
-        for name, inside in (everywhere | members).items()
+    sizes = np.bincount(found.embeddings.domain, minlength=len(names)).tolist()
+    sets = {
+        modality: {
+            name: rows for name, rows in zip(names, every.split(sizes), strict=True) if len(rows)
+        }
+        for modality, every in found.rows.items()
     }
+    vis, tac = found.rows["vis"], found.rows["tac"]
+    modality_gap = {"all": float(gap(vis, tac))}
+    modality_gap |= {name: float(gap(sets["vis"][name], sets["tac"][name])) for name in sets["vis"]}
     domain_gap: dict[str, dict[str, dict[str, float]]] = {}
-    for modality, rows in units.items():
-        table = {a: dict.fromkeys(members, 0.0) for a in members}
-        sets = {name: rows[inside] for name, inside in members.items()}
-        for (a, b), value in pairwise_gaps(sets, gap).items():
+    for modality, own in sets.items():
+        table = {a: dict.fromkeys(own, 0.0) for a in own}
+        for (a, b), value in pairwise_gaps(own, gap).items():
             table[a][b] = table[b][a] = float(value)
         domain_gap[modality] = table
     return {
         "modality_gap": modality_gap,
         "domain_gap": domain_gap,
-        **error_of(measure, units["vis"], units["tac"]),
+        **error_of(measure, vis, tac),
     }
 
 
 def error_of(measure: str, vis: "Tensor", tac: "Tensor") -> dict[str, float]:
     """Return the standard error of the gap over all pairs where the measure is an estimate."""
-    from omnivat.gaps.mmd import MOST_ROWS, mmd_rbf_estimate
+    from omnivat.gaps.mmd import is_estimated, mmd_rbf_estimate
 
-    if measure != "mmd_rbf" or len(vis) + len(tac) <= MOST_ROWS:
+    if measure != "mmd_rbf" or not is_estimated(vis, tac):
         return {}
     return {"standard_error": float(mmd_rbf_estimate(vis, tac).error)}
 

@@ -5,6 +5,7 @@ python -m omnivat project --out MAP.csv [--stage S] [--order P] [--method umap|p
 
 import argparse
 import csv
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,6 +16,8 @@ from omnivat.files import replacing, require_writable
 from omnivat.projection import PROJECTIONS
 
 if TYPE_CHECKING:
+    from torch import Tensor
+
     from omnivat.projection.quality import Quality
 
 COLUMNS = ("x", "y", "modality", "domain", "class", "pair", "name")
@@ -40,15 +43,12 @@ def run(options: argparse.Namespace) -> None:
     if options.out.suffix.lower() != ".csv":
         raise SettingsError(f"--out is '{options.out}'; name a file that ends in .csv.")
     require_writable(options.out)
-    import torch
-
-    from omnivat.gaps.unit import unit
     from omnivat.projection.quality import quality
     from omnivat.projection.torch_umap import MOST_ROWS
     from omnivat.tables import load
 
     found = stage_features(options)
-    points = unit(torch.cat([found.rows["vis"], found.rows["tac"]]))
+    points = found.points
     flat = load(PROJECTIONS, options.method, kind="map")(points, seed=options.seed)
     with (
         replacing(options.out) as temporary,
@@ -56,7 +56,7 @@ def run(options: argparse.Namespace) -> None:
     ):
         writer = csv.writer(handle)
         writer.writerow(COLUMNS)
-        writer.writerows(_rows(found, flat.tolist()))
+        writer.writerows(_rows(found, flat))
     print(f"{options.method} of {options.stage}: {found.about}")
     if len(points) >= LEAST:
         print(faithfulness(quality(points, flat, k=NEIGHBOURS)))
@@ -82,22 +82,19 @@ def faithfulness(found: "Quality") -> str:
     )
 
 
-def _rows(found: StageFeatures, flat: list[list[float]]) -> list[list[str]]:
-    """Return one row a point: all VIS, then all TAC, in the order of the pairs."""
+def _rows(found: StageFeatures, flat: "Tensor") -> Iterator[list[str]]:
+    """Give one row a point: all VIS, then all TAC, in the order of the pairs."""
     embeddings = found.embeddings
     header, count = embeddings.header, len(embeddings)
-    rows = []
-    for point, (x, y) in enumerate(flat):
+    for point, place in enumerate(flat):
+        x, y = place.tolist()
         modality, pair = ("vis", "tac")[point // count], point % count
-        rows.append(
-            [
-                f"{x:.6g}",
-                f"{y:.6g}",
-                modality,
-                header.domains[int(embeddings.domain[pair])],
-                header.classes[int(embeddings.label[pair])],
-                str(pair),
-                embeddings.rows[modality][pair],
-            ]
-        )
-    return rows
+        yield [
+            f"{x:.6g}",
+            f"{y:.6g}",
+            modality,
+            header.domains[int(embeddings.domain[pair])],
+            header.classes[int(embeddings.label[pair])],
+            str(pair),
+            embeddings.rows[modality][pair],
+        ]

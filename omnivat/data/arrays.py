@@ -6,10 +6,10 @@ block after block. The format: 8 bytes with the length of a JSON table, the tabl
 
 import json
 import mmap
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,8 @@ from omnivat.schema import tensor_table
 
 NAMES = {"F32": "<f4", "F16": "<f2", "I64": "<i8", "U8": "|u1"}
 MOST_COLUMNS = 64
+LARGE_BYTES = 64_000_000  # a larger array is mapped to be read only
+WALKED_BYTES = 32_000_000  # read of such an array before its pages are given back
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -69,7 +71,7 @@ def write_arrays(path: Path, columns: Mapping[str, Column], metadata: Mapping[st
 def read_arrays(path: Path) -> tuple[dict[str, NDArray[Any]], dict[str, str]]:
     """Return named arrays, mapped and not read, and the metadata.
 
-    An array may be written to; that changes memory, never the file.
+    An array of up to LARGE_BYTES may be written to; that changes memory, never the file.
     Raises DataError for a header that cannot be, SafetensorError when the file is cut short.
     """
     table, metadata, start = tensor_table(path, types=tuple(NAMES), most=MOST_COLUMNS)
@@ -88,12 +90,37 @@ def released(array: NDArray[Any]) -> None:
         mapped.madvise(mmap.MADV_DONTNEED)
 
 
+def walked(
+    array: NDArray[Any], rows: NDArray[np.int64] | None = None, *, size: int = 4096
+) -> Iterator[NDArray[Any]]:
+    """Give copies of an array's rows, `size` at a time, without holding a large mapped array.
+
+    rows  indices; every row where None
+    """
+    count, read = len(array) if rows is None else len(rows), 0
+    for start in range(0, count, size):
+        some = slice(start, start + size)
+        if rows is None:
+            block = np.array(array[some])
+            read += block.nbytes
+        else:  # pages are mapped whole, with those around them
+            block, own = np.array(array[rows[some]]), rows[some]
+            read += array[:1].nbytes * int(own.max() - own.min() + 1)
+        if read >= WALKED_BYTES or start + size >= count:
+            read = 0
+            if not array.flags.writeable:
+                released(array)
+        yield block
+
+
 def _mapped(path: Path, start: int, entry: Mapping[str, Any]) -> NDArray[Any]:
     code, shape = NAMES[entry["dtype"]], tuple(entry["shape"])
     if _size(entry["dtype"], shape) == 0:
         return np.empty(shape, code)
     offset = start + entry["data_offsets"][0]
-    return np.memmap(path, dtype=code, mode="c", offset=offset, shape=shape)
+    size = _size(entry["dtype"], shape)
+    mode: Literal["r", "c"] = "r" if size > LARGE_BYTES else "c"
+    return np.memmap(path, dtype=code, mode=mode, offset=offset, shape=shape)
 
 
 def _size(dtype: str, shape: tuple[int, ...]) -> int:

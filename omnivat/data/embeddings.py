@@ -88,7 +88,11 @@ class Embeddings:
         return replace(drawn, header=replace(self.header, origin=origin))
 
     def in_domain(self, name: str, *, split: str = "", part: str = "") -> "Embeddings":
-        """Return the pairs of one domain, of one split or part where named.
+        """Return the pairs of one domain, of one split or part where named: those of `rows_of`."""
+        return self.select(self.rows_of(name, split=split, part=part))
+
+    def rows_of(self, name: str, *, split: str = "", part: str = "") -> NDArray[np.int64]:
+        """Return which pairs are of one domain, of one split or part where named, ascending.
 
         A split that the data do not state ("" in every row) keeps all pairs.
         Raises DataError when no such domain is in the set.
@@ -98,10 +102,10 @@ class Embeddings:
             raise DataError(f"No domain is called '{name}' in these embeddings; there are {known}.")
         keep = self.domain == self.header.domains.index(name)
         for column, wanted in (("split", split), ("part", part)):
-            values = np.array(self.rows[column], dtype=object)
-            if wanted and any(values[keep]):
-                keep = keep & (values == wanted)
-        return self.select(keep)
+            if wanted:
+                values = np.array(self.rows[column], dtype=object)
+                keep = keep & (values == wanted) if any(values[keep]) else keep
+        return np.flatnonzero(keep)
 
 
 def _rows(array: Array, index: NDArray[Any]) -> Array:

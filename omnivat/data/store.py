@@ -15,7 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 from safetensors import SafetensorError
 
-from omnivat.data.arrays import MOST_COLUMNS, Column, column, read_arrays, released, write_arrays
+from omnivat.data.arrays import (
+    MOST_COLUMNS,
+    Column,
+    column,
+    read_arrays,
+    released,
+    walked,
+    write_arrays,
+)
 from omnivat.data.domains import require_domain_names
 from omnivat.data.embeddings import Array, Embeddings, Header
 from omnivat.data.manifest import write_manifest
@@ -28,7 +36,6 @@ ROW_NAMES = ("vis", "tac", "object", "split", "part", "looks_like", "feels_like"
 _LATER = ("looks_like", "feels_like")  # older files lack these columns
 VECTORS = ("vis", "tac", "vis_flip", "tac_flip")
 DTYPES = {"float32": "F32", "float16": "F16"}
-RELEASED_BYTES = 256_000_000  # of an array that is not kept in memory after a look at it
 MOST_NAMES = 65_536  # domains or classes
 
 __all__ = ["FORMAT", "ROW_NAMES", "Embeddings", "Header", "load_embeddings", "save_embeddings"]
@@ -125,13 +132,6 @@ def vector_type(dtype: str) -> str:
     return DTYPES[dtype]
 
 
-def _finite(whole: NDArray[Any], block: NDArray[Any]) -> bool:
-    good = bool(np.isfinite(block).all())
-    if whole.nbytes > RELEASED_BYTES:
-        released(whole)
-    return good
-
-
 def _blocks(array: NDArray[Any], size: int = 4096) -> Iterator[NDArray[Any]]:
     for start in range(0, len(array), size):
         yield array[start : start + size]
@@ -168,8 +168,8 @@ def _metadata(header: Header, count: int, width: int) -> dict[str, str]:
 def load_embeddings(path: str | Path) -> Embeddings:
     """Open a file that `save_embeddings` wrote; big arrays stay memory-mapped.
 
-    Half-precision vectors are read and widened to float32. Arrays may be written to, which never
-    changes the file.
+    Half-precision vectors are read and widened to float32. Arrays of up to 64 MB may be written to,
+    which never changes the file; larger ones are read only.
     Raises DataError, naming the file, when it is missing, cut short or of another kind.
     """
     file = Path(path)
@@ -250,7 +250,7 @@ def _check(file: Path, embeddings: Embeddings) -> None:
         if count and not (index.min() >= 0 and index.max() < len(names)):
             raise DataError(f"'{file}' has a {name} index without a name; make it again.")
     for vectors in (embeddings.vis, embeddings.tac, *flips):
-        finite = all(_finite(vectors, block) for block in _blocks(vectors))
+        finite = all(np.isfinite(block).all() for block in walked(vectors))
         released(vectors)  # looked at and not written to
         if not finite:
             raise DataError(f"'{file}' holds NaN or infinite embeddings; embed the pairs again.")

@@ -6,7 +6,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import torch
 
 from omnivat.calibration import Familiarity, familiarity_of
@@ -152,7 +151,7 @@ def _calibration(plan: TrainingPlan, order: float) -> tuple[Calibration | None, 
 
 def _familiarity(source: Embeddings) -> Familiarity | None:
     """Return what the head keeps of its training images; None where they are of one object."""
-    vis, tac = (torch.from_numpy(np.array(rows)) for rows in (source.vis, source.tac))
+    vis, tac = (torch.from_numpy(rows) for rows in (source.vis, source.tac))
     try:
         return familiarity_of(vis, tac, source.rows["object"])
     except DataError:

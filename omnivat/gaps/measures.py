@@ -14,11 +14,9 @@ from torch import Tensor
 from omnivat.errors import ShapeError
 from omnivat.gaps import GAPS
 from omnivat.gaps.calibration import ece
-from omnivat.gaps.centroid import modality_gap
 from omnivat.gaps.confusion import accuracy, confusion, macro_f1
-from omnivat.gaps.cosine_margin import cosine_margin, cross_domain_margin, cross_modal_margin
-from omnivat.gaps.domain import domain_gap, pairwise_gaps
-from omnivat.gaps.unit import unit
+from omnivat.gaps.domain import pairwise_gaps
+from omnivat.gaps.sums import PAIR, Sums
 from omnivat.tables import load
 
 Values = Iterator[tuple[str, Tensor]]
@@ -41,36 +39,41 @@ class Facts:
     def parts(self) -> Iterator[tuple[str, Tensor]]:
         """Give "all" and each domain that has pairs, with a mask (N,)."""
         yield "all", torch.ones_like(self.scored)
-        for index, name in enumerate(self.domain_names):
-            members = self.domains == index
-            if members.any():
-                yield name, members
+        for index, name in self.named_domains():
+            yield name, self.domains == index
+
+    def named_domains(self) -> Iterator[tuple[int, str]]:
+        """Give the index and the name of each domain that has pairs."""
+        sizes = torch.bincount(self.domains, minlength=len(self.domain_names))
+        yield from ((k, name) for k, name in enumerate(self.domain_names) if sizes[k])
+
+    def sums(self) -> Sums:
+        """Return empty sums; `Sums.add` takes labels and domains as they stand here."""
+        return Sums(len(self.class_names), len(self.domain_names))
 
 
-def modality_gaps(features: Mapping[str, Tensor], facts: Facts) -> Values:
+def modality_gaps(sums: Sums, facts: Facts) -> Values:
     """Give the modality gap over all pairs, and in each domain."""
-    for name, members in facts.parts():
-        suffix = "" if name == "all" else f"/{name}"
-        yield suffix, modality_gap(features["vis"][members], features["tac"][members])
+    yield "", sums.centroid_gap()
+    for index, name in facts.named_domains():
+        yield f"/{name}", sums.centroid_gap(index)
 
 
-def domain_gaps(features: Mapping[str, Tensor], facts: Facts) -> Values:
+def domain_gaps(sums: Sums, facts: Facts) -> Values:
     """Give the mean centroid gap of two domains: of both modalities' mean, and of each."""
-    each = {name: domain_gap(rows, facts.domains) for name, rows in features.items()}
+    each = {name: sums.domain_gap(name) for name in ("vis", "tac")}
     yield "", torch.stack(list(each.values())).mean()
     for name, value in each.items():
         yield f":{name}", value
 
 
-def margins(features: Mapping[str, Tensor], facts: Facts) -> Values:
+def margins(sums: Sums, facts: Facts) -> Values:
     """Give the margin of the pair's mean direction, of each modality, and across the gaps."""
-    units = {name: unit(rows) for name, rows in features.items()}
-    pair = torch.stack(list(units.values())).mean(0)
-    yield "", cosine_margin(pair, facts.labels)
-    for name, rows in units.items():
-        yield f":{name}", cosine_margin(rows, facts.labels)
-    yield ":cross_domain", cross_domain_margin(pair, facts.labels, facts.domains)
-    yield ":cross_modal", cross_modal_margin(units["vis"], units["tac"], facts.labels)
+    yield "", sums.margin(PAIR)
+    for name in ("vis", "tac"):
+        yield f":{name}", sums.margin(name)
+    yield ":cross_domain", sums.cross_domain_margin(PAIR)
+    yield ":cross_modal", sums.cross_modal_margin()
 
 
 def mean_pairwise(features: Mapping[str, Tensor], facts: Facts, *, gap: str) -> Values:
@@ -136,13 +139,26 @@ def _scores(
 
 
 Measure = Callable[[Mapping[str, Tensor], Facts], Values]
+SumMeasure = Callable[[Sums, Facts], Values]
 
-# of the features of a stage: curve names are measure[:variant]/stage[/domain]
-STAGE_MEASURES: dict[str, Measure] = {
+
+def by_sums(features: Mapping[str, Tensor], facts: Facts, *, measure: SumMeasure) -> Values:
+    """Give what a measure of the sums has for features (N, W), modality -> rows of any length."""
+    sums = facts.sums()
+    sums.add(features, facts.labels, facts.domains)
+    yield from measure(sums, facts)
+
+
+# of the sums of a stage: rows need not be in memory together; `domain_gap` is the centroid gap
+SUM_MEASURES: dict[str, SumMeasure] = {
     "modality_gap": modality_gaps,
     "domain_gap": domain_gaps,
     "margin": margins,
-    # `domain_gap` is the centroid gap, all domains at once
+}
+
+# of the features of a stage: curve names are measure[:variant]/stage[/domain]
+STAGE_MEASURES: dict[str, Measure] = {
+    **{name: partial(by_sums, measure=measure) for name, measure in SUM_MEASURES.items()},
     **{name: partial(mean_pairwise, gap=name) for name in GAPS if name != "centroid"},
 }
 

@@ -10,7 +10,7 @@ from omnivat.seeding import derive_seed
 from omnivat.shapes import require_shapes
 
 BLOCK, ACROSS = 1024, 16_384  # rows and columns of a kernel matrix held at once
-MOST_ROWS = 40_000  # of both sets, up to which the kernel is summed over all pairs of rows
+MOST_ROWS = 20_000  # of both sets, up to which the kernel is summed over all pairs of rows
 GROUPS, FEATURES = 16, 32  # of random Fourier features, beyond
 
 
@@ -54,12 +54,17 @@ def mmd_rbf(a: Tensor, b: Tensor, *, gamma: float | None = None) -> Tensor:
     """
     require_shapes(a=(a, "N D"), b=(b, "M D"))
     require_rows(1, a=a, b=b)
-    if len(a) + len(b) > MOST_ROWS:
+    if is_estimated(a, b):
         return mmd_rbf_estimate(a, b, gamma=gamma).value
     width = _width(a, b, gamma)
     a, b = unit(a), unit(b)
     same = _mean_kernel(a, a, width) + _mean_kernel(b, b, width)
     return (same - 2 * _mean_kernel(a, b, width)).clamp_min(0)
+
+
+def is_estimated(a: Tensor, b: Tensor) -> bool:
+    """Whether `mmd_rbf` of two sets is an estimate."""
+    return len(a) + len(b) > MOST_ROWS
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,11 +126,22 @@ def _gamma(a: Tensor, b: Tensor) -> Tensor:
 
 
 def _mean_kernel(x: Tensor, y: Tensor, gamma: Tensor) -> Tensor:
+    """Mean kernel of every row of x with every row of y; of one set, each two blocks once."""
     total = x.new_zeros(())
-    squares = y.square().sum(1)
-    for rows in x.split(BLOCK):
-        own = rows.square().sum(1, keepdim=True)
-        for others, theirs in zip(y.split(ACROSS), squares.split(ACROSS), strict=True):
-            distance = own + theirs - 2 * rows @ others.T
-            total = total + (-gamma * distance.clamp_min(0)).exp().sum()
+    for start in range(0, len(x), BLOCK):
+        rows = x[start : start + BLOCK]
+        if x is y:
+            others = _summed(rows, x[start + BLOCK :], gamma)
+            total = total + _summed(rows, rows, gamma) + 2 * others
+        else:
+            total = total + _summed(rows, y, gamma)
     return total / (len(x) * len(y))
+
+
+def _summed(x: Tensor, y: Tensor, gamma: Tensor) -> Tensor:
+    """Kernel of every row of x with every row of y, added up."""
+    total, own = x.new_zeros(()), x.square().sum(1, keepdim=True)
+    for others in y.split(ACROSS):
+        distance = own + others.square().sum(1) - 2 * x @ others.T
+        total = total + (-gamma * distance.clamp_min(0)).exp().sum()
+    return total

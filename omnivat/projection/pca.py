@@ -8,7 +8,7 @@ from torch import Tensor
 from omnivat.errors import ShapeError
 from omnivat.shapes import require_shapes
 
-BLOCK = 65_536  # rows centred at once
+BLOCK = 16_384  # rows centred at once
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,8 +19,8 @@ class Basis:
     axes: Tensor
 
     def place(self, points: Tensor) -> Tensor:
-        """Put points (N, D) on this map, (N, 2)."""
-        return (points - self.mean) @ self.axes
+        """Put points (N, D) on this map, (N, 2); BLOCK of them are held apart at once."""
+        return torch.cat([(rows - self.mean) @ self.axes for rows in points.split(BLOCK)])
 
 
 def project(points: Tensor, *, seed: int = 0) -> Tensor:

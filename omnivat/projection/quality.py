@@ -10,7 +10,7 @@ from omnivat.seeding import derive_seed
 from omnivat.shapes import require_shapes
 
 SAMPLE = 1000  # rows of a large map that are looked at
-BLOCK = 65_536  # rows held apart at once
+BLOCK = 16_384  # rows held apart at once
 AT_ONCE = 32  # drawn rows that are compared with all others at once
 
 

@@ -6,9 +6,10 @@ from dataclasses import dataclass, field
 import numpy as np
 import torch
 from numpy.typing import NDArray
+from torch import Tensor
 
 from omnivat.data.store import Embeddings
-from omnivat.gaps.measures import ANSWER_MEASURES, STAGE_MEASURES, Facts
+from omnivat.gaps.measures import ANSWER_MEASURES, STAGE_MEASURES, SUM_MEASURES, Facts
 from omnivat.gaps.unit import unit
 from omnivat.model.head import OmniVaT
 from omnivat.progress import OnStep, Step, ignore
@@ -51,8 +52,8 @@ def sweep(
     orders    quarter turns, any real numbers; visited coarse first, returned as given
     stages    of `STAGES`; what is not asked for is not kept
     measures  of `STAGE_MEASURES` and `ANSWER_MEASURES`
-    chunk     pairs that pass the head at once. Memory is one order's features and answers, and
-              the probabilities of all orders
+    chunk     pairs that pass the head at once. Memory is one order's answers, the probabilities of
+              all orders and, where a measure is not of `SUM_MEASURES`, one order's features
 
     Measures of the raw embedding and the raw DFrFT are computed once and hold for every order.
     Without answer measures and moving stages the head is asked for one order at most.
@@ -71,8 +72,16 @@ def sweep(
         ),
     )
     visits = coarse_first(len(orders))
+    summed = all(name in SUM_MEASURES for name in measures if name in STAGE_MEASURES)
     walked = walk(
-        model, embeddings, orders, stages=stages, answers=bool(answers), visits=visits, chunk=chunk
+        model,
+        embeddings,
+        orders,
+        stages=stages,
+        answers=bool(answers),
+        visits=visits,
+        chunk=chunk,
+        sums_for=facts if summed else None,
     )
     for done, found in enumerate(walked, start=1):
         for stage, name, value in measured(found, facts, measures):
@@ -88,18 +97,35 @@ def measured(
     found: AtOrder, facts: Facts, measures: Sequence[str]
 ) -> Iterator[tuple[str, str, float]]:
     """Give every curve's value at one order: stage ("" for answers), name of the curve, value."""
-    for stage, features in found.features.items():
-        units = {name: unit(rows) for name, rows in features.items()}
-        for name in measures:
-            if name in STAGE_MEASURES:
-                for suffix, value in STAGE_MEASURES[name](units, facts):
-                    variant, _, domain = suffix.partition("/")
-                    tail = f"/{domain}" if domain else ""
-                    yield stage, f"{name}{variant}/{stage}{tail}", float(value)
+    for stage in (*found.features, *found.sums):
+        for name, suffix, value in _of_stage(found, stage, facts, measures):
+            variant, _, domain = suffix.partition("/")
+            tail = f"/{domain}" if domain else ""
+            yield stage, f"{name}{variant}/{stage}{tail}", float(value)
     for name in measures:
         if name in ANSWER_MEASURES and found.probabilities:
             for suffix, value in ANSWER_MEASURES[name](found.probabilities, facts):
                 yield "", f"{name}{suffix}", float(value)
+
+
+def _of_stage(
+    found: AtOrder, stage: str, facts: Facts, measures: Sequence[str]
+) -> Iterator[tuple[str, str, Tensor]]:
+    """Give measure, suffix and value; the sums of a stage are taken once for all that need them."""
+    features, sums = found.features.get(stage, {}), found.sums.get(stage)
+    if sums is None and any(name in SUM_MEASURES for name in measures):
+        sums = facts.sums()
+        sums.add(features, facts.labels, facts.domains)
+    whole = [name for name in measures if name in STAGE_MEASURES and name not in SUM_MEASURES]
+    units = {name: unit(rows) for name, rows in features.items()} if whole else {}
+    for name in measures:
+        if name in whole:
+            values = STAGE_MEASURES[name](units, facts)
+        elif name in SUM_MEASURES and sums is not None:
+            values = SUM_MEASURES[name](sums, facts)
+        else:
+            continue
+        yield from ((name, suffix, value) for suffix, value in values)
 
 
 def facts_of(

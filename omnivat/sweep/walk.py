@@ -1,14 +1,17 @@
 """Visit orders one at a time: the features and answers of a set of embeddings at each."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import torch
 from torch import Tensor
 
+from omnivat.data.arrays import walked
 from omnivat.data.store import Embeddings
 from omnivat.errors import DataError, SettingsError
+from omnivat.gaps.measures import Facts
+from omnivat.gaps.sums import Sums
 from omnivat.model.head import OmniVaT, PairCoefficients
 from omnivat.model.output import HeadOutput
 from omnivat.tables import suggestion
@@ -18,6 +21,9 @@ from omnivat.tables import suggestion
 STAGES = ("raw", "frft", "relu", "f_bar", "f_hat")
 STILL = ("raw", "frft")
 CHUNK = 512  # pairs that pass the head at once: bounds the memory, whatever the set
+KEPT_PAIRS = (
+    20_000  # whose coefficients are kept while the order moves; of more they are made again
+)
 
 Features = Mapping[str, Tensor]  # modality -> (N, W), rows of any length
 
@@ -31,12 +37,14 @@ class AtOrder:
                    and at the first order visited also those that do not
     probabilities  reading -> (N, K): "fused", "vis" and "tac" alone, "vis_branch" and "tac_branch"
                    inside the pair; empty when no answers were asked for
+    sums           stage -> sums of its rows, in place of features where those were asked for
     """
 
     index: int
     order: float
     features: Mapping[str, Features]
     probabilities: Mapping[str, Tensor]
+    sums: Mapping[str, Sums] = field(default_factory=dict)
 
 
 def coarse_first(count: int) -> list[int]:
@@ -59,8 +67,12 @@ def walk(
     answers: bool = True,
     visits: Sequence[int] | None = None,
     chunk: int = CHUNK,
+    sums_for: Facts | None = None,
 ) -> Iterator[AtOrder]:
     """Give what is found at each order, one order at a time, in the order of `visits`.
+
+    sums_for  give sums of the features by these labels and domains, and no features: memory is
+              then that of the answers
 
     Orders at which nothing would move are not visited: with still stages alone and no answers,
     only the first is.
@@ -81,48 +93,100 @@ def walk(
     for place, index in enumerate(visits):
         order = float(orders[index])
         wanted = [stage for stage in stages if stage != "raw"] if place == 0 else moving
-        features: dict[str, Features] = {}
+        found = _Found(len(embeddings), sums_for)
         if place == 0 and "raw" in stages:
-            features["raw"] = _raw(model, embeddings)
-        probabilities: Mapping[str, Tensor] = {}
+            for rows, raw in _raw_chunks(model, embeddings, chunk):
+                found.take("raw", raw, rows)
         if wanted or answers:
-            kept = coefficients_of(model, embeddings) if kept is None else kept
-            moved, probabilities = _pass(model, kept, order, wanted, answers, chunk)
-            features |= moved
-        yield AtOrder(index=index, order=order, features=features, probabilities=probabilities)
+            if kept is None and len(embeddings) <= KEPT_PAIRS:
+                kept = coefficients_of(model, embeddings)
+            for rows, output in _outputs(model, embeddings, kept, order, chunk):
+                for stage in wanted:
+                    found.take(stage, stage_features(output, stage), rows)
+                if answers:
+                    found.take("", output.readings, rows)
+        probabilities = found.whole.pop("", {})
+        yield AtOrder(
+            index=index,
+            order=order,
+            features=found.whole,
+            probabilities=probabilities,
+            sums=found.sums,
+        )
+
+
+class _Found:
+    """Collects what is found at one order, some rows at a time."""
+
+    def __init__(self, count: int, sums_for: Facts | None) -> None:
+        self.whole: dict[str, dict[str, Tensor]] = {}
+        self.sums: dict[str, Sums] = {}
+        self._count, self._facts = count, sums_for
+
+    def take(self, stage: str, found: Features, rows: slice) -> None:
+        """Take the features of some rows; the answers where the stage is ""."""
+        facts = self._facts
+        if stage and facts is not None:
+            sums = self.sums.setdefault(stage, facts.sums())
+            sums.add(found, facts.labels[rows], facts.domains[rows])
+            return
+        into = self.whole.setdefault(stage, {})
+        for name, values in found.items():
+            if name not in into:
+                into[name] = values.new_empty(self._count, *values.shape[1:])
+            into[name][rows] = values
+
+
+@torch.no_grad()
+def stage_blocks(
+    model: OmniVaT | None,
+    embeddings: Embeddings,
+    order: float | None,
+    stage: str,
+    *,
+    chunk: int = CHUNK,
+) -> Iterator[tuple[slice, Features]]:
+    """Give the features of one stage at one order, `chunk` pairs at a time, with the pairs' slice.
+
+    model  may be None at "raw"; order  the learned one where None
+
+    Raises SettingsError for an unknown stage, DataError where there are no pairs.
+    """
+    require_known([stage], STAGES, "stage")
+    if not len(embeddings):
+        raise DataError("There are no pairs in these embeddings; choose a set with pairs.")
+    if model is None or stage == "raw":
+        yield from _raw_chunks(model, embeddings, chunk)
+        return
+    order = model.order if order is None else order
+    for rows, output in _outputs(model, embeddings, None, order, chunk):
+        yield rows, stage_features(output, stage)
 
 
 @torch.no_grad()
 def coefficients_of(model: OmniVaT, embeddings: Embeddings) -> PairCoefficients:
     """Return what to keep of all pairs while the order moves."""
-    raw = _raw(model, embeddings)
+    _, raw = next(_raw_chunks(model, embeddings, len(embeddings)))
     return model.coefficients(raw["vis"], raw["tac"])
 
 
 @torch.no_grad()
-def _pass(
+def _outputs(
     model: OmniVaT,
-    kept: PairCoefficients,
+    embeddings: Embeddings,
+    kept: PairCoefficients | None,
     order: float,
-    stages: Sequence[str],
-    answers: bool,
     chunk: int,
-) -> tuple[dict[str, Features], dict[str, Tensor]]:
-    """Run all pairs through the head at one order, `chunk` at a time; keep what is asked for."""
-    features: dict[tuple[str, str], list[Tensor]] = {}
-    probabilities: dict[str, list[Tensor]] = {}
+) -> Iterator[tuple[slice, HeadOutput]]:
+    """Give what the head makes of `chunk` pairs at a time, from coefficients where they were kept."""
+    if kept is None:
+        for rows, raw in _raw_chunks(model, embeddings, chunk):
+            own = model.coefficients(raw["vis"], raw["tac"])
+            yield rows, model.from_coefficients(own, order)
+        return
     for start in range(0, len(kept), chunk):
-        output = model.from_coefficients(kept[start : start + chunk], order)
-        for stage in stages:
-            for modality, rows in stage_features(output, stage).items():
-                features.setdefault((stage, modality), []).append(rows)
-        if answers:
-            for name, rows in output.readings.items():
-                probabilities.setdefault(name, []).append(rows)
-    joined: dict[str, dict[str, Tensor]] = {stage: {} for stage in stages}
-    for (stage, modality), parts in features.items():
-        joined[stage][modality] = torch.cat(parts)
-    return dict(joined), {name: torch.cat(parts) for name, parts in probabilities.items()}
+        rows = slice(start, start + chunk)
+        yield rows, model.from_coefficients(kept[rows], order)
 
 
 def stage_features(output: HeadOutput, stage: str) -> Features:
@@ -130,13 +194,20 @@ def stage_features(output: HeadOutput, stage: str) -> Features:
     return {name: rows.flatten(1) for name, rows in getattr(output, stage).items()}
 
 
-def _raw(model: OmniVaT, embeddings: Embeddings) -> Features:
-    device = model.classifier.device
-    # copies: what is memory-mapped may be read-only
-    return {
-        "vis": torch.from_numpy(np.array(embeddings.vis)).to(device),
-        "tac": torch.from_numpy(np.array(embeddings.tac)).to(device),
-    }
+def _raw_chunks(
+    model: OmniVaT | None, embeddings: Embeddings, chunk: int
+) -> Iterator[tuple[slice, dict[str, Tensor]]]:
+    device = model.classifier.device if model else None
+    both = zip(walked(embeddings.vis, size=chunk), walked(embeddings.tac, size=chunk), strict=True)
+    for place, (vis, tac) in enumerate(both):
+        rows = slice(place * chunk, (place + 1) * chunk)
+        yield (
+            rows,
+            {
+                "vis": torch.from_numpy(vis).to(device),
+                "tac": torch.from_numpy(tac).to(device),
+            },
+        )
 
 
 def require_known(names: Sequence[str], known: Sequence[str], kind: str) -> None:

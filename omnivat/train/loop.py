@@ -57,7 +57,7 @@ def train_once(
         record = _epoch(model, optimiser, drawn, settings, epoch, steps, watch)
         if len(held):
             record["source_val_macro_f1"] = _source_score(
-                model, source.select(held), labels[held], settings
+                model, source, held, labels[held], settings
             )
             progress.keep_best(record["source_val_macro_f1"], epoch, model)
         progress.epochs.append(record)
@@ -107,9 +107,9 @@ def _orders(model: OmniVaT) -> dict[str, float]:
 
 
 def _source_score(
-    model: OmniVaT, held: Embeddings, labels: Array, settings: TrainSettings
+    model: OmniVaT, source: Embeddings, held: Array, labels: Array, settings: TrainSettings
 ) -> float:
     model.eval()
-    answers = predicted_probabilities(model, held, modalities=settings.given)["fused"].argmax(-1)
+    shares = predicted_probabilities(model, source, modalities=settings.given, rows=held)
     model.train()
-    return float(macro_f1(torch.from_numpy(labels), answers))
+    return float(macro_f1(torch.from_numpy(labels), shares["fused"].argmax(-1)))

@@ -11,14 +11,14 @@ MOST = 2000  # photos of a domain that are judged; of more, an evenly spread par
 
 
 def judged(keep: NDArray[np.bool_], domain: NDArray[Any], most: int = MOST) -> NDArray[np.int64]:
-    """Return the rows that retrieval is judged on: at most `most` a domain, evenly spread."""
+    """Return the rows that retrieval is judged on: at most `most` a domain, evenly spread, ascending."""
     chosen = []
     for name in np.unique(domain):
         own = np.flatnonzero(keep & (domain == name))
         if len(own) > most:
             own = own[np.linspace(0, len(own) - 1, most).round().astype(np.int64)]
         chosen.append(own)
-    return np.concatenate(chosen) if chosen else np.zeros(0, dtype=np.int64)
+    return np.sort(np.concatenate(chosen)) if chosen else np.zeros(0, dtype=np.int64)
 
 
 def nearest_touch(
@@ -26,8 +26,9 @@ def nearest_touch(
 ) -> NDArray[np.int64]:
     """Return for each of `rows` the row of the touch with the largest cosine in its domain.
 
-    vis, tac  (N, W) rows of any length; row i of both is one contact, which may be found, too
-    domain    (N,)
+    vis     (len(rows), W), photos of `rows`; tac  (N, W); all of any length. A photo's own touch may
+            be found, too
+    domain  (N,)
     """
     found = np.zeros(len(rows), dtype=np.int64)
     for name in np.unique(domain[rows]):
@@ -36,7 +37,7 @@ def nearest_touch(
         places = np.flatnonzero(domain[rows] == name)
         for start in range(0, len(places), BLOCK):
             part = places[start : start + BLOCK]
-            found[part] = among[np.argmax(_unit(vis[rows[part]]) @ touches.T, axis=1)]
+            found[part] = among[np.argmax(_unit(vis[part]) @ touches.T, axis=1)]
     return found
 
 

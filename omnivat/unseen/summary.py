@@ -9,8 +9,10 @@ import torch
 from numpy.typing import NDArray
 
 from omnivat.checkpoint import Head
+from omnivat.data.arrays import walked
 from omnivat.data.embeddings import Embeddings
 from omnivat.evaluate import CHUNK, label_map, predicted_probabilities
+from omnivat.gaps.unit import unit
 from omnivat.unseen.intervals import of_domains, wilson
 from omnivat.unseen.masks import counted
 from omnivat.unseen.retrieval import judged, nearest_touch
@@ -49,7 +51,8 @@ def unseen_summary(head: Head, embeddings: Embeddings) -> dict[str, Any]:
     """Return the record that the page shows; its keys are described in docs/page.md.
 
     Every share is of pairs that the head was not trained on, at exactly its learned order.
-    `readings` are "fused" (both images), "vis" and "tac" (one image, the other one absent).
+    `readings` are "fused" (both images), "vis" and "tac" (one image, the other one absent). What is
+    known of each pair stands under "pairs" as arrays (N,).
 
     Raises DataError when the embeddings are of another encoder or hold no pairs.
     """
@@ -67,8 +70,9 @@ def unseen_summary(head: Head, embeddings: Embeddings) -> dict[str, Any]:
     probabilities = {name: found[name].double().cpu().numpy() for name in READINGS}
     answers = {name: values.argmax(1) for name, values in probabilities.items()}
     shares = {f"answers/{name}": (answer == label) * 1.0 for name, answer in answers.items()}
-    alone = _alone(head, embeddings)
-    shares["retrieval"] = _retrieved(facts, *alone)
+    rows = judged(facts.counts, facts.domain)
+    vis, tac, cosine = _alone(head, embeddings, rows)
+    shares["retrieval"] = _retrieved(facts, vis, tac, rows)
     return {
         "source": head.source,
         "order": head.model.order,
@@ -79,17 +83,19 @@ def unseen_summary(head: Head, embeddings: Embeddings) -> dict[str, Any]:
         "look_alikes": _look_alikes(facts, shares, embeddings.rows.get("looks_like", [])),
         "confusion": {name: _confusions(facts, a, len(classes)) for name, a in answers.items()},
         "pairs": {
-            "counts": facts.counts.astype(int).tolist(),
-            "answers": {name: answer.tolist() for name, answer in answers.items()},
-            "confidence": _rounded(probabilities["fused"].max(1)),
-            "cosine": _rounded(_cosines(*alone)),
+            "counts": facts.counts,
+            "answers": answers,
+            "confidence": probabilities["fused"].max(1),
+            "cosine": cosine,
         },
     }
 
 
-def _retrieved(facts: _Facts, vis: Array, tac: Array) -> Array:
-    """Return (N,) 1 where a photo's nearest touch is of its class, 0 where not, NaN where not judged."""
-    rows = judged(facts.counts, facts.domain)
+def _retrieved(facts: _Facts, vis: Array, tac: Array, rows: NDArray[np.int64]) -> Array:
+    """Return (N,) 1 where a photo's nearest touch is of its class, 0 where not, NaN where not judged.
+
+    vis   (len(rows), W), of the judged photos; tac  (N, W)
+    """
     nearest = nearest_touch(vis, tac, facts.domain, rows)
     right = np.full(len(facts.domain), np.nan)
     right[rows] = facts.label[nearest] == facts.label[rows]
@@ -148,24 +154,26 @@ def _confusions(facts: _Facts, answer: Array, classes: int) -> dict[str, list[li
 
 
 @torch.inference_mode()
-def _alone(head: Head, embeddings: Embeddings) -> tuple[Array, Array]:
-    """Return F-hat (N, D) of each photo and each touch with the other image absent."""
-    found: dict[str, list[torch.Tensor]] = {"vis": [], "tac": []}
-    for start in range(0, len(embeddings), CHUNK):
-        for name, parts in found.items():
-            rows = torch.from_numpy(np.array(getattr(embeddings, name)[start : start + CHUNK]))
-            given = {"vis": None, "tac": None} | {name: rows.to(head.model.classifier.device)}
-            parts.append(head.model(given["vis"], given["tac"]).f_hat[name])
-    vis, tac = (torch.cat(parts).cpu().numpy() for parts in found.values())
-    return vis, tac
+def _alone(
+    head: Head, embeddings: Embeddings, rows: NDArray[np.int64]
+) -> tuple[Array, Array, Array]:
+    """Return unit F-hat of some photos and of each touch, each seen alone, and cosines (N,) of pairs.
 
-
-def _cosines(vis: Array, tac: Array) -> Array:
-    lengths = np.linalg.norm(vis, axis=1) * np.linalg.norm(tac, axis=1)
-    cosines: Array = (vis * tac).sum(1) / np.maximum(lengths, 1e-12)
-    return cosines
-
-
-def _rounded(values: Array) -> list[float]:
-    rounded: list[float] = values.astype(np.float64).round(4).tolist()
-    return rounded
+    rows  ascending: photos whose F-hat is kept
+    """
+    vis: list[torch.Tensor] = []
+    tac, cosines = torch.empty(0), torch.empty(len(embeddings))
+    columns = (walked(rows, size=CHUNK) for rows in (embeddings.vis, embeddings.tac))
+    device, start = head.model.classifier.device, 0
+    for photos, touches in zip(*columns, strict=True):
+        seen = head.model(torch.from_numpy(photos).to(device), None).f_hat["vis"]
+        felt = head.model(None, torch.from_numpy(touches).to(device)).f_hat["tac"]
+        seen, felt = unit(seen).cpu(), unit(felt).cpu()
+        if not len(tac):
+            tac = torch.empty(len(embeddings), felt.shape[1])
+        end = start + len(seen)
+        tac[start:end], cosines[start:end] = felt, (seen * felt).sum(1)
+        first, last = np.searchsorted(rows, (start, end))
+        vis.append(seen[torch.from_numpy(rows[first:last] - start)])
+        start = end
+    return torch.cat(vis).numpy(), tac.numpy(), cosines.numpy()

@@ -1,9 +1,11 @@
 """Which frames and sets a visitor may choose, and what Explore is told of the set."""
 
 import json
+from base64 import b64decode
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from starlette.applications import Starlette
 from starlette.testclient import TestClient
@@ -91,7 +93,10 @@ def test_explore_is_told_what_the_head_does_in_unseen_domains(beside, client):
     found = client.get("/omnivat/unseen").json()
     assert found["source"] == "TAG-sim"
     assert [own["name"] for own in found["domains"]] == ["TAG-sim", "OF Real-sim"]
-    assert len(found["pairs"]["cosine"]) == 80
+    cosine, answers = found["pairs"]["cosine"], found["pairs"]["answers"]["fused"]
+    assert (cosine["kind"], cosine["steps"]) == ("i2", 10_000)
+    assert np.abs(np.frombuffer(b64decode(cosine["data"]), "<i2")).max() <= 10_000
+    assert len(b64decode(answers["data"])) == 80  # one byte a pair
     assert explore.unseen(beside) is explore.unseen(beside)  # computed once
     json.dumps(found, allow_nan=False)
 

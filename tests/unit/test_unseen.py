@@ -118,8 +118,8 @@ def test_a_photo_finds_the_touch_nearest_in_direction_within_its_domain():
     vis = np.array([[1.0, 0.0], [0.0, 1.0], [1.0, 0.0]])
     tac = np.array([[0.0, 2.0], [9.0, 0.1], [0.0, 1.0]])
     domain, rows = np.array([0, 0, 1]), np.array([0, 1, 2])
-    assert nearest_touch(vis, tac, domain, rows).tolist() == [1, 0, 2]
-    assert nearest_touch(vis, tac, domain, rows[::-2]).tolist() == [2, 1]
+    assert nearest_touch(vis[rows], tac, domain, rows).tolist() == [1, 0, 2]
+    assert nearest_touch(vis[rows[::-2]], tac, domain, rows[::-2]).tolist() == [2, 1]
 
 
 def test_of_large_domains_an_even_part_is_judged():

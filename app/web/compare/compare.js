@@ -1,7 +1,8 @@
 /** Compare: two heads, or two stages of one, on the same pairs; linked by pointer, lasso and view. */
 
-import { json, refused } from "../shared/api.js";
+import { refused } from "../shared/api.js";
 import { thumbnailPair, verdict } from "../shared/card.js";
+import { unseen } from "../shared/facts.js";
 import { shownBy } from "../shared/filters.js";
 import { heads, METHODS } from "../shared/headsets.js";
 import { COLOURINGS, onTheme } from "../shared/palette.js";
@@ -24,7 +25,7 @@ export async function start(root) {
     wait.hidden = true;
     const tab = new CompareTab(root, frames, sprite, await heads().catch(() => []));
     matrix(root.querySelector(".matrix"));
-    json("unseen").then(
+    unseen().then(
       (found) => tab.judge(found),
       () => {},
     );
@@ -102,7 +103,7 @@ class CompareTab {
 
   /** Which pairs count: not trained on, and of a class that the head knows. */
   judge({ pairs }) {
-    this.judged = pairs.counts.flatMap((counts, pair) => (counts ? [pair] : []));
+    this.judged = Array.from(pairs.counts.keys()).filter((pair) => pairs.counts[pair]);
     this.show();
   }
 

@@ -18,7 +18,7 @@ export const HISTOGRAMS = [
 ];
 
 /** Counts in BINS equal bins over [low, high].
- * @param {number[]} all @param {number[]} span @param {(i: number) => boolean} wanted */
+ * @param {number[] | Float64Array} all @param {number[]} span @param {(i: number) => boolean} wanted */
 export function histogram(all, [low, high], wanted = () => true) {
   const counts = new Array(BINS).fill(0);
   all.forEach((v, i) => {
@@ -133,6 +133,10 @@ export class Finder {
 }
 
 function span(all) {
-  const known = all.filter(Number.isFinite);
-  return [Math.floor(20 * Math.min(...known)) / 20, Math.ceil(20 * Math.max(...known)) / 20];
+  let [low, high] = [Infinity, -Infinity];
+  for (const value of all) {
+    if (value < low) low = value;
+    if (value > high) high = value;
+  }
+  return [Math.floor(20 * low) / 20, Math.ceil(20 * high) / 20];
 }

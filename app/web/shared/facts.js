@@ -19,8 +19,30 @@ function once(name, make) {
 
 const fact = (name) => () => once(name, () => json(name));
 
-/** How the head does in unseen domains. */
-export const unseen = fact("unseen");
+const KINDS = { u1: Uint8Array, u2: Uint16Array, i2: Int16Array };
+
+/** The numbers that the server packed: whole ones, in steps. */
+export function unpacked({ kind, steps, data }) {
+  const bytes = Uint8Array.from(atob(data), (letter) => letter.charCodeAt(0));
+  const whole = new KINDS[kind](bytes.buffer);
+  return steps === 1 ? whole : Float64Array.from(whole, (n) => n / steps);
+}
+
+/** How the head does in unseen domains; what is known of each pair as typed arrays. */
+export const unseen = () =>
+  once("unseen", async () => {
+    const found = await json("unseen");
+    const { counts, answers, confidence, cosine } = found.pairs;
+    return {
+      ...found,
+      pairs: {
+        counts: unpacked(counts),
+        answers: Object.fromEntries(Object.entries(answers).map(([name, own]) => [name, unpacked(own)])),
+        confidence: unpacked(confidence),
+        cosine: unpacked(cosine),
+      },
+    };
+  });
 /** Names of the pairs, and what they imitate. */
 export const pairNames = fact("pairs");
 /** The mechanism on a toy. */
