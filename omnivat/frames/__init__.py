@@ -1,4 +1,4 @@
-"""Frames: what the page draws at each stop of the order, built here and kept in one file."""
+"""Frames: the page's data at each stop of p, in one file."""
 
 from typing import Any
 

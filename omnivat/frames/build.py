@@ -1,8 +1,8 @@
-"""Build the page's frames: one exact map for each stop of the order, and the curves beside it.
+"""Build the page's frames: one exact map for each stop of p, and the curves.
 
-Maps are of rows on the unit sphere, as the gaps are, VIS above TAC. PCA is taken anew at every
-order, then turned or mirrored to lie nearest to the map before it; UMAP starts each map from the
-one before it. Nothing is ever tweened.
+Maps show unit rows, as the gaps do, VIS above TAC. PCA is computed at every order, then rotated or
+mirrored to match the previous map. UMAP starts each map from the previous one. Nothing is
+interpolated.
 """
 
 from collections.abc import Mapping, Sequence
@@ -17,9 +17,9 @@ from omnivat.sweep import MEASURES, STAGES, STILL, walk
 
 __all__ = ["build_frames", "next_map", "spread", "stacked"]
 
-PCA_STOPS, UMAP_STOPS = 128, 21  # PCA: 101 round stops and the learned order, with room to spare
+PCA_STOPS, UMAP_STOPS = 128, 21  # PCA: more than 101 round stops and the learned order
 DEFAULT_ORDERS = tuple(k / 100 for k in range(101))
-# which maps, and at how many evenly spread stops at most
+# maps, and the largest number of evenly spaced stops of each
 DEFAULT_MAPS: Mapping[str, int] = {
     **{f"pca/{stage}": PCA_STOPS for stage in STAGES},
     "umap/raw": 1,
@@ -39,15 +39,15 @@ def build_frames(
     seed: int = 0,
     on_step: OnStep = ignore,
 ) -> FrameSet:
-    """Compute all that the page draws for a set of pairs, one order at a time.
+    """Compute the frames of a set of pairs, one order at a time.
 
     orders      stops of the slider, in quarter turns, ascending
-    maps        "method/stage" -> how many stops it has at most, spread evenly with both ends;
-                the slider snaps to the nearest of them. Raw embedding and raw DFrFT have one map
-                for all stops: the transform is unitary
-    measures    curves to compute, for the stages that have a map; see docs/gaps.md
-    provenance  what to write about the head beside its learned order: hash, source domain
-    Raises SettingsError for a map or order that cannot be, DataError for sets too large to name.
+    maps        "method/stage" -> largest number of stops, evenly spaced with both ends; the page
+                shows the nearest one. Raw embedding and raw DFrFT have one map for all stops,
+                because the transform is unitary
+    measures    curves to compute, for the stages with a map; see docs/gaps.md
+    provenance  facts about the head, apart from its learned order: hash, source domain
+    Raises SettingsError for an unknown map or order, DataError for too many domains or classes.
     """
     known = dict(provenance or {})
     builder = FrameBuilder(

@@ -1,4 +1,4 @@
-"""Collects maps, curves and predictions stop by stop, and gives them as one set of frames."""
+"""Collect maps, curves and predictions stop by stop into one set of frames."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -26,7 +26,7 @@ MOST_NAMES = 256  # an index is one byte
 
 @dataclass(slots=True, eq=False)
 class _Track:
-    """The maps of one stage by one method, as they come."""
+    """The maps of one stage by one method."""
 
     method: str
     stage: str
@@ -44,10 +44,10 @@ class _Track:
 
 
 class FrameBuilder:
-    """Takes what is found at each stop, in the order of the stops.
+    """Collects the results of each stop, in the order of the stops.
 
     settings  of the heads; all have the same classes and widths
-    still     stages that are the same at every stop: one map stands for all
+    still     stages that do not depend on p: one map for all stops
     """
 
     def __init__(
@@ -68,11 +68,11 @@ class FrameBuilder:
         self.tracks = _tracks(maps, len(orders), projects=settings.projects, still=still)
         wanted = {track.stage for track in self.tracks.values()}
         self.stages = [stage for stage in STAGES if stage in wanted]
-        self.unitary = {name.split("/")[1] for name in maps} - wanted  # frft, where it shares raw
+        self.unitary = {name.split("/")[1] for name in maps} - wanted  # frft, if it shares raw
         self.classes, self.facts = facts_of(embeddings, settings.classes)
         if max(len(self.classes), len(embeddings.header.domains)) > MOST_NAMES:
             raise DataError(
-                f"Frames can name {MOST_NAMES} domains and classes; choose a smaller set."
+                f"Frames can have {MOST_NAMES} domains and classes; choose a smaller set."
             )
         self.curves: dict[str, list[float | None]] = {}
         self._unseen = UnseenAccuracy(embeddings, settings.classes, source)
@@ -80,7 +80,7 @@ class FrameBuilder:
         self._confidences: list[Any] = []
 
     def add(self, found: AtOrder) -> None:
-        """Take the next stop: features of the stages that move, and predictions."""
+        """Add the next stop: features of the stages that depend on p, and predictions."""
         for track in set(self.tracks.values()):
             if found.index in track.stops:
                 track.add(stacked(found.features[track.stage]), self.seed)
@@ -98,7 +98,7 @@ class FrameBuilder:
         self._confidences.append((confidence * 255).round().to(torch.uint8).cpu().numpy())
 
     def finish(self, head: Mapping[str, Any]) -> FrameSet:
-        """Return the frames. head: what to write about where they come from."""
+        """Return the frames. head: facts about the head."""
         if "frft" in self.unitary:
             self.curves |= _renamed(self.curves, "raw", "frft")
         frames = {track: track.frames() for track in set(self.tracks.values())}
@@ -124,7 +124,7 @@ class FrameBuilder:
 
 
 def next_map(method: str, points: Tensor, before: Tensor | None, *, seed: int = 0) -> Tensor:
-    """Return the map (2N, 2) of points (2N, W), to follow the map `before` of its neighbour."""
+    """Return the map (2N, 2) of points (2N, W), aligned with the previous map `before`."""
     if method == "pca":
         flat = pca.project(points)
         return flat if before is None else aligned(flat, before)
@@ -132,12 +132,12 @@ def next_map(method: str, points: Tensor, before: Tensor | None, *, seed: int = 
 
 
 def stacked(features: Features) -> Tensor:
-    """Return unit rows of VIS above those of TAC: (2N, W)."""
+    """Return the unit rows of VIS, then those of TAC: (2N, W)."""
     return torch.cat([unit(features["vis"]), unit(features["tac"])])
 
 
 def spread(stops: int, count: int) -> tuple[int, ...]:
-    """Return at most `stops` of 0 .. count - 1, evenly spread, with both ends where two fit.
+    """Return at most `stops` of 0 .. count - 1, evenly spaced, with both ends if possible.
 
     >>> spread(3, 101)
     (0, 50, 100)
@@ -149,9 +149,9 @@ def spread(stops: int, count: int) -> tuple[int, ...]:
 def _tracks(
     maps: Mapping[str, int], count: int, *, projects: bool, still: Sequence[str]
 ) -> dict[str, _Track]:
-    """Map each map's name to its track; the raw DFrFT shares the raw embedding's, being unitary.
+    """Map each map name to its track; the unitary raw DFrFT shares that of the raw embedding.
 
-    Where the head projects embeddings first, the DFrFT is of the projected ones, and differs.
+    If the head projects embeddings, the DFrFT has its own track, of the projected embeddings.
     """
     made: dict[tuple[str, str], _Track] = {}
     tracks = {}
@@ -166,7 +166,7 @@ def _tracks(
 def _renamed(
     curves: Mapping[str, list[float | None]], of: str, to: str
 ) -> dict[str, list[float | None]]:
-    """Return the curves of stage `of` under the name of stage `to`."""
+    """Return the curves of stage `of`, renamed to stage `to`."""
     split = {name: name.split("/") for name in curves}
     return {
         "/".join([parts[0], to, *parts[2:]]): list(curves[name])

@@ -1,9 +1,6 @@
-"""The frames file: everything the page draws while the order moves, as one binary.
+"""The frames file: the page's data for all stops of p, as one binary.
 
-Little endian. Eight bytes OVFRAMES, the length of the JSON as u32, the JSON (UTF-8, padded with
-spaces so that what follows starts at a multiple of 8), then the arrays. An array's `offset` is
-counted from the end of the JSON and is a multiple of 8. docs/frames.md lists the JSON's names.
-Reading needs numpy alone.
+The format is in docs/frames.md. Reading needs only numpy.
 """
 
 import json
@@ -27,7 +24,7 @@ INDEXES = ("domain", "label", "prediction", "confidence")
 
 
 def write_frames(path: str | Path, frames: FrameSet) -> None:
-    """Write the frames whole or not at all. Maps that share one array store it once."""
+    """Write the frames, completely or not at all. A shared array is stored once."""
     blobs: list[bytes] = []
     entries: dict[str, dict[str, Any]] = {}
     offset = 0
@@ -57,7 +54,7 @@ def write_frames(path: str | Path, frames: FrameSet) -> None:
 
 
 def _named(frames: FrameSet) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
-    """Return the maps' JSON, and every array under its name: a shared one once."""
+    """Return the maps' JSON, and every array by name; a shared array appears once."""
     arrays: dict[str, NDArray[Any]] = {name: getattr(frames, name) for name in INDEXES}
     names: dict[int, str] = {}
     maps = {}
@@ -74,9 +71,9 @@ def _named(frames: FrameSet) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
 
 
 def read_frames(path: str | Path) -> FrameSet:
-    """Read what `write_frames` wrote.
+    """Read a frames file.
 
-    Raises DataError, naming the file, when it is missing, cut short or of another kind.
+    Raises DataError with the file name if the file is missing, truncated or of another kind.
     """
     file = Path(path)
     if not file.is_file():
@@ -114,7 +111,7 @@ def read_frames(path: str | Path) -> FrameSet:
 def frames_header(path: str | Path) -> dict[str, Any]:
     """Return the JSON of a frames file without reading its arrays.
 
-    Raises DataError, naming the file, when it is missing or of another kind.
+    Raises DataError with the file name if the file is missing or of another kind.
     """
     file = Path(path)
     if not file.is_file():

@@ -1,4 +1,4 @@
-"""What the page draws, as records: the maps of a stage, and everything for a set of pairs."""
+"""Records of frames: the maps of a stage, and all data of a set of pairs."""
 
 import math
 from collections.abc import Mapping
@@ -16,9 +16,9 @@ class MapFrames:
     """Maps of one stage by one method, quantised.
 
     points     (F, 2N, 2) u16: N VIS rows, then N TAC rows; 0 is `low` and 65535 is `high`
-    orders     (F,) which stop each frame is for; one frame alone stands for every stop
-    low, high  corners of a square that holds all frames
-    max_error  largest distance between a drawn and a computed coordinate, in map units
+    orders     (F,) the stop of each frame; a single frame serves every stop
+    low, high  corners of a square around all frames
+    max_error  largest error of a stored coordinate, in map units
     """
 
     points: NDArray[np.uint16]
@@ -37,15 +37,15 @@ class MapFrames:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FrameSet:
-    """What the page draws for N pairs at P orders.
+    """The page's data for N pairs at P orders.
 
     orders       (P,) quarter turns
     domain       (N,) u8 index into `domains`
     label        (N,) u8 index into `classes`
-    prediction   (P, N) u8 fused class, an index into `classes`
-    confidence   (P, N) u8 its probability, 255 is 1
+    prediction   (P, N) u8 class predicted from both images, index into `classes`
+    confidence   (P, N) u8 its probability; 255 is 1
     maps         "method/stage" -> frames
-    curves       "measure/stage" -> P values; None where a value does not exist
+    curves       "measure/stage" -> P values; None if undefined
     head         where the head comes from: learned order, source domain, hash
     embeddings   where the embeddings come from: encoder, weights' hash, simulated, origin
     """
@@ -69,7 +69,7 @@ class FrameSet:
 
 
 def require_fit(frames: FrameSet) -> None:
-    """Refuse frames whose parts do not fit one another. Raises ValueError saying which."""
+    """Raise ValueError if parts of the frames do not fit together; the message names the part."""
     stops, pairs = len(frames.orders), frames.pairs
     for name, wanted in (
         ("domain", (pairs,)),
@@ -93,13 +93,13 @@ def require_fit(frames: FrameSet) -> None:
         if frame.points.shape != wanted_shape or frame.points.dtype.itemsize != 2:
             raise ValueError(f"map {name} has shape {frame.points.shape}, wanted {wanted_shape}")
         if not all(0 <= stop < stops for stop in frame.orders) or not frame.orders:
-            raise ValueError(f"map {name} has a frame for a stop that is not there")
+            raise ValueError(f"map {name} has a frame for a stop that does not exist")
         if not all(math.isfinite(x) for x in (*frame.low, *frame.high, frame.max_error)):
             raise ValueError(f"map {name} has bounds that are not numbers")
 
 
 def quantised(maps: list[NDArray[np.float64]], orders: tuple[int, ...]) -> MapFrames:
-    """Quantise maps (2N, 2) of one stage to u16 inside one square that holds them all."""
+    """Quantise maps (2N, 2) of one stage to u16 within one square around all of them."""
     stacked = np.stack(maps).astype(np.float64)
     flat = stacked.reshape(-1, 2)
     lowest, highest = (flat.min(0), flat.max(0)) if len(flat) else (np.zeros(2), np.zeros(2))

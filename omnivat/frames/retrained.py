@@ -1,4 +1,4 @@
-"""Frames in which every stop is a head of its own, trained with p held at that stop."""
+"""Frames with a separate head at every stop, trained with p fixed there."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -20,7 +20,7 @@ MAPS: Mapping[str, int] = {
     "umap/raw": 1,
     "umap/f_hat": 1001,
 }
-STILL = ("raw",)  # every head has its own projection, so the transform's distances differ, too
+STILL = ("raw",)  # every head has its own projection, so distances after the transform differ
 
 
 def retrained_frames(
@@ -36,10 +36,10 @@ def retrained_frames(
 ) -> FrameSet:
     """Return the frames of the heads that `heads_at_stops` wrote to `folder`.
 
-    Maps, predictions and most curves are those of the first seed's heads. Curves whose name starts
-    with "seeds:" hold mean, standard deviation (n - 1), lowest and highest over all seeds.
+    Maps, predictions and most curves come from the first seed's heads. Curves whose names start
+    with "seeds:" hold mean, standard deviation (n - 1), minimum and maximum over all seeds.
 
-    Raises DataError when a head is missing.
+    Raises DataError if a head is missing.
     """
     builder = FrameBuilder(
         plan.settings,
@@ -77,7 +77,7 @@ def retrained_frames(
 
 
 def _spread(heads: Sequence[Head]) -> dict[str, float | None]:
-    """Return "seeds:NAME/mean" and so on for every score of heads that differ in the seed alone."""
+    """Return "seeds:NAME/mean" and so on for every score of heads that differ only in the seed."""
     each = [_scores(head) for head in heads]
     found: dict[str, float | None] = {}
     for name in each[0]:
@@ -94,7 +94,7 @@ def _spread(heads: Sequence[Head]) -> dict[str, float | None]:
 
 
 def _scores(head: Head) -> dict[str, float]:
-    """Return the scores that a head's folder holds, by curve name."""
+    """Return the scores in a head's folder, by curve name."""
     metrics: Mapping[str, Any] = head.metrics
     if "measures" not in metrics:
         raise DataError(f"'{head.path}' holds no measures; remove it and train it again.")

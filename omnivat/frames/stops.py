@@ -1,14 +1,14 @@
-"""Stops of the slider: round ones, and one at exactly the order that a head has learned."""
+"""Stops of the slider: round ones, and one at exactly the learned order."""
 
 from collections.abc import Sequence
 
-CLOSE = 0.0005  # quarter turns: a round stop nearer than this to the learned order gives way to it
+CLOSE = 0.0005  # quarter turns: a round stop this close to the learned order is replaced by it
 
 
 def with_learned(orders: Sequence[float], learned: float | None) -> tuple[float, ...]:
     """Return the orders with a stop at exactly `learned`, ascending.
 
-    Orders outside the span of `orders` are not added: the slider keeps its ends.
+    A learned order outside the range of `orders` is not added, so the slider keeps its ends.
 
     >>> with_learned((0.0, 0.5, 1.0), 0.4983)
     (0.0, 0.4983, 0.5, 1.0)

@@ -1,4 +1,4 @@
-"""The curve of accuracy on domains that the head never saw, one value for each stop."""
+"""The curve of accuracy on unseen domains, one value for each stop."""
 
 from collections.abc import Mapping
 
@@ -12,9 +12,9 @@ NAMES = {"fused": "accuracy/unseen", "vis": "accuracy:vis/unseen", "tac": "accur
 
 
 class UnseenAccuracy:
-    """Means over unseen domains of the share predicted right, by curve name.
+    """Mean accuracy over unseen domains, by curve name.
 
-    Pairs count as `omnivat.unseen.counted` says: none that the head was trained on.
+    `omnivat.unseen.counted` chooses the pairs; training pairs never count.
     """
 
     def __init__(self, embeddings: Embeddings, classes: tuple[str, ...], source: str) -> None:
@@ -23,7 +23,7 @@ class UnseenAccuracy:
         self._keep = counted(embeddings, source) & (self._label >= 0)
 
     def at(self, probabilities: Mapping[str, Tensor]) -> dict[str, float | None]:
-        """Return curve name -> value at one order; nothing where the source is not in the set.
+        """Return curve name -> value at one order; empty if the source is not in the set.
 
         probabilities  reading -> (N, K) over the head's classes
         """

@@ -1,4 +1,4 @@
-"""Training: settings, batches, steps, the search for an order, and a state that can be resumed."""
+"""Training: settings, batches, steps, order search, and resumable state."""
 
 from omnivat.train.loop import Trained
 from omnivat.train.settings import MODALITIES, SELECTIONS, TrainSettings

@@ -1,4 +1,4 @@
-"""What training reads: labels, the share held out, and batches of cached embeddings."""
+"""Training data: labels, the held-out share, and batches of cached embeddings."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ Array = np.ndarray[Any, Any]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Batch:
-    """One batch, as `OmniVaT.training_pass` takes it."""
+    """One batch for `OmniVaT.training_pass`."""
 
     vis: Tensor | None
     tac: Tensor | None
@@ -29,10 +29,10 @@ class Batch:
     labels: Tensor
     lang_on: Tensor
     token_on: Tensor
-    order: Tensor | None = None  # (B,) where orders are drawn
+    order: Tensor | None = None  # (B,) if orders are drawn
 
     def to(self, device: torch.device) -> "Batch":
-        """Return the batch on a device; the same one where it lies there."""
+        """Return the batch on a device; itself if it is already there."""
         if self.labels.device == device:
             return self
         moved: dict[str, Any] = {}
@@ -43,9 +43,9 @@ class Batch:
 
 
 def labels_of(source: Embeddings, head: HeadSettings) -> Array:
-    """Return indices into head.classes of the source's pairs.
+    """Return the class indices of the source's pairs in head.classes.
 
-    Raises DataError when the source is empty, has one class, or a class that the head lacks.
+    Raises DataError if the source is empty, has one class, or has a class that the head lacks.
     """
     if not len(source):
         raise DataError("The source domain has no training pairs.")
@@ -54,7 +54,7 @@ def labels_of(source: Embeddings, head: HeadSettings) -> Array:
     labels: Array = lookup[source.label]
     if (labels < 0).any():
         lacking = names[int(source.label[labels < 0][0])]
-        raise DataError(f"The source has pairs of '{lacking}', which the head does not know.")
+        raise DataError(f"The source has pairs of '{lacking}', which the head lacks.")
     if len(np.unique(labels)) < 2:
         raise DataError("The source domain has pairs of one class only; two or more are needed.")
     return labels
@@ -63,7 +63,7 @@ def labels_of(source: Embeddings, head: HeadSettings) -> Array:
 def held_out(
     source: Embeddings, labels: Array, settings: TrainSettings, seed: int
 ) -> tuple[Array, Array]:
-    """Return indices of pairs to fit and of pairs held out for selection, whole objects each."""
+    """Return indices of training pairs and of pairs held out for selection; no object is split."""
     everything = np.arange(len(source))
     if settings.selection == "last" or settings.val_fraction == 0:
         return everything, everything[:0]
@@ -81,7 +81,7 @@ def batches(
     settings: TrainSettings,
     seed: int,
 ) -> Iterator[Batch]:
-    """Yield one epoch: shuffled pairs, each half mirrored or not, a random style of text each."""
+    """Yield the batches of one epoch: shuffled pairs, random mirroring, a random text style."""
     random = np.random.default_rng(seed)
     shuffled = fit[random.permutation(len(fit))]
     count, truth = len(shuffled), labels[shuffled]
@@ -106,7 +106,7 @@ def batches(
 
 
 def _orders(count: int, settings: TrainSettings, random: np.random.Generator) -> Tensor | None:
-    """Draw an order for each pair (N,), the same within a batch or not; None where p is one."""
+    """Draw an order for each pair or each batch, (N,); None if orders are not drawn."""
     if settings.order_draw == "none":
         return None
     drawn = random.uniform(settings.order_low, settings.order_high, count)
@@ -117,7 +117,7 @@ def _orders(count: int, settings: TrainSettings, random: np.random.Generator) ->
 
 @dataclass(frozen=True, slots=True)
 class _Drawn:
-    """Rows of two tables in an order drawn for the epoch, read a batch at a time."""
+    """Rows of two tables in a random order for the epoch, read batch by batch."""
 
     plain: Array
     index: Array
@@ -136,7 +136,7 @@ class _Drawn:
 def _mirrored(
     source: Embeddings, name: str, shuffled: Array, random: np.random.Generator
 ) -> _Drawn:
-    """Draw embeddings of VIS or TAC, each of the mirrored image with probability a half."""
+    """Draw embeddings of VIS or TAC; each is mirrored with probability 1/2."""
     plain, flipped = getattr(source, name), getattr(source, f"{name}_flip")
     if flipped is None:
         return _Drawn(plain, shuffled)
@@ -144,7 +144,7 @@ def _mirrored(
 
 
 def _styled(bank: LangBank, truth: Array, random: np.random.Generator) -> _Drawn:
-    """Draw a style of text for every pair."""
+    """Draw a text style for every pair."""
     _, styles, width = bank.embeddings.shape
     drawn = random.integers(styles, size=len(truth))
     return _Drawn(bank.embeddings.reshape(-1, width), truth * styles + drawn)

@@ -1,4 +1,4 @@
-"""One training: epochs of steps on one domain's embeddings, from a seed to the last weights."""
+"""One training on the embeddings of one domain, from a seed to the final weights."""
 
 import math
 from collections.abc import Iterable
@@ -43,7 +43,7 @@ def train_once(
     resume: Path | None,
     watch: Watch,
 ) -> Trained:
-    """Train from the start that `head` states; arguments and errors are those of `train`."""
+    """Train from the initial p in `head`; arguments and errors as in `train`."""
     labels = labels_of(source, head)
     fit, held = held_out(source, labels, settings, seed)
     model = build_head(head, seed=derive_seed(seed, "weights")).train().to(current())
@@ -73,7 +73,7 @@ def train_once(
 
 
 def steps_of(pairs: int, settings: TrainSettings) -> int:
-    """Return how many steps an epoch over so many pairs has."""
+    """Return the number of steps in an epoch of this many pairs."""
     return math.ceil(pairs / settings.batch)
 
 
@@ -86,7 +86,7 @@ def _epoch(
     steps: int,
     watch: Watch,
 ) -> dict[str, float]:
-    """Take the steps of one epoch; return its mean losses and where p is."""
+    """Run the steps of one epoch; return its mean losses and p."""
     sums: dict[str, float] = {}
     device = model.classifier.device
     for step, batch in enumerate(on_host.to(device) for on_host in drawn):
@@ -100,7 +100,7 @@ def _epoch(
 
 
 def _orders(model: OmniVaT) -> dict[str, float]:
-    """Return the learned order for the record, and that of each modality where they differ."""
+    """Return the learned order for the record, and one for each modality if they differ."""
     if not model.settings.order_per_modality:
         return {"order": model.order}
     return {"order": model.order, **{f"order_{n}": p for n, p in model.orders.items()}}

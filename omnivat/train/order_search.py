@@ -1,8 +1,8 @@
-"""Find p by short trainings: a coarse grid over [0, 1], a fine one around the best stop.
+"""Search for p by short trainings: a coarse grid over [0, 1], then a fine one around the best stop.
 
-The gradient cannot do this: the loss has a valley of width about 1/D around the right p and is
-flat elsewhere (docs/order.md). A short training at a fixed p costs little, and its log loss on
-held-out source pairs shows how good that p is. No other domain is ever seen.
+The gradient cannot find p: the loss has a valley of width about 1/D, and it is flat elsewhere
+(docs/order.md). A short training at a fixed p costs little, and its log loss on held-out source
+pairs measures how good that p is. The search uses no other domain.
 """
 
 import time
@@ -29,12 +29,12 @@ HELD = 0.3  # of the source's objects
 COARSE_STEPS, FINE_STEPS = 42, 84  # optimiser steps of a short training
 COARSE_FOLDS, FINE_FOLDS = 1, 2
 FINE = (-0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75)  # of the coarse grid's step
-RATE, BATCH = 2.0, 2  # times the settings' own: short trainings take few, large steps
+RATE, BATCH = 2.0, 2  # factor of the learning rate: short trainings take few, large steps
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Scored:
-    """Held-out log loss of heads that were trained shortly at one order."""
+    """Held-out log loss of short trainings at one order."""
 
     order: float
     score: float  # mean over held-out pairs
@@ -43,7 +43,7 @@ class Scored:
 
 
 def search_steps(pairs: int, settings: TrainSettings) -> int:
-    """Return how many optimiser steps a search over so many source pairs takes."""
+    """Return the number of optimiser steps of a search over this many source pairs."""
     fit = pairs - round(HELD * pairs)
     coarse, fine = (_short(settings, fit, steps) for steps in (COARSE_STEPS, FINE_STEPS))
     return COARSE_FOLDS * settings.order_stops * coarse.epochs * steps_of(
@@ -60,13 +60,13 @@ def search_order(
     seed: int,
     watch: Watch,
 ) -> dict[str, Any]:
-    """Return the best order for the source, and the curve it was read from.
+    """Return the best order for the source, and the curve behind it.
 
     return  "start" the order found; "orders", "score", "spread", "round" one entry for each short
             training (score: log loss on held-out source pairs, lower is better; spread: its
-            standard error); "seconds" and "steps" what the search cost
+            standard error); "seconds" and "steps" the cost of the search
 
-    The order that `head` states does not matter. Orders outside [0, 1] repeat those inside.
+            The initial order in `head` has no effect. Orders outside [0, 1] repeat those inside.
     """
     began = time.monotonic()
     watch = watch if watch.whole else watch.part(0, search_steps(len(source), settings))
@@ -89,7 +89,7 @@ def search_order(
 
 
 def lowest_point(points: Sequence[tuple[float, float]]) -> float:
-    """Return where a parabola through (order, score) is lowest; the best order if it has no valley.
+    """Return the minimum of a parabola through (order, score), or the best order if it has none.
 
     >>> round(lowest_point([(0.2, 1.0), (0.3, 0.5), (0.4, 1.0)]), 6)
     0.3
@@ -97,7 +97,7 @@ def lowest_point(points: Sequence[tuple[float, float]]) -> float:
     orders, scores = np.array(points, dtype=float).T
     best = float(orders[scores.argmin()])
     depth = float(np.median(scores) - scores.min()) or 1.0
-    weight = depth / (scores - scores.min() + 0.2 * depth)  # the bottom counts most
+    weight = depth / (scores - scores.min() + 0.2 * depth)  # low scores have the largest weights
     curve, slope, _ = np.polyfit(orders - best, scores, 2, w=weight)
     if curve <= 0:
         return best
@@ -105,7 +105,7 @@ def lowest_point(points: Sequence[tuple[float, float]]) -> float:
 
 
 class _Search:
-    """Short trainings at fixed orders on parts of one source."""
+    """Short trainings at fixed orders on folds of one source."""
 
     def __init__(
         self,
@@ -124,7 +124,7 @@ class _Search:
     def round(
         self, orders: Sequence[float], folds: int, steps: int, name: str
     ) -> tuple[Scored, ...]:
-        """Score each order by trainings of so many steps on each fold."""
+        """Score each order by trainings with this many steps on each fold."""
         found = []
         for order in orders:
             losses = np.concatenate(
@@ -135,10 +135,10 @@ class _Search:
         return tuple(found)
 
     def _losses(self, order: float, fold: int, steps: int, name: str) -> NDArray[np.float64]:
-        """Train shortly at an order; return the log loss (N,) of the fold's held-out pairs."""
+        """Train briefly at an order; return the log loss (N,) of the fold's held-out pairs."""
         seed = derive_seed(self.seed, "order-search", name, fold)
         held = hold_out(self.source.rows["object"], self.labels, HELD, seed=seed)
-        if not held.any():  # one object a class: score on the pairs it learns from
+        if not held.any():  # one object for each class: score on the training pairs
             held[:] = True
             fit = self.source
         else:
@@ -164,7 +164,7 @@ class _Search:
 
 
 def _short(settings: TrainSettings, pairs: int, steps: int) -> TrainSettings:
-    """Return the settings of a short training of about so many steps."""
+    """Return the settings of a short training with about this many steps."""
     short = replace(
         settings,
         order_search=False,

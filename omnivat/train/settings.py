@@ -1,4 +1,4 @@
-"""How a head is trained, frozen and flat."""
+"""Settings of a training, frozen and flat."""
 
 from dataclasses import dataclass
 
@@ -6,9 +6,9 @@ from omnivat.errors import SettingsError
 
 SELECTIONS = ("last", "source-val")
 MODALITIES = ("vis+tac", "vis", "tac")
-PAIRS = ("unguided", "guided", "all")  # by whether LANG guides them in a step
+PAIRS = ("unguided", "guided", "all")  # by the use of LANG in a step
 ORDER_DRAWS = ("none", "batch", "row")
-# every number of TrainSettings and its range; NaN lies in none
+# the range of every number in TrainSettings; NaN is outside
 RANGES: dict[str, tuple[float, float]] = {
     "epochs": (1, 100_000),
     "batch": (1, 65_536),
@@ -32,7 +32,7 @@ RANGES: dict[str, tuple[float, float]] = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrainSettings:
-    """How a head is trained; reasons in docs/method.md, those for the order in docs/order.md."""
+    """How a head is trained; docs/method.md gives reasons, docs/order.md those for the order."""
 
     epochs: int = 20
     batch: int = 16
@@ -41,21 +41,21 @@ class TrainSettings:
     weight_decay: float = 5e-4  # not on p and θ_e
     warmup_epochs: float = 1.0
     clip: float = 1.0  # gradient norm of all but p
-    order_lr_scale: float = 0.01  # p's gradient is tens of times larger than the rest
+    order_lr_scale: float = 0.01  # p's gradient is tens of times larger than the others
     order_clip: float = 1.0  # p's gradient, by value
     mma_weight: float = 10.0  # λ
     nod_weight: float = 1.0
     lang: bool = True
-    lang_drop: float = 0.5  # share of pairs that train without LANG, as they are predicted
-    class_token_drop: float = 0.5  # share that see no label in their class token
-    bank_from: str = "unguided"  # pairs whose tokens enter the bank of class tokens
+    lang_drop: float = 0.5  # share of pairs that train without LANG, as in prediction
+    class_token_drop: float = 0.5  # share of pairs with the class-agnostic token
+    bank_from: str = "unguided"  # pairs that update the bank of class tokens
     mma_on: str = "all"  # pairs that L_MMA acts on
     selection: str = "last"
     val_fraction: float = 0.2  # of the source's objects, for "source-val"
-    modalities: str = "vis+tac"  # the training input, and the default input in prediction
-    order_search: bool = False  # find p by short trainings on a grid, then by the gradient
+    modalities: str = "vis+tac"  # input in training, and by default in prediction
+    order_search: bool = False  # search for p by short trainings, then use the gradient
     order_stops: int = 21  # of that grid, from 0 to 1
-    order_draw: str = "none"  # draw p at random in training: one p a "batch", or one a "row"
+    order_draw: str = "none"  # draw p at random for each "batch" or each "row"
     order_low: float = 0.0  # range of the draw
     order_high: float = 1.0
 
@@ -86,5 +86,5 @@ class TrainSettings:
 
     @property
     def given(self) -> tuple[str, ...]:
-        """The modalities by name, VIS first."""
+        """The names of the modalities, VIS first."""
         return tuple(self.modalities.split("+"))

@@ -1,4 +1,5 @@
-"""The state of a training on disk, so that a stopped one goes on as if it had not stopped."""
+"""The state of a training on disk. A resumed training has the same result as an uninterrupted
+one."""
 
 import json
 from collections.abc import Mapping
@@ -21,21 +22,23 @@ from omnivat.model.head import OmniVaT
 from omnivat.model.settings import HeadSettings
 from omnivat.train.settings import TrainSettings
 
-STATE = "training.safetensors"  # its name in the folder of a head that is being trained
+STATE = "training.safetensors"  # file name in the folder of an unfinished head
 FORMAT = "omnivat-training-1"
 
 
 @dataclass(slots=True)
 class Progress:
-    """What training knows after an epoch, beside the weights."""
+    """The state of training after an epoch, apart from the weights."""
 
-    epochs: list[dict[str, float]] = field(default_factory=list)  # one record an epoch done
+    epochs: list[dict[str, float]] = field(
+        default_factory=list
+    )  # one record for each finished epoch
     best_score: float = -1.0  # on the held-out part of the source
     best_epoch: int = -1
     best: dict[str, Tensor] = field(default_factory=dict)  # weights of that epoch
 
     def keep_best(self, score: float, epoch: int, model: OmniVaT) -> None:
-        """Keep the weights of `model` where its score is the best so far."""
+        """Keep the weights of `model` if its score is the best so far."""
         if score > self.best_score:
             self.best_score, self.best_epoch = score, epoch
             self.best = {name: tensor.clone() for name, tensor in model.state_dict().items()}
@@ -48,7 +51,7 @@ def run_name(
     bank: LangBank | None,
     seed: int,
 ) -> str:
-    """Return what tells two trainings apart: data, settings, LANG and seed."""
+    """Return an identifier of the training: data, settings, LANG and seed."""
     digest = sha256()
     for array in (source.vis, source.tac, source.vis_flip, source.tac_flip, source.label):
         digest.update(b"none" if array is None else array.tobytes())
@@ -60,7 +63,7 @@ def run_name(
 def save_state(
     path: Path, run: str, model: OmniVaT, optimiser: torch.optim.Optimizer, progress: Progress
 ) -> None:
-    """Write the state after an epoch, whole or not at all."""
+    """Write the state after an epoch, completely or not at all."""
     tensors = {f"model.{name}": t for name, t in model.state_dict().items()}
     tensors |= {f"best.{name}": t for name, t in progress.best.items()}
     for index, parameter in enumerate(_parameters(optimiser)):
@@ -79,10 +82,10 @@ def save_state(
 
 
 def load_state(path: Path, run: str, model: OmniVaT, optimiser: torch.optim.Optimizer) -> Progress:
-    """Put a stopped training's state into model and optimiser; return how far it was.
+    """Load a stopped training's state into model and optimiser; return its progress.
 
-    A file that is not there is a training that has not begun.
-    Raises DataError when the file cannot be read or belongs to another training.
+    A missing file means that training has not begun.
+    Raises DataError if the file cannot be read or belongs to another training.
     """
     if not path.is_file():
         return Progress()

@@ -1,4 +1,4 @@
-"""The optimiser, its rate, and one step of learning."""
+"""The optimiser, its learning rate, and one step."""
 
 import math
 from typing import Any
@@ -44,8 +44,9 @@ def set_rate(
 def pairs_of(kind: str, batch: Batch) -> Tensor | None:
     """Return a mask (B,) of the pairs of a kind: "guided" by LANG, "unguided"; None for all.
 
-    All pairs of a batch without LANG are unguided. Where a batch has no pair of the kind, all count,
-    so that a training that always guides still fills its bank.
+    Without LANG, all pairs are unguided. If a batch has no pair of the kind, all of its pairs
+    count;
+    otherwise a training that guides every pair would never fill its bank.
     """
     if kind == "all" or batch.lang is None:
         return None
@@ -58,8 +59,8 @@ def learn(
 ) -> dict[str, float]:
     """Take one optimiser step; return the losses as numbers.
 
-    Also counts 1 under "clipped" and "order_clipped" where a gradient was held back.
-    Raises OmniVatError when the loss or a gradient is not finite.
+    "clipped" and "order_clipped" are 1 if a gradient was clipped.
+    Raises OmniVatError if the loss or a gradient is not finite.
     """
     output = model.training_pass(
         batch.vis,

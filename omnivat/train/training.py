@@ -1,4 +1,4 @@
-"""Train a head on one domain's embeddings. Nothing here ever sees another domain."""
+"""Train a head on the embeddings of one domain. No other domain is used here."""
 
 import json
 from dataclasses import replace
@@ -18,8 +18,8 @@ from omnivat.train.settings import TrainSettings
 from omnivat.train.state import run_name
 from omnivat.train.watch import Watch
 
-SEARCH = "order_search.json"  # beside the state of a training that may be resumed
-AFTER = 0.1  # share of p's rate after a search: what is left to find is small
+SEARCH = "order_search.json"  # next to the state of a resumable training
+AFTER = 0.1  # factor of p's rate after a search: little remains to be found
 
 
 def train(
@@ -35,26 +35,26 @@ def train(
 ) -> Trained:
     """Train a head on the pairs of one source domain.
 
-    source   training pairs of one domain; their labels index header.classes, of which
-             head.classes must be the ones present
+    source   training pairs of one domain; their labels index header.classes, and head.classes must
+             be the classes present
     bank     LANG for those classes, or None to train without text
-    seed     everything random derives from it: same seed, same machine, same weights
-    resume   file for the state after each epoch; a training that stopped resumes from it, and the
-             final weights are identical to the bit. Removed at the end
-    on_step  gets every optimiser step, those of a search for the order included
-    watch    more callbacks, in place of `on_step`
+    seed     seed of all random streams: same seed and machine, same weights
+    resume   file for the state after each epoch. A stopped training resumes from it; the final
+             weights are identical to the bit. The file is removed at the end
+    on_step  called at every optimiser step, including those of an order search
+    watch    more callbacks, instead of `on_step`
 
-    Where settings.order_draw draws orders, the model's own order stays where `head` states it.
+    If settings.order_draw draws orders, the model's own order keeps its initial value.
 
-    Raises DataError when there is nothing to learn, `resume` is of another training or `bank` of
-    another checkpoint than the images,
-    OmniVatError when the loss is not finite, TrainingCancelled when the watch stops it.
+    Raises DataError if there is nothing to learn, if `resume` belongs to another training, or if
+    `bank` belongs to another checkpoint than the images; OmniVatError if the loss is not finite;
+    TrainingCancelled if the watch stops it.
     """
     watch = watch or Watch(on_step=on_step)
     if settings.order_draw != "none":
-        head = replace(head, learn_order=False)  # every p is drawn, so none is learned
+        head = replace(head, learn_order=False)  # p is drawn, so it is not learned
     if bank is not None:
-        bank.is_of(source.header)  # refuses the texts of another checkpoint
+        bank.is_of(source.header)  # raises an error for texts of another checkpoint
     with one_thread(head.width <= LIGHT):
         search: dict[str, Any] = {}
         if settings.order_search:
@@ -80,7 +80,7 @@ def _searched(
     resume: Path | None,
     watch: Watch,
 ) -> tuple[dict[str, Any], Watch]:
-    """Return the record of the search for the order, and the watch of what follows."""
+    """Return the record of the order search, and the watch of the rest."""
     file = resume.with_name(SEARCH) if resume else None
     run = run_name(source, head, settings, bank, seed) if file else ""
     if file and file.is_file():

@@ -1,4 +1,4 @@
-"""What a caller sees of a training while it runs, and how the caller stops it."""
+"""Progress reports and cancellation of a training."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -14,7 +14,7 @@ OnEpoch = Callable[[dict[str, float], "OmniVaT"], None]
 
 
 class TrainingCancelled(OmniVatError):
-    """The caller stopped the training. Nothing was written."""
+    """The caller cancelled the training. Nothing was written."""
 
 
 def never() -> bool:
@@ -23,18 +23,18 @@ def never() -> bool:
 
 
 def _no_epoch(record: dict[str, float], model: "OmniVaT") -> None:
-    """Take the report of an epoch and do nothing with it."""
+    """Ignore the report of an epoch."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Watch:
     """Callbacks of one training.
 
-    on_step    gets every optimiser step
-    on_epoch   gets the record of every epoch and the live model, in training mode
-    cancelled  is called before every step; training stops once it returns True
-    done       steps of the work that came before this training
-    whole      steps of all the work; those of this training where 0
+    on_step    called at every optimiser step
+    on_epoch   called with the record of every epoch and the model, in training mode
+    cancelled  called before every step; training stops when it returns True
+    done       steps finished before this training
+    whole      steps in total; 0 means those of this training
     """
 
     on_step: OnStep = ignore
@@ -44,13 +44,13 @@ class Watch:
     whole: int = 0
 
     def step(self, done: int, total: int, text: str) -> None:
-        """Report a step. Raises TrainingCancelled when the caller wants to stop."""
+        """Report a step. Raises TrainingCancelled if the caller cancelled."""
         if self.cancelled():
             raise TrainingCancelled("Training was cancelled; nothing was written.")
         self.on_step(Step(done=self.done + done, total=self.whole or total, text=text))
 
     def part(self, done: int, whole: int) -> "Watch":
-        """Return the watch of a part of a longer work, after `done` of `whole` steps."""
+        """Return the watch for a part of a longer task, after `done` of `whole` steps."""
         return replace(self, done=done, whole=whole)
 
     def steps_only(self) -> "Watch":
