@@ -227,7 +227,7 @@ def test_a_file_that_is_cut_short_is_refused(written, kept):
         (lambda r: r.update(classes=["wood"]), "has no name"),
         (lambda r: r["curves"].update({"margin/raw": [1.0]}), "curve margin/raw has 1 values"),
         (lambda r: r["maps"]["pca/f_hat"].update(orders=[0, 1]), "map pca/f_hat has shape"),
-        (lambda r: r["maps"]["pca/raw"].update(orders=[99]), "a stop that is not there"),
+        (lambda r: r["maps"]["pca/raw"].update(orders=[99]), "a stop that does not exist"),
         (lambda r: r["maps"]["pca/raw"].update(array="label"), "map pca/raw has shape"),
         (lambda r: r["maps"]["pca/raw"].update(bounds=[[0, 0]]), "cannot be read"),
     ],
