@@ -1,8 +1,8 @@
-"""The paper's experiment: learn from one domain, answer on the others, for methods and seeds.
+"""The paper's experiment: train on one domain, test on the others, for methods and seeds.
 
 settings.py  the eight source and target settings
 methods.py   what is compared
 run.py       one method, one source, one seed -> one record
-records.py   records as JSON lines, with a key each, so that runs resume
-engine.py    runs one after another, in processes side by side, or through ray
+records.py   records as JSON lines with keys, so that runs resume
+engine.py    runs in sequence, in parallel processes, or through ray
 """

@@ -1,4 +1,4 @@
-"""What held-out objects of a source decide, and what a fitted method gives."""
+"""Choices made on held-out objects of a source, and the results of a fitted method."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -17,10 +17,10 @@ Logits = Callable[[Embeddings], dict[str, Tensor]]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Choice:
-    """What held-out objects of a source decided: once for each source, for all seeds.
+    """Choices made on held-out objects of a source: once for each source, for all seeds.
 
     candidate    name of the head's settings among `Method.candidates`
-    fusion       of the two modalities
+    fusion       late fusion of the two modalities
     calibration  temperatures, and the share of a learned fusion
     losses       held-out log loss of each candidate
     """
@@ -33,13 +33,13 @@ class Choice:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Outcome:
-    """A fitted method and what its record holds.
+    """A fitted method, and the contents of its record.
 
     logits       pairs -> reading -> logits or log-probabilities (N, K) before any temperature:
                  "fused", "vis", "tac" and, of a head, "vis_branch", "tac_branch" and "pair"
-    features     pairs -> "vis", "tac" and "pair" -> (N, W), what is classified last
-    choice       what held-out objects decided
-    separate     readings that late fusion can mix, or nothing where a method fuses features
+    features     pairs -> "vis", "tac" and "pair" -> (N, W), the last features before classification
+    choice       choices made on held-out objects
+    separate     readings for late fusion; empty if the method fuses features
     """
 
     logits: Logits
@@ -62,7 +62,7 @@ def told(choice: Choice) -> dict[str, Any]:
 def chosen_fusion(logits: Mapping[str, Tensor], labels: Tensor) -> str:
     """Return the late fusion with the lowest log loss on held-out pairs, each at its own temperature.
 
-    logits  as for `fit_calibration`; without two branches there is nothing to mix
+    logits  as for `fit_calibration`; fusion needs two branches
     """
     if "vis_branch" not in logits:
         return "mean"
@@ -77,7 +77,7 @@ def chosen_fusion(logits: Mapping[str, Tensor], labels: Tensor) -> str:
 
 
 def with_fused(logits: Mapping[str, Tensor], fusion: str, share: float = 0.5) -> dict[str, Tensor]:
-    """Add "fused": the branches mixed, or the one modality that there is."""
+    """Add "fused": the fused branches, or the only modality."""
     if "vis_branch" not in logits:
         return {**logits, "fused": next(iter(logits.values()))}
     if fusion == "feature":

@@ -1,4 +1,4 @@
-"""Do the runs that are not done yet: one after another, in processes, or on a ray cluster."""
+"""Run what is not finished yet: in sequence, in parallel processes, or on a ray cluster."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
@@ -28,7 +28,7 @@ def planned(
     *,
     calibrate: bool = False,
 ) -> list[Run]:
-    """Return every combination, methods innermost: a first table row is there early."""
+    """Return all combinations, methods innermost, so that first table rows appear early."""
     return [
         Run(method=method, source=source, seed=seed, fold=fold, calibrate=calibrate)
         for fold in folds
@@ -48,12 +48,12 @@ def run_all(
     engine: str = "local",
     on_step: OnStep = ignore,
 ) -> int:
-    """Do the runs and append their records to `out`; those that are there already are skipped.
+    """Run and append the records to `out`; finished runs are skipped.
 
     embeddings, bank  files; every worker opens them itself
-    jobs              processes side by side, one thread each
-    engine            "local", or "ray" for a cluster that sees the same files
-    return            how many runs were done now
+    jobs              parallel processes, one thread each
+    engine            "local", or "ray" for a cluster that shares the files
+    return            the number of new runs
     """
     pairs, texts = _opened(embeddings, bank)
     shared = records.provenance(pairs, texts)
@@ -78,7 +78,8 @@ def run_all(
 
 
 def stages(runs: Sequence[Run], first: int) -> list[list[Run]]:
-    """Return runs in two stages where any chooses or calibrates: the first seed decides for all."""
+    """Return runs in two stages if any run chooses or calibrates: the first seed decides for
+    all."""
     if not any(chooses(run) for run in runs):
         return [list(runs)]
     parts = [[run for run in runs if (run.seed == first) == early] for early in (True, False)]
@@ -86,7 +87,7 @@ def stages(runs: Sequence[Run], first: int) -> list[list[Run]]:
 
 
 def chooses(run: Run) -> bool:
-    """Whether a run looks at held-out objects of its source before it trains."""
+    """True if a run uses held-out objects of its source before it trains."""
     return run.calibrate or bool(run.method.candidates)
 
 
@@ -96,7 +97,7 @@ def at(run: Run, seed: int) -> Run:
 
 
 def with_choice(run: Run, record: dict[str, Any] | None) -> Run:
-    """Give a run what the record of the first seed chose."""
+    """Return a run with the choices in the record of the first seed."""
     return replace(run, prior=choice_of(record)) if record and chooses(run) else run
 
 
@@ -129,7 +130,7 @@ def _results(
 def _one_by_one(
     runs: Sequence[Run], embeddings: Path, bank: Path | None
 ) -> Iterator[dict[str, Any]]:
-    with one_thread():  # as in a worker: the number of threads changes the last bits
+    with one_thread():  # as in a worker, because the number of threads changes the last bits
         pairs, texts = _opened(embeddings, bank)
         for run in runs:
             yield execute(run, pairs, texts)

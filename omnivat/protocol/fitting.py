@@ -1,7 +1,8 @@
 """Fit one method on one source: choose its settings, fit its temperatures, train it on all pairs.
 
-Choice and temperatures come from held-out objects of the source, a quarter of each class; the head
-and the baselines hold out the same ones at one seed (`omnivat.baselines.evidence.folds`).
+Choices and temperatures use held-out objects of the source, a quarter of each class. For one seed,
+the
+head and the baselines hold out the same objects (`omnivat.baselines.evidence.folds`).
 """
 
 from omnivat.lang.bank import LangBank
@@ -25,8 +26,8 @@ def fit(
 
     calibrate  also choose the fusion and fit temperatures, with one more training for each candidate
                on three quarters of the objects
-    prior      what another seed has chosen on this source: nothing is chosen again
-    Raises OmniVatError children where the method cannot run on these pairs.
+    prior      choices of another seed on this source; they are not made again
+    Raises a child of OmniVatError if the method cannot run on these pairs.
     """
     fitted = fit_head if method.base == HEAD else fit_baseline
     return fitted(method, found, bank, seed, calibrate, prior)

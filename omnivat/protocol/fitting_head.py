@@ -68,8 +68,8 @@ def fit_head(
 def _choose_head(
     method: Method, found: Task, bank: LangBank | None, seed: int, calibrate: bool
 ) -> Choice:
-    """Choose the candidate with the lowest log loss on held-out pairs as they are, the baselines'
-    criterion; then the fusion and temperatures on those pairs and under imitated sensors."""
+    """Choose the candidate with the lowest log loss on held-out pairs, as for the baselines. Then
+    choose fusion and temperatures on those pairs and under imitated sensors."""
     names, fusion = tuple(method.candidates) or ("",), stated_fusion(method)
     fold = fold_of(found, seed) if calibrate or len(names) > 1 else None
     if fold is None:
@@ -107,14 +107,14 @@ def _trained(
 
 
 def held_out_loss(held: HeldOut, fusion: str) -> float:
-    """Return the mean negative log-likelihood of held-out pairs as they are, the baselines' score."""
+    """Return the mean negative log-likelihood of held-out pairs, the score of the baselines."""
     fused = with_fused(held.logits, fusion)["fused"]
     logs = torch.log_softmax(fused[held.plain], dim=-1)
     return float(nll_loss(logs, held.labels[held.plain]))
 
 
 def stated_fusion(method: Method) -> str:
-    """Return the fusion that a head's method states, or the default."""
+    """Return the fusion set by a head's method, or the default."""
     return str(method.head.get("fusion", HeadSettings.__dataclass_fields__["fusion"].default))
 
 
@@ -129,7 +129,7 @@ def _head_logits(
 def _head_features(
     model: OmniVaT, modalities: tuple[str, ...], pairs: Embeddings
 ) -> dict[str, Tensor]:
-    """Return F-hat: of each modality alone, and of both branches side by side as "pair"."""
+    """Return F-hat of each modality alone, and both branches concatenated as "pair"."""
     rows = {n: tensor(getattr(pairs, n)) if n in modalities else None for n in ("vis", "tac")}
     alone = {
         name: model(*(x if n == name else None for n, x in rows.items())).f_hat[name]

@@ -1,4 +1,4 @@
-"""What is compared: the head with its settings, a part of it, or a baseline by name."""
+"""Compared methods: the head with its settings, a part of it, or a baseline by name."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -9,7 +9,7 @@ from omnivat.errors import MissingNameError, SettingsError
 from omnivat.tables import suggestion
 
 HEAD = "omnivat"
-# Parts of the head as rows of their own: what they change, their label and a note.
+# Parts of the head as separate rows: changed settings, label and note.
 VARIANTS: dict[str, tuple[str, dict[str, Any], dict[str, Any]]] = {
     "mffa_alone": ("MFFA alone", {"generation": "none"}, {}),
     "dtg_alone": ("DTG alone", {"mffa": False}, {}),
@@ -19,7 +19,7 @@ VARIANTS: dict[str, tuple[str, dict[str, Any], dict[str, Any]]] = {
         {"nod_weight": 0.0},
     ),
 }
-# The head with one thing switched off: shown beside it, and no rival in the headline.
+# The head with one part switched off: shown in the tables, excluded from the lead.
 ABLATED: dict[str, tuple[str, dict[str, Any], dict[str, Any]]] = {
     "omnivat_no_lang": ("OmniVaT without LANG", {}, {"lang": False}),
     "omnivat_no_mma": ("OmniVaT without L_MMA", {}, {"mma_weight": 0.0}),
@@ -38,10 +38,10 @@ class Method:
     base        "omnivat" or a name in BASELINES
     head        settings of the head that differ from the defaults
     train       settings of training that differ from the defaults
-    modalities  what is given when predicting
-    candidates  settings to choose among on held-out objects of the source, by name:
-                {"head": {...}, "train": {...}} over `head` and `train`; none to choose nothing
-    ablated     the head with one thing switched off: no rival of the head
+    modalities  input in prediction
+    candidates  settings to choose from on held-out objects of the source, by name:
+                {"head": {...}, "train": {...}} override `head` and `train`; empty: no choice
+    ablated     the head with one part switched off; excluded from the lead
     """
 
     name: str
@@ -74,7 +74,7 @@ def methods_named(
 ) -> list[Method]:
     """Return the methods; settings and candidates go to the head and its variants.
 
-    Raises MissingNameError, with the nearest name, for a method that is not there.
+    Raises MissingNameError, with the nearest name, for an unknown method.
     """
     if len(set(names)) < len(names):
         raise SettingsError(f"A method is named twice in {', '.join(names)}.")

@@ -1,4 +1,4 @@
-"""Records of runs as JSON lines. Every line has a key made of all that decides its figures."""
+"""Records of runs as JSON lines. The key of a line hashes everything that affects its figures."""
 
 import json
 import os
@@ -20,7 +20,7 @@ FORMAT = "omnivat-run-1"
 
 
 def fingerprint(embeddings: Embeddings) -> str:
-    """Return a short name of the content: vectors, labels, domains, splits and parts."""
+    """Return a short hash of the content: vectors, labels, domains, splits and parts."""
     digest = blake2b(digest_size=8)
     for array in (embeddings.vis, embeddings.tac, embeddings.domain, embeddings.label):
         digest.update(np.ascontiguousarray(array).tobytes())
@@ -32,7 +32,7 @@ def fingerprint(embeddings: Embeddings) -> str:
 
 
 def provenance(embeddings: Embeddings, bank: LangBank | None) -> dict[str, Any]:
-    """Return what all records of a file share: data, text, versions."""
+    """Return the facts shared by all records of a file: data, text, versions."""
     header = embeddings.header
     return {
         "format": FORMAT,
@@ -50,7 +50,7 @@ def provenance(embeddings: Embeddings, bank: LangBank | None) -> dict[str, Any]:
 
 
 def key(record: Mapping[str, Any]) -> str:
-    """Return the name of what a record answers: the same question gives the same key.
+    """Return the key of a run: equal runs have equal keys.
 
     Versions and times are not part of it.
     """
@@ -63,7 +63,7 @@ def key(record: Mapping[str, Any]) -> str:
 
 
 def append(path: Path, record: Mapping[str, Any]) -> None:
-    """Add one line and make sure that it is on disk."""
+    """Append one line and flush it to disk."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with path.open("a", encoding="utf-8") as handle:
         handle.write(json.dumps(record, ensure_ascii=False) + "\n")
@@ -72,9 +72,9 @@ def append(path: Path, record: Mapping[str, Any]) -> None:
 
 
 def read(path: Path) -> list[dict[str, Any]]:
-    """Return the records of a file; a last line that was cut short is left out.
+    """Return the records of a file; an incomplete last line is ignored.
 
-    Raises DataError, with the line's number, for anything else that is not a record.
+    Raises DataError with the line number for any other invalid line.
     """
     if not path.is_file():
         return []
@@ -89,7 +89,7 @@ def _records(path: Path) -> Iterator[dict[str, Any]]:
         try:
             record = json.loads(line)
         except ValueError as error:
-            if number == len(lines):  # no line end: the program was stopped while writing
+            if number == len(lines):  # no line end: writing was interrupted
                 return
             raise DataError(f"Line {number} of '{path}' is not JSON; remove it.") from error
         if not isinstance(record, dict) or record.get("format") != FORMAT:
@@ -98,7 +98,7 @@ def _records(path: Path) -> Iterator[dict[str, Any]]:
 
 
 def mend(path: Path) -> None:
-    """Cut off a last line that was not written to its end, so that lines can follow."""
+    """Remove an incomplete last line, so that lines can follow."""
     if not path.is_file():
         return
     content = path.read_bytes()

@@ -1,8 +1,8 @@
-"""Score a fitted method on a set of pairs, and keep what every table can be recomputed from.
+"""Score a fitted method on pairs, and keep every prediction so that tables can be recomputed.
 
-`answers` holds the predicted class of every pair, one character each, for every reading and every
-late fusion; `truth` and `objects` stand beside them. A class is its place in the record's `classes`,
-written 0 to 9, then a to z, then A to Z. Objects are numbered through the whole set of embeddings.
+`answers` has the predicted class of every pair, one character each, for every reading and late
+fusion; `truth` and `objects` have the same order. A class is its index in the record's `classes`,
+written 0 to 9, then a to z, then A to Z. Objects are numbered through the whole set.
 """
 
 import math
@@ -32,8 +32,8 @@ def score(
 ) -> dict[str, Any]:
     """Return counts, scores by reading, late fusions, margins and every prediction.
 
-    numbers  object -> its number (`object_numbers`); without, no single predictions are kept
-    Pairs of classes that the method has not learned are left out and counted.
+    numbers  object -> its number (`object_numbers`); without it, single predictions are not kept
+    Pairs of classes that the method lacks are left out and counted.
     """
     labels = label_map(classes, pairs.header.classes)[pairs.label]
     known = np.flatnonzero(labels >= 0)
@@ -64,7 +64,7 @@ def score(
 
 
 def scores(logits: Tensor, truth: Tensor, temperature: float) -> dict[str, float]:
-    """Return ACC, Macro-F1 and scores of confidence, the latter also before the temperature (raw)."""
+    """Return ACC, Macro-F1 and confidence scores, the latter also before the temperature (raw)."""
     found = tempered(logits, temperature)
     raw = tempered(logits, 1.0)
     predicted = logits.argmax(-1)
@@ -81,7 +81,7 @@ CONFIDENCE = {"ece": ece, "nll": nll, "aurc": aurc}
 
 
 def fusions(outcome: Outcome, logits: Mapping[str, Tensor]) -> dict[str, Tensor]:
-    """Return logits (N, K) of every late fusion, and of the summed features where there are any."""
+    """Return logits (N, K) of every late fusion, and of the summed features if there are any."""
     if outcome.separate is None:
         return {}
     first, second = (logits[name] for name in outcome.separate)
@@ -107,7 +107,8 @@ def _number(value: Tensor) -> float | None:
 
 
 def named_objects(pairs: Embeddings) -> list[str]:
-    """Return each pair's object with its domain; a pair without one stands for itself, by file."""
+    """Return each pair's object with its domain; a pair without an object counts as one, by
+    file."""
     domains = pairs.header.domains
     files = zip(pairs.rows["object"], pairs.rows["vis"], pairs.rows["tac"], strict=True)
     return [
@@ -117,5 +118,5 @@ def named_objects(pairs: Embeddings) -> list[str]:
 
 
 def object_numbers(embeddings: Embeddings) -> dict[str, int]:
-    """Return a number for every object of a set, in the order of first rows."""
+    """Return a number for every object of a set, in order of first appearance."""
     return {name: i for i, name in enumerate(dict.fromkeys(named_objects(embeddings)))}

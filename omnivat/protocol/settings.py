@@ -13,7 +13,7 @@ SAME_SENSOR = frozenset({"OF 2.0 A", "OF 2.0 B"})  # both Taxim: never source an
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Side:
-    """A domain by the paper's name, and the part of it that counts ("" is all)."""
+    """A domain by the paper's name, and the part that is used ("" is all)."""
 
     domain: str
     part: str = ""
@@ -24,7 +24,7 @@ class Side:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Setting:
-    """One row of the paper's table of settings. `ceramic` says whether that class takes part."""
+    """One row of the paper's table of settings. `ceramic`: True if that class is used."""
 
     source: Side
     targets: tuple[Side, ...]
@@ -32,7 +32,7 @@ class Setting:
 
 
 def _setting(source: str) -> Setting:
-    """Build one row: TacQuad sensors learn on one part and are answered on the other."""
+    """Build one row: TacQuad sensors train on one part and are tested on the other."""
     domain = DOMAINS[source]
     tacquad = bool(domain.series)
     learn = ("outdoor" if "outdoor" in domain.series else "indoor") if tacquad else ""
@@ -52,20 +52,20 @@ SETTINGS = {name: _setting(name) for name in DOMAINS}
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Task:
-    """A setting on a set of embeddings: the pairs to learn from and to answer."""
+    """A setting on a set of embeddings: training pairs and test pairs."""
 
     setting: Setting
     classes: tuple[str, ...]
     train: Embeddings
-    source_test: Embeddings  # pairs of the source that were not trained on; may be empty
+    source_test: Embeddings  # test pairs of the source; may be empty
     targets: dict[str, Embeddings]  # by the name in the data
-    missing: tuple[str, ...]  # targets of the paper that the data lack
+    missing: tuple[str, ...]  # targets of the paper that are not in the data
 
 
 def available(embeddings: Embeddings) -> tuple[str, ...]:
-    """Return the sources that the embeddings hold: the paper's, by its names and in its order.
+    """Return the sources in the embeddings: the paper's, by its names and in its order.
 
-    Where none is the paper's, every domain of two classes or more, by its own name.
+    Without any of them: every domain with two or more classes, by its own name.
     """
     domains = embeddings.header.domains
     present = {paper_name(name) for name in domains}
@@ -76,17 +76,17 @@ def available(embeddings: Embeddings) -> tuple[str, ...]:
 
 
 def own_setting(source: str, domains: Sequence[str]) -> Setting:
-    """Return the setting of a domain that the paper does not have: all others are its targets."""
+    """Return the setting of a domain that is not in the paper: all others are its targets."""
     sides = tuple(Side(domain=paper_name(name)) for name in domains if name != source)
     return Setting(source=Side(domain=paper_name(source)), targets=sides, ceramic=True)
 
 
 def task(embeddings: Embeddings, source: str) -> Task:
-    """Return what the setting of one source means on these embeddings.
+    """Return the task of one source on these embeddings.
 
-    source  the paper's name, or that of its simulated stand-in, or any domain of the embeddings
+    source  the paper's name, that of its simulated domain, or any domain of the embeddings
 
-    Raises DataError when the source is unknown or has no training pairs.
+    Raises DataError if the source is unknown or has no training pairs.
     """
     setting = SETTINGS.get(paper_name(source))
     if setting is None:
@@ -136,12 +136,12 @@ def task(embeddings: Embeddings, source: str) -> Task:
 
 
 def _can_be_asked(pairs: Embeddings, classes: set[int]) -> bool:
-    """Tell whether any pair is of a class that was learned."""
+    """True if any pair has a class that was learned."""
     return not classes.isdisjoint(pairs.label.tolist())
 
 
 def _without(pairs: Embeddings, classes: tuple[str, ...]) -> Embeddings:
-    """Return the pairs that are of none of the classes."""
+    """Return the pairs of other classes than these."""
     index = [i for i, name in enumerate(pairs.header.classes) if name in classes]
     keep = ~(pairs.label[:, None] == index).any(1) if index else pairs.label >= 0
     return pairs.select(keep)

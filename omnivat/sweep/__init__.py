@@ -1,4 +1,4 @@
-"""Walk a set of embeddings through many orders: features, answers and gaps as functions of p."""
+"""Evaluate a set of embeddings at many orders: features, predictions and gaps as functions of p."""
 
 from omnivat.sweep.curves import MEASURES, Sweep, facts_of, measured, sweep
 from omnivat.sweep.walk import STAGES, STILL, AtOrder, Features, coarse_first, walk

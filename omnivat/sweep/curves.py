@@ -1,4 +1,4 @@
-"""Gaps and scores of a set as functions of the order: one curve a measure and stage."""
+"""Gaps and scores of a set as functions of p: one curve for each measure and stage."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -22,12 +22,12 @@ MEASURES = ("modality_gap", "domain_gap", "margin", "accuracy", "macro_f1")
 class Sweep:
     """Curves over P orders for N pairs.
 
-    orders         (P,) quarter turns, as asked for
-    classes        the head's K classes, then classes of the set that it does not know
+    orders         (P,) quarter turns, as given
+    classes        the head's K classes, then other classes of the set
     label          (N,) index into `classes`
-    probabilities  (P, N, K) float32, fused; (P, 0, K) when no answers were asked for
-    curves         "measure/stage", "accuracy/all" and the like -> (P,) float64; NaN where a
-                   value does not exist. docs/gaps.md lists the names
+    probabilities  (P, N, K) float32, from both images; (P, 0, K) without answer measures
+    curves         "measure/stage", "accuracy/all" and the like -> (P,) float64; NaN if
+                   undefined. docs/gaps.md lists the names
     """
 
     orders: NDArray[np.float64]
@@ -47,17 +47,17 @@ def sweep(
     chunk: int = CHUNK,
     on_step: OnStep = ignore,
 ) -> Sweep:
-    """Measure gaps and answers of a set at every order.
+    """Measure gaps and predictions of a set at every order.
 
-    orders    quarter turns, any real numbers; visited coarse first, returned as given
-    stages    of `STAGES`; what is not asked for is not kept
+    orders    quarter turns, any real numbers; computed coarse first, returned as given
+    stages    of `STAGES`; others are not kept
     measures  of `STAGE_MEASURES` and `ANSWER_MEASURES`
     chunk     pairs that pass the head at once. Memory is one order's answers, the probabilities of
               all orders and, where a measure is not of `SUM_MEASURES`, one order's features
 
-    Measures of the raw embedding and the raw DFrFT are computed once and hold for every order.
-    Without answer measures and moving stages the head is asked for one order at most.
-    Raises SettingsError for a stage, measure or order that cannot be.
+    Measures of the raw embedding and the raw DFrFT are computed once, because they do not depend on
+    the order. Without answer measures and other stages, the head runs at one order at most.
+    Raises SettingsError for an unknown stage or measure, or an invalid order.
     """
     require_known(measures, (*STAGE_MEASURES, *ANSWER_MEASURES), "measure")
     classes, facts = facts_of(embeddings, model.settings.classes, model.classifier.device)
@@ -96,7 +96,8 @@ def sweep(
 def measured(
     found: AtOrder, facts: Facts, measures: Sequence[str]
 ) -> Iterator[tuple[str, str, float]]:
-    """Give every curve's value at one order: stage ("" for answers), name of the curve, value."""
+    """Yield the values of all curves at one order: stage ("" for predictions), curve name,
+    value."""
     for stage in (*found.features, *found.sums):
         for name, suffix, value in _of_stage(found, stage, facts, measures):
             variant, _, domain = suffix.partition("/")
@@ -111,7 +112,7 @@ def measured(
 def _of_stage(
     found: AtOrder, stage: str, facts: Facts, measures: Sequence[str]
 ) -> Iterator[tuple[str, str, Tensor]]:
-    """Give measure, suffix and value; the sums of a stage are taken once for all that need them."""
+    """Yield measure, suffix and value; the sums of a stage are computed once."""
     features, sums = found.features.get(stage, {}), found.sums.get(stage)
     if sums is None and any(name in SUM_MEASURES for name in measures):
         sums = facts.sums()
@@ -131,9 +132,9 @@ def _of_stage(
 def facts_of(
     embeddings: Embeddings, known: tuple[str, ...], device: torch.device | None = None
 ) -> tuple[tuple[str, ...], Facts]:
-    """Return the classes, those `known` to the head first, and what holds at any order.
+    """Return the classes, those in `known` first, and the facts that do not depend on the order.
 
-    A class that the head does not know keeps its name; its pairs count in gaps, not in scores.
+    Pairs of a class that the head lacks count in gaps, not in scores.
     """
     header = embeddings.header
     classes = (*known, *(name for name in header.classes if name not in known))

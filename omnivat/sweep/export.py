@@ -1,4 +1,4 @@
-"""Write curves over orders as files that other programs read: JSON, or CSV with named columns."""
+"""Write curves for other programs: JSON, or CSV with named columns."""
 
 import csv
 import math
@@ -14,13 +14,13 @@ Curves = Mapping[str, Sequence[float | None]]
 def write_curves_json(
     path: str | Path, orders: Sequence[float], curves: Curves, head: Mapping[str, Any]
 ) -> None:
-    """Write `{"orders": [...], "head": {...}, "curves": {name: [...]}}`; no value is null."""
+    """Write `{"orders": [...], "head": {...}, "curves": {name: [...]}}`; null means undefined."""
     plain = {name: [_number(value) for value in values] for name, values in curves.items()}
     write_json(path, {"orders": list(orders), "head": dict(head), "curves": plain})
 
 
 def write_curves_csv(path: str | Path, orders: Sequence[float], curves: Curves) -> None:
-    """Write a column `order`, then a column under the name of each curve; no value is empty."""
+    """Write a column `order`, then one column for each curve; an empty cell means undefined."""
     with replacing(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as handle:
         writer = csv.writer(handle)
         writer.writerow(["order", *curves])

@@ -1,4 +1,4 @@
-"""Visit orders one at a time: the features and answers of a set of embeddings at each."""
+"""Visit orders one at a time, and compute features and predictions of a set at each."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -16,28 +16,26 @@ from omnivat.model.head import OmniVaT, PairCoefficients
 from omnivat.model.output import HeadOutput
 from omnivat.tables import suggestion
 
-# Each stage of the head that can be seen. Raw embedding and raw DFrFT do not depend on the order:
-# the transform is unitary, so every distance and cosine stays.
+# The visible stages of the head. Raw embedding and raw DFrFT have the same distances and cosines at
+# every order, because the transform is unitary.
 STAGES = ("raw", "frft", "relu", "f_bar", "f_hat")
 STILL = ("raw", "frft")
-CHUNK = 512  # pairs that pass the head at once: bounds the memory, whatever the set
-KEPT_PAIRS = (
-    20_000  # whose coefficients are kept while the order moves; of more they are made again
-)
+CHUNK = 512  # pairs in one pass of the head; it bounds the memory for any set
+KEPT_PAIRS = 20_000  # pairs whose coefficients are kept for all orders; beyond, they are recomputed
 
 Features = Mapping[str, Tensor]  # modality -> (N, W), rows of any length
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AtOrder:
-    """What was found at one order.
+    """The results at one order.
 
-    index          place of the order in the list that was asked for
-    features       stage -> modality -> (N, W); only stages that were asked for and that move,
-                   and at the first order visited also those that do not
+    index          index of the order in the given list
+    features       stage -> modality -> (N, W): requested stages that depend on the order; at the
+                   first order visited, also those that do not
     probabilities  reading -> (N, K): "fused", "vis" and "tac" alone, "vis_branch" and "tac_branch"
-                   inside the pair; empty when no answers were asked for
-    sums           stage -> sums of its rows, in place of features where those were asked for
+                   inside the pair; empty if predictions were not requested
+                   sums           stage -> sums of its rows, instead of features if requested
     """
 
     index: int
@@ -48,7 +46,7 @@ class AtOrder:
 
 
 def coarse_first(count: int) -> list[int]:
-    """Return 0 .. count - 1, the ends first, then ever finer steps between them.
+    """Return 0 .. count - 1, both ends first, then finer and finer steps.
 
     >>> coarse_first(9)
     [0, 8, 4, 2, 6, 1, 3, 5, 7]
@@ -69,16 +67,15 @@ def walk(
     chunk: int = CHUNK,
     sums_for: Facts | None = None,
 ) -> Iterator[AtOrder]:
-    """Give what is found at each order, one order at a time, in the order of `visits`.
+    """Yield the results at each order, in the order of `visits`.
 
-    sums_for  give sums of the features by these labels and domains, and no features: memory is
-              then that of the answers
+    sums_for  yield sums of the features by these labels and domains instead of features; memory is
+              then that of the predictions
 
-    Orders at which nothing would move are not visited: with still stages alone and no answers,
-    only the first is.
+    If no requested result depends on the order, only the first order is visited.
 
-    Raises SettingsError for an unknown stage or an order that is not finite, DataError where
-    there are no pairs.
+    Raises SettingsError for an unknown stage or an order that is not finite, DataError if there
+    are no pairs.
     """
     require_known(stages, STAGES, "stage")
     if chunk < 1 or not np.isfinite(np.array(orders, dtype=np.float64)).all():
@@ -116,7 +113,7 @@ def walk(
 
 
 class _Found:
-    """Collects what is found at one order, some rows at a time."""
+    """Collect the results at one order, some rows at a time."""
 
     def __init__(self, count: int, sums_for: Facts | None) -> None:
         self.whole: dict[str, dict[str, Tensor]] = {}
@@ -124,7 +121,7 @@ class _Found:
         self._count, self._facts = count, sums_for
 
     def take(self, stage: str, found: Features, rows: slice) -> None:
-        """Take the features of some rows; the answers where the stage is ""."""
+        """Add the features of some rows, or their predictions if the stage is ""."""
         facts = self._facts
         if stage and facts is not None:
             sums = self.sums.setdefault(stage, facts.sums())
@@ -146,11 +143,11 @@ def stage_blocks(
     *,
     chunk: int = CHUNK,
 ) -> Iterator[tuple[slice, Features]]:
-    """Give the features of one stage at one order, `chunk` pairs at a time, with the pairs' slice.
+    """Yield the features of one stage at one order, `chunk` pairs at a time, with their slice.
 
-    model  may be None at "raw"; order  the learned one where None
+    model  may be None at "raw"; order  None: the learned one
 
-    Raises SettingsError for an unknown stage, DataError where there are no pairs.
+    Raises SettingsError for an unknown stage, DataError if there are no pairs.
     """
     require_known([stage], STAGES, "stage")
     if not len(embeddings):
@@ -165,7 +162,7 @@ def stage_blocks(
 
 @torch.no_grad()
 def coefficients_of(model: OmniVaT, embeddings: Embeddings) -> PairCoefficients:
-    """Return what to keep of all pairs while the order moves."""
+    """Return the coefficients of all pairs."""
     _, raw = next(_raw_chunks(model, embeddings, len(embeddings)))
     return model.coefficients(raw["vis"], raw["tac"])
 
@@ -178,7 +175,7 @@ def _outputs(
     order: float,
     chunk: int,
 ) -> Iterator[tuple[slice, HeadOutput]]:
-    """Give what the head makes of `chunk` pairs at a time, from coefficients where they were kept."""
+    """Yield the head's outputs for `chunk` pairs at a time, from kept coefficients if possible."""
     if kept is None:
         for rows, raw in _raw_chunks(model, embeddings, chunk):
             own = model.coefficients(raw["vis"], raw["tac"])
@@ -211,7 +208,7 @@ def _raw_chunks(
 
 
 def require_known(names: Sequence[str], known: Sequence[str], kind: str) -> None:
-    """Refuse a name that is not known, with those that are. Raises SettingsError."""
+    """Raise SettingsError for an unknown name; the message lists the known ones."""
     for name in names:
         if name not in known:
             raise SettingsError(
