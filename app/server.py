@@ -15,18 +15,11 @@ from app import hosted
 from app.guard import Guard, rules, warning
 from app.scratch import sweep
 from app.starting import free_port, port_number, require_files
+from app.views import VIEWS
 from omnivat.errors import MissingPackageError, OmniVatError
 from omnivat.packages import need
 
 log = logging.getLogger(__name__)
-VIEWS = (
-    "app.views.explore",
-    "app.views.pair",
-    "app.views.train",
-    "app.views.tree",
-    "app.views.compare",
-    "app.views.data",
-)
 ICON = Path(__file__).parent / "web" / "shared" / "icon.svg"
 
 
@@ -89,9 +82,8 @@ def build() -> Any:
         component("header")
         with gr.Tabs(elem_id="views"):
             for name in VIEWS:
-                view = import_module(name)
-                short = name.rpartition(".")[2]
-                with gr.Tab(view.TITLE, id=short, elem_id=f"view-{short}"):
+                view = import_module(f"app.views.{name}")
+                with gr.Tab(view.TITLE, id=name, elem_id=f"view-{name}"):
                     view.build()
     return page
 
@@ -116,7 +108,7 @@ def launch(page: Any, resources: Any, arguments: argparse.Namespace, **more: Any
             "redoc_url": None,
         },
         theme=theme(),
-        head=head([name.rpartition(".")[2] for name in VIEWS]),
+        head=head(VIEWS),
         favicon_path=ICON,
         footer_links=[],
         run_history=False,

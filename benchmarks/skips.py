@@ -29,7 +29,8 @@ from omnivat.encoders import load_encoder
 from omnivat.fractional import Coefficients, coefficients, dfrft, synthesise
 from omnivat.gaps.centroid import modality_gap
 from omnivat.heads import default_embeddings, default_head
-from omnivat.model.head import IMAGE_MODALITIES, OmniVaT
+from omnivat.modalities import IMAGES
+from omnivat.model.head import OmniVaT
 from omnivat.projection import chain, torch_umap
 from omnivat.projection.quality import drift, trustworthiness
 
@@ -119,7 +120,7 @@ def maps(model: OmniVaT, vis: Tensor, tac: Tensor) -> Rule:
     pairs = model.coefficients(vis[::3], tac[::3])
     orders = [model.order + 0.005 * step for step in range(6)]
     rows = [
-        torch.cat([out.f_hat[name] for name in IMAGE_MODALITIES])
+        torch.cat([out.f_hat[name] for name in IMAGES])
         for out in (model.from_coefficients(pairs, p) for p in orders)
     ]
 
@@ -190,7 +191,7 @@ def main() -> None:
     about = machine()
     model = load_head(default_head()).model.eval()
     embeddings = load_embeddings(default_embeddings())
-    vis, tac = (torch.tensor(getattr(embeddings, name)).float() for name in IMAGE_MODALITIES)
+    vis, tac = (torch.tensor(getattr(embeddings, name)).float() for name in IMAGES)
     lines = []
     with torch.no_grad():
         for rule in (*numeric(model, vis, tac), encoding()):

@@ -16,12 +16,13 @@ import torch
 from safetensors import SafetensorError
 from safetensors.torch import load_file, save
 
-from omnivat.calibration.familiarity import MODALITIES, Familiarity
+from omnivat.calibration.familiarity import Familiarity
 from omnivat.config import settings_dict, settings_from
 from omnivat.data.store import Embeddings
 from omnivat.devices import current
 from omnivat.errors import DataError, SettingsError
 from omnivat.files import require_writable, write_json, writing
+from omnivat.modalities import IMAGES
 from omnivat.model.fusion import Calibration, plain
 from omnivat.model.head import OmniVaT
 from omnivat.model.settings import HeadSettings
@@ -233,7 +234,7 @@ def _load_familiarity(file: Path, width: int) -> Familiarity | None:
         raise DataError(
             f"'{file}' cannot be read ({error}); copy the head folder again."
         ) from error
-    names = [name for name in MODALITIES if name in tensors]
+    names = [name for name in IMAGES if name in tensors]
     fits = names and all(
         tensors[n].ndim == 2 and tensors[n].shape[1] == width and f"{n}_quantiles" in tensors
         for n in names

@@ -16,7 +16,6 @@ from torch.nn.functional import normalize
 
 from omnivat.errors import DataError
 
-MODALITIES = ("vis", "tac")
 MOST_ROWS = 2000  # training images kept for each modality: bounds the file and the search
 QUANTILES = 101
 CHUNK = 512

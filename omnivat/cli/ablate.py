@@ -6,7 +6,8 @@ python -m omnivat ablate --embeddings FILE --out DIR [--only components,order] [
 import argparse
 from typing import TYPE_CHECKING, Any
 
-from omnivat.cli.protocol import RUNS, add_running, listed, numbers, work
+from omnivat.cli.arguments import listed, numbers, split_settings
+from omnivat.cli.protocol import RUNS, add_running, work
 
 if TYPE_CHECKING:
     from omnivat.ablations import Ablation
@@ -30,7 +31,6 @@ def add(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Do what is not done yet, then write tables and plots anew."""
     from omnivat.ablations import chosen
-    from omnivat.cli.train import split_settings
     from omnivat.model.settings import HeadSettings
     from omnivat.protocol import records
     from omnivat.reports.ablation_report import write_ablations

@@ -3,10 +3,13 @@
 import argparse
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
+from omnivat.config import field_names, parse_assignments
 from omnivat.errors import SettingsError
 from omnivat.heads import default_embeddings, default_head
 from omnivat.orders import checked_order
+from omnivat.tables import suggestion
 
 
 def add_head(parser: argparse.ArgumentParser, *, note: str = "") -> None:
@@ -67,3 +70,37 @@ def whole(least: int, most: int | None = None) -> Callable[[str], int]:
         return number
 
     return checked
+
+
+def listed(text: str) -> tuple[str, ...]:
+    """Return the parts of "a,b,c" without blanks around them."""
+    return tuple(part.strip() for part in text.split(",") if part.strip())
+
+
+def numbers(text: str, *, name: str = "--seeds") -> tuple[int, ...]:
+    """Return the whole numbers of "0,1,2"; raises SettingsError for anything else."""
+    try:
+        found = tuple(int(part) for part in listed(text))
+    except ValueError as error:
+        raise SettingsError(f"{name} is '{text}'; give whole numbers such as 0,1,2.") from error
+    if not found:
+        raise SettingsError(f"{name} is empty; give whole numbers such as 0,1,2.")
+    return found
+
+
+def split_settings(texts: list[str], *kinds: type[Any]) -> tuple[dict[str, Any], ...]:
+    """Give each `key=value` text to the settings record that has the key.
+
+    Raises SettingsError for a key that none has.
+    """
+    found: list[dict[str, Any]] = [{} for _ in kinds]
+    names = [field_names(kind) for kind in kinds]
+    for text in texts:
+        key = text.partition("=")[0]
+        owner = next((i for i, own in enumerate(names) if key in own), None)
+        if owner is None:
+            known = [name for own in names for name in own]
+            hint = suggestion(key, known) or f" There are {', '.join(known)}."
+            raise SettingsError(f"There is no setting '{key}'.{hint}")
+        found[owner] |= parse_assignments(kinds[owner], [text])
+    return tuple(found)

@@ -7,12 +7,13 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from omnivat.cli.arguments import add_embeddings, whole
+from omnivat.cli.arguments import add_embeddings, listed, numbers, split_settings, whole
 from omnivat.cli.bar import progress_bar
 from omnivat.cli.computing import add_device
 from omnivat.errors import DataError, SettingsError
 
 if TYPE_CHECKING:
+    from omnivat.data.store import Embeddings
     from omnivat.protocol.run import Run
 
 RUNS = "runs.jsonl"
@@ -45,6 +46,13 @@ def add(parser: argparse.ArgumentParser) -> None:
     )
 
     parser.add_argument(
+        "--images",
+        type=Path,
+        metavar="PAIRS",
+        help="the folder or table of pairs that was embedded, for methods that learn inside CLIP; noted "
+        "by `omnivat embed` on this machine",
+    )
+    parser.add_argument(
         "--calibrate",
         action="store_true",
         help="fit temperatures and a learned fusion to held-out objects, too; twice the time",
@@ -75,7 +83,6 @@ def add_running(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Do what is not done yet, then write the tables anew."""
-    from omnivat.cli.train import split_settings
     from omnivat.data.store import load_embeddings
     from omnivat.model.settings import HeadSettings
     from omnivat.protocol import records
@@ -88,6 +95,8 @@ def run(options: argparse.Namespace) -> None:
 
     if not options.tables_only:
         set_of_pairs = load_embeddings(options.embeddings)
+        if options.images:
+            note_images(set_of_pairs, options.images)
         head, training = split_settings(options.set, HeadSettings, TrainSettings)
         methods = methods_named(
             listed(options.methods) or DEFAULT_METHODS,
@@ -109,12 +118,21 @@ def run(options: argparse.Namespace) -> None:
     print(write_evidence(found, options.out) if options.folds else write_report(found, options.out))
 
 
+def note_images(embeddings: "Embeddings", pairs: Path) -> None:
+    """Note where the images of a set lie. Raises DataError for a place that is not there."""
+    from omnivat.cli.thumbnails import start_of
+    from omnivat.encoders.places import images_key, remember
+
+    if not pairs.exists():
+        raise DataError(f"There is no folder or file at '{pairs}'. Check --images.")
+    remember(images_key(embeddings.header), start_of(pairs, embeddings.rows["vis"]))
+
+
 def candidates_of(texts: list[str]) -> dict[str, dict[str, dict[str, Any]]]:
     """Return candidates by name: "key=value,key=value" -> settings of the head and of training.
 
     Raises SettingsError for a setting that does not exist, or for a single candidate.
     """
-    from omnivat.cli.train import split_settings
     from omnivat.model.settings import HeadSettings
     from omnivat.train import TrainSettings
 
@@ -143,19 +161,3 @@ def work(runs: "list[Run]", options: argparse.Namespace, *, lang: bool = True) -
             on_step=show,
         )
     print(f"{done} runs done, {len(runs) - done} were there already")
-
-
-def listed(text: str) -> tuple[str, ...]:
-    """Return the parts of "a,b,c" without blanks around them."""
-    return tuple(part.strip() for part in text.split(",") if part.strip())
-
-
-def numbers(text: str, *, name: str = "--seeds") -> tuple[int, ...]:
-    """Return the whole numbers of "0,1,2"; raises SettingsError for anything else."""
-    try:
-        found = tuple(int(part) for part in listed(text))
-    except ValueError as error:
-        raise SettingsError(f"{name} is '{text}'; give whole numbers such as 0,1,2.") from error
-    if not found:
-        raise SettingsError(f"{name} is empty; give whole numbers such as 0,1,2.")
-    return found

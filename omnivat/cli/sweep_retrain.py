@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from omnivat.cli.arguments import whole
+from omnivat.cli.arguments import numbers, split_settings, whole
 from omnivat.cli.bar import progress_bar
-from omnivat.cli.protocol import numbers
 from omnivat.errors import SettingsError
 
 if TYPE_CHECKING:
@@ -84,7 +83,6 @@ def _plan(options: argparse.Namespace, head: "Head", embeddings: "Embeddings") -
     """Return the plan of `head` with what --source, --lang and --set change."""
     from dataclasses import replace
 
-    from omnivat.cli.train import split_settings
     from omnivat.from_pairs import plan_like
     from omnivat.model.settings import HeadSettings
     from omnivat.train import TrainSettings

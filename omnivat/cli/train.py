@@ -9,14 +9,10 @@ temperatures to the other quarter; --no-calibration skips it.
 
 import argparse
 from pathlib import Path
-from typing import Any
 
-from omnivat.cli.arguments import add_embeddings, add_seed
+from omnivat.cli.arguments import add_embeddings, add_seed, numbers, split_settings
 from omnivat.cli.bar import progress_bar
 from omnivat.cli.computing import add_device
-from omnivat.cli.protocol import numbers
-from omnivat.errors import SettingsError
-from omnivat.tables import suggestion
 
 
 def add(parser: argparse.ArgumentParser) -> None:
@@ -87,23 +83,3 @@ def run(options: argparse.Namespace) -> None:
 
     print(table(head.metrics["domains"]))
     print(f"Head written to {options.out}, learned order p = {head.model.order:.4f}")
-
-
-def split_settings(texts: list[str], *kinds: type[Any]) -> tuple[dict[str, Any], ...]:
-    """Give each `key=value` text to the settings record that has the key.
-
-    Raises SettingsError for a key that none has.
-    """
-    from omnivat.config import field_names, parse_assignments
-
-    found: list[dict[str, Any]] = [{} for _ in kinds]
-    names = [field_names(kind) for kind in kinds]
-    for text in texts:
-        key = text.partition("=")[0]
-        owner = next((i for i, own in enumerate(names) if key in own), None)
-        if owner is None:
-            known = [name for own in names for name in own]
-            hint = suggestion(key, known) or f" There are {', '.join(known)}."
-            raise SettingsError(f"There is no setting '{key}'.{hint}")
-        found[owner] |= parse_assignments(kinds[owner], [text])
-    return tuple(found)

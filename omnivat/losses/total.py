@@ -8,8 +8,7 @@ from torch.nn.functional import cross_entropy
 
 from omnivat.losses.mma import mma_loss
 from omnivat.losses.nod import nod_loss
-
-MODALITIES = ("lang", "vis", "tac")
+from omnivat.modalities import MODALITIES
 
 
 class Losses(NamedTuple):

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import torch
 from torch import Tensor, nn
 
-from omnivat.model.closed.growing import grown_nodes
+from omnivat.model.growing import grown_nodes
 from omnivat.model.settings import HeadSettings
 
 
@@ -120,6 +120,16 @@ class DTG(nn.Module):
             matrices.append(weight @ matrices[parent])
             offsets.append(weight @ offsets[parent] + bias)
         return torch.stack(matrices).mean(0), torch.stack(offsets).mean(0)
+
+
+def grow(tree: DTG, settings: HeadSettings, found: Tensor, root: Tensor) -> Grown | None:
+    """Return all nodes of features (M, B, D) with the root (B, D), or None where none grow."""
+    if settings.generation == "none":
+        return None
+    if settings.generation == "interpolation":
+        points = interpolated(list(found), settings.levels)
+        return Grown(points, [root[:, None]])  # on one line: NOD does not apply
+    return tree.grow(root)
 
 
 def interpolated(features: list[Tensor], levels: int) -> Tensor:

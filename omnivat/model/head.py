@@ -1,29 +1,22 @@
 """The OmniVaT head: from frozen embeddings to class probabilities and all stages."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
 import torch
-from torch import Tensor, nn
-from torch.nn.functional import linear, normalize
+from torch import Tensor
+from torch.nn.functional import linear
 
-from omnivat.errors import DataError, ShapeError
 from omnivat.fractional import Coefficients, coefficients, synthesise
 from omnivat.model import factored
-from omnivat.model.closed.lengths import unit
-from omnivat.model.dtg import DTG
+from omnivat.model.body import Body
+from omnivat.model.dtg import grow
 from omnivat.model.folded import FoldedMFFA, Folds, fold_mffa, fold_tree
-from omnivat.model.fusion import Calibration
-from omnivat.model.mffa import MFFA, MODALITIES
 from omnivat.model.output import HeadOutput, TrainingOutput, joined
 from omnivat.model.settings import HeadSettings
-from omnivat.model.training import class_means, grow, training_pass
+from omnivat.model.training import training_pass
 from omnivat.threads import FEW_PAIRS, one_thread
 
-__all__ = ["OmniVaT", "PairCoefficients", "build_head", "class_means", "parameter_count"]
-
-IMAGE_MODALITIES = ("vis", "tac")
 CHUNK = 512  # pairs predicted at once
 
 
@@ -42,7 +35,7 @@ class PairCoefficients:
         return self.stacked.shape[1]
 
 
-class OmniVaT(nn.Module):
+class OmniVaT(Body):
     """MFFA, then DTG, then one cosine classifier shared by VIS and TAC.
 
     A call with VIS and TAC embeddings predicts. LANG is used only in `training_pass`.
@@ -51,41 +44,8 @@ class OmniVaT(nn.Module):
     """
 
     def __init__(self, settings: HeadSettings) -> None:
-        super().__init__()
-        self.settings = settings
-        width = settings.width
-        if settings.projects:
-            self.project_image: nn.Module = nn.Linear(settings.input_width, width)
-        else:
-            self.project_image = nn.Identity()
-        if settings.projects_apart:
-            self.project_tac = nn.Linear(settings.input_width, width)
-        if settings.project or settings.lang_width != width:
-            self.project_lang: nn.Module = nn.Linear(settings.lang_width, width)
-        else:
-            self.project_lang = nn.Identity()
-        self.mffa = MFFA(settings)
-        self.dtg = DTG.from_settings(settings)
-        self.classifier = nn.Parameter(torch.empty(len(settings.classes), width))
-        nn.init.normal_(self.classifier, std=width**-0.5)
-        self.calibration = Calibration()  # see omnivat.calibration
+        super().__init__(settings)
         self._folds = Folds()
-
-    @property
-    def order(self) -> float:
-        """The learned fractional order p, in quarter turns; the mean of VIS and TAC if each has one."""
-        return float(self.mffa.orders(IMAGE_MODALITIES).detach().mean())
-
-    @property
-    def orders(self) -> dict[str, float]:
-        """The learned order of each modality, LANG included; they differ if `order_per_modality` is set."""
-        own = self.mffa.order.detach().expand(len(MODALITIES)).tolist()
-        return dict(zip(MODALITIES, own, strict=True))
-
-    @property
-    def dtype(self) -> torch.dtype:
-        """The precision of the head."""
-        return self.classifier.dtype
 
     def forward(
         self,
@@ -186,14 +146,15 @@ class OmniVaT(nn.Module):
         mean = self._mean(found, root, fold) if self.settings.tree_at_inference else None
         f_hat = found if mean is None else found + mean
         alone = f_hat if len(names) == 1 else self._alone(found, fold)
-        logits = self.classify(torch.stack((f_hat, alone)), fold=fold)
-        grown = grow(self, found, root) if nodes else None
+        towards = self._folds.get(("directions",), self.directions) if fold else None
+        logits = self.classify(torch.stack((f_hat, alone)), towards)
+        grown = grow(self.dtg, self.settings, found, root) if nodes else None
         if len(relu) == 1:  # |F| or Re F alone: there is no imaginary part
             relu = torch.cat((relu, torch.zeros_like(relu)))
         return HeadOutput(
             logits=dict(zip(names, logits[0], strict=True)),
             alone=dict(zip(names, logits[1], strict=True)),
-            pair=self.classify(f_hat.sum(0), fold=fold),
+            pair=self.classify(f_hat.sum(0), towards),
             fusion=self.settings.fusion,
             calibration=self.calibration,
             frft=_by_name(names, parts),
@@ -203,21 +164,6 @@ class OmniVaT(nn.Module):
             attention=weights,
             nodes=None if grown is None else grown.nodes,
         )
-
-    def classify(self, features: Tensor, *, fold: bool = False) -> Tensor:
-        """Return logits (..., K) of features (..., D), such as F-hat or tree nodes."""
-        if self.settings.feature_scale == "literal":
-            return linear(features, self.classifier)
-        directions = (
-            self._folds.get(("directions",), self._directions) if fold else self._directions()
-        )
-        lengths = torch.linalg.vector_norm(features, dim=-1, keepdim=True)
-        logits: Tensor = linear(features, directions) / lengths.clamp_min(1e-12)
-        return logits
-
-    def _directions(self) -> Tensor:
-        """Return the class directions (K, D); their length is the logit scale."""
-        return self.settings.logit_scale * normalize(self.classifier, dim=-1)
 
     def _mean(self, found: Tensor, root: Tensor, fold: bool) -> Tensor | None:
         """Return the mean (B, D) over the nodes that grow from features (M, B, D)."""
@@ -269,45 +215,6 @@ class OmniVaT(nn.Module):
         return training_pass(
             self, given, lang, labels, lang_on=lang_on, token_on=token_on, order=order
         )
-
-    @property
-    def length(self) -> float:
-        """Length of an embedding before the transform: √D, so that entries are near 1."""
-        return 1.0 if self.settings.feature_scale == "literal" else float(self.settings.width**0.5)
-
-    def embedded(self, given: Mapping[str, Tensor]) -> Tensor:
-        """Return embeddings (M, B, D) for the transform: projected, of length √D.
-
-        given  VIS and TAC (B, input_width), or LANG alone (B, lang_width), from the encoders
-
-        Raises DataError if none is given, ShapeError for wrong widths or unequal numbers of pairs.
-        """
-        if not given:
-            raise DataError("Neither VIS nor TAC was given; give one of them or both.")
-        lang = "lang" in given
-        width = self.settings.lang_width if lang else self.settings.input_width
-        for name, raw in given.items():
-            if raw.ndim != 2 or raw.shape[1] != width:
-                raise ShapeError(
-                    f"{name} has shape {tuple(raw.shape)}; this head wants (B, {width}). "
-                    "Use embeddings of the encoder that the head was trained with."
-                )
-        if len({len(raw) for raw in given.values()}) > 1:
-            raise ShapeError("vis and tac hold different numbers of pairs; give one each per pair.")
-        raw = torch.stack([raw.to(self.dtype) for raw in given.values()])
-        projected: Tensor
-        if self.settings.projects_apart and not lang:
-            projected = torch.stack(
-                [self._projection(n)(r) for n, r in zip(given, raw, strict=True)]
-            )
-        else:
-            projected = (self.project_lang if lang else self.project_image)(raw)
-        if self.settings.feature_scale == "literal":
-            return projected
-        return self.length * unit(projected)
-
-    def _projection(self, name: str) -> nn.Module:
-        return self.project_tac if name == "tac" else self.project_image
 
 
 def _by_name(names: tuple[str, ...], channels: Tensor) -> dict[str, Tensor]:

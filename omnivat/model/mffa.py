@@ -8,11 +8,10 @@ from torch import Tensor, nn
 from torch.nn.functional import linear, normalize
 
 from omnivat.fractional import dfrft
+from omnivat.modalities import MODALITIES
 from omnivat.model import factored
 from omnivat.model.fratt import Attended, FrATT
 from omnivat.model.settings import HeadSettings
-
-MODALITIES = ("lang", "vis", "tac")
 
 
 def expanded(parts: Tensor, theta: Tensor) -> Tensor:

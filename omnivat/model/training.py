@@ -1,23 +1,17 @@
 """One training batch through the head: with LANG, class tokens and the whole tree."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import torch
 from torch import Tensor
 
+from omnivat.model.body import Body
 from omnivat.model.closed import Pass, closed_features
-from omnivat.model.dtg import Grown, interpolated
+from omnivat.model.dtg import grow
 from omnivat.model.mffa import Expanded
 from omnivat.model.output import TrainingOutput
 
-if TYPE_CHECKING:
-    from omnivat.model.head import OmniVaT
-
 
 def training_pass(
-    model: OmniVaT,
+    model: Body,
     given: dict[str, Tensor],
     lang: Tensor | None,
     labels: Tensor,
@@ -59,7 +53,7 @@ def training_pass(
 
 
 def _closed(
-    model: OmniVaT,
+    model: Body,
     given: dict[str, Tensor],
     lang: Tensor | None,
     labels: Tensor,
@@ -102,7 +96,7 @@ def _closed(
 
 
 def _without_mffa(
-    model: OmniVaT, given: dict[str, Tensor], lang: Tensor | None, lang_on: Tensor
+    model: Body, given: dict[str, Tensor], lang: Tensor | None, lang_on: Tensor
 ) -> TrainingOutput:
     """Grow the tree from the embeddings; MMA has nothing to align."""
     found = model.embedded(given) / model.length
@@ -113,7 +107,7 @@ def _without_mffa(
 
 
 def _output(
-    model: OmniVaT,
+    model: Body,
     features: dict[str, Tensor],
     found: Tensor,
     root: Tensor,
@@ -121,7 +115,7 @@ def _output(
 ) -> TrainingOutput:
     """Grow nodes from `root` (B, D), add their mean to the features (M, B, D), classify."""
     names = [name for name in features if name != "lang"]
-    grown = grow(model, found, root)
+    grown = grow(model.dtg, model.settings, found, root)
     f_hat = found if grown is None else found + grown.nodes.mean(1)
     return TrainingOutput(
         features=features,
@@ -131,18 +125,8 @@ def _output(
     )
 
 
-def grow(model: OmniVaT, found: Tensor, root: Tensor) -> Grown | None:
-    """Return all nodes of features (M, B, D) with the root (B, D), or None without generation."""
-    if model.settings.generation == "none":
-        return None
-    if model.settings.generation == "interpolation":
-        points = interpolated(list(found), model.settings.levels)
-        return Grown(points, [root[:, None]])  # points on a line: NOD does not apply
-    return model.dtg.grow(root)
-
-
 def _class_tokens(
-    model: OmniVaT,
+    model: Body,
     names: tuple[str, ...],
     expanded: Expanded,
     labels: Tensor,

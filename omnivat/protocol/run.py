@@ -5,8 +5,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-import numpy as np
-
 from omnivat.config import settings_dict
 from omnivat.data.domains import paper_name
 from omnivat.data.store import Embeddings
@@ -24,21 +22,21 @@ from omnivat.selection import evidence
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Run:
-    """What to do, in plain values: a run can be sent to another process or machine."""
+    """One run in plain values, which can be sent to another process or machine."""
 
     method: Method
     source: str
     seed: int
-    fold: int | None = None  # of source-side evidence: targets are then held-out objects
-    calibrate: bool = False  # fit temperatures, at the price of one more training
+    fold: int | None = None  # of source-side evidence, whose targets are held-out objects
+    calibrate: bool = False  # fit temperatures, which costs one more training
     prior: Choice | None = None  # what the first seed chose on this source
 
 
 def execute(run: Run, embeddings: Embeddings, bank: LangBank | None) -> dict[str, Any]:
-    """Return the record of a run: what was resolved, scores on the source's test and each target.
+    """Return the record of a run: resolved settings, scores on the source's test and each target.
 
-    A method that cannot run on these embeddings, or whose training stops, gives a record with
-    "skipped": the reason in one sentence.
+    If a method cannot run on these embeddings, or its training fails, the record has "skipped"
+    with the reason in one sentence.
     """
     found = task_of(run, embeddings)
     record: dict[str, Any] = {
@@ -88,7 +86,7 @@ def execute(run: Run, embeddings: Embeddings, bank: LangBank | None) -> dict[str
 
 
 def choice_of(record: Mapping[str, Any]) -> Choice | None:
-    """Return what the run of a record chose, for other seeds of its source; None if it did not run."""
+    """Return the choices in a record, for other seeds of its source; None if it was skipped."""
     if "targets" not in record:
         return None
     chosen = record["chosen"]
@@ -111,7 +109,7 @@ def task_of(run: Run, embeddings: Embeddings) -> Task:
 
 
 def resolved(run: Run, found: Task, bank: LangBank | None) -> dict[str, Any]:
-    """Return all that decides a run: every setting of a head; a baseline chooses its own."""
+    """Return the settings of a run: all of a head; a baseline chooses its own."""
     shared: dict[str, Any] = {"calibrate": run.calibrate}
     if run.method.base != HEAD:
         return shared
@@ -127,9 +125,3 @@ def resolved(run: Run, found: Task, bank: LangBank | None) -> dict[str, Any]:
 def _part(found: Task, name: str) -> str:
     sides = {side.domain: side.part for side in found.setting.targets}
     return sides.get(paper_name(name), "")
-
-
-def target_mean(record: Mapping[str, Any], metric: str = "accuracy", which: str = "fused") -> float:
-    """Return the unweighted mean of a score over a record's targets."""
-    values = [target["scores"][which][metric] for target in record["targets"].values()]
-    return float(np.mean(values)) if values else float("nan")

@@ -1,15 +1,13 @@
 """Training: settings, batches, steps, order search, and resumable state."""
 
 from omnivat.train.loop import Trained
-from omnivat.train.settings import MODALITIES, SELECTIONS, TrainSettings
+from omnivat.train.settings import TrainSettings
 from omnivat.train.state import STATE
 from omnivat.train.training import SEARCH, train
 from omnivat.train.watch import TrainingCancelled, Watch
 
 __all__ = [
-    "MODALITIES",
     "SEARCH",
-    "SELECTIONS",
     "STATE",
     "TrainSettings",
     "Trained",

@@ -3,9 +3,10 @@
 from dataclasses import dataclass
 
 from omnivat.errors import SettingsError
+from omnivat.orders import LIMIT
 
 SELECTIONS = ("last", "source-val")
-MODALITIES = ("vis+tac", "vis", "tac")
+INPUTS = ("vis+tac", "vis", "tac")
 PAIRS = ("unguided", "guided", "all")  # by the use of LANG in a step
 ORDER_DRAWS = ("none", "batch", "row")
 # the range of every number in TrainSettings; NaN is outside
@@ -25,8 +26,8 @@ RANGES: dict[str, tuple[float, float]] = {
     "class_token_drop": (0.0, 1.0),
     "val_fraction": (0.0, 0.9),
     "order_stops": (2, 1001),
-    "order_low": (-4.0, 4.0),
-    "order_high": (-4.0, 4.0),
+    "order_low": (-LIMIT, LIMIT),
+    "order_high": (-LIMIT, LIMIT),
 }
 
 
@@ -62,7 +63,7 @@ class TrainSettings:
     def __post_init__(self) -> None:
         for name, allowed in (
             ("selection", SELECTIONS),
-            ("modalities", MODALITIES),
+            ("modalities", INPUTS),
             ("bank_from", PAIRS),
             ("mma_on", PAIRS),
             ("order_draw", ORDER_DRAWS),

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from app.server import VIEWS, parser
+from app.server import parser
+from app.views import VIEWS
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -73,11 +74,9 @@ def test_every_tab_has_a_title_and_a_component_with_its_script(name):
 
     from app.components import WEB
 
-    view = import_module(name)
-    short = name.rpartition(".")[2]
-    assert view.TITLE
-    assert (WEB / short / f"{short}.html").is_file()
-    assert "export" in (WEB / short / f"{short}.js").read_text(encoding="utf-8")
+    assert import_module(f"app.views.{name}").TITLE
+    assert (WEB / name / f"{name}.html").is_file()
+    assert "export" in (WEB / name / f"{name}.js").read_text(encoding="utf-8")
 
 
 def test_no_script_or_style_names_an_outside_address():

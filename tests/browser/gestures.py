@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-VIEWS = ("explore", "pair", "train", "tree", "compare", "data")
 MAP = ".explore .map[data-order]"
 ANSWERED = ".pair .results[aria-busy=false] .reading"
 READY = {  # what each tab shows once it is there

@@ -5,7 +5,9 @@ from http.server import BaseHTTPRequestHandler, HTTPServer
 
 import pytest
 
-from .gestures import READY, VIEWS, open_tab
+from app.views import VIEWS
+
+from .gestures import READY, open_tab
 
 pytestmark = pytest.mark.browser
 

@@ -5,8 +5,10 @@ from typing import Any
 
 import pytest
 
+from app.views import VIEWS
+
 from .conftest import watched
-from .gestures import ANSWERED, MAP, READY, VIEWS, open_tab, pixels
+from .gestures import ANSWERED, MAP, READY, open_tab, pixels
 
 pytestmark = pytest.mark.browser
 

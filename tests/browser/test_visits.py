@@ -5,8 +5,10 @@ from typing import Any
 
 import pytest
 
+from app.views import VIEWS
+
 from .conftest import watched
-from .gestures import ANSWERED, MAP, VIEWS, grab, open_tab, p_shown, pixels, pull, texture
+from .gestures import ANSWERED, MAP, grab, open_tab, p_shown, pixels, pull, texture
 
 pytestmark = pytest.mark.browser
 

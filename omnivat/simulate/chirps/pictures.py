@@ -12,9 +12,10 @@ from omnivat.data.pairs import Pair, PairSet
 from omnivat.data.strips import STRIPES, strip_picture
 from omnivat.errors import SettingsError
 from omnivat.files import replacing, require_writable, write_text
+from omnivat.modalities import IMAGES
 from omnivat.progress import OnStep, Step, ignore
 from omnivat.simulate.chirps.settings import ChirpSettings
-from omnivat.simulate.chirps.signals import MODALITIES, chirp_embeddings, origin
+from omnivat.simulate.chirps.signals import chirp_embeddings, origin
 
 
 def write_chirps(
@@ -36,7 +37,7 @@ def write_chirps(
     require_writable(out / "pairs.csv")
     made = chirp_embeddings(settings)
     for row in range(len(made)):
-        for name in MODALITIES:
+        for name in IMAGES:
             _write(out / made.rows[name][row], getattr(made, name)[row])
         on_step(Step(done=row + 1, total=len(made), text=made.rows["object"][row]))
     write_text(out / "pairs.csv", pairs_table(made))

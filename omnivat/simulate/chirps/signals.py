@@ -8,10 +8,9 @@ from omnivat.data.embeddings import Embeddings, Header
 from omnivat.data.store import ROW_NAMES
 from omnivat.data.strips import ENCODER, PREPROCESSING, READER
 from omnivat.fractional import dfrft
+from omnivat.modalities import IMAGES
 from omnivat.seeding import derive_seed
 from omnivat.simulate.chirps.settings import CLEARANCE, ChirpSettings
-
-MODALITIES = ("vis", "tac")
 
 
 def chirp_embeddings(settings: ChirpSettings) -> Embeddings:
@@ -57,7 +56,7 @@ def domain_signals(
     label = np.repeat(np.arange(settings.classes), settings.pairs_per_class)
     orders = interference_orders(settings)[domain]
     made = []
-    for name, order in zip(MODALITIES, orders, strict=True):
+    for name, order in zip(IMAGES, orders, strict=True):
         random = np.random.default_rng(derive_seed(settings.seed, "chirps", domain, name))
         made.append(_signals(settings, label, order, random))
     return made[0], made[1]

@@ -6,9 +6,10 @@ import torch
 from omnivat.errors import DataError, SettingsError, ShapeError
 from omnivat.model.dtg import DTG
 from omnivat.model.fratt import FrATT
-from omnivat.model.head import CHUNK, OmniVaT, build_head, class_means, parameter_count
+from omnivat.model.head import CHUNK, OmniVaT, build_head, parameter_count
 from omnivat.model.mffa import expanded
 from omnivat.model.settings import HeadSettings, literal
+from omnivat.model.training import class_means
 
 CLASSES = ("wood", "steel", "plastic", "ceramic", "glass")
 
