@@ -1,7 +1,7 @@
-"""Measures of how far sets of features lie apart: one measure a file, listed here by name.
+"""Measures of distance between sets of features: one measure in each file, listed here by name.
 
-Each entry of `GAPS` compares two sets of unit rows, (N, D) and (M, D), and returns a scalar. An entry
-here is all that a new gap needs: `omnivat gaps`, `omnivat sweep` and the page list it from here.
+Each entry of `GAPS` compares two sets of unit rows, (N, D) and (M, D), and returns a scalar. A new
+gap needs only an entry here: `omnivat gaps`, `omnivat sweep` and the page read this table.
 `omnivat.tables.load` imports a measure on first use.
 """
 

@@ -1,4 +1,4 @@
-"""How far confidence can be trusted: calibration error, log-likelihood, risk against coverage."""
+"""Calibration of confidence: calibration error, log-likelihood, risk against coverage."""
 
 import torch
 from torch import Tensor
@@ -7,7 +7,7 @@ from omnivat.shapes import require_shapes
 
 
 def ece(probabilities: Tensor, labels: Tensor, *, bins: int = 15) -> Tensor:
-    """Mean over pairs of |accuracy - confidence| of the bin that a pair's confidence falls in.
+    """Expected calibration error: mean over pairs of |accuracy - confidence| in the pair's bin.
 
     probabilities  (N, K) rows that add up to 1; confidence is a row's largest entry
     labels         (N,) class indices
@@ -40,7 +40,7 @@ def nll(probabilities: Tensor, labels: Tensor) -> Tensor:
 def risk_coverage(probabilities: Tensor, labels: Tensor) -> Tensor:
     """Return (N,): the error rate of the n most confident pairs, n = 1 .. N.
 
-    probabilities  (N, K); confidence is a row's largest entry. Pairs of equal confidence count in
+    probabilities  (N, K); confidence is a row's largest entry. Pairs with equal confidence keep
                    their order
     labels         (N,)
     Source: Geifman and El-Yaniv, NeurIPS 2017.

@@ -13,8 +13,8 @@ def centroid_gap(a: Tensor, b: Tensor) -> Tensor:
     b       (M, D) features; the two sets need not be paired
     return  () in [0, 2]; 0 when the mean directions are the same point
 
-    Rows are put on the unit sphere first, so the gap does not grow with their length. It does
-    not move under a unitary map of both sets. Cost O((N + M) D).
+    Rows are scaled to unit length first. A unitary map of both sets does not change the gap.
+    Cost O((N + M) D).
     Raises ShapeError for an empty set or differing widths.
     """
     require_shapes(a=(a, "N D"), b=(b, "M D"))

@@ -1,4 +1,4 @@
-"""Right and wrong answers of a classifier: confusion, accuracy and macro-F1."""
+"""Scores of a classifier: confusion, accuracy and macro-F1."""
 
 import torch
 from torch import Tensor
@@ -10,7 +10,7 @@ AVERAGES = ("present", "union")
 
 
 def confusion(labels: Tensor, predicted: Tensor, classes: int) -> Tensor:
-    """Count how often each class (row) was answered as each class (column).
+    """Count how often each class (row) is predicted as each class (column).
 
     labels, predicted  (N,) class indices in 0 .. classes - 1
     return             (K, K) counts, int64
@@ -20,7 +20,7 @@ def confusion(labels: Tensor, predicted: Tensor, classes: int) -> Tensor:
 
 
 def accuracy(labels: Tensor, predicted: Tensor) -> Tensor:
-    """Share of right answers. labels, predicted (N,) -> () in [0, 1]; NaN for no pairs."""
+    """Share of correct predictions. labels, predicted (N,) -> () in [0, 1]; NaN for no pairs."""
     require_shapes(labels=(labels, "N"), predicted=(predicted, "N"))
     return (labels == predicted).to(torch.get_default_dtype()).mean()
 
@@ -29,8 +29,8 @@ def macro_f1(labels: Tensor, predicted: Tensor, *, average: str = "present") -> 
     """Mean over classes of F1 = 2 TP / (2 TP + FP + FN).
 
     labels, predicted  (N,) class indices, 0 or more
-    average  "present": classes among the labels. "union": classes among labels or answers, so
-             answering a class that the set does not have adds a zero (scikit-learn's default)
+    average  "present": classes among the labels. "union": classes among labels or predictions, so
+             predicting a class that the set lacks adds a zero (scikit-learn's default)
     return   () in [0, 1]; NaN for no pairs
 
     Raises ShapeError for other shapes, SettingsError for another average.

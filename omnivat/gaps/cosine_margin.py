@@ -1,7 +1,9 @@
-"""Cosine-similarity margin: how much closer features of one class lie than of different classes.
+"""Cosine-similarity margin: how much closer features of the same class are than of different
+classes.
 
-Every variant is exact and deterministic in O(N D): with unit rows, the products of all pairs of
-a group sum to |S|² for the group's sum S, so no pair is sampled and no N×N matrix is built.
+Every variant is exact and deterministic in O(N D): for unit rows, the products of all pairs of a
+group add up to |S|², where S is the sum of the group. No pairs are sampled and no N×N matrix is
+built.
 """
 
 import torch
@@ -12,7 +14,7 @@ from omnivat.shapes import require_shapes
 
 
 def cosine_margin(features: Tensor, labels: Tensor) -> Tensor:
-    """Mean cosine of pairs of one class minus that of pairs of different classes.
+    """Mean cosine of pairs of the same class minus that of pairs of different classes.
 
     features  (N, D) any length
     labels    (N,) class of each row, 0 or more
@@ -26,13 +28,13 @@ def cosine_margin(features: Tensor, labels: Tensor) -> Tensor:
 
 
 def cross_domain_margin(features: Tensor, labels: Tensor, domains: Tensor) -> Tensor:
-    """The same over pairs whose rows come from different domains.
+    """The same, for pairs of rows from different domains.
 
     features  (N, D) any length
     labels    (N,) class of each row; domains  (N,) domain of each row, both 0 or more
     return    () in [-2, 2]; NaN when there is no pair of one kind
 
-    This asks whether a class keeps its direction from one sensor to the next.
+    It measures whether a class keeps its direction across sensors.
     """
     require_shapes(features=(features, "N D"), labels=(labels, "N"), domains=(domains, "N"))
     rows = unit(features)
@@ -44,7 +46,7 @@ def cross_domain_margin(features: Tensor, labels: Tensor, domains: Tensor) -> Te
 
 
 def cross_modal_margin(vis: Tensor, tac: Tensor, labels: Tensor) -> Tensor:
-    """The same over pairs of one VIS and one TAC row, a contact's own two rows left out.
+    """The same, for pairs of a VIS row and a TAC row of different contacts.
 
     vis, tac  (N, D) any length, row i of both from one contact
     labels    (N,) class of each contact, 0 or more
@@ -58,7 +60,7 @@ def cross_modal_margin(vis: Tensor, tac: Tensor, labels: Tensor) -> Tensor:
     return _margin(same, total)
 
 
-Sums = tuple[Tensor, Tensor]  # the cosines of a kind of pairs added up, and how many there are
+Sums = tuple[Tensor, Tensor]  # sum and number of the cosines of a kind of pairs
 
 
 def _groups(rows: Tensor, group: Tensor) -> tuple[Tensor, Tensor]:

@@ -1,4 +1,4 @@
-"""A gap between every two of several domains, and their mean."""
+"""A gap between all pairs of domains, and its mean."""
 
 from collections.abc import Callable, Mapping
 from itertools import combinations
@@ -12,18 +12,18 @@ Gap = Callable[[Tensor, Tensor], Tensor]
 
 
 def pairwise_gaps(sets: Mapping[str, Tensor], gap: Gap) -> dict[tuple[str, str], Tensor]:
-    """Return gap(a, b) for every two of the named sets (N_s, D), in the order of the names."""
+    """Return gap(a, b) for all pairs of the named sets (N_s, D), in the order of the names."""
     return {(a, b): gap(sets[a], sets[b]) for a, b in combinations(sets, 2)}
 
 
 def domain_gap(features: Tensor, domains: Tensor) -> Tensor:
-    """Mean centroid gap over every two of the domains.
+    """Mean centroid gap over all pairs of domains.
 
     features  (N, D) of one modality, any length
     domains   (N,) domain of each row, 0 or more; a domain without rows is left out
     return    () in [0, 2]; NaN for fewer than two domains
 
-    All means are taken at once: O(N D), where `pairwise_gaps` would pass S - 1 times.
+    All means are computed at once, in O(N D); `pairwise_gaps` would need S - 1 passes.
     """
     rows = unit(features)
     count = int(domains.max()) + 1 if len(domains) else 1

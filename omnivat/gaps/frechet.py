@@ -14,7 +14,7 @@ def frechet(a: Tensor, b: Tensor) -> Tensor:
     return  () >= 0 in squared units of the unit sphere; 0 for equal sets
 
     Covariances divide by N - 1. The trace of the root is the sum of the singular values of
-    Ra Rbᵀ, where Ra is the triangular factor of the centred rows: no D×D root is taken, and
+    Ra Rbᵀ, where Ra is the triangular factor of the centred rows. No D×D root is needed, and
     sets smaller than D (singular covariances) are exact.
     Raises ShapeError for sets that are too small or of differing widths.
     Source: Dowson and Landau, J. Multivariate Anal. 12:450-455, 1982.

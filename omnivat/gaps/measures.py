@@ -1,7 +1,7 @@
-"""Every measure of a set of features or answers, under the name its curve has.
+"""All measures of features and predictions, by the names of their curves.
 
-A measure takes what is known at one order and gives one or more named values; `omnivat.sweep`
-asks for it at every order and keeps the curves. Names: docs/gaps.md.
+A measure computes one or more named values at one order; `omnivat.sweep` evaluates it at every
+order. Names: docs/gaps.md.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -24,10 +24,10 @@ Values = Iterator[tuple[str, Tensor]]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Facts:
-    """What is true of N pairs whatever the order.
+    """Facts about N pairs that do not depend on the order.
 
     labels, domains  (N,) indices; class_names and domain_names name them
-    scored           (N,) bool: pairs whose class the head knows, so that an answer can be right
+    scored           (N,) bool: pairs whose class the head has
     """
 
     labels: Tensor
@@ -37,30 +37,30 @@ class Facts:
     scored: Tensor
 
     def parts(self) -> Iterator[tuple[str, Tensor]]:
-        """Give "all" and each domain that has pairs, with a mask (N,)."""
+        """Yield "all" and each domain with pairs, and a mask (N,)."""
         yield "all", torch.ones_like(self.scored)
         for index, name in self.named_domains():
             yield name, self.domains == index
 
     def named_domains(self) -> Iterator[tuple[int, str]]:
-        """Give the index and the name of each domain that has pairs."""
+        """Yield index and name of each domain with pairs."""
         sizes = torch.bincount(self.domains, minlength=len(self.domain_names))
         yield from ((k, name) for k, name in enumerate(self.domain_names) if sizes[k])
 
     def sums(self) -> Sums:
-        """Return empty sums; `Sums.add` takes labels and domains as they stand here."""
+        """Return empty sums; `Sums.add` takes the labels and domains of this record."""
         return Sums(len(self.class_names), len(self.domain_names))
 
 
 def modality_gaps(sums: Sums, facts: Facts) -> Values:
-    """Give the modality gap over all pairs, and in each domain."""
+    """Yield the modality gap over all pairs, and in each domain."""
     yield "", sums.centroid_gap()
     for index, name in facts.named_domains():
         yield f"/{name}", sums.centroid_gap(index)
 
 
 def domain_gaps(sums: Sums, facts: Facts) -> Values:
-    """Give the mean centroid gap of two domains: of both modalities' mean, and of each."""
+    """Yield the mean centroid gap between domains: averaged over modalities, and of each."""
     each = {name: sums.domain_gap(name) for name in ("vis", "tac")}
     yield "", torch.stack(list(each.values())).mean()
     for name, value in each.items():
@@ -68,7 +68,7 @@ def domain_gaps(sums: Sums, facts: Facts) -> Values:
 
 
 def margins(sums: Sums, facts: Facts) -> Values:
-    """Give the margin of the pair's mean direction, of each modality, and across the gaps."""
+    """Yield the margin of the pair's mean direction, of each modality, and across domains and modalities."""
     yield "", sums.margin(PAIR)
     for name in ("vis", "tac"):
         yield f":{name}", sums.margin(name)
@@ -77,11 +77,11 @@ def margins(sums: Sums, facts: Facts) -> Values:
 
 
 def mean_pairwise(features: Mapping[str, Tensor], facts: Facts, *, gap: str) -> Values:
-    """Give the mean over every two domains, and both modalities, of a gap of `GAPS`.
+    """Yield a gap of `GAPS`, averaged over all pairs of domains and both modalities.
 
-    features  modality -> (N, W) unit rows; NaN where no two domains can be compared
+    features  modality -> (N, W) unit rows; NaN if no two domains can be compared
 
-    Raises ShapeError, with each domain's size, where one has too few rows for the gap.
+    Raises ShapeError, with each domain's size, if one has too few rows for the gap.
     """
     measure = load(GAPS, gap, kind="gap")
     each: list[Tensor] = []
@@ -90,33 +90,34 @@ def mean_pairwise(features: Mapping[str, Tensor], facts: Facts, *, gap: str) -> 
         sets = {name: rows[members] for name, members in facts.parts() if name != "all"}
         try:
             each += pairwise_gaps(sets, measure).values()
-        except ShapeError as error:  # it speaks of rows a and b; a person knows domains
+        except ShapeError as error:  # the first message names rows a and b; add the domains
             few = ", ".join(f"{name} {size}" for name, size in sizes.items())
             raise ShapeError(f"{gap}: {error} Pairs of each domain: {few}.") from error
     yield "", torch.stack(each).mean() if each else torch.tensor(float("nan"))
 
 
 def accuracies(probabilities: Mapping[str, Tensor], facts: Facts) -> Values:
-    """Give the accuracy of the fused prediction (over all, by domain) and of each other reading."""
+    """Yield the accuracy of the fused prediction (over all, by domain) and of each other
+    reading."""
     yield from _scores(probabilities, facts, lambda p, labels: accuracy(labels, p.argmax(1)))
 
 
 def macro_f1s(
     probabilities: Mapping[str, Tensor], facts: Facts, *, average: str = "present"
 ) -> Values:
-    """Give macro-F1 of the fused prediction (over all, by domain) and of each other reading."""
+    """Yield macro-F1 of the fused prediction (over all, by domain) and of each other reading."""
     yield from _scores(
         probabilities, facts, lambda p, labels: macro_f1(labels, p.argmax(1), average=average)
     )
 
 
 def calibrations(probabilities: Mapping[str, Tensor], facts: Facts) -> Values:
-    """Give the expected calibration error of the fused prediction and of each other reading."""
+    """Yield the expected calibration error of the fused prediction and of each other reading."""
     yield from _scores(probabilities, facts, ece)
 
 
 def confusions(probabilities: Mapping[str, Tensor], facts: Facts) -> Values:
-    """Give the share of each class's pairs that the fused answer calls each class."""
+    """Yield, for each class, the shares of its pairs by the class predicted from both images."""
     known = probabilities["fused"].shape[1]
     answers = probabilities["fused"][facts.scored].argmax(1)
     counts = confusion(facts.labels[facts.scored], answers, known)
@@ -143,7 +144,7 @@ SumMeasure = Callable[[Sums, Facts], Values]
 
 
 def by_sums(features: Mapping[str, Tensor], facts: Facts, *, measure: SumMeasure) -> Values:
-    """Give what a measure of the sums has for features (N, W), modality -> rows of any length."""
+    """Yield a measure of the sums, from features: modality -> (N, W) of any length."""
     sums = facts.sums()
     sums.add(features, facts.labels, facts.domains)
     yield from measure(sums, facts)

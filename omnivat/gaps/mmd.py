@@ -10,17 +10,17 @@ from omnivat.seeding import derive_seed
 from omnivat.shapes import require_shapes
 
 BLOCK, ACROSS = 1024, 16_384  # rows and columns of a kernel matrix held at once
-MOST_ROWS = 20_000  # of both sets, up to which the kernel is summed over all pairs of rows
-GROUPS, FEATURES = 16, 32  # of random Fourier features, beyond
+MOST_ROWS = 20_000  # of both sets together, up to which the kernel is summed exactly
+GROUPS, FEATURES = 16, 32  # of random Fourier features, for more rows
 
 
 def mmd_linear(a: Tensor, b: Tensor, *, unbiased: bool = False) -> Tensor:
     """Squared MMD with the linear kernel, on unit rows.
 
     a, b      (N, D), (M, D) features, any length
-    unbiased  leave out each row's product with itself. Two samples of one distribution then
-              average 0 whatever their sizes, and one value may fall below 0; needs 2 rows or more
-    return    () in [0, 4]; biased, it is the square of `centroid_gap`
+    unbiased  leave out each row's product with itself. The expected value for two samples of one
+              distribution is then 0, and a value may be negative; needs 2 rows or more
+    return    () in [0, 4]; if biased, the square of `centroid_gap`
 
     Exact in O((N + M) D), without a kernel matrix.
     Raises ShapeError for sets that are too small or of differing widths.
@@ -43,9 +43,9 @@ def mmd_rbf(a: Tensor, b: Tensor, *, gamma: float | None = None) -> Tensor:
     """Squared MMD with the kernel exp(-gamma |x - y|²), on unit rows.
 
     a, b    (N, D), (M, D) features, any length
-    gamma   inverse squared width; left out, one over the mean squared distance of two rows of
-            both sets together, which needs no kernel matrix and is the same for (b, a)
-    return  () in [0, 2]; 0 for equal sets. Unlike the linear kernel it sees more than the mean
+    gamma   inverse squared width; by default, one over the mean squared distance of two rows of
+            both sets together, which needs no kernel matrix and is symmetric in a and b
+    return  () in [0, 2]; 0 for equal sets. Unlike the linear kernel, it compares more than means
 
     Costs O((N + M)² D) up to MOST_ROWS rows of both together, and holds BLOCK² numbers of the kernel
     at once. Beyond, it is estimated by `mmd_rbf_estimate`, at a cost of O((N + M) D).
@@ -63,7 +63,7 @@ def mmd_rbf(a: Tensor, b: Tensor, *, gamma: float | None = None) -> Tensor:
 
 
 def is_estimated(a: Tensor, b: Tensor) -> bool:
-    """Whether `mmd_rbf` of two sets is an estimate."""
+    """True if `mmd_rbf` of two sets is an estimate."""
     return len(a) + len(b) > MOST_ROWS
 
 
@@ -81,8 +81,9 @@ def mmd_rbf_estimate(
     """Estimate `mmd_rbf` by random Fourier features, with its standard error.
 
     a, b    (N, D), (M, D) features, any length
-    return  the mean over GROUPS of FEATURES each; every group is an unbiased estimate, so their
-            spread gives the error. The same seed gives the same value
+    return  the mean over GROUPS groups of FEATURES features. Every group is an unbiased estimate,
+    so
+            their spread gives the error. The same seed gives the same value
 
     Costs O((N + M) D GROUPS FEATURES) and holds BLOCK rows of features at once.
     Source: Rahimi and Recht, NeurIPS 2007; Sutherland and Schneider, UAI 2015.
@@ -108,7 +109,7 @@ def _mean_waves(rows: Tensor, waves: Tensor) -> Tensor:
 
 
 def _width(a: Tensor, b: Tensor, gamma: float | None) -> Tensor:
-    """Return gamma, or the one that `mmd_rbf` takes where none is given."""
+    """Return gamma, or the default of `mmd_rbf` if None."""
     return _gamma(a, b) if gamma is None else torch.as_tensor(gamma, dtype=a.dtype)
 
 
@@ -126,7 +127,7 @@ def _gamma(a: Tensor, b: Tensor) -> Tensor:
 
 
 def _mean_kernel(x: Tensor, y: Tensor, gamma: Tensor) -> Tensor:
-    """Mean kernel of every row of x with every row of y; of one set, each two blocks once."""
+    """Mean kernel of all rows of x with all rows of y; for one set, each pair of blocks once."""
     total = x.new_zeros(())
     for start in range(0, len(x), BLOCK):
         rows = x[start : start + BLOCK]
@@ -139,7 +140,7 @@ def _mean_kernel(x: Tensor, y: Tensor, gamma: Tensor) -> Tensor:
 
 
 def _summed(x: Tensor, y: Tensor, gamma: Tensor) -> Tensor:
-    """Kernel of every row of x with every row of y, added up."""
+    """Sum of the kernel over all rows of x and all rows of y."""
     total, own = x.new_zeros(()), x.square().sum(1, keepdim=True)
     for others in y.split(ACROSS):
         distance = own + others.square().sum(1) - 2 * x @ others.T

@@ -1,4 +1,4 @@
-"""Proxy-A distance: how well a linear classifier tells two sets of features apart."""
+"""Proxy-A distance: how well a linear classifier separates two sets of features."""
 
 import torch
 from torch import Tensor
@@ -9,17 +9,17 @@ from omnivat.shapes import require_shapes
 
 
 def proxy_a(a: Tensor, b: Tensor, *, folds: int = 5, ridge: float = 1e-2, seed: int = 0) -> Tensor:
-    """Return 2 (1 - 2 ε), ε the out-of-fold error of a linear classifier of "a or b".
+    """Return 2 (1 - 2 ε), where ε is the out-of-fold error of a linear classifier of a against b.
 
     a, b    (N, D), (M, D) features, any length; `folds` rows or more each
     ridge   penalty of the classifier, as a share of the mean variance of a feature
-    seed    draws the folds; the same seed gives the same answer
-    return  () in [0, 2]; 0 when nothing tells the sets apart, 2 when a line always does
+    seed    draws the folds; the same seed gives the same result
+    return  () in [0, 2]; 0 if the sets cannot be separated, 2 if a hyperplane always separates them
 
-    The classifier is ridge regression on -1 / +1 in closed form, both sets weighing the same
-    whatever their sizes; ε is the mean of the two sets' errors, and a tie counts half. Errors
-    above one half are 0, since a worse-than-chance classifier shows no distance. The answer
-    does not change when the sets change places.
+    The classifier is ridge regression on -1 / +1 in closed form, with equal weight for both sets.
+    ε is the mean of the two sets' errors; a tie counts half. Errors above one half give 0, because
+    a
+    classifier below chance shows no distance. The distance is symmetric in a and b.
     Raises ShapeError for sets that are too small or of differing widths.
     Source: Ben-David et al., NeurIPS 2007.
     """
@@ -37,13 +37,13 @@ def proxy_a(a: Tensor, b: Tensor, *, folds: int = 5, ridge: float = 1e-2, seed: 
 
 
 def _folds(count: int, folds: int, seed: int) -> Tensor:
-    """Return the fold of each row; depends on the number of rows alone, so swapping is free."""
+    """Return the fold of each row. It depends only on the number of rows, so it is symmetric."""
     generator = torch.Generator().manual_seed(derive_seed(seed, "proxy_a", count))
     return torch.randperm(count, generator=generator) % folds
 
 
 def _fit(a: Tensor, b: Tensor, ridge: float) -> tuple[Tensor, Tensor]:
-    """Return the direction from b to a (D,) and the point half way between the means (D,)."""
+    """Return the direction from b to a (D,) and the midpoint of the means (D,)."""
     mean_a, mean_b = a.mean(0), b.mean(0)
     middle = (mean_a + mean_b) / 2
     rows = torch.cat([(a - mean_a) / len(a) ** 0.5, (b - mean_b) / len(b) ** 0.5])

@@ -1,7 +1,7 @@
-"""What centroids and margins need of a set, however large: sums of unit rows by class and domain.
+"""Sums of unit rows by class and domain, from which centroid gaps and margins follow exactly.
 
-With unit rows the cosines of all pairs of a group sum to |S|² for the group's sum S, so the gaps of
-centroids and every margin follow from these sums exactly, and rows are seen once, some at a time.
+For unit rows, the cosines of all pairs of a group add up to |S|², where S is the sum of the group.
+Each row is read once, some rows at a time, so sets of any size fit.
 """
 
 from collections.abc import Mapping
@@ -11,17 +11,17 @@ from torch import Tensor
 
 from omnivat.gaps.unit import unit
 
-AT_ONCE = 2048  # rows whose unit rows are held at once
+AT_ONCE = 2048  # rows normalized at once
 PAIR = "pair"  # the mean direction of a contact's two rows
 
 
 class Sums:
-    """Sums over the rows that were added.
+    """Sums over the added rows.
 
     cells    "vis", "tac", "pair" -> (C, S, W) float64, by class and domain
     sizes    (C, S) float64, pairs of each class and domain
-    squares  the same names -> () sum of squared lengths: a row of zeros stays one
-    own      () sum of the cosines of each contact's own two rows
+    squares  the same names -> () sum of squared lengths; a row of zeros stays zero
+    own      () sum of the cosines between the two rows of each contact
     """
 
     def __init__(self, classes: int, domains: int) -> None:
@@ -52,14 +52,14 @@ class Sums:
         self.sizes += torch.bincount(cell, minlength=self.sizes.numel()).view_as(self.sizes)
 
     def centroid_gap(self, domain: int | None = None) -> Tensor:
-        """Distance of the mean directions of VIS and TAC: of all pairs, or of one domain's."""
+        """Distance between the mean directions of VIS and TAC, of all pairs or of one domain."""
         chosen = slice(None) if domain is None else slice(domain, domain + 1)
         apart = (self.cells["vis"] - self.cells["tac"])[:, chosen].sum((0, 1))
         gap: Tensor = (apart / self.sizes[:, chosen].sum()).norm()
         return gap
 
     def domain_gap(self, name: str) -> Tensor:
-        """Mean distance of the mean directions of two domains; NaN for fewer than two."""
+        """Mean distance between the mean directions of two domains; NaN for fewer than two domains."""
         sizes = self.sizes.sum(0)
         means = self.cells[name].sum(0)[sizes > 0] / sizes[sizes > 0, None]
         first, second = torch.triu_indices(len(means), len(means), 1, device=means.device)
@@ -67,32 +67,32 @@ class Sums:
         return gaps.mean()
 
     def margin(self, name: str) -> Tensor:
-        """Mean cosine of pairs of rows of one class minus that of different classes."""
+        """Mean cosine of pairs of the same class minus that of pairs of different classes."""
         return _margin(self._within(name, (1,)), self._within(name, (0, 1)))
 
     def cross_domain_margin(self, name: str) -> Tensor:
-        """The same over pairs of rows from different domains."""
+        """The same, for pairs of rows from different domains."""
         same = _less(self._within(name, (1,)), self._within(name, ()))
         return _margin(same, _less(self._within(name, (0, 1)), self._within(name, (0,))))
 
     def cross_modal_margin(self) -> Tensor:
-        """The same over pairs of one VIS and one TAC row, a contact's own two left out."""
+        """The same, for pairs of a VIS row and a TAC row of different contacts."""
         own = self.own, self.sizes.sum()
         return _margin(_less(self._between((1,)), own), _less(self._between((0, 1)), own))
 
     def _within(self, name: str, over: tuple[int, ...]) -> tuple[Tensor, Tensor]:
-        """Cosines of pairs of different rows of one group; groups are cells added `over` axes."""
+        """Sum of cosines of different rows of one group; a group is a sum of cells `over` axes."""
         sums, sizes = self._groups(name, over)
         cosines = (sums.square().sum() - self.squares[name]) / 2
         return cosines, (sizes * (sizes - 1)).sum() / 2
 
     def _between(self, over: tuple[int, ...]) -> tuple[Tensor, Tensor]:
-        """Cosines of every VIS row with every TAC row of its group."""
+        """Sum of cosines of every VIS row with every TAC row of its group."""
         (vis, sizes), (tac, _) = self._groups("vis", over), self._groups("tac", over)
         return (vis * tac).sum(), sizes.square().sum()
 
     def _groups(self, name: str, over: tuple[int, ...]) -> tuple[Tensor, Tensor]:
-        if not over:  # `sum` over no axis would be over all
+        if not over:  # `sum` over an empty tuple would sum over all axes
             return self.cells[name], self.sizes
         return self.cells[name].sum(over), self.sizes.sum(over)
 

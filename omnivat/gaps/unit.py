@@ -1,11 +1,11 @@
-"""Put rows on the unit sphere, whatever their length."""
+"""Scale rows to unit length."""
 
 import torch
 from torch import Tensor
 
 from omnivat.errors import ShapeError
 
-BLOCK = 4096  # rows made unit at once: what lies between stays in the processor's cache
+BLOCK = 4096  # rows scaled at once, so that temporaries stay in the cache
 
 
 def unit(x: Tensor) -> Tensor:
@@ -24,14 +24,14 @@ def unit(x: Tensor) -> Tensor:
 
 def _unit(x: Tensor) -> Tensor:
     largest = x.abs().amax(-1, keepdim=True)
-    # dividing twice keeps the squares of huge and tiny rows inside the floating range
+    # dividing twice keeps the squares of huge and tiny rows in the floating-point range
     x = x / largest.where(largest > 0, 1)
     length: Tensor = x.norm(dim=-1, keepdim=True)
     return x / length.where(length > 0, 1)
 
 
 def require_rows(least: int, **sets: Tensor) -> None:
-    """Refuse sets of fewer than `least` rows, by name. Raises ShapeError."""
+    """Raise ShapeError for sets with fewer than `least` rows; the message names them."""
     for name, rows in sets.items():
         if len(rows) < least:
             raise ShapeError(

@@ -1,4 +1,4 @@
-"""Maps of features in two dimensions: one method a file, listed here by name.
+"""Maps of features in two dimensions: one method in each file, listed here by name.
 
 Each entry is project(points (N, D), *, seed=0) -> (N, 2) in the precision of the points.
 """

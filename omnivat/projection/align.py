@@ -1,4 +1,4 @@
-"""Turn and mirror maps so that neighbouring ones lie as nearly alike as they can."""
+"""Rotate and mirror maps to match neighbouring maps."""
 
 from collections.abc import Iterable, Iterator
 
@@ -9,10 +9,10 @@ from omnivat.shapes import require_shapes
 
 
 def aligned(flat: Tensor, to: Tensor) -> Tensor:
-    """Turn or mirror a centred map about the origin to lie nearest to another.
+    """Rotate or mirror a centred map about the origin to match another.
 
     flat, to  (N, 2) maps of the same rows, both centred
-    return    (N, 2); distances between its points are as they were: nothing is scaled
+    return    (N, 2); distances between its points do not change
 
     Source: Schönemann, Psychometrika 31:1-10, 1966 (the orthogonal Procrustes problem).
     """
@@ -23,7 +23,7 @@ def aligned(flat: Tensor, to: Tensor) -> Tensor:
 
 
 def chained(maps: Iterable[Tensor]) -> Iterator[Tensor]:
-    """Give centred maps (N, 2) as they come, each aligned to the one before it."""
+    """Yield centred maps (N, 2), each aligned to the previous one."""
     before: Tensor | None = None
     for flat in maps:
         before = flat if before is None else aligned(flat, before)

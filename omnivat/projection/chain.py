@@ -1,4 +1,4 @@
-"""One UMAP map per order, each started from its neighbour's."""
+"""One UMAP map for each order, each started from the previous map."""
 
 from collections.abc import Iterable, Iterator
 
@@ -10,13 +10,13 @@ WARM_STEPS, WARM_RATE = 60, 0.1
 
 
 def chain(features: Iterable[Tensor], *, seed: int = 0, neighbours: int = 15) -> Iterator[Tensor]:
-    """Give a map (N, 2) for each (N, D) as it comes; the first starts cold.
+    """Yield a map (N, 2) for each (N, D); the first has no start.
 
     features   the same N rows at neighbouring orders, in order
 
-    Maps so made are as trustworthy as ones made apart and move far less from one order to the
-    next (`python -m benchmarks.projection`). Each is exact for its own order: none is made by
-    tweening. One order is held at a time.
+    Such maps are as trustworthy as independent maps and move far less from one order to the next
+    (`python -m benchmarks.projection`). Each is computed at its own order; nothing is interpolated.
+    Memory holds one order at a time.
     """
     before: Tensor | None = None
     for points in features:
@@ -27,10 +27,10 @@ def chain(features: Iterable[Tensor], *, seed: int = 0, neighbours: int = 15) ->
 def following(
     points: Tensor, before: Tensor | None, *, seed: int = 0, neighbours: int = 15
 ) -> Tensor:
-    """Return the map (N, 2) of points (N, D) that follows the map `before`, or a first one.
+    """Return the map (N, 2) of points (N, D), started from the map `before` if given.
 
-    A later map takes WARM_STEPS steps, as its start is nearly right, at WARM_RATE, so that rows
-    keep their place.
+    The start is almost right, so a later map takes only WARM_STEPS steps. The low rate WARM_RATE
+    keeps rows in their places.
     """
     if before is None:
         return torch_umap.project(points, seed=seed, neighbours=neighbours)

@@ -1,4 +1,4 @@
-"""UMAP's fuzzy graph: how strongly near rows belong together."""
+"""UMAP's fuzzy graph of neighbours."""
 
 import math
 from dataclasses import dataclass
@@ -22,10 +22,11 @@ class Graph:
 
 
 def fuzzy_graph(neighbours: Neighbours) -> Graph:
-    """Join every row to its neighbours with exp(-(d - nearest) / width), then make it symmetric.
+    """Connect each row to its neighbours with weight exp(-(d - nearest) / width), symmetrized.
 
-    Widths are such that a row's weights add up to log2(k + 1). An edge seen from both ends with
-    weights u and v gets u + v - u v; each undirected edge is kept once.
+    Widths are chosen so that the weights of a row add up to log2(k + 1). Weights u and v from the
+    two
+    ends of an edge give u + v - u v; each undirected edge is stored once.
     Source: McInnes, Healy and Melville, arXiv:1802.03426, section 3.1.
     """
     index, distance = neighbours.index, neighbours.distance
@@ -33,7 +34,7 @@ def fuzzy_graph(neighbours: Neighbours) -> Graph:
     beyond = distance - distance[:, :1]
     weight = (-beyond / _widths(beyond, math.log2(k + 1))).exp()
     tail = torch.arange(rows, device=index.device)[:, None].expand_as(index)
-    # where my neighbour lists me too, its weight for me; otherwise 0
+    # the neighbour's weight for this row, or 0 if it does not list the row
     back = torch.where(index[index] == tail[..., None], weight[index], 0).sum(2)
     both = weight + back - weight * back
     once = (tail < index) | (back == 0)
@@ -50,5 +51,5 @@ def _widths(beyond: Tensor, total: float) -> Tensor:
         high = torch.where(too_wide, width, high)
         low = torch.where(too_wide, low, width)
         width = torch.where(high.isinf(), 2 * width, (low + high) / 2)
-    # rows with many equal distances would get a width of 0 or none at all
+    # rows with many equal distances would have width 0 or no width
     return width.clamp(1e-3 * beyond.mean().clamp_min(1e-12), 1e3 * beyond.max().clamp_min(1e-12))

@@ -20,14 +20,14 @@ class Neighbours:
 
 
 def nearest(points: Tensor, k: int, *, queries: Tensor | None = None) -> Neighbours:
-    """Find the k rows of `points` that are nearest to each query, by Euclidean distance.
+    """Find the k nearest rows of `points` for each query, by Euclidean distance.
 
     points   (N, D)
-    queries  (M, D); left out, the points themselves, and then a point is not its own neighbour
-    return   (M, k) each; rows at one distance come in no stated order
+    queries  (M, D); by default the points themselves, where a point is not its own neighbour
+    return   (M, k) each; the order of rows at equal distances is not defined
 
     Exact up to rounding, O(N M D), BLOCK rows of distances at a time.
-    Raises SettingsError when there are fewer than k other rows.
+    Raises SettingsError if there are fewer than k other rows.
     """
     require_shapes(points=(points, "N D"))
     own = queries is None
@@ -36,7 +36,7 @@ def nearest(points: Tensor, k: int, *, queries: Tensor | None = None) -> Neighbo
     others = len(points) - own
     if not 1 <= k <= others:
         raise SettingsError(f"{k} neighbours were asked for among {others}; ask for 1 to {others}.")
-    # distances do not move with the origin; a near one keeps the squares small and exact
+    # distances do not depend on the origin; a near one keeps the squares small and exact
     middle = points.mean(0)
     points, queries = points - middle, queries - middle
     squares = points.square().sum(1)
@@ -53,7 +53,7 @@ def nearest(points: Tensor, k: int, *, queries: Tensor | None = None) -> Neighbo
 
 
 def _sorted(rows: Tensor, points: Tensor, index: Tensor) -> tuple[Tensor, Tensor]:
-    """Measure the chosen distances from the differences, which keeps near-duplicates exact."""
+    """Compute the chosen distances from differences, which is exact for near-duplicates."""
     distance = (points[index] - rows[:, None]).norm(dim=2)
     distance, order = distance.sort(dim=1)
     return index.gather(1, order), distance

@@ -1,4 +1,4 @@
-"""Principal components in two dimensions: exact, with a sign that is always the same."""
+"""Principal components in two dimensions: exact, with a fixed sign."""
 
 from dataclasses import dataclass
 
@@ -19,21 +19,21 @@ class Basis:
     axes: Tensor
 
     def place(self, points: Tensor) -> Tensor:
-        """Put points (N, D) on this map, (N, 2); BLOCK of them are held apart at once."""
+        """Return the places (N, 2) of points (N, D), BLOCK rows at a time."""
         return torch.cat([(rows - self.mean) @ self.axes for rows in points.split(BLOCK)])
 
 
 def project(points: Tensor, *, seed: int = 0) -> Tensor:
-    """Return the PCA map of points (N, D) -> (N, 2). `seed` is taken and not used: PCA is exact."""
+    """Return the PCA map of points (N, D) -> (N, 2). `seed` has no effect: PCA is exact."""
     return basis(points).place(points)
 
 
 def basis(points: Tensor) -> Basis:
     """Return the two directions of largest variance of points (N, D), largest first.
 
-    Each axis points so that its entry of largest size is positive. Computed in float64 through
-    the smaller of the covariance and the Gram matrix. A direction without variance is a unit
-    vector all the same, so that a map is always (N, 2).
+    The largest entry of each axis by modulus is positive. Computed in float64 from the smaller of
+    the covariance and the Gram matrix. A direction without variance is still a unit vector, so a
+    map is always (N, 2).
     Raises ShapeError for no rows or fewer than 2 columns.
     """
     require_shapes(points=(points, "N D"))
@@ -49,7 +49,7 @@ def basis(points: Tensor) -> Basis:
 
 
 def _from_covariance(points: Tensor, mean: Tensor) -> Tensor:
-    """Exact for any number of rows: BLOCK of them are held apart from the mean at once."""
+    """Exact for any number of rows; BLOCK rows are centred at a time."""
     width = points.shape[1]
     products = torch.zeros(width, width, dtype=torch.float64, device=points.device)
     for rows in points.split(BLOCK):
@@ -60,9 +60,9 @@ def _from_covariance(points: Tensor, mean: Tensor) -> Tensor:
 
 
 def _from_gram(centred: Tensor) -> Tensor:
-    """Fewer rows than columns: the same axes from the N×N matrix of products."""
+    """For fewer rows than columns: the same axes from the N×N Gram matrix."""
     vectors = torch.linalg.eigh((centred @ centred.T).double()).eigenvectors[:, -2:].flip(1)
     axes = centred.double().T @ vectors
-    # QR gives unit columns, and a perpendicular one where the rows have no second direction
+    # QR gives unit columns, and a perpendicular one if the rows have no second direction
     turned: Tensor = torch.linalg.qr(axes).Q
     return turned

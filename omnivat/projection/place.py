@@ -1,4 +1,4 @@
-"""Put new points on a map that exists: exactly where it is linear, else between neighbours."""
+"""Place new points on an existing map: exactly if it is linear, else between neighbours."""
 
 from typing import NamedTuple
 
@@ -8,25 +8,25 @@ from torch import Tensor
 from omnivat.projection.neighbours import nearest
 from omnivat.shapes import require_shapes
 
-EXACT = 1e-3  # of the map's radius: an affine map that fits every point this well is the map
+EXACT = 1e-3  # of the map's radius; an affine map with smaller errors counts as the map
 
 
 class Placed(NamedTuple):
-    """Where rows fall on a map, and whether that is exact."""
+    """Places of rows on a map, and whether they are exact."""
 
     places: Tensor  # (Q, 2)
     exact: bool
 
 
 def placed(queries: Tensor, points: Tensor, flat: Tensor) -> Placed:
-    """Return where new rows fall on the map of known ones, in double precision.
+    """Return the places of new rows on an existing map, in double precision.
 
     queries  (Q, D) new features
-    points   (N, D) the features that the map was made of, at the same order
-    flat     (N, 2) the map, as it was drawn: turned, mirrored or rounded
+    points   (N, D) the features of the map, at the same order
+    flat     (N, 2) the map as drawn: rotated, mirrored or rounded
 
-    A linear map (PCA) is recovered from the points and places new rows exactly; on any other map
-    they fall between their nearest neighbours.
+    A linear map (PCA) is recovered from the points and places new rows exactly. On other maps, new
+    rows lie between their nearest neighbours.
     """
     queries, points, flat = queries.double(), points.double(), flat.double()
     known = affine(points, flat)
@@ -38,7 +38,7 @@ def placed(queries: Tensor, points: Tensor, flat: Tensor) -> Placed:
 def affine(points: Tensor, flat: Tensor) -> Tensor | None:
     """Return the affine map (D + 1, 2) from points (N, D) to flat (N, 2), or None.
 
-    None where no affine map fits every point, or where points are too few to tell.
+    None if no affine map fits every point, or if there are too few points.
     """
     if len(points) <= points.shape[1] + 1:
         return None
@@ -50,16 +50,16 @@ def affine(points: Tensor, flat: Tensor) -> Tensor | None:
 
 
 def place(queries: Tensor, points: Tensor, flat: Tensor, *, k: int = 8) -> Tensor:
-    """Return where new rows fall on the map of known ones.
+    """Return the places of new rows between their neighbours on an existing map.
 
     queries  (Q, D) new features
-    points   (N, D) the features that the map was made of, at the same order
-    flat     (N, 2) the map; one NaN row leaves its neighbours' places unknown
-    k        neighbours to lie between; small sets use all they have
+    points   (N, D) the features of the map, at the same order
+    flat     (N, 2) the map; a NaN row makes places next to it NaN
+    k        number of neighbours; small sets use all rows
     return   (Q, 2) mean of the neighbours' places, weighted by exp(-(d - nearest) / mean excess)
 
-    A row that is already there falls on its own point. The map itself does not move; a linear
-    map (PCA) places new rows exactly with `placed` or `pca.Basis.place` instead.
+    A row of the map gets its own place. The map does not change. For a linear map (PCA), `placed`
+    and `pca.Basis.place` are exact.
     """
     require_shapes(points=(points, "N D"), queries=(queries, "Q D"), flat=(flat, "N C"))
     found = nearest(points, min(k, len(points)), queries=queries)

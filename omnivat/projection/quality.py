@@ -1,4 +1,4 @@
-"""How faithful a map is, and how far it moves from one order to the next."""
+"""Faithfulness of a map, and its drift from one order to the next."""
 
 from dataclasses import dataclass
 
@@ -9,15 +9,16 @@ from omnivat.projection.neighbours import nearest
 from omnivat.seeding import derive_seed
 from omnivat.shapes import require_shapes
 
-SAMPLE = 1000  # rows of a large map that are looked at
-BLOCK = 16_384  # rows held apart at once
-AT_ONCE = 32  # drawn rows that are compared with all others at once
+SAMPLE = 1000  # rows sampled from a large map
+
+BLOCK = 16_384  # rows processed at once
+AT_ONCE = 32  # sampled rows compared with all others at once
 
 
 def trustworthiness(points: Tensor, flat: Tensor, *, k: int = 15) -> float:
-    """Tell how far the k nearest rows on the map are also near in space, in [0, 1].
+    """Return how well neighbours on the map are neighbours in space, in [0, 1].
 
-    points (N, D), flat (N, 2); k below N / 2. 1 when every neighbour on the map is one of the k
+    points (N, D), flat (N, 2); k below N / 2. 1 if every neighbour on the map is one of the k
     nearest in space; a neighbour of rank r > k costs r - k.
     Source: Venna and Kaski, ICANN 2001.
     """
@@ -52,7 +53,7 @@ def recall(points: Tensor, flat: Tensor, *, k: int = 15) -> float:
 class Quality:
     """Trustworthiness and recall of a map, and half the width of their 95 % intervals.
 
-    rows  how many rows were looked at; all of them where the half widths are 0
+    rows  number of sampled rows; half widths of 0 mean all rows
     """
 
     trustworthiness: float
@@ -65,10 +66,10 @@ class Quality:
 def quality(
     points: Tensor, flat: Tensor, *, k: int = 15, rows: int = SAMPLE, seed: int = 0
 ) -> Quality:
-    """Return how faithful a map is, from `rows` of its rows drawn at random.
+    """Return the quality of a map, from `rows` of its rows sampled at random.
 
-    points (N, D), flat (N, 2); k below N / 2. Each drawn row is compared with all N, so this
-    costs O(rows N D) and not O(N² D). The intervals are of the draw: nothing else is random.
+    points (N, D), flat (N, 2); k below N / 2. Each sampled row is compared with all N, which
+    costs O(rows N D) instead of O(N² D). The intervals cover the sampling; nothing else is random.
     """
     require_shapes(points=(points, "N D"), flat=(flat, "N C"))
     count = len(points)
@@ -106,9 +107,9 @@ def row_squares(points: Tensor, middle: Tensor) -> Tensor:
 
 
 def distances(points: Tensor, rows: Tensor, middle: Tensor, squares: Tensor) -> Tensor:
-    """Squared distances of rows (B, D) to points (N, D), less each row's own square: (B, N).
+    """Squared distances of rows (B, D) to points (N, D), minus each row's square: (B, N).
 
-    squares  of the points from `middle`, as `row_squares` gives them
+    squares  of the points from `middle`, from `row_squares`
     """
     rows = rows - middle
     # (x - m)·(y - m) = x·(y - m) - m·(y - m): the points themselves are not copied
@@ -122,6 +123,6 @@ def radius(flat: Tensor) -> Tensor:
 
 
 def drift(before: Tensor, after: Tensor) -> float:
-    """Mean distance that points move from one map (N, 2) to the next, in radii of the first."""
+    """Mean distance between the points of two maps (N, 2), in radii of the first."""
     require_shapes(before=(before, "N C"), after=(after, "N C"))
     return float((after - before).norm(dim=1).mean() / radius(before))

@@ -1,4 +1,4 @@
-"""Where a UMAP map without a neighbour starts: the slow directions of a walk on its graph."""
+"""Spectral initialization of the first UMAP map."""
 
 import torch
 from torch import Tensor
@@ -6,17 +6,17 @@ from torch import Tensor
 from omnivat.projection.fuzzy import Graph
 from omnivat.seeding import derive_seed
 
-DIRECTIONS = 4  # kept while iterating; two are used
-STEPS, STRAIGHTEN = 30, 5  # steps of the walk, and how often the directions are made square
+DIRECTIONS = 4  # vectors in the iteration; two are used
+STEPS, STRAIGHTEN = 30, 5  # iterations, and how often the vectors are orthogonalized
 RADIUS = 10.0
 
 
 def spectral_map(graph: Graph, *, seed: int = 0) -> Tensor:
     """Return a rough map (N, 2) whose largest coordinate is RADIUS.
 
-    The eigenvectors of the normalised graph Laplacian after the constant one, by a few steps of
-    subspace iteration from a seeded start: neighbours come to lie together, and folds that PCA
-    leaves are undone. Thirty steps are enough for a start; they are not converged eigenvectors.
+    It approximates the first two non-constant eigenvectors of the normalised graph Laplacian by
+    subspace iteration from a seeded start. Neighbours end up close together, and folds of a PCA map
+    disappear. Thirty steps suffice for a start, but the eigenvectors are not converged.
     Source: Belkin and Niyogi, Neural Computation 15:1373-1396, 2003.
     """
     weight, rows = graph.weight, graph.rows
@@ -39,7 +39,7 @@ def spectral_map(graph: Graph, *, seed: int = 0) -> Tensor:
         device=weight.device,
     )
     for done in range(1, STEPS + 1):
-        directions = directions + walked(directions)  # lazy: no eigenvalue below 0
+        directions = directions + walked(directions)  # lazy walk: no negative eigenvalue
         if done % STRAIGHTEN == 0:
             directions = directions - constant @ (constant.T @ directions)
             directions = torch.linalg.qr(directions).Q

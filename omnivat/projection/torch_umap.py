@@ -1,10 +1,10 @@
 """UMAP in torch: exact neighbours, the fuzzy graph, and a vectorised descent. No compilation.
 
-What differs from umap-learn: neighbours are exact. Every edge pulls in every step with its
-weight, where umap-learn draws edges in proportion to it. REPELLERS rows, drawn anew in every
-step, push each row with the same mean strength. All rows move at once, so each is moved by its
-force over its degree: the places where forces vanish stay the same, and hubs do not overshoot.
-The start is spectral (`spectral.py`), or a map that is given.
+Differences from umap-learn: neighbours are exact. Every edge attracts in every step with its
+weight, whereas umap-learn samples edges in proportion to it. In every step, REPELLERS random rows
+repel each row with the same mean strength. All rows move at once by force over degree; this keeps
+the equilibria and prevents hubs from overshooting. The start is spectral (`spectral.py`) or a given
+map.
 """
 
 import torch
@@ -17,11 +17,11 @@ from omnivat.projection.place import place
 from omnivat.projection.spectral import spectral_map
 from omnivat.seeding import derive_seed
 
-A, B = 1.5769, 0.8951  # the curve 1 / (1 + A d^2B) that fits min_dist = 0.1, spread = 1
-NEGATIVES = 5  # pushes for each pull, as in umap-learn
+A, B = 1.5769, 0.8951  # of the curve 1 / (1 + A d^2B) for min_dist = 0.1, spread = 1
+NEGATIVES = 5  # repulsions for each attraction, as in umap-learn
 REPELLERS = 16
 STEPS, RATE = 200, 0.5
-MOST_ROWS = 12_000  # that are laid out themselves
+MOST_ROWS = 12_000  # rows in the descent; more are placed afterwards
 PLACED = 8192  # rows placed at once
 PULL_LIMIT = 4.0  # umap-learn's bound on each part of one force
 
@@ -38,14 +38,13 @@ def project(
     """Return a UMAP map of points (N, D) -> (N, 2).
 
     seed        the same seed, machine and thread count give the same map
-    neighbours  of each row, itself included as umap-learn counts; small sets use all they have
+    neighbours  of each row, itself included as in umap-learn; small sets use all rows
     steps       of the descent
-    rate        share of its force over its degree that a row moves by in the first step; it falls
-                to 0 in a straight line
-    start       (N, 2) a map to start from, such as that of a neighbouring order
+    rate        factor of force over degree in the first step; it decreases linearly to 0
+    start       (N, 2) initial map, such as that of a neighbouring order
 
-    Of more than MOST_ROWS rows a sample is laid out, drawn by the seed alone, and every other row
-    is placed between its nearest neighbours in the sample.
+    With more than MOST_ROWS rows, the descent uses a sample that depends only on the seed. Every
+    other row is placed between its nearest neighbours in the sample.
     """
     if len(points) < 4:
         return pca.project(points)
@@ -62,13 +61,14 @@ def project(
 
 
 def sample_of(rows: int, seed: int) -> Tensor:
-    """Return the MOST_ROWS rows of `rows` that are laid out, ascending."""
+    """Return the indices of the MOST_ROWS sampled rows, ascending."""
     generator = torch.Generator().manual_seed(derive_seed(seed, "umap sample"))
     return torch.randperm(rows, generator=generator)[:MOST_ROWS].sort().values
 
 
 def _spread(points: Tensor, chosen: Tensor, flat: Tensor) -> Tensor:
-    """Return the map of all points: `flat` for the chosen ones, places between them for the rest."""
+    """Return the map of all points: `flat` for the sample, places between neighbours for the
+    rest."""
     known = points[chosen]
     whole = torch.cat([place(some, known, flat) for some in points.split(PLACED)])
     whole[chosen] = flat
@@ -76,20 +76,20 @@ def _spread(points: Tensor, chosen: Tensor, flat: Tensor) -> Tensor:
 
 
 def descend(graph: Graph, start: Tensor, *, steps: int, rate: float, seed: int) -> Tensor:
-    """Move the rows of `start` (N, 2) along UMAP's forces; return the new places.
+    """Move the rows of `start` (N, 2) by UMAP's forces; return the new places.
 
     Source: McInnes, Healy and Melville, arXiv:1802.03426, section 3.2 and appendix C.
     """
     rows, device = graph.rows, start.device
     generator = torch.Generator(device).manual_seed(derive_seed(seed, "umap"))
-    # rows at one place would never part: no force has a direction there
+    # rows at the same place would never separate: the force has no direction
     jitter = torch.randn(start.shape, generator=generator, dtype=start.dtype, device=device)
-    # one line of all x and one of all y is twice as fast as pairs
+    # all x, then all y: twice as fast as pairs
     places = (start + 1e-4 * jitter).T.contiguous()  # (2, N)
     tail, head = graph.tail, graph.head
     degree = start.new_zeros(rows).index_add_(0, tail, graph.weight)
     degree = degree.index_add_(0, head, graph.weight).clamp_min(1e-12)
-    # umap-learn walks each edge from both of its ends: hence twice the weight
+    # umap-learn visits each edge from both ends: hence twice the weight
     on_tail, on_head = 2 * graph.weight / degree[tail], -2 * graph.weight / degree[head]
     for step in range(steps):
         pull = attraction(places[:, tail] - places[:, head])  # (2, M)
@@ -101,7 +101,7 @@ def descend(graph: Graph, start: Tensor, *, steps: int, rate: float, seed: int) 
 
 
 def attraction(gap: Tensor) -> Tensor:
-    """Pull of an edge on its tail; `gap` (2, ...) = tail - head."""
+    """Attraction of an edge on its tail; `gap` (2, ...) = tail - head."""
     squared = gap.square().sum(0).clamp_min(1e-12)
     power = squared.pow(B)
     strength = -2 * A * B * power / (squared * (1 + A * power))
@@ -109,7 +109,7 @@ def attraction(gap: Tensor) -> Tensor:
 
 
 def repulsion(gap: Tensor) -> Tensor:
-    """Push of a drawn row on this one; `gap` (2, ...) = this - drawn. A row pushes itself by 0."""
+    """Repulsion of a sampled row; `gap` (2, ...) = this - sampled. A row repels itself by 0."""
     squared = gap.square().sum(0)
     strength = 2 * B / ((1e-3 + squared) * (1 + A * squared.pow(B)))
     return (gap * strength).clamp(-PULL_LIMIT, PULL_LIMIT)

@@ -1,4 +1,4 @@
-"""UMAP by umap-learn, for those who want the reference: slow to start, loaded only when asked for."""
+"""UMAP by umap-learn, as a reference: slow to start, so it loads on first use."""
 
 import torch
 from torch import Tensor
@@ -10,9 +10,9 @@ from omnivat.projection import pca
 def project(points: Tensor, *, seed: int = 0, neighbours: int = 15) -> Tensor:
     """Return umap-learn's map of points (N, D) -> (N, 2), with its defaults and one thread.
 
-    The same seed gives the same map. Its first call in a process compiles for 10 s and more;
-    `omnivat.projection.torch_umap` gives maps of the same trustworthiness at once.
-    Raises MissingPackageError when umap-learn is not installed.
+    The same seed gives the same map. The first call in a process compiles for 10 s or more;
+    `omnivat.projection.torch_umap` gives maps of the same trustworthiness without compiling.
+    Raises MissingPackageError if umap-learn is not installed.
     """
     if len(points) < 4:
         return pca.project(points)
