@@ -1,8 +1,9 @@
 """The paper's Baseline: style texts and source images through one D×D layer and a linear head.
 
-PromptStyler as the paper must have run it: its results depend on the source and its 0.3 M
-parameters leave room for a D×D layer, so it learns from source images as well as from text.
-Source: paper, Table of components, row 1; docs/protocol.md says what is read and what is ours.
+This is our reading of the paper's PromptStyler row. Its results depend on the source, so it trains
+on
+source images, and its 0.3 M parameters fit a D×D layer.
+Source: paper, Table of components, row 1.
 """
 
 from collections.abc import Callable
@@ -20,11 +21,11 @@ EPOCHS = 20
 CANDIDATES = {
     f"lr {lr:g}, text {share:g}": (lr, share) for lr in (0.02, 0.1) for share in (0.1, 1.0)
 }
-TEXTS = 16  # style texts a step
+TEXTS = 16  # style texts in each step
 
 
 class Baseline(nn.Module):
-    """One D×D layer and a bias-free linear head that images and text share."""
+    """One D×D layer and a bias-free linear head, shared by images and text."""
 
     def __init__(self, width: int, classes: int, text_width: int | None) -> None:
         super().__init__()
@@ -35,7 +36,7 @@ class Baseline(nn.Module):
         self.head = nn.Linear(width, classes, bias=False)
 
     def features(self, rows: Tensor) -> Tensor:
-        """Return unit features (B, D) of rows (B, D), which are put on the sphere of radius √D."""
+        """Return unit features (B, D) of rows (B, D), which are first scaled to length √D."""
         hidden: Tensor = self.layer(rows.shape[1] ** 0.5 * normalize(rows, dim=-1))
         return normalize(hidden, dim=-1)
 
@@ -51,7 +52,7 @@ class Baseline(nn.Module):
 
 
 def fit(source: Source) -> Fitted:
-    """Train with SGD as the paper does; rate and weight of text by held-out objects."""
+    """Train with SGD as in the paper; held-out objects choose rate and weight of text."""
     chosen = best(
         source,
         CANDIDATES,

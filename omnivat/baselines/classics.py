@@ -1,10 +1,10 @@
-"""Classics of domain generalization over frozen embeddings, each over the perceptron of ERM-MLP.
+"""Classic domain generalization over frozen embeddings, with the perceptron of ERM-MLP.
 
-mixup       Zhang et al., ICLR 2018: pairs and labels mixed, λ ~ Beta(α, α)
-mixstyle    Zhou et al., ICLR 2021, on vectors: here mean and spread over the D axes stand in for
-            those of a channel's map
-fourier     Xu et al. (FACT), CVPR 2021, on vectors: amplitudes of the embedding's own spectrum are
-            mixed between two pairs, phases stay
+mixup       Zhang et al., ICLR 2018: mixes pairs and labels, λ ~ Beta(α, α)
+mixstyle    Zhou et al., ICLR 2021, on vectors: mean and spread over the D axes replace those of a
+            channel's feature map
+fourier     Xu et al. (FACT), CVPR 2021, on vectors: mixes the amplitudes of two embeddings'
+            spectra and keeps the phases
 sam         Foret et al., ICLR 2021: minimises the worst loss within a radius
 """
 
@@ -27,7 +27,7 @@ Change = Callable[[Tensor, Tensor, Tensor], tuple[Tensor, Tensor, Tensor]]
 
 
 def mixup(alpha: float, vis: Tensor, tac: Tensor, truth: Tensor) -> tuple[Tensor, Tensor, Tensor]:
-    """Mix each pair and its label with another of the batch, by one λ."""
+    """Mix each pair and its label with another pair of the batch, with one λ."""
     share = float(torch.distributions.Beta(alpha, alpha).sample())
     other = torch.randperm(len(vis))
     mixed = [share * rows + (1 - share) * rows[other] for rows in (vis, tac, truth)]
@@ -37,7 +37,7 @@ def mixup(alpha: float, vis: Tensor, tac: Tensor, truth: Tensor) -> tuple[Tensor
 def mixstyle(
     alpha: float, vis: Tensor, tac: Tensor, truth: Tensor
 ) -> tuple[Tensor, Tensor, Tensor]:
-    """Give each embedding a mean and spread between its own and another's; labels stay."""
+    """Set each embedding's mean and spread between its own and another's; keep the labels."""
     other = torch.randperm(len(vis))
     share = torch.distributions.Beta(alpha, alpha).sample((len(vis), 1))
 
@@ -53,7 +53,7 @@ def mixstyle(
 def fourier(
     strength: float, vis: Tensor, tac: Tensor, truth: Tensor
 ) -> tuple[Tensor, Tensor, Tensor]:
-    """Mix the amplitudes of each embedding's spectrum with another's; phases and labels stay."""
+    """Mix the amplitudes of each embedding's spectrum with another's; keep phases and labels."""
     other = torch.randperm(len(vis))
     share = strength * torch.rand(len(vis), 1)
 
@@ -67,27 +67,27 @@ def fourier(
 
 
 def unchanged(_: float, vis: Tensor, tac: Tensor, truth: Tensor) -> tuple[Tensor, Tensor, Tensor]:
-    """Return the batch as it is."""
+    """Return the batch unchanged."""
     return vis, tac, truth
 
 
 def fit_mixup(source: Source) -> Fitted:
-    """Train with mixup; α by held-out objects."""
+    """Train with mixup; held-out objects choose α."""
     return _fit(source, "mixup", mixup, (0.2, 1.0))
 
 
 def fit_mixstyle(source: Source) -> Fitted:
-    """Train with MixStyle on vectors; α by held-out objects."""
+    """Train with MixStyle on vectors; held-out objects choose α."""
     return _fit(source, "mixstyle", mixstyle, (0.1, 0.3))
 
 
 def fit_fourier(source: Source) -> Fitted:
-    """Train with mixed amplitudes; how far they may be mixed by held-out objects."""
+    """Train with mixed amplitudes; held-out objects choose the largest mixing."""
     return _fit(source, "fourier", fourier, (0.5, 1.0))
 
 
 def fit_sam(source: Source) -> Fitted:
-    """Train with sharpness-aware minimisation; its radius by held-out objects."""
+    """Train with sharpness-aware minimisation; held-out objects choose the radius."""
     return _fit(source, "sam", unchanged, (0.02, 0.05))
 
 

@@ -1,7 +1,7 @@
-"""CORAL between modalities: VIS and TAC features are drawn to one covariance.
+"""CORAL between modalities: it aligns the covariances of VIS and TAC features.
 
-Sun and Saenko, Deep CORAL, ECCV 2016 workshops, aligns two domains; here the two modalities of one
-domain stand in for them, for no second domain is ever given.
+Sun and Saenko, Deep CORAL, ECCV 2016 workshops, aligns two domains. Here a method has one domain
+only, so its two modalities are aligned instead.
 """
 
 import torch
@@ -46,7 +46,7 @@ def coral_loss(first: Tensor, second: Tensor) -> Tensor:
 
 
 def fit(source: Source) -> Fitted:
-    """Train with AdamW; the weight of the alignment by held-out objects."""
+    """Train with AdamW; held-out objects choose the weight of the alignment."""
     chosen = best(
         source,
         CANDIDATES,

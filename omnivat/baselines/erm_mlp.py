@@ -1,4 +1,4 @@
-"""ERM-MLP: a two-layer perceptron on VIS and TAC side by side, trained on the source alone.
+"""ERM-MLP: a two-layer perceptron on concatenated VIS and TAC, trained on the source.
 
 Photo only and touch only are perceptrons of one modality, trained the same way.
 """
@@ -45,7 +45,8 @@ class Perceptron(nn.Module):
 
 
 def fit(source: Source) -> Fitted:
-    """Train with AdamW; learning rate and weight decay by held-out objects, both images given."""
+    """Train with AdamW; held-out objects, with both images, choose learning rate and weight
+    decay."""
     chosen = best(
         source,
         CANDIDATES,

@@ -1,4 +1,4 @@
-"""Source-side evidence: how well a choice does on objects of the source that were held out."""
+"""Source-side evidence: scores of candidate settings on held-out objects of the source."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -17,9 +17,9 @@ REPEATS, FRACTION = 4, 0.25
 
 
 def folds(source: Source, repeats: int = REPEATS) -> list[tuple[Tensor, Tensor]]:
-    """Return (rows to fit, rows held out) a few times; whole objects, a quarter of each class.
+    """Return folds (training rows, held-out rows): whole objects, a quarter of each class.
 
-    The same for every method at one seed. Empty where no class has two objects.
+    For one seed, all methods get the same folds. Empty if no class has two objects.
     """
     found = []
     for repeat in range(repeats):
@@ -34,22 +34,22 @@ def folds(source: Source, repeats: int = REPEATS) -> list[tuple[Tensor, Tensor]]
 
 @dataclass(slots=True)
 class Score:
-    """Held-out answers added up over folds."""
+    """Held-out predictions, summed over folds."""
 
     right: int = 0
     loss: float = 0.0
 
     def add(self, probabilities: Tensor, labels: Tensor) -> None:
-        """Count one fold's answers: probabilities (B, K), labels (B,)."""
+        """Add one fold's predictions: probabilities (B, K), labels (B,)."""
         self.right += int((probabilities.argmax(-1) == labels).sum())
         self.loss += log_loss(probabilities, labels)
 
     @property
     def rank(self) -> tuple[float, int]:
-        """What to maximise: a low log loss, then right answers.
+        """The quantity to maximise: minus the log loss, then accuracy.
 
-        Few objects are held out: right answers tie or turn on one object, and then the choice of a
-        regression's C falls on any of seven powers of ten.
+        Few objects are held out, so accuracy ties or depends on one object. It would choose any of
+        seven powers of ten for a regression's C.
         """
         return -self.loss, self.right
 
@@ -66,10 +66,10 @@ def best(
     *,
     repeats: int = REPEATS,
 ) -> str:
-    """Return the candidate with the lowest log loss on held-out objects; ties by right answers.
+    """Return the candidate with the lowest log loss on held-out objects; accuracy breaks ties.
 
     fit      (part of the source, candidate) -> (vis, tac) -> probabilities (B, K)
-    return   its name; the first where there is one only, or nothing can be held out
+    return   its name; the first candidate if it is the only one or nothing can be held out
     """
     first = next(iter(candidates))
     splits = folds(source, repeats) if len(candidates) > 1 else []

@@ -1,8 +1,9 @@
 """Linear probe: multinomial logistic regression on frozen embeddings, C chosen on the source.
 
-Three ways to use both images: late fusion (a probe each, the mean of their probabilities), early
-fusion (one probe on both side by side) and one probe on the sum of both. Photo only and touch only
-are probes of one modality's embeddings, the same in all three.
+Three ways to use both images: late fusion (one probe each, the mean of their probabilities), early
+fusion (one probe on the concatenation) and one probe on the sum. Photo only and touch only are
+probes
+of one modality, the same in all three.
 """
 
 from collections.abc import Callable
@@ -39,7 +40,7 @@ def fit(source: Source) -> Fitted:
 
 
 def fit_concatenated(source: Source) -> Fitted:
-    """Fit one probe on VIS and TAC side by side."""
+    """Fit one probe on concatenated VIS and TAC."""
     return _fit_mixed(source, side_by_side)
 
 
@@ -71,9 +72,9 @@ def _fit_mixed(source: Source, mix: Mix) -> Fitted:
 
 
 def _one_each(source: Source) -> tuple[Logistic, Logistic]:
-    """Return a probe of VIS and a probe of TAC; the last two sources' probes are kept.
+    """Return a probe of VIS and a probe of TAC; the probes of the last two sources are cached.
 
-    The three methods share them, and fitting twice would give the same.
+    The three methods share them.
     """
     digest = blake2b(str((source.seed, source.objects, source.classes)).encode(), digest_size=16)
     for rows in (source.vis, source.tac, source.labels):
@@ -90,7 +91,7 @@ def _one_each(source: Source) -> tuple[Logistic, Logistic]:
 
 
 def side_by_side(vis: Tensor, tac: Tensor) -> Tensor:
-    """Join unit vectors, so that neither modality counts more for its length."""
+    """Concatenate unit vectors, so that both modalities have equal weight."""
     return torch.cat((normalize(vis, dim=-1), normalize(tac, dim=-1)), dim=-1)
 
 

@@ -1,4 +1,4 @@
-"""Multinomial logistic regression with an L2 penalty, solved to the end by L-BFGS."""
+"""Multinomial logistic regression with an L2 penalty, solved to convergence by L-BFGS."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -13,15 +13,16 @@ from omnivat.baselines.contract import Source
 from omnivat.baselines.evidence import Score, folds
 
 STRENGTHS = tuple(10.0**power for power in range(-5, 5))  # C: the inverse of the penalty
-# Z-scores of every axis are not offered: on small sources held-out objects like them, and axes that
-# hardly move in the source blow up on another sensor (docs/log.md).
+# Z-scores of every axis are not offered: small sources favour them, but axes that hardly vary in
+# the
+# source become huge on another sensor (docs/log.md).
 SCALINGS = ("unit",)
 View = Callable[[Source], Tensor]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Scaling:
-    """Rows to unit length or not, then shift and scale that the source gave."""
+    """Optional scaling of rows to unit length, then a shift and scale from the source."""
 
     unit: bool
     mean: Tensor
@@ -33,10 +34,10 @@ class Scaling:
 
 
 def scaling(rows: Tensor, kind: str) -> Scaling:
-    """Return the scaling that rows (N, D) ask for.
+    """Return the scaling for rows (N, D).
 
     "unit"      unit length, centred, one scale for all axes (mean squared length D)
-    "standard"  mean 0 and variance 1 on each axis; an axis that never moves is left at 0
+    "standard"  mean 0 and variance 1 on each axis; a constant axis becomes 0
     """
     unit = kind == "unit"
     rows = normalize(rows, dim=-1) if unit else rows
@@ -70,7 +71,7 @@ class Logistic:
 def solve(rows: Tensor, labels: Tensor, classes: int, strength: float) -> tuple[Tensor, Tensor]:
     """Minimise mean cross-entropy + |W|² / (2 C N): rows (N, D), labels (N,) -> W (K, D), b (K,).
 
-    The optimum lies in the span of the rows, so with N < D it is sought there: exact and faster.
+    The optimum lies in the span of the rows. For N < D it is computed there: exact and faster.
     """
     problem = Problem.of(rows, labels, classes)
     return problem.parameters(problem.solved(strength, problem.start()))
@@ -78,7 +79,7 @@ def solve(rows: Tensor, labels: Tensor, classes: int, strength: float) -> tuple[
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Problem:
-    """Rows in the basis of their span, for several strengths: the basis is found once.
+    """Rows in a basis of their span, computed once for several penalties.
 
     inside  (N, R) float64;  labels  (N,);  basis  (D, R), or None where R = D
     """
@@ -101,7 +102,7 @@ class Problem:
         return np.zeros(self.classes * (self.inside.shape[1] + 1))
 
     def solved(self, strength: float, start: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the parameters that minimise the objective, from those of a neighbouring one."""
+        """Return the parameters that minimise the objective, starting from given ones."""
         from scipy.optimize import minimize
 
         found = minimize(
@@ -143,9 +144,9 @@ class Problem:
 
 
 def fit_logistic(source: Source, view: View) -> Logistic:
-    """Fit on one view of the source, C and scaling chosen by held-out objects.
+    """Fit one view of the source; held-out objects choose C and scaling.
 
-    view  Source -> rows (N, D): VIS, TAC or both side by side
+    view  Source -> rows (N, D): VIS, TAC or both concatenated
     """
     kind, strength = _choose(source, view)
     full = source.both_views()
@@ -156,7 +157,7 @@ def fit_logistic(source: Source, view: View) -> Logistic:
 
 
 def _choose(source: Source, view: View) -> tuple[str, float]:
-    """Return the scaling and C that held-out objects prefer; unit and 1 without evidence."""
+    """Return the best scaling and C on held-out objects; unit and 1 without evidence."""
     scores: dict[tuple[str, float], Score] = {}
     for fitted, held in folds(source):
         part, rest = source.select(fitted).both_views(), source.select(held)
@@ -165,7 +166,7 @@ def _choose(source: Source, view: View) -> tuple[str, float]:
             scale = scaling(raw, kind)
             problem = Problem.of(scale(raw), part.labels, len(source.classes))
             found = problem.start()
-            for strength in STRENGTHS:  # each starts where its neighbour ended
+            for strength in STRENGTHS:  # each starts at the previous solution
                 found = problem.solved(strength, found)
                 answer = linear(scale(test), *problem.parameters(found)).softmax(-1)
                 scores.setdefault((kind, strength), Score()).add(answer, rest.labels)

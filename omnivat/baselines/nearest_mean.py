@@ -15,7 +15,7 @@ CANDIDATES = {
 
 
 def fit(source: Source) -> Fitted:
-    """Keep one mean direction a class and modality; centring and sharpness by held-out objects."""
+    """Store a mean direction for each class and modality; held-out objects choose centring and sharpness."""
     chosen = best(
         source, CANDIDATES, lambda part, choice: lambda v, t: _model(part, *choice)(v, t)["fused"]
     )

@@ -1,4 +1,4 @@
-"""PromptStyler, source-free: a linear head learns from style texts alone and classifies images.
+"""PromptStyler, source-free: a linear head trained on style texts alone classifies images.
 
 Stage 1, the styles, is the LANG bank. Stage 2 is trained here: with ArcFace as published, or with
 plain cross-entropy as in public re-implementations. Source: Cho et al., PromptStyler, ICCV 2023;
@@ -39,7 +39,7 @@ def fit_cross_entropy(source: Source) -> Fitted:
 
 
 def arcface(rows: Tensor, weight: Tensor, labels: Tensor) -> Tensor:
-    """Return the cross-entropy of scaled cosines whose true class is turned away by the margin.
+    """Return the cross-entropy of scaled cosines with an angular margin for the true class.
 
     rows (B, D), weight (K, D), labels (B,) -> (): the true class's angle θ counts as θ + MARGIN
     """

@@ -1,6 +1,7 @@
-"""RobustVisH-2: embeddings read as sequences by convolutions and a recurrent net, fused by attention.
+"""RobustVisH-2: convolutions and a recurrent net over embeddings as sequences, fused by attention.
 
-Source: the published architecture less its kinaesthetic branch. A fit takes minutes to hours on a
+Source: the published architecture without its kinaesthetic branch. A fit takes minutes to hours on
+a
 CPU, so it is not among the default methods. An absent image is its training mean, zero after scaling.
 """
 
@@ -63,7 +64,8 @@ class RobustVisH(nn.Module):
 
 
 def fit(source: Source, how: Descent = HOW) -> Fitted:
-    """Train with AdamW and a cosine in place of the published cyclic rate (its middle, 1e-3)."""
+    """Train with AdamW and a cosine rate instead of the published cyclic rate (its middle,
+    1e-3)."""
     scale_vis, scale_tac = scaling(source.vis, "standard"), scaling(source.tac, "standard")
     with seeded(derive_seed(source.seed, "robust-vish")):
         model = RobustVisH(len(source.classes))

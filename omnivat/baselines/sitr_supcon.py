@@ -1,9 +1,10 @@
 """SITR's objective as a head over TAC embeddings: a surrogate, for touch alone.
 
 The published method (Gupta et al., ICLR 2025) trains a transformer of its own on simulated sensors,
-with calibration presses that the data sets here lack. What remains over frozen embeddings is its
-supervised contrastive loss, τ = 0.07, and a linear probe after it. Its reading of a pair is the touch's
-alone; "photo only" is the same head learned on photos, for comparison.
+with calibration presses that the data sets here lack. Over frozen embeddings, only its supervised
+contrastive loss (τ = 0.07) and a linear probe remain. Its prediction for a pair uses the touch
+alone;
+"photo only" is the same head trained on photos, for comparison.
 """
 
 import torch
@@ -20,9 +21,9 @@ HOW = Descent(lr=0.03, epochs=40, batch=128)
 
 
 def supcon_loss(rows: Tensor, labels: Tensor) -> Tensor:
-    """Return the supervised contrastive loss of unit rows (B, W): same labels belong together.
+    """Return the supervised contrastive loss of unit rows (B, W); it pulls equal labels together.
 
-    Rows without a partner in the batch do not count; 0 where none has one.
+    Rows without a partner in the batch do not count; 0 if none has one.
     Source: Khosla et al., NeurIPS 2020, L_out.
     """
     others = ~torch.eye(len(rows), dtype=torch.bool, device=rows.device)
@@ -34,7 +35,7 @@ def supcon_loss(rows: Tensor, labels: Tensor) -> Tensor:
 
 
 def fit(source: Source) -> Fitted:
-    """Learn the projection of each modality with SupCon, then a probe whose C held-out objects choose."""
+    """Train the projection of each modality with SupCon, then a probe; held-out objects choose its C."""
     maps = {name: _projection(source, name) for name in ("vis", "tac")}
     probes: dict[str, Logistic] = {
         "vis": fit_logistic(source, lambda pairs: _rows(maps["vis"], pairs.vis)),

@@ -1,11 +1,14 @@
-"""SPG: a generator makes a prompt for each image; the image is compared with the classes' texts in it.
+"""SPG: a generator makes a prompt for each image and compares the image with the class texts.
 
-Stage 1 learns one prompt for the source (CoOp). Stage 2 trains a conditional GAN: from noise and an
-image's embedding its generator makes a prompt; its discriminator tells it from the learned one. It
-needs pooled embeddings and the live text tower, nothing of the image tower's inside.
+Stage 1 learns one prompt for the source (CoOp). Stage 2 trains a conditional GAN: its generator
+makes a
+prompt from noise and an image's embedding; its discriminator separates it from the learned prompt.
+SPG
+needs pooled embeddings and the live text tower, but not the inside of the image tower.
 Source: Bai et al., Soft Prompt Generation for Domain Generalization, ECCV 2024; sizes and rates are
-those of its code. Ours: VIS and TAC are images alike, and one noise vector, drawn once, serves every
-prediction, so that an image is classified alike alone and in a batch.
+those of its code. Our changes: VIS and TAC count as images alike, and one fixed noise vector serves
+every
+prediction, so that a prediction does not depend on the batch.
 """
 
 from collections.abc import Callable
@@ -20,7 +23,7 @@ from omnivat.baselines.zero_shot import LOGIT_SCALE, texts_of_the_image_encoder
 from omnivat.errors import DataError
 from omnivat.seeding import derive_seed
 
-START = "a photo of a"  # the prompt that learning begins at: four word vectors
+START = "a photo of a"  # the initial prompt: four word vectors
 NOISE, HIDDEN = 100, (128, 256, 512, 1024)
 PROMPT_EPOCHS, GAN_EPOCHS, WARM, BATCH = 50, 70, 4, 32
 
@@ -67,7 +70,7 @@ class Discriminator(nn.Module):
 def fit(source: Source) -> Fitted:
     """Learn the source's prompt, then the generator; rates and epochs as published.
 
-    Raises DataError where the image encoder's own text tower is not at hand.
+    Raises DataError if the image encoder's own text tower is not available.
     """
     texts_of_the_image_encoder(source, "SPG")
     if source.prompts is None:
@@ -88,7 +91,7 @@ def fit(source: Source) -> Fitted:
 
 
 def learn_prompt(source: Source, tower: PromptTower, scale: float) -> Tensor:
-    """Return the prompt (T, W) that tells the source's classes apart: CoOp, one context for all."""
+    """Return the prompt (T, W) that separates the source's classes: CoOp, one context for all."""
     prompt = tower.words(START).detach().clone().requires_grad_(True)
     images, labels = _images(source)
     optimiser = torch.optim.SGD([prompt], lr=2e-3, momentum=0.9, weight_decay=5e-4)
@@ -104,7 +107,7 @@ def learn_prompt(source: Source, tower: PromptTower, scale: float) -> Tensor:
 
 
 def learn_generator(source: Source, prompt: Tensor) -> Generator:
-    """Train the GAN: prompts made for an image against the learned one, least squares."""
+    """Train the least-squares GAN on generated prompts against the learned one."""
     images, _ = _images(source)
     generator = Generator(images.shape[1], tuple(prompt.shape))
     judge = Discriminator(images.shape[1], tuple(prompt.shape))
@@ -153,7 +156,7 @@ def _images(source: Source) -> tuple[Tensor, Tensor]:
 def _reader(
     generator: Generator, noise: Tensor, tower: PromptTower, classes: tuple[str, ...], scale: float
 ) -> Callable[[Tensor], Tensor]:
-    """Return (B, D) -> probabilities (B, K); each image has a prompt and texts of its own."""
+    """Return (B, D) -> probabilities (B, K); each image has its own prompt and texts."""
 
     @torch.no_grad()
     def few(images: Tensor) -> Tensor:

@@ -1,9 +1,11 @@
-"""VT CMC, its head alone: VIS and TAC of a contact are drawn together, then probed linearly.
+"""VT CMC, head only: a contrastive loss pulls VIS and TAC of a contact together; then a linear
+probe.
 
 Photo only and touch only are probes of one modality's projection.
 
-Source: Yang et al., NeurIPS 2022. There two ResNets are trained so; here the embeddings stay as
-they are and only the projections to 128 numbers learn.
+Source: Yang et al., NeurIPS 2022. It trains two ResNets; here the embeddings are frozen and only
+the
+projections to 128 numbers are trained.
 """
 
 import torch
@@ -36,14 +38,14 @@ class Projections(nn.Module):
 
 
 def contrastive_loss(seen: Tensor, touched: Tensor) -> Tensor:
-    """Return the symmetric InfoNCE of B pairs of unit vectors: row i belongs to row i."""
+    """Return the symmetric InfoNCE of B pairs of unit vectors; row i matches row i."""
     scores = seen @ touched.T / TEMPERATURE
     own = torch.arange(len(scores))
     return (cross_entropy(scores, own) + cross_entropy(scores.T, own)) / 2
 
 
 def fit(source: Source) -> Fitted:
-    """Learn the projections without labels, then a probe whose C held-out objects choose."""
+    """Train the projections without labels, then a probe; held-out objects choose its C."""
     with seeded(derive_seed(source.seed, "vt-cmc")):
         model = Projections(source.width)
         descend(model, len(source), HOW, lambda rows: contrastive_loss(*model(*source.drawn(rows))))
@@ -67,12 +69,12 @@ def fit(source: Source) -> Fitted:
 
 
 def features(model: Projections, vis: Tensor, tac: Tensor) -> dict[str, Tensor]:
-    """Return the projections (B, 128) by modality, and both side by side as "pair"."""
+    """Return the projections (B, 128) by modality, and concatenated as "pair"."""
     seen, touched = model(vis, tac)
     return {"vis": seen, "tac": touched, "pair": torch.cat((seen, touched), dim=-1)}
 
 
 def view(model: Projections, name: str) -> View:
-    """Return what a probe is fitted on: the projections of one modality, or of both."""
+    """Return the inputs of a probe: the projections of one modality, or of both."""
     which = "pair" if name == "fused" else name
     return lambda pairs: features(model, pairs.vis, pairs.tac)[which]

@@ -1,4 +1,4 @@
-"""Zero-shot: cosine of images with the class's texts, where the image encoder has a text tower."""
+"""Zero-shot: cosine of images with class texts, for image encoders with a text tower."""
 
 from torch import Tensor
 from torch.nn.functional import normalize
@@ -6,7 +6,7 @@ from torch.nn.functional import normalize
 from omnivat.baselines.contract import Fitted, Source, fused
 from omnivat.errors import DataError
 
-LOGIT_SCALE = 100.0  # published CLIPs end here, to which training was clamped
+LOGIT_SCALE = 100.0  # the limit in CLIP's training, which published models reach
 
 
 def fit(source: Source) -> Fitted:
@@ -46,7 +46,7 @@ def _compared(texts: Tensor, scale: float) -> Fitted:
 
 
 def texts_of_the_image_encoder(source: Source, what: str) -> Tensor:
-    """Return LANG (K, S, D), or refuse where it cannot stand for images."""
+    """Return LANG (K, S, D). Raises DataError if it is not in the images' space."""
     if source.lang is None:
         raise DataError(f"{what} needs the classes' texts. {source.why_no_lang}".strip())
     if not source.lang_of_images:

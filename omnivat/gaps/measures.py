@@ -68,7 +68,7 @@ def domain_gaps(sums: Sums, facts: Facts) -> Values:
 
 
 def margins(sums: Sums, facts: Facts) -> Values:
-    """Yield the margin of the pair's mean direction, of each modality, and across domains and modalities."""
+    """Yield the margin of the pair's mean direction, of each modality, and across both gaps."""
     yield "", sums.margin(PAIR)
     for name in ("vis", "tac"):
         yield f":{name}", sums.margin(name)

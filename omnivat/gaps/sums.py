@@ -59,7 +59,7 @@ class Sums:
         return gap
 
     def domain_gap(self, name: str) -> Tensor:
-        """Mean distance between the mean directions of two domains; NaN for fewer than two domains."""
+        """Mean distance between the mean directions of two domains; NaN if there is one."""
         sizes = self.sizes.sum(0)
         means = self.cells[name].sum(0)[sizes > 0] / sizes[sizes > 0, None]
         first, second = torch.triu_indices(len(means), len(means), 1, device=means.device)

@@ -1,1 +1,1 @@
-"""Tables, intervals and plots, rebuilt from records of runs; nothing here runs anything."""
+"""Tables, intervals and plots from records of runs; nothing is run here."""

@@ -1,4 +1,4 @@
-"""Ablations as Markdown tables, the paper's figures beside, and SVG plots where it has figures."""
+"""Ablations as Markdown tables with the paper's figures, and SVG plots where it has plots."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -30,7 +30,7 @@ def write_ablations(
 ) -> str:
     """Write `ablations.md`, and a plot and its points for each figure; return the text.
 
-    layout  ablation -> title, axis, sources, rows: {row: (method, label, place on the axis)}
+    layout  ablation -> title, axis, sources, rows: {row: (method, label, position on the axis)}
     """
     found = latest(records)
     if not found:
@@ -61,14 +61,14 @@ def _heading(records: Sequence[Record], layout: Mapping[str, Mapping[str, Any]])
 
 
 def _base(records: Sequence[Record], layout: Mapping[str, Mapping[str, Any]]) -> str:
-    """Return what all rows start from, where it is not the defaults."""
+    """Return the common settings of all rows, if they differ from the defaults."""
     full = {table["rows"]["full"][0] for table in layout.values() if "full" in table["rows"]}
     settings = next((changed_settings(r) for r in records if r["method"] in full), "")
     return f" All rows start from {settings}." if settings else ""
 
 
 def _in_data(records: Sequence[Record], source: str) -> str:
-    """Return a source's name in the records, simulated or not; its own where it was not run."""
+    """Return a source's name in the records, simulated or not; its own name if it was not run."""
     wanted = paper_name(source)
     return next((r["source"] for r in records if paper_name(r["source"]) == wanted), source)
 
@@ -81,7 +81,7 @@ def _spread(records: Sequence[Record], method: str, sources: Sequence[str], metr
 def ablation_table(
     records: Sequence[Record], name: str, table: Mapping[str, Any], sources: Sequence[str]
 ) -> str:
-    """Return one ablation: a row a variant, ours and the printed figures for each source."""
+    """Return one ablation: one row for each variant, with our and the printed figures."""
     why = not_comparable(records[0]["data"], ablations=True)
     printed = f"printed, ViT-B/16{f' {MARK}' if why else ''}"
     rows = []
@@ -103,7 +103,7 @@ def _scores(records: Sequence[Record], method: str, sources: Sequence[str]) -> s
 
 
 def _without_empty_columns(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Return a table without columns that say nothing: sources whose figures are not printed."""
+    """Return a table without empty columns, those of sources without printed figures."""
     full = [i for i in range(len(header)) if any(row[i] for row in rows)]
     return markdown([header[i] for i in full], [[row[i] for i in full] for row in rows])
 

@@ -1,13 +1,14 @@
-"""Hierarchical bootstrap over sources, seeds and test objects, recomputed from kept predictions.
+"""Hierarchical bootstrap over sources, seeds and test objects, from stored predictions.
 
-One draw takes as many sources as there are, with replacement; for each, as many seeds; and for each
-target domain as many objects of each class. The objects drawn of a domain are the same for every
-source, seed and method, so differences are paired and a test set that is reused counts once.
+One draw takes all sources with replacement, all seeds of each with replacement, and for each target
+domain as many objects of each class as it has. All sources, seeds and methods share the objects
+drawn
+for a domain, so differences are paired and a reused test set counts once.
 
-Differences to many rows are compared at once: simultaneous intervals d ± q s, where s is the
-bootstrap's standard deviation of d and q the 95 % quantile of the largest |d* - d| / s over all rows
-(single-step max-t). All of them hold together in 95 % of repetitions, so the best row may be picked
-after looking.
+Differences to many rows have simultaneous intervals d ± q s, where s is the bootstrap's standard
+deviation of d and q the 95 % quantile of the largest |d* - d| / s over all rows (single-step
+max-t).
+All intervals hold together in 95 % of repetitions, so the best row may be picked after the fact.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -29,7 +30,7 @@ Row = tuple[str, str]  # method, and the name of a reading or fusion in `answers
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Draws:
-    """What is drawn: sources (B, S), seeds (B, S, R), and weights of a domain's objects (B, n)."""
+    """Draws: sources (B, S), seeds (B, S, R), and weights of a domain's objects (B, n)."""
 
     sources: NDArray[np.int64]
     seeds: NDArray[np.int64]
@@ -46,7 +47,7 @@ class Resampled:
 
 
 def complete_rows(records: Iterable[Record], readings: Sequence[str]) -> list[Row]:
-    """Return rows that have kept predictions for every source and seed that any row has."""
+    """Return the rows with stored predictions for all sources and seeds."""
     records = [r for r in records if "targets" in r]
     grid = {(r["source"], r["seed"]) for r in records}
     rows = []
@@ -61,7 +62,7 @@ def complete_rows(records: Iterable[Record], readings: Sequence[str]) -> list[Ro
 
 
 def draws_for(records: Sequence[Record], *, draws: int = DRAWS, seed: int = 0) -> Draws:
-    """Draw sources, seeds and objects, strata by class, for records with kept predictions."""
+    """Draw sources, seeds and objects, stratified by class, for records with stored predictions."""
     random = np.random.default_rng(seed)
     sources = sorted({r["source"] for r in records})
     seeds = sorted({r["seed"] for r in records})
@@ -144,7 +145,7 @@ def _scores(
 def simultaneous(
     ours: Resampled, others: Mapping[Row, Resampled], *, level: float = 0.95
 ) -> dict[Row, Interval]:
-    """Return intervals of ours minus each other row that hold together (max-t)."""
+    """Return simultaneous intervals (max-t) of ours minus each other row."""
     means = {row: ours.value - other.value for row, other in others.items()}
     draws = {row: ours.draws - other.draws for row, other in others.items()}
     spreads = {row: float(d.std(ddof=1)) for row, d in draws.items()}
@@ -164,7 +165,7 @@ def simultaneous(
 
 
 def percentile(ours: Resampled, other: Resampled, *, level: float = 0.95) -> Interval:
-    """Return the percentile interval of ours minus one row named beforehand."""
+    """Return the percentile interval of ours minus one row chosen beforehand."""
     differences = ours.draws - other.draws
     low, high = np.quantile(differences, [0.5 - level / 2, 0.5 + level / 2])
     mean = ours.value - other.value

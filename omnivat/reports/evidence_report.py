@@ -25,7 +25,7 @@ def write_evidence(records: Sequence[Record], folder: Path) -> str:
 
 
 def evidence_report(records: Sequence[Record]) -> str:
-    """Return the table of runs that have a fold, the best mean of both Macro-F1s first."""
+    """Return the table of runs with a fold, sorted by the mean of both Macro-F1s."""
     found = [r for r in records if r["fold"] is not None and "targets" in r]
     if not found:
         return "No evidence yet.\n"
@@ -47,7 +47,7 @@ def evidence_report(records: Sequence[Record]) -> str:
 
 
 def _spread(records: Sequence[Record], kind: str, metric: str) -> Spread:
-    """Return the spread over runs of a score on held-out pairs; of shifted ones, of their mean."""
+    """Return the spread over runs of a score on held-out pairs, plain or averaged over shifts."""
     values = []
     for record in records:
         scores = [

@@ -8,7 +8,7 @@ import numpy as np
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Spread:
-    """A mean, the standard deviation (n - 1) around it, and how many values there are."""
+    """Mean, standard deviation (n - 1) and number of values."""
 
     mean: float
     std: float  # NaN for fewer than two values
@@ -27,7 +27,7 @@ def spread(values: Sequence[float]) -> Spread:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Interval:
-    """A mean paired difference with a confidence interval, and what it was counted over."""
+    """A mean paired difference with its confidence interval and the number of values."""
 
     mean: float
     low: float
@@ -38,7 +38,7 @@ class Interval:
 def t_interval(differences: Sequence[float], *, level: float = 0.95) -> Interval:
     """Return Student's interval for the mean of n paired differences.
 
-    It takes them as independent. NaN ends for fewer than two.
+    The differences count as independent. The limits are NaN for fewer than two.
     """
     from scipy.stats import t
 
@@ -56,9 +56,9 @@ def bootstrap_interval(
     draws: int = 10_000,
     seed: int = 0,
 ) -> Interval:
-    """Return a percentile interval that resamples groups, then values inside each.
+    """Return a percentile interval that resamples groups, then values within each group.
 
-    differences  group (a source) -> its paired differences (seeds): seeds of one source share its
+    differences  group (a source) -> its paired differences (seeds). Seeds of one source share its
                  data and are not independent, so whole groups are drawn
     return       mean of the groups' means; n counts all values
     """
@@ -80,7 +80,7 @@ def bootstrap_interval(
 def paired_differences(
     ours: Mapping[tuple[str, int], float], theirs: Mapping[tuple[str, int], float]
 ) -> dict[str, list[float]]:
-    """Return ours - theirs by source, for every (source, seed) that both have."""
+    """Return ours - theirs by source, for every (source, seed) of both."""
     found: dict[str, list[float]] = {}
     for (source, seed), value in ours.items():
         if (source, seed) in theirs:

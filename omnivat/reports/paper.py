@@ -1,4 +1,4 @@
-"""Figures that the paper prints, beside ours and marked where the data differ."""
+"""The paper's printed figures, marked where data or encoder differ from ours."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -9,7 +9,7 @@ from typing import Any
 from omnivat.data.domains import paper_name
 
 FILE = Path(__file__).with_name("paper.json")
-BACKBONE = "ViT-B/16"  # the one whose ablations and single targets the paper prints
+BACKBONE = "ViT-B/16"  # the backbone of the paper's ablations and single targets
 # the project's name of an encoder -> the paper's name of its backbone
 BACKBONES = {"clip-vit-b16": BACKBONE, "clip-rn50": "ResNet-50", "clip-vit-l14": "ViT-L/14"}
 MARK = "*not comparable*"
@@ -22,7 +22,7 @@ def paper() -> dict[str, Any]:
     main       backbone -> method -> source -> [ACC, F1], and "average"
     targets    backbone -> source -> method -> target -> [ACC, F1], and "average"
     margins    method -> target or "[A; B]" -> cosine margin from TAG
-    cost       method -> what -> figure
+    cost       method -> quantity -> figure
     ablations  table -> row -> source -> [ACC, F1]
     """
     found: dict[str, Any] = json.loads(FILE.read_text(encoding="utf-8"))
@@ -30,14 +30,14 @@ def paper() -> dict[str, Any]:
 
 
 def backbone(data: Mapping[str, Any]) -> str:
-    """Return the printed backbone that belongs to these data's encoder, ViT-B/16 for others."""
+    """Return the paper's backbone for this encoder, ViT-B/16 for others."""
     return BACKBONES.get(data["encoder"], BACKBONE)
 
 
 def not_comparable(data: Mapping[str, Any], *, ablations: bool = False) -> str:
-    """Return why printed figures cannot be compared with figures on these data, or nothing.
+    """Return why printed figures are not comparable with figures on these data, or "".
 
-    ablations  ask for tables that are printed for ViT-B/16 alone
+    ablations  True for tables that are printed for ViT-B/16 only
     """
     if data["simulated"]:
         return "other data: ours are simulated"
@@ -49,7 +49,7 @@ def not_comparable(data: Mapping[str, Any], *, ablations: bool = False) -> str:
 
 
 def paper_rows(sources: Sequence[str], data: Mapping[str, Any]) -> list[list[str]]:
-    """Return the main table's printed rows for the sources, marked where they do not compare."""
+    """Return the main table's printed rows for the sources, marked if not comparable."""
     why, name = not_comparable(data), backbone(data)
     mark = f" {MARK} ({why})" if why else ""
     rows = []
@@ -60,7 +60,7 @@ def paper_rows(sources: Sequence[str], data: Mapping[str, Any]) -> list[list[str
 
 
 def target_rows(source: str, targets: Sequence[str], data: Mapping[str, Any]) -> list[list[str]]:
-    """Return every method's printed figures of one source on single targets; none if not printed."""
+    """Return every method's printed figures from one source on single targets, if printed."""
     why = not_comparable(data, ablations=True)
     mark = f" {MARK}" if why else ""
     printed = paper()["targets"][BACKBONE].get(paper_name(source), {})
@@ -71,7 +71,7 @@ def target_rows(source: str, targets: Sequence[str], data: Mapping[str, Any]) ->
 
 
 def ablation_cell(table: str, row: str, source: str) -> str:
-    """Return what the paper prints for one row of an ablation, "ACC / F1", or nothing."""
+    """Return the printed "ACC / F1" of one row of an ablation, or ""."""
     printed = paper()["ablations"].get(table, {}).get(row, {})
     return _cell(printed.get(paper_name(source)))
 

@@ -1,4 +1,4 @@
-"""Line plots with error bars as SVG, in a few lines of text and no plotting package."""
+"""Line plots with error bars as SVG, without a plotting package."""
 
 from collections.abc import Mapping, Sequence
 from html import escape
@@ -18,12 +18,12 @@ def line_plot(
     series: Mapping[str, Sequence[Spread]],
     unit: str = "%",
 ) -> str:
-    """Return an SVG: one line a series over evenly spaced places, bars of one std.
+    """Return an SVG: one line for each series over evenly spaced places, bars of one std.
 
-    title   shown on top and as the picture's name
-    axis    what the places are
-    places  labels below, one for each value of every series
-    series  name -> one Spread a place, in the unit (a percentage is given as 57.3)
+    title   shown on top, and the picture's accessible name
+    axis    label of the axis
+    places  labels of the places
+    series  name -> one Spread for each place, in the unit shown (57.3 for 57.3 %)
     """
     ends = [
         value

@@ -1,4 +1,4 @@
-"""The comparison as Markdown: main table, intervals, every target, and the paper's figures beside."""
+"""The comparison as Markdown: main table, intervals, every target, and the paper's figures."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -87,7 +87,7 @@ def _sources(records: Sequence[Record]) -> list[str]:
 
 
 def main_table(records: Sequence[Record]) -> str:
-    """Return the paper's main table on these records, its own rows beneath."""
+    """Return the paper's main table from these records, with its printed rows below."""
     sources = _sources(records)
     rows = []
     for name, label in methods(records).items():
@@ -127,7 +127,7 @@ def interval_table(records: Sequence[Record]) -> str:
 
 
 def side_table(records: Sequence[Record]) -> str:
-    """Return what the main table leaves out, averaged over all runs."""
+    """Return further figures of each method, averaged over all runs."""
     rows = []
     for name, label in methods(records).items():
         if not answered(records, name):
@@ -176,7 +176,7 @@ def _targets(records: Sequence[Record], name: str, label: str) -> list[str]:
 
 
 def _printed_targets(records: Sequence[Record]) -> list[str]:
-    """Return the paper's tables of single targets for the sources that these records have."""
+    """Return the paper's tables of single targets for the sources in these records."""
     data = records[0]["data"]
     targets = list(dict.fromkeys(t for r in records for t in r.get("targets", {})))
     rows = [

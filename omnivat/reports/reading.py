@@ -14,7 +14,7 @@ METRICS = {
 
 
 def latest(records: Iterable[Record]) -> list[Record]:
-    """Return the newest record of every (method, source, seed) in their first order."""
+    """Return the newest record of every (method, source, seed), in order of first appearance."""
     found: dict[tuple[str, str, int], Record] = {}
     for record in records:
         found[record["method"], record["source"], record["seed"]] = record
@@ -22,12 +22,12 @@ def latest(records: Iterable[Record]) -> list[Record]:
 
 
 def methods(records: Sequence[Record]) -> dict[str, str]:
-    """Return method -> label in the order of their first record."""
+    """Return method -> label, in order of first appearance."""
     return {record["method"]: record["label"] for record in records}
 
 
 def answered(records: Iterable[Record], method: str) -> list[Record]:
-    """Return the records of a method that did run."""
+    """Return the records of a method that were not skipped."""
     return [r for r in records if r["method"] == method and "targets" in r]
 
 
@@ -52,7 +52,7 @@ def by_run(
 
 
 def by_seed(values: Mapping[tuple[str, int], float], sources: Sequence[str]) -> list[float]:
-    """Return for each seed the mean over sources, of seeds that all the sources have."""
+    """Return the mean over sources for each seed that all sources have."""
     seeds = sorted({seed for _, seed in values})
     return [
         sum(values[source, seed] for source in sources) / len(sources)
@@ -62,9 +62,9 @@ def by_seed(values: Mapping[tuple[str, int], float], sources: Sequence[str]) -> 
 
 
 def changed_settings(record: Record) -> str:
-    """Return the settings of a head's run that are not the defaults, as `--set` takes them.
+    """Return the settings of a head's run that differ from the defaults, in the form of `--set`.
 
-    Left out are those that the data decide: classes and the widths of the encoders.
+    Settings that the data determine are left out: classes and the widths of the encoders.
     """
     from omnivat.model.settings import HeadSettings
     from omnivat.train.settings import TrainSettings

@@ -1,4 +1,4 @@
-"""Every method read three ways, and OmniVaT against the best other row, whichever it uses."""
+"""Three readings of every method, and OmniVaT against the best other row."""
 
 from collections.abc import Mapping, Sequence
 
@@ -18,13 +18,13 @@ from omnivat.reports.reading import Record, answered, by_run, by_seed, methods
 from omnivat.reports.text_table import interval_text, markdown, percent, spread_text
 
 OURS = ("omnivat", "fused")
-DEFAULT = ("omnivat", "fusion:mean")  # shown beside: the head as it is shipped
+DEFAULT = ("omnivat", "fusion:mean")  # the head as shipped, also shown
 READINGS = {"vis": "photo only", "tac": "touch only", "fused": "both"}
 FUSIONS = ("mean", "product", "confidence", "learned", "feature")
 
 
 def readings_parts(records: Sequence[Record]) -> list[str]:
-    """Return the headline, the table of readings and the differences; nothing without them."""
+    """Return the headline, the table of readings and the differences; empty without predictions."""
     parts = ["## Photo only, touch only, both: ACC / Macro-F1", readings_table(records)]
     parts.append(
         "Mean over unseen targets, then sources; ± standard deviation (n − 1) over seeds. Photo "
@@ -55,7 +55,7 @@ def _default_headline(
     others: Mapping[str, Mapping[Row, Resampled]],
     labels: Mapping[str, str],
 ) -> list[str]:
-    """Return the same for the default fusion, where runs chose another; nothing elsewhere."""
+    """Return the headline for the default fusion, if runs chose another; else nothing."""
     chosen = {r.get("chosen", {}).get("fusion", "mean") for r in answered(records, OURS[0])}
     if chosen == {"mean"} or DEFAULT not in complete_rows(records, (DEFAULT[1],)):
         return []
@@ -66,7 +66,7 @@ def _default_headline(
 
 
 def ablated_part(records: Sequence[Record]) -> list[str]:
-    """Return OmniVaT minus itself with one thing switched off; nothing without such runs."""
+    """Return OmniVaT minus itself with one part switched off; empty without such runs."""
     found = compared(records, only_ablated=True)
     if found is None:
         return []
@@ -99,7 +99,7 @@ def compared(
 
 
 def row_label(row: Row, labels: Mapping[str, str]) -> str:
-    """Return a row's name: the method's label and what it is read from."""
+    """Return a row's name: the method's label and its reading."""
     method, reading = row
     kind = READINGS.get(reading) or f"both, {reading.partition(':')[2]} fusion"
     return f"{labels[method]}, {kind}"
@@ -112,7 +112,7 @@ def headline(
     intervals: Mapping[str, Mapping[Row, Interval]],
     labels: Mapping[str, str],
 ) -> str:
-    """Return one sentence for a metric: ours, the best other row, and the interval between them."""
+    """Return one sentence for a metric: ours, the best other row, and the interval of the difference."""
     best = max(others[metric], key=lambda row: others[metric][row].value)
     found = intervals[metric][best]
     verdict = "zero is outside" if found.low > 0 or found.high < 0 else "zero is inside"
@@ -129,7 +129,7 @@ def differences_table(
     intervals: Mapping[str, Mapping[Row, Interval]],
     labels: Mapping[str, str],
 ) -> str:
-    """Return every difference: simultaneous interval, and that of a single comparison."""
+    """Return every difference with its simultaneous and its single interval."""
     first = METRICS[0]
     order = sorted(others[first], key=lambda row: -others[first][row].value)
     rows = []
@@ -146,7 +146,7 @@ def differences_table(
 
 
 def readings_table(records: Sequence[Record]) -> str:
-    """Return one line a method: ACC / Macro-F1 of each reading, and the fusion of "both"."""
+    """Return one line for each method: ACC / Macro-F1 of each reading, and the fusion of "both"."""
     sources = list(dict.fromkeys(record["source"] for record in records))
     rows = []
     for name, label in methods(records).items():

@@ -1,4 +1,4 @@
-"""The paper's margin and cost tables with the printed cells beside ours."""
+"""The paper's margin and cost tables, with printed and our figures."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -16,13 +16,13 @@ PRINTED = {
     "ldc_icd": "LDC",
     "omnivat": "OmniVaT",
 }
-SOURCE = "TAG"  # the paper prints margins for heads trained on it
+SOURCE = "TAG"  # the source of the paper's margins
 
 
 def margins_report(records: Sequence[Record]) -> str:
-    """Return the cosine margins of both features side by side, from TAG, printed cells beside.
+    """Return the cosine margins of the concatenated features, from TAG, with the printed figures.
 
-    The paper's cells over two targets at once ("[A; B]") are printed; ours are of single targets.
+    The paper's figures over two targets ("[A; B]") are shown; ours are for single targets.
     """
     found = [r for r in latest(records) if paper_name(r["source"]) == SOURCE and "targets" in r]
     if not found:
@@ -55,9 +55,9 @@ def _margin(records: Sequence[Record], target: str) -> str:
 
 
 def cost_report(records: Sequence[Record], measured: Mapping[str, Any]) -> str:
-    """Return parameters, training time and pairs a second, printed cells beside.
+    """Return parameters, training time and pairs per second, with the printed figures.
 
-    measured  "encoder, s a pair", "memory, MB" and "machine", as `omnivat reproduce` measures them
+    measured  "encoder, s a pair", "memory, MB" and "machine", as measured by `omnivat reproduce`
     """
     found = latest(records)
     columns = ["parameters, millions", "training, s", "inference, FPS", "GPU memory, MB"]

@@ -1,4 +1,4 @@
-"""Tables beside the main one: late fusion, confidence, margins of each target, the LANG guard."""
+"""Further tables: late fusion, confidence, margins of each target, the LANG guard."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -13,7 +13,7 @@ CONFIDENCE = {"ece": "ECE", "nll": "NLL", "aurc": "AURC"}
 
 
 def side_parts(records: Sequence[Record]) -> list[str]:
-    """Return the tables that these records have something for."""
+    """Return the tables for which these records have figures."""
     parts = []
     for title, table, note in (
         ("Late fusion: ACC / Macro-F1 of both images", fusion_table, FUSION_NOTE),
@@ -48,7 +48,7 @@ GUARD_NOTE = (
 
 
 def _mean(records: Sequence[Record], value: Callable[[Any], float | None]) -> float:
-    """Return the mean over targets, then runs; NaN where there is none."""
+    """Return the mean over targets, then runs; NaN without values."""
     runs = []
     for record in records:
         values = [v for t in record["targets"].values() if (v := value(t)) is not None]
@@ -57,7 +57,7 @@ def _mean(records: Sequence[Record], value: Callable[[Any], float | None]) -> fl
 
 
 def fusion_table(records: Sequence[Record]) -> str:
-    """Return ACC / Macro-F1 of every late fusion of every method that has two predictions."""
+    """Return ACC / Macro-F1 of every late fusion, for methods with two predictions."""
     rows = []
     for name, label in methods(records).items():
         own = [r for r in answered(records, name) if any(t.get("fusions") for t in _targets(r))]

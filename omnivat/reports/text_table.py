@@ -1,4 +1,4 @@
-"""Markdown tables and the way figures are written in them."""
+"""Markdown tables and the format of their figures."""
 
 import math
 from collections.abc import Sequence
@@ -7,7 +7,7 @@ from omnivat.reports.intervals import Interval, Spread
 
 
 def markdown(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Return a Markdown table; bars inside cells are escaped."""
+    """Return a Markdown table; vertical bars in cells are escaped."""
     lines = [header, ["---"] * len(header), *rows]
     return "\n".join("| " + " | ".join(c.replace("|", "\\|") for c in row) + " |" for row in lines)
 
@@ -25,7 +25,7 @@ def spread_text(found: Spread) -> str:
 
 
 def count_text(counts: Sequence[int]) -> str:
-    """Return "259,469", or "259,405 to 259,469" where they differ; "" for none."""
+    """Return "259,469", or "259,405 to 259,469" if the counts differ; "" for none."""
     ends = sorted({min(counts), max(counts)}) if counts else []
     return " to ".join(f"{count:,}" for count in ends)
 
