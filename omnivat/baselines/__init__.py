@@ -1,8 +1,10 @@
-"""Methods to compare the head with, over the same cached embeddings: one method a file.
+"""Comparison methods over the same cached embeddings: one method in each file.
 
-`BASELINES` points to fit functions: fit(Source) -> Fitted (see contract.py). `LABELS` holds the name
-of each in a table; a surrogate of a published method that cannot run on pooled embeddings carries a
-suffix in its label and a note on what is missing. `omnivat.tables.load` imports a method on first use.
+`BASELINES` maps names to fit functions: fit(Source) -> Fitted (see contract.py). `LABELS` has the
+name of each method in tables. A surrogate of a published method that cannot run on pooled
+embeddings
+has a suffix in its label and a note on what is missing. `omnivat.tables.load` imports a method on
+first use.
 """
 
 from typing import NamedTuple
@@ -19,6 +21,7 @@ BASELINES = {
     "zero_shot": "omnivat.baselines.zero_shot:fit",
     "zero_shot_styles": "omnivat.baselines.zero_shot:fit_styles",
     "spg": "omnivat.baselines.spg:fit",
+    "mmrl": "omnivat.baselines.mmrl:fit",
     "mixup": "omnivat.baselines.classics:fit_mixup",
     "mixstyle": "omnivat.baselines.classics:fit_mixstyle",
     "fourier": "omnivat.baselines.classics:fit_fourier",
@@ -26,15 +29,18 @@ BASELINES = {
     "coral": "omnivat.baselines.coral:fit",
     "sitr_supcon": "omnivat.baselines.sitr_supcon:fit",
     "vt_cmc_head": "omnivat.baselines.vt_cmc_head:fit",
+    "ldc": "omnivat.baselines.ldc:fit",
     "ldc_icd": "omnivat.baselines.ldc_icd:fit",
     "robust_vish": "omnivat.baselines.robust_vish:fit",
 }
-# Left out of a run that names no methods: slower, or variants of another row.
+# Not in the default list: slower, or variants of another row.
 OPTIONAL = (
     "robust_vish",
     "promptstyler_ce",
     "zero_shot_styles",
     "spg",
+    "mmrl",
+    "ldc",
     "mixup",
     "mixstyle",
     "fourier",
@@ -45,7 +51,7 @@ OPTIONAL = (
 
 
 class Label(NamedTuple):
-    """How a method is shown: its name in tables, and one line on what it is not."""
+    """A method in tables: its name, and a note on how it differs from the published method."""
 
     name: str
     note: str = ""
@@ -73,6 +79,10 @@ LABELS = {
     "spg": Label(
         "SPG", "exact over pooled embeddings; one noise vector for all, so that results repeat"
     ),
+    "mmrl": Label(
+        "MMRL",
+        "exact but for random crops, through both live towers; VIS and TAC are images alike",
+    ),
     "mixup": Label("mixup", "exact, over frozen embeddings"),
     "mixstyle": Label(
         "MixStyle-vector", "surrogate: statistics over axes, not over a map's places"
@@ -88,9 +98,14 @@ LABELS = {
     "vt_cmc_head": Label(
         "VT CMC-head", "contrastive head and probe only: the encoders are not pre-trained on touch"
     ),
+    "ldc": Label(
+        "LDC",
+        "exact but for random crops, its list of prompts and its search of a mix, through the live image "
+        "tower; VIS and TAC are images alike",
+    ),
     "ldc_icd": Label(
         "LDC-ICD",
-        "logit de-confusion only: the adapters of inner image tokens need the live encoder; base "
+        "logit de-confusion only: the adapters of inner image tokens are in `ldc`; base "
         "logits come from source class means where no text of the image encoder is at hand",
     ),
     "robust_vish": Label(

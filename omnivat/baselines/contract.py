@@ -1,4 +1,4 @@
-"""What every baseline gets and gives: one source domain in, a function that predicts out."""
+"""Input and output of every baseline: one source domain in, a prediction function out."""
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -9,11 +9,12 @@ import torch
 from torch import Tensor
 from torch.nn.functional import normalize
 
+from omnivat.baselines.live import ImageInput, Live
 from omnivat.errors import DataError
 
 
 class PromptTower(Protocol):
-    """A text tower that takes learned vectors in the place of words."""
+    """A text tower that accepts learned vectors instead of words."""
 
     @property
     def word_width(self) -> int:
@@ -21,7 +22,7 @@ class PromptTower(Protocol):
         ...
 
     def words(self, text: str) -> Tensor:
-        """Return the word vectors (T, W) of a text, without the marks at its ends."""
+        """Return the word vectors (T, W) of a text, without start and end tokens."""
         ...
 
     def embed_contexts(self, contexts: Tensor, classes: Sequence[str]) -> Tensor:
@@ -31,20 +32,22 @@ class PromptTower(Protocol):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Source:
-    """Training pairs of one domain. Nothing of any other domain is ever in here.
+    """Training pairs of one domain. It contains nothing of any other domain.
 
-    vis, tac            (N, D) as the encoder gave them
+    vis, tac            (N, D) from the encoder
     vis_flip, tac_flip  (N, D) of the mirrored images, or None
     labels              (N,) indices into classes
-    objects             N names of the things touched: hold-outs keep them whole
+    objects             N names of the touched objects; hold-outs never split an object
     lang                (K, S, W) text embeddings of each class in S styles, or None
-    why_no_lang         a sentence on why lang is None
-    lang_of_images      whether the images' own encoder (its text tower) made `lang`
+    why_no_lang         the reason, if lang is None
+    lang_of_images      True if the text tower of the image encoder made `lang`
     plain               (K, D) text embeddings of "a photo of a CLASS.", or None
-    logit_scale         what that encoder multiplies cosines by, or None where unknown
+    logit_scale         that encoder's factor of cosines, or None if unknown
     prompts             loads the live text tower, for methods that learn prompts; None without one
+    live                images and live towers, for methods that learn inside them; or None
+    why_not_live        the reason, if live is None
 
-    Raises DataError where an embedding is not finite.
+    Raises DataError if an embedding is not finite.
     """
 
     vis: Tensor
@@ -60,6 +63,8 @@ class Source:
     plain: Tensor | None = None
     logit_scale: float | None = None
     prompts: "Callable[[], PromptTower] | None" = None
+    live: Live | None = None
+    why_not_live: str = ""
     seed: int = 0
 
     def __post_init__(self) -> None:
@@ -80,7 +85,7 @@ class Source:
         return self.vis.shape[1]
 
     def select(self, rows: Tensor) -> "Source":
-        """Return some of the pairs, named by their indices (n,)."""
+        """Return the pairs with these indices (n,)."""
         return replace(
             self,
             vis=self.vis[rows],
@@ -89,10 +94,11 @@ class Source:
             objects=tuple(self.objects[row] for row in rows.tolist()),
             vis_flip=None if self.vis_flip is None else self.vis_flip[rows],
             tac_flip=None if self.tac_flip is None else self.tac_flip[rows],
+            live=None if self.live is None else self.live.select(rows),
         )
 
     def both_views(self) -> "Source":
-        """Return every pair twice, as it is and mirrored, where mirrored images are at hand."""
+        """Return every pair, then its mirrored copy if mirrored images are available."""
         if self.vis_flip is None or self.tac_flip is None:
             return self
         return replace(
@@ -103,10 +109,11 @@ class Source:
             objects=self.objects * 2,
             vis_flip=None,
             tac_flip=None,
+            live=None,
         )
 
     def drawn(self, rows: Tensor) -> tuple[Tensor, Tensor]:
-        """Return VIS and TAC of the rows, each mirrored with probability a half."""
+        """Return VIS and TAC of the rows, each mirrored with probability 1/2."""
         return (
             _drawn(self.vis, self.vis_flip, rows),
             _drawn(self.tac, self.tac_flip, rows),
@@ -125,7 +132,7 @@ Features = Callable[[Tensor, Tensor], dict[str, Tensor]]
 
 
 def embeddings_themselves(vis: Tensor, tac: Tensor) -> dict[str, Tensor]:
-    """Return unit embeddings by modality and side by side: the features of a method that has none."""
+    """Return unit embeddings by modality and concatenated, for methods without features."""
     unit = {"vis": normalize(vis, dim=-1), "tac": normalize(tac, dim=-1)}
     return {**unit, "pair": torch.cat((unit["vis"], unit["tac"]), dim=-1)}
 
@@ -134,17 +141,21 @@ def embeddings_themselves(vis: Tensor, tac: Tensor) -> dict[str, Tensor]:
 class Fitted:
     """A fitted method.
 
-    predict     (vis (B, D), tac (B, D)) -> class probabilities (B, K): "fused" from both images, "vis"
-                and "tac" from one alone, on which the other image has no influence
-    features    (vis, tac) -> what is classified last, (B, W) each: "vis", "tac" and "pair"
-    chosen      what source-side evidence chose, by name
-    parameters  how many numbers were fitted
+    predict     (vis (B, D), tac (B, D)) -> class probabilities (B, K): "fused" from both images,
+    "vis"
+                and "tac" from one alone, independent of the other image
+    features    (vis, tac) -> the last features before classification, (B, W): "vis", "tac", "pair"
+    chosen      settings chosen by source-side evidence, by name
+    parameters  number of fitted parameters
+    images      image preprocessing, for a method that learned inside the image tower: predict and
+                features then take images (B, 3, side, side) instead of embeddings; else None
     """
 
     predict: Predict
     features: Features = embeddings_themselves
     chosen: dict[str, float | str] = field(default_factory=dict)
     parameters: int = 0
+    images: ImageInput | None = None
 
 
 def fused(by_modality: dict[str, Tensor]) -> dict[str, Tensor]:
@@ -153,14 +164,14 @@ def fused(by_modality: dict[str, Tensor]) -> dict[str, Tensor]:
 
 
 def joined(vis: Tensor, tac: Tensor) -> dict[str, Tensor]:
-    """Return features (B, W) by modality, and side by side at unit length as "pair"."""
+    """Return features (B, W) by modality, and concatenated at unit length as "pair"."""
     pair = torch.cat((normalize(vis, dim=-1), normalize(tac, dim=-1)), dim=-1)
     return {"vis": vis, "tac": tac, "pair": pair}
 
 
 @contextmanager
 def seeded(seed: int) -> Iterator[None]:
-    """Draw from a stream of its own inside the block; the global stream is left as it was."""
+    """Use a separate random stream inside the block; the global stream does not change."""
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(seed)
         yield

@@ -11,7 +11,7 @@ from torch import Tensor, nn
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Descent:
-    """How to descend. SGD has momentum 0.9; "adam" is AdamW."""
+    """Settings of the descent. SGD has momentum 0.9; "adam" is AdamW."""
 
     lr: float
     epochs: int = 20
@@ -20,17 +20,20 @@ class Descent:
     method: str = "sgd"
     warmup: float = 0.05  # share of all steps
     sharpness: float = 0.0  # ρ of sharpness-aware minimisation; 0 leaves it out
+    eps: float = 1e-8  # of AdamW
 
 
 def descend(module: nn.Module, count: int, how: Descent, loss: Callable[[Tensor], Tensor]) -> None:
     """Train `module` in place on `count` pairs.
 
     loss   (rows (B,) of the pairs of a step) -> () to minimise
-    Draws from torch's stream: call inside `seeded`.
+    It uses torch's random stream, so call it inside `seeded`.
     """
     optimiser: torch.optim.Optimizer
     if how.method == "adam":
-        optimiser = torch.optim.AdamW(module.parameters(), lr=how.lr, weight_decay=how.weight_decay)
+        optimiser = torch.optim.AdamW(
+            module.parameters(), lr=how.lr, weight_decay=how.weight_decay, eps=how.eps
+        )
     else:
         optimiser = torch.optim.SGD(
             module.parameters(), lr=how.lr, momentum=0.9, weight_decay=how.weight_decay
@@ -58,7 +61,7 @@ def _at_the_worst_near(
 ) -> None:
     """Replace the gradients by those at the highest point of the loss within `radius`, to first order.
 
-    drawn  state of torch's stream before the first pass: both passes draw the same
+    drawn  state of torch's random stream before the first pass; both passes use it
     Source: Foret et al., Sharpness-Aware Minimization, ICLR 2021.
     """
     weights: list[Tensor] = [p for p in module.parameters() if p.grad is not None]
@@ -74,7 +77,7 @@ def _at_the_worst_near(
 
 
 def rate(step: int, total: int, warmup: float) -> float:
-    """Return the share of the learning rate at a step: up in a line, down by a cosine."""
+    """Return the factor of the learning rate at a step: linear warm-up, then cosine."""
     warm = max(1, round(warmup * total))
     if step < warm:
         return (step + 1) / warm

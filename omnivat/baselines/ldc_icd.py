@@ -1,7 +1,9 @@
-"""LDC-ICD: logits that confuse classes are corrected by a small network that sees the image.
+"""LDC-ICD: a small network over the image corrects logits that confuse classes.
 
-Source: Li et al., CVPR 2025, the logit part alone. The published method also adapts inner tokens of
-the image encoder, which pooled embeddings do not have: here its feature is the embedding.
+Source: Li et al., CVPR 2025, the logit part only. The published method also adapts inner tokens of
+the image encoder, which pooled embeddings lack, so the feature here is the embedding. `ldc` has
+both
+parts, and needs images and the live tower.
 """
 
 import torch
@@ -21,7 +23,8 @@ CANDIDATES = {
 
 
 class DeConfusion(nn.Module):
-    """Base logits, an MLP's own, base logits less their estimated confusion, and a gated mix."""
+    """Base logits, an MLP's logits, base logits minus their estimated confusion, and a gated
+    mix."""
 
     def __init__(self, width: int, classes: int) -> None:
         super().__init__()
@@ -41,7 +44,7 @@ class DeConfusion(nn.Module):
 
 
 class Model(nn.Module):
-    """De-confusion over base logits of each modality; its weights serve both."""
+    """De-confusion over base logits of each modality, with shared weights."""
 
     def __init__(self, source: Source, scale: float) -> None:
         super().__init__()
@@ -77,7 +80,7 @@ def _prototypes(source: Source) -> dict[str, Tensor]:
 
 
 def fit(source: Source) -> Fitted:
-    """Train with AdamW; learning rate and the base logits' scale by held-out objects."""
+    """Train with AdamW; held-out objects choose learning rate and scale of the base logits."""
     chosen = best(
         source,
         CANDIDATES,

@@ -1,13 +1,15 @@
-"""Save what a baseline fitted, and load it again, without code in the file.
+"""Save and load a fitted baseline, without code in the file.
 
 The prediction is traced into a graph of tensor operations (`torch.export`), weights inside. So every
 method saves alike, whatever it fitted; loading needs neither the method nor its source.
 """
 
 import json
+import math
 import warnings
 import zipfile
 from collections.abc import Callable
+from dataclasses import asdict
 from io import BytesIO
 from pathlib import Path
 
@@ -15,6 +17,7 @@ import torch
 from torch import Tensor, nn
 
 from omnivat.baselines.contract import Fitted
+from omnivat.baselines.live import ImageInput
 from omnivat.errors import DataError
 from omnivat.files import replacing
 
@@ -22,7 +25,7 @@ FORMAT = "omnivat-baseline-1"
 
 
 class _Prediction(nn.Module):
-    """A prediction as a module, which is what can be traced."""
+    """A prediction as a module, for tracing."""
 
     def __init__(self, predict: Callable[[Tensor, Tensor], dict[str, Tensor]]) -> None:
         super().__init__()
@@ -33,18 +36,21 @@ class _Prediction(nn.Module):
 
 
 def save_fitted(path: str | Path, fitted: Fitted, width: int) -> None:
-    """Write a fitted method, whole or not at all; `width` is D of the embeddings it takes.
+    """Write a fitted method, completely or not at all; `width` is D of its embeddings.
 
+    Of a method that takes images the file holds the towers, too.
     A method that cannot be traced for a batch of any size is traced for one pair.
     Raises DataError for one that cannot be traced at all.
     """
     prediction, one_by_one = _Prediction(fitted.predict), False
+    given = fitted.images
+    shape = (width,) if given is None else (3, given.side, given.side)
     try:
-        graph = _traced(prediction, width, pairs=3)
-    except Exception:  # the tracer has an error of its own for each kind of code
+        graph = _traced(prediction, shape, pairs=3)
+    except Exception:  # the tracer has a different error for each kind of code
         one_by_one = True
         try:
-            graph = _traced(prediction, width, pairs=1)
+            graph = _traced(prediction, shape, pairs=1)
         except Exception as error:
             raise DataError(
                 f"This method's prediction cannot be saved: {str(error)[:120]}"
@@ -55,6 +61,7 @@ def save_fitted(path: str | Path, fitted: Fitted, width: int) -> None:
         "one_by_one": one_by_one,
         "chosen": fitted.chosen,
         "parameters": fitted.parameters,
+        "images": None if given is None else asdict(given),
     }
     content = BytesIO()
     with warnings.catch_warnings():
@@ -64,9 +71,11 @@ def save_fitted(path: str | Path, fitted: Fitted, width: int) -> None:
         temporary.write_bytes(content.getvalue())
 
 
-def _traced(prediction: nn.Module, width: int, *, pairs: int) -> torch.export.ExportedProgram:
+def _traced(
+    prediction: nn.Module, shape: tuple[int, ...], *, pairs: int
+) -> torch.export.ExportedProgram:
     """Return the graph of a prediction: for one pair, or for a batch of any size."""
-    rows = torch.linspace(-1, 1, pairs * width).reshape(pairs, width)
+    rows = torch.linspace(-1, 1, pairs * math.prod(shape)).reshape(pairs, *shape)
     axis = {0: torch.export.Dim("pairs", min=1)}
     shapes = None if pairs == 1 else {"vis": axis, "tac": axis}
     with torch.no_grad():
@@ -99,4 +108,12 @@ def load_fitted(path: str | Path) -> Fitted:
         each = [module(vis[i : i + 1], tac[i : i + 1]) for i in range(len(vis))]
         return {name: torch.cat([one[name] for one in each]) for name in each[0]}
 
-    return Fitted(predict=predict, chosen=record["chosen"], parameters=record["parameters"])
+    given = record.get("images")
+    return Fitted(
+        predict=predict,
+        chosen=record["chosen"],
+        parameters=record["parameters"],
+        images=None
+        if given is None
+        else ImageInput(side=given["side"], mean=tuple(given["mean"]), std=tuple(given["std"])),
+    )

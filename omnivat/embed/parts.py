@@ -18,6 +18,7 @@ from omnivat.data.pairs import Pair, PairSet, Skipped
 from omnivat.data.store import ROW_NAMES, Header, vector_type, write_columns
 from omnivat.embed.job import Array, Chunk, Job
 from omnivat.encoders import Encoder
+from omnivat.encoders.places import images_key, remember
 from omnivat.errors import WriteError
 from omnivat.files import locked, replacing, writing
 
@@ -142,6 +143,8 @@ def merge(
         rows=_names(found.pairs),
         manifest=manifest,
     )
+    if root := _shared_folder(_files(found.pairs)):
+        remember(images_key(header), Path(root))
     return header
 
 
@@ -158,13 +161,20 @@ def _indices(names: Sequence[str], values: Sequence[str]) -> NDArray[np.int64]:
 
 def _names(pairs: Sequence[Pair]) -> dict[str, list[str]]:
     """Return the named columns; see `_short` for the paths."""
-    files = [path.absolute() for pair in pairs for path in (pair.vis, pair.tac)]
+    files = _files(pairs)
     root = _shared_folder(files)
+    crops = {"tac_crop": [str(pair.tac_crop) for pair in pairs]}
     return {
         "vis": [_short(file, root) for file in files[::2]],
         "tac": [_short(file, root) for file in files[1::2]],
         **{name: [_text(getattr(pair, name)) for pair in pairs] for name in ROW_NAMES[2:]},
+        **(crops if any(pair.tac_crop for pair in pairs) else {}),
     }
+
+
+def _files(pairs: Sequence[Pair]) -> list[Path]:
+    """Return VIS and TAC of every pair, in turn."""
+    return [path.absolute() for pair in pairs for path in (pair.vis, pair.tac)]
 
 
 def _shared_folder(files: Sequence[Path]) -> str:

@@ -19,6 +19,7 @@ ENCODERS = {
     "clip-rn50": "omnivat.encoders.clip:load_rn50",
     "clip-rn101": "omnivat.encoders.clip:load_rn101",
     "clip": "omnivat.encoders.clip:load_any",
+    "sitr": "omnivat.encoders.sitr:load",
     "strip": "omnivat.encoders.strip:load_strip",
 }
 

@@ -121,7 +121,11 @@ def load(
     download: str = "ask",
 ) -> ClipVit | ClipResNet:
     """Load the image tower of a CLIP checkpoint as an encoder."""
-    clip = open_clip(name, weights, download=download)
+    return load_tower(open_clip(name, weights, download=download), device, precision)
+
+
+def load_tower(clip: Clip, device: torch.device, precision: str) -> ClipVit | ClipResNet:
+    """Return the image tower of a checkpoint that was read. Raises DataError where it has none."""
     if clip.shape is None:
         raise DataError(f"'{clip.file}' has a text tower and no image tower; name the whole model.")
     tower = ClipResNet if clip.weights.kind == RESNET else ClipVit

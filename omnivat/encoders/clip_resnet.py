@@ -34,20 +34,30 @@ class Tower(nn.Module):
         self.stem = nn.ModuleList(
             Conv(state, f"conv{i}", f"bn{i}", stride=2 if i == 1 else 1) for i in (1, 2, 3)
         )
-        self.blocks = nn.ModuleList(
-            Bottleneck(state, f"layer{stage}.{block}", stride=stride if block == 0 else 1)
+        self.stages = nn.ModuleList(
+            nn.Sequential(
+                *(
+                    Bottleneck(state, f"layer{stage}.{block}", stride=stride if block == 0 else 1)
+                    for block in range(_count(state, f"layer{stage}."))
+                )
+            )
             for stage, stride in enumerate(STRIDES, start=1)
-            for block in range(_count(state, f"layer{stage}."))
         )
         self.pool = AttentionPool(state)
 
-    def forward(self, x: Tensor) -> Tensor:
+    def levels(self, x: Tensor) -> list[Tensor]:
+        """Return the maps (B, C, H, W) that leave the four stages, for images (B, 3, side, side)."""
         for conv in self.stem:
             x = relu(conv(x))
         x = avg_pool2d(x, 2)
-        for block in self.blocks:
-            x = block(x)
-        pooled: Tensor = self.pool(x)
+        found = []
+        for stage in self.stages:
+            x = stage(x)
+            found.append(x)
+        return found
+
+    def forward(self, x: Tensor) -> Tensor:
+        pooled: Tensor = self.pool(self.levels(x)[-1])
         return pooled
 
 
@@ -135,7 +145,7 @@ class ClipResNet:
         self.side, self.mean, self.std = shape.side, clip.settings.mean, clip.settings.std
         self.preprocessing = resized(self.side, self.mean, self.std)
         self._type = precision_type(precision, device)
-        self._network = placed(tower, device, self._type)
+        self.network = placed(tower, device, self._type)
         self._device = device
 
     def preprocess(self, image: Image.Image) -> Tensor:
@@ -144,4 +154,4 @@ class ClipResNet:
 
     def embed(self, images: Tensor) -> Tensor:
         """Return the embeddings (B, D) of preprocessed images (B, 3, side, side)."""
-        return one_by_one(self._network, images.to(self._device, self._type))
+        return one_by_one(self.network, images.to(self._device, self._type))

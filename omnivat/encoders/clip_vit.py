@@ -35,7 +35,7 @@ class ClipVit:
         self.side, self.mean, self.std = shape.side, clip.settings.mean, clip.settings.std
         self.preprocessing = resized(self.side, self.mean, self.std)
         self._type = precision_type(precision, device)
-        self._network = placed(network, device, self._type)
+        self.network = placed(network, device, self._type)
         self._device = device
 
     def preprocess(self, image: Image.Image) -> Tensor:
@@ -47,7 +47,7 @@ class ClipVit:
         return one_by_one(self._tower, images.to(self._device, self._type))
 
     def _tower(self, images: Tensor) -> Tensor:
-        embeds: Tensor = self._network(pixel_values=images).image_embeds
+        embeds: Tensor = self.network(pixel_values=images).image_embeds
         return embeds
 
 

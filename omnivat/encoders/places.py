@@ -1,11 +1,14 @@
 """Remember where the weights of an encoder lie, so that a head finds its encoder again.
 
-One small JSON file in the cache folder: hash of the weights -> path. It stays on this machine.
+One small JSON file in the cache folder: hash of the weights, or name of a set of images -> path. It
+stays on this machine.
 """
 
 import json
+from hashlib import blake2b
 from pathlib import Path
 
+from omnivat.data.embeddings import Header
 from omnivat.errors import WriteError
 from omnivat.files import cache_folder, write_json
 
@@ -30,6 +33,12 @@ def recall(weights_hash: str) -> Path | None:
     """Return where weights of that hash were read last, if they still lie there."""
     path = _read().get(weights_hash)
     return Path(path) if path and Path(path).exists() else None
+
+
+def images_key(header: Header) -> str:
+    """Return the name under which the folder of a set's images is noted; as a hash of weights is."""
+    told = "\x1f".join((*header.key, *header.domains, header.origin.partition(";")[0]))
+    return "images " + blake2b(told.encode(), digest_size=8).hexdigest()
 
 
 def _file() -> Path:

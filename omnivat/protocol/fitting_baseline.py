@@ -1,5 +1,6 @@
 """Fit a baseline on one source."""
 
+from collections.abc import Iterable
 from functools import partial
 
 import numpy as np
@@ -13,7 +14,8 @@ from omnivat.data.store import Embeddings
 from omnivat.evaluate import label_map
 from omnivat.lang.bank import LangBank
 from omnivat.protocol.choosing import Choice, Outcome, chosen_fusion, told
-from omnivat.protocol.fold import fold_of, source_arrays, tensor
+from omnivat.protocol.fold import fold_of, source_arrays
+from omnivat.protocol.images import inputs, require_own_images
 from omnivat.protocol.methods import Method
 from omnivat.protocol.settings import Task
 from omnivat.selection import Evidence
@@ -30,11 +32,16 @@ def fit_baseline(
     calibrate: bool,
     prior: Choice | None,
 ) -> Outcome:
-    """Fit a baseline, which chooses its own settings on held-out objects, and its temperatures."""
+    """Fit a baseline, with settings chosen on held-out objects, and its temperatures."""
     start = load(BASELINES, method.base, kind="baseline")
     fitted: Fitted = start(source_arrays(found, bank, seed))
+    if fitted.images is not None:
+        for pairs in (found.train, found.source_test, *found.targets.values()):
+            require_own_images(pairs)
     late, choice = is_late_fusion(fitted, found.train), prior or Choice()
-    fold = fold_of(found, seed) if calibrate and prior is None else None
+    # Temperatures are fitted under imitated sensors, too, which move embeddings and no images.
+    wanted = calibrate and prior is None and fitted.images is None
+    fold = fold_of(found, seed) if wanted else None
     if fold is not None:
         part = start(source_arrays(found, bank, seed, fold.fit))
         logits, labels = _held_logs(part, fold, found.classes)
@@ -45,7 +52,7 @@ def fit_baseline(
         choice = Choice(fusion=fusion, calibration=calibration)
     return Outcome(
         logits=partial(_baseline_logs, fitted),
-        features=lambda pairs: fitted.features(tensor(pairs.vis), tensor(pairs.tac)),
+        features=lambda pairs: _joined(fitted.features(*given) for given in inputs(fitted, pairs)),
         choice=choice,
         separate=("vis", "tac") if late else None,
         chosen=dict(fitted.chosen) | (told(choice) if late else {}),
@@ -54,9 +61,9 @@ def fit_baseline(
 
 
 def is_late_fusion(fitted: Fitted, pairs: Embeddings) -> bool:
-    """True when a method's prediction for both images is the mean of those for one."""
+    """True if a method's prediction from both images is the mean of its single readings."""
     few = pairs.select(np.arange(len(pairs)) < 8)
-    found = fitted.predict(tensor(few.vis), tensor(few.tac))
+    found = _joined(fitted.predict(*given) for given in inputs(fitted, few))
     return torch.allclose(found["fused"], (found["vis"] + found["tac"]) / 2, atol=1e-6)
 
 
@@ -70,5 +77,11 @@ def _held_logs(
 
 
 def _baseline_logs(fitted: Fitted, pairs: Embeddings) -> dict[str, Tensor]:
-    found = fitted.predict(tensor(pairs.vis), tensor(pairs.tac))
+    found = _joined(fitted.predict(*given) for given in inputs(fitted, pairs))
     return {name: values.clamp_min(SMALLEST).log() for name, values in found.items()}
+
+
+def _joined(parts: Iterable[dict[str, Tensor]]) -> dict[str, Tensor]:
+    """Return arrays whose rows came in parts as one each."""
+    found = list(parts)
+    return {name: torch.cat([part[name] for part in found]) for name in found[0]}

@@ -1,4 +1,4 @@
-"""The pairs a run fits on: as baselines take them, and the fold that all methods choose by."""
+"""The training pairs of a run as arrays, and the fold for all choices."""
 
 from functools import partial
 from typing import Any
@@ -14,6 +14,7 @@ from omnivat.errors import DataError
 from omnivat.evaluate import label_map
 from omnivat.lang.bank import LangBank
 from omnivat.lang.clip_prompts import load_prompts
+from omnivat.protocol.images import live_of
 from omnivat.protocol.settings import Task
 from omnivat.seeding import derive_seed
 from omnivat.selection import Evidence, evidence_of
@@ -22,9 +23,9 @@ from omnivat.selection import Evidence, evidence_of
 def source_arrays(
     found: Task, bank: LangBank | None, seed: int, pairs: Embeddings | None = None
 ) -> Source:
-    """Return training pairs as baselines take them; all of the task's where `pairs` is None.
+    """Return training pairs as arrays for baselines; `pairs` None: all of the task.
 
-    A LANG bank without text for the classes is left out, with its reason in `why_no_lang`.
+    A LANG bank that lacks a class is left out; `why_no_lang` has the reason.
     """
     pairs = found.train if pairs is None else pairs
     labels = label_map(found.classes, pairs.header.classes)[pairs.label]
@@ -34,6 +35,11 @@ def source_arrays(
             texts = bank.for_classes(found.classes)
         except DataError as error:
             why = str(error)
+    live, why_not_live = None, ""
+    try:
+        live = live_of(pairs)
+    except DataError as error:
+        why_not_live = str(error)
     return Source(
         vis=tensor(pairs.vis),
         tac=tensor(pairs.tac),
@@ -50,12 +56,14 @@ def source_arrays(
         prompts=None
         if texts is None or not texts.text_hash
         else partial(load_prompts, texts.encoder, texts.text_hash),
+        live=live,
+        why_not_live=why_not_live,
         seed=derive_seed(seed, "baselines", found.setting.source.domain),
     )
 
 
 def fold_of(found: Task, seed: int) -> Evidence | None:
-    """Return the first fold that baselines choose by; None where no object can be held out."""
+    """Return the first fold of the baselines; None if no object can be held out."""
     splits = folds(source_arrays(found, None, seed), 1)
     if not splits:
         return None
@@ -65,5 +73,5 @@ def fold_of(found: Task, seed: int) -> Evidence | None:
 
 
 def tensor(array: Any) -> Tensor:
-    """Return a float32 tensor of its own."""
+    """Return a float32 copy as a tensor."""
     return torch.from_numpy(np.array(array, dtype=np.float32))

@@ -1,27 +1,36 @@
 """The contract of the methods from outside the project, run for each over one small source."""
 
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import torch
+from PIL import Image
 from torch import Tensor
 
 from omnivat.baselines import BASELINES, LABELS
 from omnivat.baselines.classics import fourier, mixstyle, mixup
 from omnivat.baselines.contract import Fitted, Source
 from omnivat.baselines.coral import coral_loss
+from omnivat.baselines.live import ImageInput, Live
+from omnivat.baselines.mmrl import PROMPT
 from omnivat.baselines.promptstyler import SCALE, arcface, scaled_cosines
 from omnivat.baselines.saving import load_fitted, save_fitted
 from omnivat.baselines.sitr_supcon import supcon_loss
+from omnivat.encoders.clip import open_clip
+from omnivat.encoders.clip_live import LiveClip
+from omnivat.encoders.running import CLIP_MEAN, CLIP_STD
 from omnivat.errors import DataError
 from omnivat.lang.clip_prompts import ClipPrompts
 from omnivat.tables import load
 
 CLASSES, WIDTH = ("wood", "steel", "glass"), 24
 BY_TEXT = ("zero_shot", "zero_shot_styles", "promptstyler", "promptstyler_ce", "spg")
-METHODS = (*BY_TEXT, "mixup", "mixstyle", "fourier", "sam", "coral", "sitr_supcon")
+LIVE = ("mmrl", "ldc")
+METHODS = (*BY_TEXT, *LIVE, "mixup", "mixstyle", "fourier", "sam", "coral", "sitr_supcon")
 
 
 @pytest.fixture(scope="module")
@@ -37,8 +46,37 @@ def tower(clips: Any) -> ClipPrompts:
     return ClipPrompts(network, clips.tokenizer())
 
 
+@cache
+def painted(name: str, row: int, tint: float = 0.6) -> Image.Image:
+    """A noisy image in the colours of its class, ten rows each, under a reddish light."""
+    random = np.random.default_rng([row, name == "vis"])
+    colours = (1 - tint) * np.roll((220, 120, 20), row // 10) + tint * np.array((200, 60, 60))
+    noisy = colours + random.normal(0, 25, (96, 96, 3))
+    return Image.fromarray(noisy.clip(0, 255).astype(np.uint8))
+
+
 @pytest.fixture(scope="module")
-def source(tower: ClipPrompts) -> Source:
+def clip(clips: Any, tmp_path_factory: pytest.TempPathFactory) -> LiveClip:
+    """A small CLIP ViT that has learned the classes in plain light, in OpenAI's layout."""
+    model = clips.small_model().train()
+    given = ImageInput(side=96, mean=CLIP_MEAN, std=CLIP_STD)
+    images = torch.stack([given(painted("seen", row, 0.0)) for row in range(30)])
+    prompts = [PROMPT.format(name) for name in CLASSES]
+    texts = clips.tokenizer()(
+        prompts, padding=True, truncation=True, max_length=16, return_tensors="pt"
+    )
+    optimiser = torch.optim.AdamW(model.parameters(), lr=1e-3)
+    for _ in range(20):
+        logits = model(pixel_values=images, **texts).logits_per_image
+        optimiser.zero_grad()
+        torch.nn.functional.cross_entropy(logits, torch.arange(30) // 10).backward()
+        optimiser.step()
+    file = clips.write("OpenAI state dict", tmp_path_factory.mktemp("clip"), model.eval())
+    return LiveClip(open_clip("clip", file), torch.device("cpu"))
+
+
+@pytest.fixture(scope="module")
+def source(tower: ClipPrompts, clip: LiveClip) -> Source:
     """Thirty pairs whose classes lie where the tower has their names."""
     random = torch.Generator().manual_seed(0)
     with torch.no_grad():
@@ -60,7 +98,18 @@ def source(tower: ClipPrompts) -> Source:
         plain=plain,
         logit_scale=20.0,
         prompts=lambda: tower,
+        live=Live(read=painted, load=lambda: clip, rows=torch.arange(30)),
     )
+
+
+def inputs(fitted: Fitted, source: Source) -> tuple[Tensor, Tensor]:
+    """Return what a method takes of a source's pairs: embeddings, or images."""
+    if fitted.images is None:
+        return source.vis, source.tac
+    assert source.live is not None
+    rows = torch.arange(len(source))
+    vis, tac = (source.live.images(name, rows, fitted.images) for name in ("vis", "tac"))
+    return vis, tac
 
 
 def fit(name: str, source: Source) -> Fitted:
@@ -77,35 +126,39 @@ def fitted(source: Source) -> dict[str, Fitted]:
 def test_it_gives_probabilities_alike_alone_and_in_a_batch_and_after_saving(
     name: str, source: Source, fitted: dict[str, Fitted], tmp_path: Path
 ) -> None:
-    found = fitted[name].predict(source.vis, source.tac)
+    vis, tac = inputs(fitted[name], source)
+    found = fitted[name].predict(vis, tac)
     assert set(found) == {"fused", "vis", "tac"}
     for values in found.values():
         torch.testing.assert_close(values.sum(-1), torch.ones(30))
-    alone = fitted[name].predict(source.vis[4:5], source.tac[4:5])
+    alone = fitted[name].predict(vis[4:5], tac[4:5])
     save_fitted(tmp_path / "method.pt2", fitted[name], WIDTH)
     again = load_fitted(tmp_path / "method.pt2")
-    saved = again.predict(source.vis[:7], source.tac[:7])
+    saved = again.predict(vis[:7], tac[:7])
     for key, values in found.items():
         torch.testing.assert_close(alone[key], values[4:5], atol=1e-5, rtol=1e-4)
         torch.testing.assert_close(saved[key], values[:7], atol=1e-5, rtol=1e-4)
-    assert again.parameters == fitted[name].parameters
+    assert (again.parameters, again.images) == (fitted[name].parameters, fitted[name].images)
 
 
 @pytest.mark.parametrize("name", [name for name in METHODS if name != "spg"])
 def test_it_overfits_a_small_source(name: str, source: Source, fitted: dict[str, Fitted]) -> None:
     """Not asked of SPG: the prompt of a random text tower need not tell classes apart."""
-    answers = fitted[name].predict(source.vis, source.tac)["fused"].argmax(-1)
+    answers = fitted[name].predict(*inputs(fitted[name], source))["fused"].argmax(-1)
     assert (answers == source.labels).float().mean() > 0.9
 
 
-@pytest.mark.parametrize("name", ["spg", "mixup", "sam", "coral", "sitr_supcon", "promptstyler"])
+@pytest.mark.parametrize(
+    "name", ["spg", *LIVE, "mixup", "sam", "coral", "sitr_supcon", "promptstyler"]
+)
 def test_it_is_deterministic_and_leaves_the_global_stream(
     name: str, source: Source, fitted: dict[str, Fitted]
 ) -> None:
     before = torch.random.get_rng_state()
-    again = fit(name, source).predict(source.vis, source.tac)["fused"]
+    given = inputs(fitted[name], source)
+    again = fit(name, source).predict(*given)["fused"]
     assert torch.equal(torch.random.get_rng_state(), before)
-    assert torch.equal(again, fitted[name].predict(source.vis, source.tac)["fused"])
+    assert torch.equal(again, fitted[name].predict(*given)["fused"])
 
 
 def test_a_source_with_nan_is_refused_before_anything_learns(source: Source) -> None:
@@ -128,7 +181,8 @@ def test_only_methods_of_text_need_text(name: str, source: Source) -> None:
         with pytest.raises(DataError, match="needs the classes' texts. No LANG bank"):
             fit(name, bare)
     else:
-        assert fit(name, bare).predict(bare.vis, bare.tac)["fused"].shape == (15, 3)
+        found = fit(name, bare)
+        assert found.predict(*inputs(found, bare))["fused"].shape == (15, 3)
 
 
 @pytest.mark.parametrize("name", METHODS)

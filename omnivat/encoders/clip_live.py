@@ -1,0 +1,135 @@
+"""A live CLIP: both towers layer by layer, for methods that learn inside them.
+
+The towers stay frozen; gradients pass through them to whatever a method puts between their layers.
+"""
+
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import Any
+
+import torch
+from torch import Tensor, nn
+
+from omnivat.devices import current
+from omnivat.encoders.clip import Clip, load_tower, open_clip
+from omnivat.encoders.clip_resnet import ClipResNet
+from omnivat.encoders.clip_text import ClipText
+from omnivat.encoders.clip_vit import ClipVit
+from omnivat.encoders.paired import JOINED
+from omnivat.encoders.places import recall
+from omnivat.errors import DataError
+
+
+class LiveClip:
+    """Both towers of a CLIP, on one device, in float32, frozen.
+
+    image        a `CLIPVisionModelWithProjection` of transformers, or a ResNet `Tower`
+    text         a `CLIPTextModelWithProjection` of transformers
+    is_vit       whether the image tower is a transformer
+    width        D of both towers' embeddings
+    side, mean, std   of the images it takes: pixels, and statistics of red, green and blue
+    logit_scale  what the model multiplies cosines by
+    """
+
+    def __init__(self, clip: Clip, device: torch.device) -> None:
+        encoder: ClipVit | ClipResNet = load_tower(clip, device, "fp32")
+        texts = ClipText(clip, device)
+        self.image: Any = encoder.network
+        self.text: Any = texts.network
+        self.is_vit = isinstance(encoder, ClipVit)
+        self.width = encoder.width
+        self.side, self.mean, self.std = encoder.side, encoder.mean, encoder.std
+        self.logit_scale = texts.logit_scale or 100.0
+        self.device = device
+        self._tokenizer = texts.tokenizer
+
+    @property
+    def image_layers(self) -> Sequence[nn.Module]:
+        """The layers of the image tower, a ViT's."""
+        found: Sequence[nn.Module] = self.image.vision_model.encoder.layers
+        return found
+
+    @property
+    def text_layers(self) -> Sequence[nn.Module]:
+        """The layers of the text tower."""
+        found: Sequence[nn.Module] = self.text.text_model.encoder.layers
+        return found
+
+    def image_tokens(self, images: Tensor) -> Tensor:
+        """Return what enters the first layer: tokens (B, 1 + N, W) of images (B, 3, side, side)."""
+        tower = self.image.vision_model
+        tokens: Tensor = tower.pre_layrnorm(tower.embeddings(images))
+        return tokens
+
+    def image_end(self, tokens: Tensor) -> Tensor:
+        """Return embeddings (B, D) of class tokens (B, W) that left the last layer."""
+        ended: Tensor = self.image.visual_projection(self.image.vision_model.post_layernorm(tokens))
+        return ended
+
+    def embed(self, images: Tensor) -> Tensor:
+        """Return the model's own embeddings (B, D) of images (B, 3, side, side)."""
+        if not self.is_vit:
+            whole: Tensor = self.image(images)
+            return whole
+        tokens = self.image_tokens(images)
+        for layer in self.image_layers:
+            tokens = layer(tokens, None)
+        return self.image_end(tokens[:, 0])
+
+    def text_tokens(self, texts: Sequence[str]) -> tuple[Tensor, Tensor]:
+        """Return what enters the first layer, (K, T, W), and the place (K,) of each text's end."""
+        found = self._tokenizer(
+            list(texts),
+            padding=True,
+            truncation=True,
+            max_length=self.text.config.max_position_embeddings,
+            return_tensors="pt",
+        ).to(self.device)
+        tokens = self.text.text_model.embeddings(input_ids=found["input_ids"])
+        return tokens, found["attention_mask"].sum(1) - 1
+
+    def text_layer(self, layer: nn.Module, tokens: Tensor) -> Tensor:
+        """Run one layer of the text tower: every token sees those before it."""
+        found: Tensor = layer(tokens, None, is_causal=True)
+        return found
+
+    def text_end(self, tokens: Tensor, ends: Tensor) -> Tensor:
+        """Return embeddings (K, D) of tokens (K, T, W) that left the last layer, read at `ends`."""
+        last = self.text.text_model.final_layer_norm(tokens)
+        embedded: Tensor = self.text.text_projection(last[torch.arange(len(last)), ends])
+        return embedded
+
+    def embed_texts(self, texts: Sequence[str]) -> Tensor:
+        """Return the model's own embeddings (K, D) of texts."""
+        tokens, ends = self.text_tokens(texts)
+        for layer in self.text_layers:
+            tokens = self.text_layer(layer, tokens)
+        return self.text_end(tokens, ends)
+
+
+@lru_cache(maxsize=1)
+def load_live(encoder: str, weights_hash: str) -> LiveClip:
+    """Load the CLIP that made embeddings, from where its weights were read last.
+
+    Raises DataError when the encoder is no CLIP, its weights are not on this machine or are others
+    now, or it has no text tower.
+    """
+    from omnivat.encoders.clip import CHECKPOINTS
+
+    if JOINED in encoder or encoder not in CHECKPOINTS:
+        raise DataError(
+            f"Methods that learn inside CLIP need one CLIP for both images, and '{encoder}' made these "
+            "embeddings; embed the pairs with --encoder clip --weights FILE."
+        )
+    clip = open_clip(encoder, recall(weights_hash), download="no")
+    if clip.image_hash != weights_hash:
+        raise DataError(
+            f"The weights of {encoder} found on this machine ({clip.image_hash}) are not those of the "
+            f"embeddings ({weights_hash}); embed the pairs again with --weights FILE."
+        )
+    if not clip.weights.text:
+        raise DataError(
+            f"'{clip.file}' has an image tower and no text tower, which methods that learn inside CLIP "
+            "need; embed the pairs with the whole model."
+        )
+    return LiveClip(clip, current())

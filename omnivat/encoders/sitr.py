@@ -1,0 +1,217 @@
+"""SITR's transformer from its published weights: `--tac-encoder sitr --tac-weights FILE`.
+
+A ViT sees a press as its difference to the sensor at rest, beside the differences of up to 18 presses
+that calibrate the sensor: 9 of a ball, 9 of a cube's corner. They lie in `calibration/` beside the
+weights: `0000.png` at rest, then `0001.png` to `0018.png`. The embedding is the class token after the
+last norm. Source: Gupta et al., ICLR 2025; names of weights, order of presses and the pixels' statistics
+are those of its code. The decoder of normal maps and the contrastive head are left out.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import torch
+from PIL import Image
+from torch import Tensor, nn
+from torch.nn.functional import scaled_dot_product_attention
+
+from omnivat.data.images import read_image
+from omnivat.encoders.clip_shapes import count
+from omnivat.encoders.running import pixels
+from omnivat.encoders.weights import read_weights, weights_file
+from omnivat.encoders.wrapping import TorchEncoder
+from omnivat.errors import DataError
+
+NAME, HEAD, INSIDE = "sitr", 64, "base_model."  # channels of a head; before names in a classifier
+MEAN, STD = (-1.2223, -1.8114, -1.7090), (11.7932, 12.7956, 13.6452)  # of differences, 0 to 255
+# How many presses a checkpoint takes -> which of the 18.
+PRESSES = {
+    0: (),
+    4: (1, 3, 7, 9),
+    8: (1, 3, 7, 9, 10, 12, 16, 18),
+    9: tuple(range(1, 10)),
+    18: tuple(range(1, 19)),
+}
+
+
+class Block(nn.Module):
+    """A layer of a ViT, under timm's names."""
+
+    def __init__(self, width: int, hidden: int) -> None:
+        super().__init__()
+        self.norm1, self.norm2 = nn.LayerNorm(width), nn.LayerNorm(width)
+        self.attn = nn.ModuleDict(
+            {"qkv": nn.Linear(width, 3 * width), "proj": nn.Linear(width, width)}
+        )
+        self.mlp = nn.ModuleDict({"fc1": nn.Linear(width, hidden), "fc2": nn.Linear(hidden, width)})
+
+    def forward(self, tokens: Tensor) -> Tensor:
+        """Return tokens (B, N, W)."""
+        batch, number, width = tokens.shape
+        parts = self.attn["qkv"](self.norm1(tokens)).reshape(batch, number, 3, -1, HEAD)
+        query, key, value = parts.permute(2, 0, 3, 1, 4)  # (B, heads, N, 64) each
+        seen = scaled_dot_product_attention(query, key, value).transpose(1, 2)
+        tokens = tokens + self.attn["proj"](seen.reshape(batch, number, width))
+        hidden = nn.functional.gelu(self.mlp["fc1"](self.norm2(tokens)))
+        found: Tensor = tokens + self.mlp["fc2"](hidden)
+        return found
+
+
+class Sitr(nn.Module):
+    """Differences (B, 3, side, side) to the sensor at rest -> class tokens (B, W).
+
+    rest     (3, side, side) the sensor at rest, 0 to 255; kept here, so that the hash tells sensors apart
+    presses  (1, 3 P, side, side) normalised differences of the sensor's own calibration; P may be 0
+    """
+
+    def __init__(
+        self,
+        *,
+        width: int,
+        depth: int,
+        hidden: int,
+        patch: int,
+        places: int,
+        rest: Tensor,
+        presses: Tensor,
+    ) -> None:
+        super().__init__()
+        self.patch_embed = nn.ModuleDict({"proj": nn.Conv2d(3, width, patch, patch)})
+        self.cls_token = nn.Parameter(torch.zeros(1, 1, width))
+        self.pos_embed = nn.Parameter(torch.zeros(1, places + 1, width))
+        self.calibrated = bool(presses.shape[1])
+        if self.calibrated:
+            layer = nn.Conv2d(presses.shape[1], width, patch, patch)
+            self.c_patch_embed = nn.ModuleDict({"proj": layer})
+            self.c_pos_embed = nn.Parameter(torch.zeros(1, places, width))
+        self.blocks = nn.ModuleList(Block(width, hidden) for _ in range(depth))
+        self.norm = nn.LayerNorm(width)
+        self.presses: Tensor
+        self.register_buffer("rest", rest)
+        self.register_buffer("presses", presses)
+
+    def forward(self, images: Tensor) -> Tensor:
+        """Return the class token after the last norm."""
+        tokens = self.patch_embed["proj"](images).flatten(2).mT + self.pos_embed[:, 1:]
+        first = (self.cls_token + self.pos_embed[:, :1]).expand(len(images), -1, -1)
+        parts = [first, tokens]
+        if self.calibrated:
+            own = self.c_patch_embed["proj"](self.presses).flatten(2).mT + self.c_pos_embed
+            parts.append(own.expand(len(images), -1, -1))
+        tokens = torch.cat(parts, dim=1)
+        for block in self.blocks:
+            tokens = block(tokens)
+        found: Tensor = self.norm(tokens[:, 0])
+        return found
+
+
+def load(
+    weights: Path | None = None, device: torch.device | str = "cpu", precision: str = "fp32"
+) -> TorchEncoder:
+    """Load SITR from its weights, with the calibration that lies beside them.
+
+    weights  a PyTorch or safetensors file, of the base model or of a classifier over it, or its folder
+
+    Raises DataError when the file or a picture of the calibration is missing, or a shape is another.
+    """
+    if weights is None:
+        raise DataError(
+            "SITR needs its published weights; download them from the authors' data set on the hub, "
+            "hgupt3/sitr_dataset, and pass --tac-weights FILE."
+        )
+    file = weights_file(weights, NAME)
+    found = read_weights(weights, NAME).state
+    inner = {k.removeprefix(INSIDE): v for k, v in found.items() if k.startswith(INSIDE)}
+    state = inner or found
+    side, sizes = _sizes(state, file)
+    rest, presses = _calibration(file.parent / "calibration", _channels(state, file), side)
+    network = Sitr(**sizes, rest=rest, presses=presses)
+    _fill(network, state, file)
+
+    def prepare(image: Image.Image) -> Tensor:
+        return _normalised(_raw(image, side) - rest)
+
+    return TorchEncoder(
+        network,
+        prepare=prepare,
+        about=f"resize {side}x{side} bicubic, difference to the sensor at rest, class token, "
+        f"{presses.shape[1] // 3} presses of calibration",
+        device=device,
+        precision=precision,
+        name=NAME,
+    )
+
+
+def _sizes(state: Mapping[str, Tensor], file: Path) -> tuple[int, dict[str, int]]:
+    """Return the side of the image, and the sizes of the network that the shapes tell."""
+    try:
+        width, _, patch, _ = state["patch_embed.proj.weight"].shape
+        places = state["pos_embed"].shape[1] - 1
+        hidden = len(state["blocks.0.mlp.fc1.weight"])
+    except (KeyError, ValueError, IndexError) as error:
+        raise DataError(
+            f"'{file}' is not of SITR: it lacks or misshapes {error}; name the file that SITR's authors "
+            "publish."
+        ) from error
+    grid = round(places**0.5)
+    if width % HEAD or grid**2 != places:
+        raise DataError(
+            f"'{file}' has layers of width {width} and {places} places; SITR's are a multiple of {HEAD} and "
+            "a square. Name the file that SITR's authors publish."
+        )
+    depth = count(dict(state), "blocks.")
+    return grid * patch, {
+        "width": width,
+        "depth": depth,
+        "hidden": hidden,
+        "patch": patch,
+        "places": places,
+    }
+
+
+def _channels(state: Mapping[str, Tensor], file: Path) -> int:
+    """Return how many presses the checkpoint takes."""
+    weight = state.get("c_patch_embed.proj.weight")
+    channels = 0 if weight is None or weight.ndim != 4 else weight.shape[1]
+    if channels % 3 or channels // 3 not in PRESSES:
+        raise DataError(
+            f"'{file}' takes {channels} channels of calibration; three for each of 0, 4, 8, 9 or 18 "
+            "presses are known."
+        )
+    return channels // 3
+
+
+def _calibration(folder: Path, number: int, side: int) -> tuple[Tensor, Tensor]:
+    """Return the sensor at rest (3, side, side), 0 to 255, and the presses (1, 3 P, side, side)."""
+    wanted = [folder / f"{index:04d}.png" for index in (0, *PRESSES[number])]
+    missing = [file.name for file in wanted if not file.is_file()]
+    if missing:
+        raise DataError(
+            f"SITR needs {len(wanted)} pictures of the sensor's calibration in '{folder}' and {missing[0]} "
+            f"is missing ({len(missing)} are); 0000.png is the sensor at rest (docs/encoders.md)."
+        )
+    rest, *pressed = [_raw(read_image(file), side) for file in wanted]
+    presses = [_normalised(one - rest) for one in pressed]
+    return rest, torch.cat([*presses, torch.zeros(0, side, side)])[None]
+
+
+def _raw(image: Image.Image, side: int) -> Tensor:
+    return pixels(image, (0.0,) * 3, (1 / 255,) * 3, side)
+
+
+def _normalised(difference: Tensor) -> Tensor:
+    return (difference - torch.tensor(MEAN)[:, None, None]) / torch.tensor(STD)[:, None, None]
+
+
+def _fill(network: Sitr, state: Mapping[str, Tensor], file: Path) -> None:
+    """Put the weights in. Raises DataError when one is missing or of another shape."""
+    for name, own in network.named_parameters():
+        given = state.get(name)
+        if given is None or given.shape != own.shape:
+            came = "lacks it" if given is None else f"has {tuple(given.shape)}"
+            raise DataError(
+                f"SITR's weight {name} should have the shape {tuple(own.shape)}, and '{file}' {came}; name the "
+                "file that SITR's authors publish."
+            )
+        own.data.copy_(given)
+    network.eval().requires_grad_(False)

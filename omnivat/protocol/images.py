@@ -1,0 +1,86 @@
+"""The images behind embeddings, for methods that learn inside the image tower.
+
+A set of embeddings keeps the names of its images, not the folder they start from, so that it can be
+moved. `omnivat embed` notes that folder in the cache folder of this machine; `--images` notes another.
+"""
+
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import torch
+from PIL import Image
+from torch import Tensor
+from torch.nn.functional import cosine_similarity
+
+from omnivat.baselines.contract import Fitted
+from omnivat.baselines.live import ImageInput, Live
+from omnivat.data.images import central_square, read_image
+from omnivat.data.store import Embeddings
+from omnivat.encoders.clip_live import LiveClip, load_live
+from omnivat.encoders.places import images_key, recall
+from omnivat.errors import DataError
+
+TOGETHER = 32  # pairs whose images are in memory at once
+LEAST = 0.995  # cosine of an image's embedding, made again, with the one in the file
+
+
+def live_of(pairs: Embeddings) -> Live:
+    """Return the images of pairs and how to load their CLIP.
+
+    Raises DataError when nobody noted on this machine where the images lie.
+    """
+    root = recall(images_key(pairs.header))
+    if root is None:
+        raise DataError("Pass the folder or table of pairs that was embedded as --images PAIRS.")
+    header = pairs.header
+    return Live(
+        read=partial(_read, pairs, root),
+        load=partial(load_live, header.encoder, header.weights_hash),
+        rows=torch.arange(len(pairs)),
+    )
+
+
+def _read(pairs: Embeddings, root: Path, name: str, row: int) -> Image.Image:
+    crop = pairs.rows.get("tac_crop", [""] * len(pairs))[row] if name == "tac" else ""
+    return central_square(read_image(root / pairs.rows[name][row]), int(crop or 0))
+
+
+def require_own_images(pairs: Embeddings) -> None:
+    """Refuse pairs whose embeddings are not those of the images found for them; the first pair tells.
+
+    Raises DataError for images that are missing or others, and for embeddings that were moved, as those
+    under imitated sensors are.
+    """
+    if not len(pairs):
+        return
+    live = live_of(pairs)
+    clip: LiveClip = live.load()
+    given = ImageInput(side=clip.side, mean=clip.mean, std=clip.std)
+    for name, rows in (("vis", pairs.vis), ("tac", pairs.tac)):
+        with torch.no_grad():
+            image = live.images(name, torch.tensor([0]), given).to(clip.device)
+            found = clip.embed(image).cpu()
+        near = float(cosine_similarity(found, torch.from_numpy(np.array(rows[:1])))[0])
+        if near < LEAST:
+            raise DataError(
+                f"The image '{pairs.rows[name][0]}' and its embedding do not belong together (cosine "
+                f"{near:.3f}): another image lies there now, or the embedding was moved, as under an "
+                "imitated sensor. Methods that learn inside CLIP predict images as they were embedded."
+            )
+
+
+def inputs(fitted: Fitted, pairs: Embeddings) -> Iterator[tuple[Tensor, Tensor]]:
+    """Give what a method takes of pairs: all embeddings, or images, some at a time."""
+    if fitted.images is None:
+        yield _tensor(pairs.vis), _tensor(pairs.tac)
+        return
+    live = live_of(pairs)
+    for rows in torch.arange(len(pairs)).split(TOGETHER):
+        vis, tac = (live.images(name, rows, fitted.images) for name in ("vis", "tac"))
+        yield vis, tac
+
+
+def _tensor(array: np.ndarray) -> Tensor:
+    return torch.from_numpy(np.array(array, dtype=np.float32))

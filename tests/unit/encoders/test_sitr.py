@@ -1,0 +1,199 @@
+"""SITR's loader over a stand-in with the names and shapes of the published code; no published file was at hand."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+from PIL import Image
+from torch import Tensor, nn
+
+from omnivat.encoders import load_encoder
+from omnivat.encoders.sitr import MEAN, STD, Sitr
+from omnivat.errors import DataError
+
+WIDTH, DEPTH, SIDE, PATCH = 128, 2, 32, 16
+PLACES = (SIDE // PATCH) ** 2
+State = dict[str, Tensor]
+
+
+def shapes(
+    width: int, depth: int, places: int, presses: int, patch: int = 16
+) -> dict[str, tuple[int, ...]]:
+    """Names and shapes of the authors' module, read off its definition (hgupt3/gsrl)."""
+    found: dict[str, tuple[int, ...]] = {
+        "cls_token": (1, 1, width),
+        "pos_embed": (1, places + 1, width),
+        "patch_embed.proj.weight": (width, 3, patch, patch),
+        "patch_embed.proj.bias": (width,),
+        "norm.weight": (width,),
+        "norm.bias": (width,),
+        "decoder_pred.weight": (3 * patch**2, width),
+        "decoder_pred.bias": (3 * patch**2,),
+        "contrastive_head.weight": (128, width),
+        "contrastive_head.bias": (128,),
+    }
+    if presses:
+        found |= {
+            "c_pos_embed": (1, places, width),
+            "c_patch_embed.proj.weight": (width, 3 * presses, patch, patch),
+            "c_patch_embed.proj.bias": (width,),
+        }
+    for block in range(depth):
+        for name, out, into in (
+            ("attn.qkv", 3 * width, width),
+            ("attn.proj", width, width),
+            ("mlp.fc1", 4 * width, width),
+            ("mlp.fc2", width, 4 * width),
+        ):
+            found[f"blocks.{block}.{name}.weight"] = (out, into)
+            found[f"blocks.{block}.{name}.bias"] = (out,)
+        for norm in ("norm1", "norm2"):
+            found[f"blocks.{block}.{norm}.weight"] = (width,)
+            found[f"blocks.{block}.{norm}.bias"] = (width,)
+    return found
+
+
+def made(presses: int) -> State:
+    random = torch.Generator().manual_seed(0)
+    sizes = shapes(WIDTH, DEPTH, PLACES, presses)
+    return {n: torch.randn(s, generator=random) / s[-1] ** 0.5 for n, s in sizes.items()}
+
+
+def picture(seed: int) -> Image.Image:
+    random = np.random.default_rng(seed)
+    return Image.fromarray(random.integers(0, 256, (SIDE, SIDE, 3), dtype=np.uint8))
+
+
+def written(folder: Path, state: State, pictures: int = 19) -> Path:
+    (folder / "calibration").mkdir(parents=True, exist_ok=True)
+    for index in range(pictures):
+        picture(index).save(folder / "calibration" / f"{index:04d}.png")
+    torch.save(state, folder / "SITR.pth")
+    return folder / "SITR.pth"
+
+
+def difference(seed: int) -> Tensor:
+    """A picture less the one at rest, in the statistics of the authors' code."""
+    raw = np.asarray(picture(seed), np.float32) - np.asarray(picture(0), np.float32)
+    return torch.from_numpy((raw - np.array(MEAN)) / np.array(STD)).permute(2, 0, 1).float()
+
+
+def oracle(state: State, seed: int, presses: list[int]) -> Tensor:
+    """The class token by torch's own layers, one image at a time."""
+    conv = nn.functional.conv2d
+    weight, bias = state["patch_embed.proj.weight"], state["patch_embed.proj.bias"]
+    tokens = conv(difference(seed)[None], weight, bias, PATCH).flatten(2).mT
+    tokens = torch.cat((state["cls_token"], tokens), dim=1) + state["pos_embed"]
+    if presses:
+        weight, bias = state["c_patch_embed.proj.weight"], state["c_patch_embed.proj.bias"]
+        stack = torch.cat([difference(index) for index in presses])[None]
+        own = conv(stack, weight, bias, PATCH).flatten(2).mT + state["c_pos_embed"]
+        tokens = torch.cat((tokens, own), dim=1)
+    for block in range(DEPTH):
+        layer = nn.TransformerEncoderLayer(
+            WIDTH, WIDTH // 64, 4 * WIDTH, 0.0, "gelu", batch_first=True, norm_first=True
+        ).eval()
+        names = {
+            "self_attn.in_proj_": "attn.qkv.",
+            "self_attn.out_proj.": "attn.proj.",
+            "linear1.": "mlp.fc1.",
+            "linear2.": "mlp.fc2.",
+            "norm1.": "norm1.",
+            "norm2.": "norm2.",
+        }
+        layer.load_state_dict(
+            {
+                new + kind: state[f"blocks.{block}.{old}{kind}"]
+                for new, old in names.items()
+                for kind in ("weight", "bias")
+            }
+        )
+        tokens = layer(tokens)
+    return nn.functional.layer_norm(
+        tokens[:, 0], (WIDTH,), state["norm.weight"], state["norm.bias"]
+    )
+
+
+@pytest.mark.parametrize(
+    ("number", "presses"),
+    [(0, []), (4, [1, 3, 7, 9]), (8, [1, 3, 7, 9, 10, 12, 16, 18]), (18, list(range(1, 19)))],
+)
+def test_its_embedding_is_the_class_token_of_the_press_beside_the_calibration(
+    number: int, presses: list[int], tmp_path: Path
+) -> None:
+    state = made(number)
+    encoder = load_encoder("sitr", weights=written(tmp_path, state))
+    assert encoder.width == WIDTH and f"{number} presses" in encoder.preprocessing
+    found = encoder.embed(encoder.preprocess(picture(50))[None])
+    with torch.no_grad():
+        torch.testing.assert_close(found, oracle(state, 50, presses), atol=1e-4, rtol=1e-4)
+
+
+def test_the_published_base_size_has_these_names_and_shapes() -> None:
+    with torch.device("meta"):
+        network = Sitr(
+            width=768,
+            depth=12,
+            hidden=3072,
+            patch=16,
+            places=196,
+            rest=torch.zeros(3, 224, 224),
+            presses=torch.zeros(1, 54, 224, 224),
+        )
+    left_out = ("decoder_pred", "contrastive_head")
+    wanted = {n: s for n, s in shapes(768, 12, 196, 18).items() if not n.startswith(left_out)}
+    assert {n: tuple(p.shape) for n, p in network.named_parameters()} == wanted
+
+
+def test_a_classifier_over_it_and_a_training_checkpoint_load_alike(tmp_path: Path) -> None:
+    state = made(4)
+    classifier = {f"base_model.{name}": value for name, value in state.items()}
+    classifier |= {
+        "fc1.weight": torch.zeros(5, 528),
+        "backbone.conv1.weight": torch.zeros(8, 3, 7, 7),
+    }
+    files = {
+        "plain": state,
+        "classifier": classifier,
+        "training": {"model": {f"module.{n}": v for n, v in state.items()}, "epoch": 3},
+    }
+    hashes = {
+        load_encoder("sitr", weights=written(tmp_path / name, content)).weights_hash
+        for name, content in files.items()
+    }
+    assert len(hashes) == 1
+
+
+def test_another_sensor_at_rest_is_another_encoder(tmp_path: Path) -> None:
+    first = load_encoder("sitr", weights=written(tmp_path / "a", made(0)))
+    file = written(tmp_path / "b", made(0))
+    picture(77).save(file.parent / "calibration" / "0000.png")
+    assert load_encoder("sitr", weights=file).weights_hash != first.weights_hash
+
+
+def test_what_does_not_fit_is_refused_in_a_sentence(tmp_path: Path) -> None:
+    with pytest.raises(DataError, match="published weights; download.*--tac-weights FILE"):
+        load_encoder("sitr")
+    with pytest.raises(DataError, match="needs 5 pictures.*0003.png is missing"):
+        load_encoder("sitr", weights=written(tmp_path / "few", made(4), pictures=3))
+    short = {n: v for n, v in made(0).items() if n != "blocks.1.norm2.bias"}
+    with pytest.raises(
+        DataError, match=r"blocks.1.norm2.bias should have the shape \(128,\).*lacks"
+    ):
+        load_encoder("sitr", weights=written(tmp_path / "short", short))
+    bent = made(0) | {"blocks.1.attn.qkv.weight": torch.zeros(5, WIDTH)}
+    with pytest.raises(DataError, match=r"shape \(384, 128\).*has \(5, 128\)"):
+        load_encoder("sitr", weights=written(tmp_path / "bent", bent))
+    with pytest.raises(DataError, match="is not of SITR"):
+        load_encoder("sitr", weights=written(tmp_path / "other", {"a": torch.zeros(3)}))
+    seven = made(4) | {"c_patch_embed.proj.weight": torch.zeros(WIDTH, 21, PATCH, PATCH)}
+    with pytest.raises(DataError, match="21 channels of calibration"):
+        load_encoder("sitr", weights=written(tmp_path / "seven", seven))
+
+
+def test_a_pickled_object_is_not_loaded(tmp_path: Path) -> None:
+    file = written(tmp_path, made(0))
+    torch.save({"model": Sitr}, file)
+    with pytest.raises(DataError, match="cannot be read as weights of sitr"):
+        load_encoder("sitr", weights=file)
