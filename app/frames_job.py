@@ -4,7 +4,7 @@ import logging
 import shutil
 from collections.abc import Callable
 from dataclasses import dataclass
-from hashlib import blake2b
+from hashlib import sha256
 from pathlib import Path
 from threading import Lock
 from time import monotonic
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from omnivat.data.store import Embeddings
 
 log = logging.getLogger(__name__)
-FIRST = (0.0, 0.5, 1.0)  # stops of the first look at a large set
 COARSE = tuple(k / 10 for k in range(11))
 FINE = tuple(k / 100 for k in range(101))
 RECIPE = 3  # of what is drawn; maps of another recipe are made again
@@ -59,7 +58,7 @@ def cache_name(head: Path, embeddings: Path, drawn: int = 0) -> str:
     """
     from omnivat.frames.file import VERSION
 
-    digest = blake2b(f"frames {VERSION}, recipe {RECIPE}, {drawn}".encode(), digest_size=12)
+    digest = sha256(f"frames {VERSION}, recipe {RECIPE}, {drawn}".encode())  # 2 GB in 1.3 s
     for file in (head / "weights.safetensors", head / "settings.json", embeddings):
         if not file.is_file():
             raise DataError(
@@ -69,7 +68,7 @@ def cache_name(head: Path, embeddings: Path, drawn: int = 0) -> str:
         with file.open("rb") as handle:
             while block := handle.read(1 << 20):
                 digest.update(block)
-    return digest.hexdigest()
+    return digest.hexdigest()[:24]
 
 
 class FramesJob:
@@ -139,7 +138,8 @@ class FramesJob:
             if len(embeddings) > LARGE_SET and not readable(coarse):
                 first = folder / f"{name}-first.bin"
                 if not readable(first):
-                    self._build(job, head, embeddings, FIRST, first, linear=True)
+                    stops = first_stops(head.model.order)
+                    self._build(job, head, embeddings, stops, first, linear=True)
                 self._file = first
                 job.go_on_at(LAST_TOUCH)
             if not readable(coarse):
@@ -186,6 +186,15 @@ class FramesJob:
             if self._folder is not None:
                 shutil.rmtree(self._folder, ignore_errors=True)
             raise
+
+
+def first_stops(learned: float) -> tuple[float, ...]:
+    """Return the stops of the first look at a large set: the learned p and one end.
+
+    >>> first_stops(0.498), first_stops(0.0)
+    ((0.0, 0.498), (0.0, 1.0))
+    """
+    return (0.0, learned) if learned > 0.05 else (learned, 1.0)
 
 
 def readable(file: Path) -> bool:

@@ -44,6 +44,7 @@ class Places:
     pairs: Path | None  # images to pick from; None where the gallery shows pairs of the set
     compare: tuple[Path, ...] = ()  # folders of heads to show beside the first
     computed: Path | None = None  # where computed frames go; the cache where None
+    drawn: int = DRAWN_PAIRS  # of a larger set so many pairs are drawn at random
 
 
 def places(
@@ -102,8 +103,8 @@ class Resources:
             name: Once(partial(_load_head, folder)) for name, folder in self.folders.items()
         }
         self.head = self.heads[""]
-        self.embeddings: Once[Embeddings] = Once(partial(_load_embeddings, where.embeddings))
-        self.drawn: Once[bool] = Once(lambda: _pairs_in(where.embeddings) > DRAWN_PAIRS)
+        self.embeddings: Once[Embeddings] = Once(partial(_load_embeddings, where))
+        self.drawn: Once[bool] = Once(lambda: _pairs_in(where.embeddings) > where.drawn)
         self.encoder: Once[Encoder] = Once(self._load_encoder)
         self.examples: Once[dict[str, Example]] = Once(self._find_examples)
         self.frame_jobs = {
@@ -113,7 +114,7 @@ class Resources:
                     embeddings=where.embeddings,
                     load_head=self.heads[name],
                     load_embeddings=self.embeddings,
-                    drawn=DRAWN_PAIRS,
+                    drawn=where.drawn,
                 ),
                 None if name else where.frames,
                 where.computed,
@@ -279,10 +280,10 @@ def _load_head(folder: Path) -> "Head":
     return load_head(folder)
 
 
-def _load_embeddings(file: Path) -> "Embeddings":
+def _load_embeddings(where: Places) -> "Embeddings":
     from omnivat.data.store import load_embeddings
 
-    return load_embeddings(file).sampled(DRAWN_PAIRS)
+    return load_embeddings(where.embeddings).sampled(where.drawn)
 
 
 def _pairs_in(file: Path) -> int:

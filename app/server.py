@@ -13,8 +13,9 @@ from typing import Any
 
 from app import hosted
 from app.guard import Guard, rules, warning
+from app.limits import DRAWN_PAIRS
 from app.scratch import sweep
-from app.starting import free_port, port_number, require_files
+from app.starting import free_port, pair_count, port_number, require_files
 from app.views import VIEWS
 from omnivat.errors import MissingPackageError, OmniVatError
 from omnivat.packages import need
@@ -28,6 +29,13 @@ def parser(environ: Mapping[str, str] = os.environ) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="app.py", description="Open the OmniVaT page.")
     parser.add_argument("--head", type=Path, help="folder of a trained head")
     parser.add_argument("--embeddings", type=Path, help="embeddings file to show")
+    parser.add_argument(
+        "--sample",
+        type=pair_count,
+        default=DRAWN_PAIRS,
+        metavar="N",
+        help=f"draw N pairs of a set that has more; {DRAWN_PAIRS:,} if left out",
+    )
     parser.add_argument(
         "--compare",
         type=Path,
@@ -139,6 +147,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         signal.signal(one, signal.default_int_handler)  # ends as Ctrl+C does, leaving nothing
     sweep()
     shared, where = Shared(), places(chosen.head, chosen.embeddings, chosen.compare)
+    where = replace(where, drawn=chosen.sample)
     if hosted.keeps_nothing(os.environ):
         where = replace(where, computed=shared.scratch.folder("maps"))
     resources = Resources(where, shared)

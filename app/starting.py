@@ -9,12 +9,22 @@ from pathlib import Path
 from omnivat.errors import DataError, SettingsError
 
 PORTS = range(7860, 7960)  # tried in turn where none is named
+MOST_PAIRS = 50_000  # 100,000 points: what the map draws smoothly
 
 
 def port_number(text: str) -> int:
     """Return a port from the command line; raises ArgumentTypeError for anything else."""
     if not text.isascii() or not text.isdigit() or not 1 <= int(text[:6]) <= 65535:
         raise argparse.ArgumentTypeError(f"'{text:.20}' is no port; give a number from 1 to 65535")
+    return int(text)
+
+
+def pair_count(text: str) -> int:
+    """Return a number of pairs from the command line; raises ArgumentTypeError for anything else."""
+    if not text.isascii() or not text.isdigit() or not 1 <= int(text[:9]) <= MOST_PAIRS:
+        raise argparse.ArgumentTypeError(
+            f"'{text:.20}' is no number of pairs; give one from 1 to {MOST_PAIRS:,}"
+        )
     return int(text)
 
 

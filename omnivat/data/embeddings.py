@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from omnivat.data.arrays import walked
 from omnivat.errors import DataError
 from omnivat.seeding import derive_seed
 
@@ -109,5 +110,9 @@ class Embeddings:
 
 
 def _rows(array: Array, index: NDArray[Any]) -> Array:
-    chosen: Array = np.asarray(array[index])  # a plain array: the copy is no longer mapped
+    chosen: Array = np.empty((len(index), *array.shape[1:]), array.dtype)
+    start = 0
+    for block in walked(array, index):
+        chosen[start : start + len(block)] = block
+        start += len(block)
     return chosen

@@ -53,10 +53,17 @@ def _from_covariance(points: Tensor, mean: Tensor) -> Tensor:
     width = points.shape[1]
     products = torch.zeros(width, width, dtype=torch.float64, device=points.device)
     for rows in points.split(BLOCK):
-        centred = rows - mean
-        products += (centred.T @ centred).double()
+        products += _product(rows - mean).double()
     vectors: Tensor = torch.linalg.eigh(products).eigenvectors
     return vectors[:, -2:].flip(1)
+
+
+def _product(rows: Tensor) -> Tensor:
+    """Return rowsᵀ rows (D, D); numpy computes one half of it, the other being the same."""
+    if rows.device.type != "cpu" or rows.requires_grad:
+        return rows.T @ rows
+    plain = rows.numpy()
+    return torch.from_numpy(plain.T @ plain)
 
 
 def _from_gram(centred: Tensor) -> Tensor:

@@ -1,17 +1,21 @@
 """A set too large for the page: a part of it is drawn at random, and the page says so."""
 
+from base64 import b64decode
+from dataclasses import replace
+
 import pytest
 from starlette.applications import Starlette
 from starlette.testclient import TestClient
 
+from app.limits import DRAWN_PAIRS
 from app.resources import Resources
 from app.routes import routes
+from app.server import parser
 
 
 @pytest.fixture
-def client(small_places, monkeypatch):
-    monkeypatch.setattr("app.resources.DRAWN_PAIRS", 12)
-    resources = Resources(small_places)
+def client(small_places):
+    resources = Resources(replace(small_places, drawn=12))
     yield TestClient(Starlette(routes=routes(resources)))
     resources.shared.close()
 
@@ -27,3 +31,14 @@ def test_the_page_works_on_the_part_and_says_of_how_many_it_is(client):
 
 def test_thumbnails_of_the_whole_set_are_not_shown_for_the_part(client):
     assert client.get("/omnivat/thumbnails.json").status_code == 404
+
+
+def test_what_is_known_of_each_pair_takes_few_bytes(client):
+    found = client.get("/omnivat/unseen").json()["pairs"]
+    packed = [found["counts"], *found["answers"].values(), found["confidence"], found["cosine"]]
+    assert sum(len(b64decode(one["data"])) for one in packed) == 12 * (1 + 3 + 2 + 2)
+
+
+def test_the_command_line_says_how_many_pairs_are_drawn():
+    assert parser({}).parse_args(["--sample", "500"]).sample == 500
+    assert parser({}).parse_args([]).sample == DRAWN_PAIRS

@@ -175,7 +175,7 @@ def test_a_large_set_is_first_shown_by_its_principal_components_alone(source, jo
 
     monkeypatch.setattr(omnivat.frames, "build_frames", built, raising=False)
     assert FramesJob(source, None, jobs=jobs).wait().problem == ""
-    assert seen[0][1] == {"pca"}
+    assert seen[0] == (2, {"pca"})
     assert len(seen) == 3
     assert seen[1][1] == seen[2][1] == {"pca", "umap"}
 

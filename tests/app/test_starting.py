@@ -23,6 +23,14 @@ def test_what_is_no_port_is_refused_by_the_command_line(port, capsys):
     assert "a number from 1 to 65535" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("count", ["0", "-1", "50001", "many", "9" * 5000])
+def test_what_is_no_number_of_pairs_is_refused_by_the_command_line(count, capsys):
+    with pytest.raises(SystemExit) as caught:
+        parser().parse_args(["--sample", count])
+    assert caught.value.code == 2
+    assert "one from 1 to 50,000" in capsys.readouterr().err
+
+
 def refusal(capsys, *arguments):
     assert main(["--no-browser", *map(str, arguments)]) == 1
     said = capsys.readouterr().err
