@@ -51,7 +51,7 @@ class Live:
         return torch.stack([given(self.read(name, int(row))) for row in self.rows[rows]])
 
     def drawn(self, rows: Tensor, given: ImageInput) -> Tensor:
-        """Return VIS, then TAC of the pairs (2 B, 3, side, side), each mirrored with probability 1/2."""
+        """Return VIS, then TAC of the pairs (2 B, 3, side, side), each mirrored at random."""
         found = torch.cat([self.images(name, rows, given) for name in ("vis", "tac")])
         mirror = torch.rand(len(found), 1, 1, 1) < 0.5
         return torch.where(mirror, found.flip(-1), found)

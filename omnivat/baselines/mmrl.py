@@ -88,7 +88,7 @@ def _maps(width: int, count: int) -> nn.ModuleList:
 
 
 def _inserted(tokens: Tensor, own: Tensor, *, anew: bool) -> Tensor:
-    """Insert `own` (5, W) after the first of tokens (B, T, W), or replace the ones inserted before."""
+    """Insert `own` (5, W) after the first of tokens (B, T, W), or replace earlier ones."""
     rest = tokens[:, 1:] if anew else tokens[:, 1 + TOKENS :]
     return torch.cat((tokens[:, :1], own.expand(len(tokens), -1, -1), rest), dim=1)
 

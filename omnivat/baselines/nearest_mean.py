@@ -15,7 +15,7 @@ CANDIDATES = {
 
 
 def fit(source: Source) -> Fitted:
-    """Store a mean direction for each class and modality; held-out objects choose centring and sharpness."""
+    """Store a mean direction for each class and modality; held-out objects choose the settings."""
     chosen = best(
         source, CANDIDATES, lambda part, choice: lambda v, t: _model(part, *choice)(v, t)["fused"]
     )

@@ -35,7 +35,7 @@ def supcon_loss(rows: Tensor, labels: Tensor) -> Tensor:
 
 
 def fit(source: Source) -> Fitted:
-    """Train the projection of each modality with SupCon, then a probe; held-out objects choose its C."""
+    """Train the projections with SupCon, then a probe; held-out objects choose its C."""
     maps = {name: _projection(source, name) for name in ("vis", "tac")}
     probes: dict[str, Logistic] = {
         "vis": fit_logistic(source, lambda pairs: _rows(maps["vis"], pairs.vis)),

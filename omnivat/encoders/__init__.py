@@ -1,4 +1,4 @@
-"""Image encoders behind one small contract, listed by name and loaded when first used."""
+"""Image encoders with one small contract, listed by name and loaded on first use."""
 
 from typing import Any
 

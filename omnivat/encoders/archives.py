@@ -1,8 +1,8 @@
 """Read the weights of a TorchScript archive without compiling or running its code.
 
 OpenAI publishes CLIP this way. An archive is a zip: `data.pkl` describes nested modules, each a
-table of attributes, and `data/N` holds the numbers of tensor N. Only these are read here. The names
-that the pickle may call are listed; any other name is refused.
+table of attributes, and `data/N` holds the values of tensor N. Only these are read here. The pickle
+may use only listed names; any other name raises an error.
 """
 
 import pickle
@@ -29,7 +29,7 @@ STORAGES = {
 
 
 def is_script(file: Path) -> bool:
-    """True for a TorchScript archive, which holds weights beside compiled code."""
+    """True for a TorchScript archive, which contains weights and compiled code."""
     if not is_zipfile(file):
         return False
     with ZipFile(file) as archive:
@@ -39,7 +39,7 @@ def is_script(file: Path) -> bool:
 def read_script(file: Path) -> dict[str, Tensor]:
     """Return the parameters and buffers of a TorchScript archive under their dotted names.
 
-    Raises pickle.UnpicklingError when the archive holds anything but modules, tensors and numbers.
+    Raises pickle.UnpicklingError if the archive has anything but modules, tensors and numbers.
     """
     with ZipFile(file) as archive:
         inside = next(name for name in archive.namelist() if name.endswith("/data.pkl"))
@@ -59,7 +59,7 @@ class _Module:
 
 
 class _Reader(pickle.Unpickler):
-    """Builds modules, tensors and plain values; refuses every other class or function."""
+    """Build modules, tensors and plain values; raise an error for any other class or function."""
 
     def __init__(self, handle: Any, archive: ZipFile, folder: str) -> None:
         super().__init__(handle)

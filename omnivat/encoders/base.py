@@ -1,4 +1,4 @@
-"""The contract of an encoder, the table of those there are, and how one is loaded."""
+"""The contract of an encoder, the table of encoders, and their loading."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -27,13 +27,13 @@ ENCODERS = {
 class Encoder(Protocol):
     """An image encoder with frozen weights.
 
-    name            what `load_encoder` loads it by
+    name            its name for `load_encoder`
     width           D, the length of an embedding
-    preprocessing   what happens to an image first, for people and for the header of a file
-    weights_hash    tells two sets of weights apart
-    precision       "fp32", "bf16" or "fp32-onnx": how it computes; embeddings are float32
+    preprocessing   a description of the preprocessing, also written to file headers
+    weights_hash    a hash of the weights
+    precision       "fp32", "bf16" or "fp32-onnx", for computation; embeddings are float32
 
-    An encoder with a text tower beside it also has `text_hash`, which tells those apart.
+    An encoder with a text tower also has `text_hash`, a hash of the tower's weights.
     """
 
     @property
@@ -48,7 +48,7 @@ class Encoder(Protocol):
     def precision(self) -> str: ...
 
     def preprocess(self, image: "Image.Image") -> "torch.Tensor":
-        """Return an RGB image as the (C, H, W) float32 tensor that `embed` takes."""
+        """Convert an RGB image to the (C, H, W) float32 tensor for `embed`."""
         ...
 
     def embed(self, images: "torch.Tensor") -> "torch.Tensor":
@@ -72,20 +72,21 @@ def load_encoder(
     """Load the encoder called `name`.
 
     name            a key of ENCODERS; `hf:NAME_OR_FOLDER` for a vision model of transformers;
-                    `module:function` or `file.py:function` for one's own; the name of an entry point
-                    of the group "omnivat.encoders"; or two of these, "VIS | TAC", one for each
-    weights         a checkpoint to use in place of the one found by default
-    tac_weights     the same for the second of two
+                    `module:function` or `file.py:function` for your own; the name of an entry point
+                                    of the group "omnivat.encoders"; or two of these, "VIS | TAC",
+                                    one for each
+                    weights         a checkpoint instead of the default one
+                    tac_weights     the same for the TAC encoder of two
     device          "cpu", "cuda" or "auto"
-    precision       "fp32"; for less time "bf16", whose embeddings differ a little, or, for the
-                    default encoder on a CPU, "fp32-onnx", whose last digits differ
-    download        "ask", "yes" or "no": whether missing weights may be fetched from the hub
-    weights_hash    of the weights that are wanted, where known: without `weights`, they are read
-                    where weights of that hash were read last
+    precision       "fp32"; "bf16" is faster, with slightly different embeddings; "fp32-onnx" (the
+                    default encoder on a CPU) is faster and changes only the last digits
+    download        "ask", "yes" or "no": permission to fetch missing weights from the hub
+    weights_hash    expected hash, if known: without `weights`, the last file with that hash is
+                    read
 
-    Raises MissingNameError for an unknown name, SettingsError for a precision or device that is not
-    there, and DataError when a checkpoint is missing, which names the command that fetches it, or
-    when the encoder does not keep the contract.
+    Raises MissingNameError for an unknown name, SettingsError for an unavailable precision or
+    device, DataError if the encoder violates the contract or a checkpoint is missing; the message
+    then has the command that fetches it.
     """
     from omnivat.encoders.paired import JOINED, PairEncoder
 
@@ -123,9 +124,9 @@ def _load_one(
 def text_encoder(
     name: str, *, weights: Path | None = None, device: str = "cpu"
 ) -> "Callable[[Sequence[str]], np.ndarray[Any, Any]]":
-    """Return what embeds texts (B) as float32 (B, D) in the space of the image encoder `name`.
+    """Return a function that embeds texts (B) as float32 (B, D) in the space of encoder `name`.
 
-    Raises MissingNameError for an encoder without a text tower, DataError when a checkpoint is
+    Raises MissingNameError for an encoder without a text tower, DataError if a checkpoint is
     missing.
     """
     from omnivat.encoders.clip_text import load_text_encoder

@@ -1,9 +1,10 @@
-"""Embed an image or a pair once: a small cache in memory over files on disk, keyed by content.
+"""Embed each image or pair once: a small cache in memory over files on disk, keyed by content.
 
-The key joins the bytes of the image, the encoder, its weights, precision and preprocessing, the
-crop and the mirroring. An entry is one small file: a checksum, then float32 values. It is written
-beside its place and moved there, so two processes cannot spoil each other's entries; one that is
-damaged fails its checksum and is computed again.
+The key hashes the bytes of the image, the encoder, its weights, precision and preprocessing, the
+crop
+and the mirroring. An entry is one small file: a checksum, then float32 values. It is written to a
+temporary file and moved into place, so two processes cannot corrupt it. An entry with a wrong
+checksum is computed again.
 """
 
 import threading
@@ -28,14 +29,14 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float32]
 Source = str | Path | bytes | Image.Image
-READING = "2"  # of how images are read; entries of another reading are not used
+READING = "2"  # of image reading; entries of other versions are ignored
 DIGEST = 16  # bytes of checksum before an entry's values
 
 
 class EmbeddingCache:
-    """Embeddings by key: at most `in_memory` held here and `on_disk` kept in `folder`.
+    """Embeddings by key: at most `in_memory` in memory and `on_disk` in `folder`.
 
-    folder      where entries lie; None keeps them in memory only
+    folder      folder of the entries; None keeps them in memory only
     """
 
     def __init__(
@@ -49,7 +50,7 @@ class EmbeddingCache:
             _drop_oldest(folder, on_disk)
 
     def embedding(self, key: str, compute: Callable[[], Array]) -> Array:
-        """Return the embedding of `key`, computed only when neither memory nor disk has it."""
+        """Return the embedding of `key`; compute it only if it is not cached."""
         with self._lock:
             if key in self._held:
                 self._held.move_to_end(key)
@@ -86,12 +87,12 @@ class EmbeddingCache:
         try:
             with replacing(place) as temporary:
                 temporary.write_bytes(_checksum(values) + values)
-        except OSError:  # a full or read-only disk costs time later, not this result
+        except OSError:  # a full or read-only disk costs time later, but not this result
             self._folder = None
 
 
 def default_cache() -> EmbeddingCache:
-    """Return the cache in $OMNIVAT_CACHE, or where this platform keeps a user's caches."""
+    """Return the cache in $OMNIVAT_CACHE, or in the platform's user cache folder."""
     return EmbeddingCache(cache_folder() / "embeddings")
 
 
@@ -106,9 +107,9 @@ def embed_image(
 ) -> Array:
     """Return the embedding (D,) of one image: a path, a file's bytes or an open image.
 
-    crop    side of the central square to cut first, pixels; 0 cuts nothing
+    crop    side of the central square to crop to, in pixels; 0: no crop
     flip    mirror left and right
-    name    what to call the image in an error
+    name    name of the image in errors
 
     With a cache, the same image is neither decoded nor encoded twice.
     Raises DataError as `read_image` does.
@@ -199,7 +200,7 @@ def _checksum(values: bytes) -> bytes:
 
 
 def _drop_oldest(folder: Path, keep: int) -> None:
-    """Remove the entries beyond the newest `keep`; another process may be doing the same."""
+    """Remove all but the newest `keep` entries; another process may do the same."""
     entries = []
     for path in folder.glob("??/*"):
         try:

@@ -1,4 +1,4 @@
-"""Check that an encoder of someone else keeps the contract, and give it the name that loads it."""
+"""Check a custom encoder against the contract, and name it."""
 
 from typing import Any
 
@@ -12,9 +12,9 @@ TEXTS = ("preprocessing", "weights_hash")
 
 
 def checked(encoder: Any, name: str) -> "NamedEncoder":
-    """Return `encoder` under `name`; raises DataError naming what it lacks.
+    """Return `encoder` under `name`. Raises DataError with the missing part.
 
-    An image is embedded once: one finite float32 vector of the stated width is wanted.
+    One test image must give one finite float32 vector of the stated width.
     """
     missing = [
         part for part in ("preprocess", "embed", "width", *TEXTS) if not hasattr(encoder, part)
@@ -43,7 +43,7 @@ def checked(encoder: Any, name: str) -> "NamedEncoder":
 
 
 class NamedEncoder:
-    """Someone's encoder under the name that loads it; embeddings are made float32 on the CPU."""
+    """A custom encoder under its name; embeddings become float32 on the CPU."""
 
     def __init__(self, inner: Any, name: str) -> None:
         self._inner = inner
@@ -54,7 +54,7 @@ class NamedEncoder:
         self.text_hash = str(getattr(inner, "text_hash", ""))
 
     def preprocess(self, image: Image.Image) -> Tensor:
-        """Return an RGB image as the tensor (C, H, W) that `embed` takes."""
+        """Convert an RGB image to the tensor (C, H, W) for `embed`."""
         pixels: Tensor = self._inner.preprocess(image)
         return pixels
 

@@ -1,4 +1,4 @@
-"""Find a checkpoint: as given, as the environment says, in the cache folder, or on the hub."""
+"""Find a checkpoint: as given, from the environment, in the cache folder, or on the hub."""
 
 import os
 from dataclasses import dataclass
@@ -11,11 +11,11 @@ from omnivat.files import cache_folder
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Checkpoint:
-    """What an encoder needs and where people get it.
+    """The checkpoint of an encoder, and its sources.
 
-    fetch       a shell command with {folder} for where it shall go
+    fetch       a shell command, with {folder} for the destination
     hub         its repository on the Hugging Face hub, or ""
-    megabytes   how much a download from the hub is
+    megabytes   size of the download from the hub
     """
 
     name: str
@@ -25,20 +25,20 @@ class Checkpoint:
 
     @property
     def variable(self) -> str:
-        """The environment variable that can name its place."""
+        """The environment variable for its location."""
         return "OMNIVAT_" + self.name.upper().replace("-", "_")
 
     @property
     def folder(self) -> Path:
-        """Where it is looked for when nothing else names a place."""
+        """The default location."""
         return cache_folder() / self.name
 
 
 def find(checkpoint: Checkpoint, weights: Path | None, *, download: str = "ask") -> Path:
     """Return the folder or file of a checkpoint: as given, by the environment, or by default.
 
-    Where none is on disk and no place was given, the hub's cache is searched, and the checkpoint
-    is downloaded where `download` allows it (see `hub.fetch`).
+    If none is on disk and no location was given, the hub's cache is searched, and the checkpoint is
+    downloaded if `download` allows it (see `hub.fetch`).
     Raises DataError with the command that fetches it.
     """
     given = weights or (Path(path) if (path := os.environ.get(checkpoint.variable)) else None)

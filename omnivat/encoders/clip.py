@@ -51,11 +51,11 @@ CHECKPOINTS = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Clip:
-    """A CLIP checkpoint that was read: its towers' weights and what else its files state.
+    """A CLIP checkpoint in memory: the weights of its towers, and its settings.
 
-    name    of a published CLIP where its image tower has that shape, else "clip"
-    place   the folder or file that was given
-    file    the file of weights in it
+    name    name of a published CLIP if its image tower has that shape, else "clip"
+    place   the given folder or file
+    file    the weights file in it
     """
 
     name: str
@@ -67,12 +67,12 @@ class Clip:
 
     @property
     def image_hash(self) -> str:
-        """Tells two image towers apart, whatever layout their files have."""
+        """A hash of the image tower, independent of the file layout."""
         return self._hash(self.weights.image, plain=self.weights.kind == RESNET)
 
     @property
     def text_hash(self) -> str:
-        """Tells two text towers apart; "" where the checkpoint has none."""
+        """A hash of the text tower; "" if the checkpoint has none."""
         return self._hash(self.weights.text) if self.weights.text else ""
 
     def _hash(self, state: State, *, plain: bool = False) -> str:
@@ -85,9 +85,9 @@ class Clip:
 def open_clip(name: str, weights: Path | None, *, download: str = "ask") -> Clip:
     """Find and read the checkpoint called `name`, or the one at `weights`.
 
-    download  "ask", "yes" or "no": whether a missing one may be fetched (see `hub.py`)
+    download  "ask", "yes" or "no": permission to fetch a missing one (see `hub.py`)
 
-    Raises DataError when it is missing, not of CLIP, or of another size than its name says.
+    Raises DataError if it is missing, not a CLIP, or of another size than its name states.
     """
     place = find(CHECKPOINTS[name], weights, download=download)
     found = read_weights(place, name)
@@ -125,7 +125,7 @@ def load(
 
 
 def load_tower(clip: Clip, device: torch.device, precision: str) -> ClipVit | ClipResNet:
-    """Return the image tower of a checkpoint that was read. Raises DataError where it has none."""
+    """Return the image tower of a checkpoint. Raises DataError if it has none."""
     if clip.shape is None:
         raise DataError(f"'{clip.file}' has a text tower and no image tower; name the whole model.")
     tower = ClipResNet if clip.weights.kind == RESNET else ClipVit

@@ -1,6 +1,6 @@
 """A live CLIP: both towers layer by layer, for methods that learn inside them.
 
-The towers stay frozen; gradients pass through them to whatever a method puts between their layers.
+The towers stay frozen. Gradients pass through them to modules that a method inserts between layers.
 """
 
 from collections.abc import Sequence
@@ -25,10 +25,10 @@ class LiveClip:
 
     image        a `CLIPVisionModelWithProjection` of transformers, or a ResNet `Tower`
     text         a `CLIPTextModelWithProjection` of transformers
-    is_vit       whether the image tower is a transformer
+    is_vit       True if the image tower is a transformer
     width        D of both towers' embeddings
-    side, mean, std   of the images it takes: pixels, and statistics of red, green and blue
-    logit_scale  what the model multiplies cosines by
+    side, mean, std   of input images: pixels, and statistics of red, green and blue
+    logit_scale  the model's factor of cosines
     """
 
     def __init__(self, clip: Clip, device: torch.device) -> None:
@@ -56,13 +56,14 @@ class LiveClip:
         return found
 
     def image_tokens(self, images: Tensor) -> Tensor:
-        """Return what enters the first layer: tokens (B, 1 + N, W) of images (B, 3, side, side)."""
+        """Return the input of the first layer: tokens (B, 1 + N, W) of images (B, 3, side,
+        side)."""
         tower = self.image.vision_model
         tokens: Tensor = tower.pre_layrnorm(tower.embeddings(images))
         return tokens
 
     def image_end(self, tokens: Tensor) -> Tensor:
-        """Return embeddings (B, D) of class tokens (B, W) that left the last layer."""
+        """Return embeddings (B, D) of class tokens (B, W) from the last layer."""
         ended: Tensor = self.image.visual_projection(self.image.vision_model.post_layernorm(tokens))
         return ended
 
@@ -77,7 +78,7 @@ class LiveClip:
         return self.image_end(tokens[:, 0])
 
     def text_tokens(self, texts: Sequence[str]) -> tuple[Tensor, Tensor]:
-        """Return what enters the first layer, (K, T, W), and the place (K,) of each text's end."""
+        """Return the input of the first layer, (K, T, W), and the index (K,) of each text's end."""
         found = self._tokenizer(
             list(texts),
             padding=True,
@@ -89,12 +90,12 @@ class LiveClip:
         return tokens, found["attention_mask"].sum(1) - 1
 
     def text_layer(self, layer: nn.Module, tokens: Tensor) -> Tensor:
-        """Run one layer of the text tower: every token sees those before it."""
+        """Run one layer of the text tower, with causal attention."""
         found: Tensor = layer(tokens, None, is_causal=True)
         return found
 
     def text_end(self, tokens: Tensor, ends: Tensor) -> Tensor:
-        """Return embeddings (K, D) of tokens (K, T, W) that left the last layer, read at `ends`."""
+        """Return embeddings (K, D) of tokens (K, T, W) from the last layer, read at `ends`."""
         last = self.text.text_model.final_layer_norm(tokens)
         embedded: Tensor = self.text.text_projection(last[torch.arange(len(last)), ends])
         return embedded
@@ -109,10 +110,10 @@ class LiveClip:
 
 @lru_cache(maxsize=1)
 def load_live(encoder: str, weights_hash: str) -> LiveClip:
-    """Load the CLIP that made embeddings, from where its weights were read last.
+    """Load the CLIP that made these embeddings, from the last known location of its weights.
 
-    Raises DataError when the encoder is no CLIP, its weights are not on this machine or are others
-    now, or it has no text tower.
+    Raises DataError if the encoder is not a CLIP, if its weights are missing or have changed, or if
+    it has no text tower.
     """
     from omnivat.encoders.clip import CHECKPOINTS
 

@@ -1,4 +1,4 @@
-"""The layouts that CLIP's weights come in, brought to the names that the towers are built from.
+"""Map the weights of all CLIP layouts to one set of names.
 
 Image tower of a ViT and text tower: the names of `transformers`. Image tower of a ResNet: the names
 of OpenAI without `visual.`. open_clip uses OpenAI's names; some of its models put `text.` before
@@ -39,11 +39,11 @@ _TEXT = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ClipState:
-    """CLIP's weights under one set of names, whatever layout they came in.
+    """CLIP's weights under one set of names, from any layout.
 
-    kind         "ViT", "ResNet" or "" where there is no image tower
-    image, text  the towers' weights; empty where the file has none
-    logit_scale  the logarithm of what multiplies a cosine, or None
+    kind         "ViT", "ResNet", or "" without an image tower
+    image, text  the towers' weights; empty if the file has none
+    logit_scale  logarithm of the factor of cosines, or None
     """
 
     kind: str
@@ -53,7 +53,7 @@ class ClipState:
 
 
 def clip_state(state: Mapping[str, Tensor]) -> ClipState | None:
-    """Return CLIP's weights under the names used here, or None where no CLIP is recognised."""
+    """Return CLIP's weights under the names used here, or None if this is not a CLIP."""
     scale = state.get("logit_scale")
     if any(key.startswith(("vision_model.", "text_model.")) for key in state):
         kind, image = VIT, _pick(state, "vision_model.", "visual_projection.")
@@ -74,7 +74,7 @@ def clip_state(state: Mapping[str, Tensor]) -> ClipState | None:
 
 
 def _plain(key: str) -> str:
-    """Return OpenAI's name of a weight of open_clip's models with a text tower of its own."""
+    """Return OpenAI's name for a weight of open_clip's models with a separate text tower."""
     return key.removeprefix("text.") if key.startswith("text.") else key
 
 
@@ -108,7 +108,7 @@ def _layers(state: Mapping[str, Tensor], old: str, new: str) -> State:
     found: State = {}
     for key, value in _pick(state, old).items():
         number, _, name = key.removeprefix(old).partition(".")
-        if name.startswith("attn.in_proj_"):  # query, key and value stand in one array
+        if name.startswith("attn.in_proj_"):  # query, key and value are in one array
             kind = name.removeprefix("attn.in_proj_")
             for which, part in zip("qkv", value.chunk(3), strict=True):
                 found[f"{new}{number}.self_attn.{which}_proj.{kind}"] = part.contiguous()

@@ -2,8 +2,8 @@
 
 Radford et al., "Learning Transferable Visual Models From Natural Language Supervision", 2021,
 section 2.4: a ResNet with a stem of three convolutions, average pooling before each convolution
-that would have a stride, and attention in place of the last average.
-Every size is read off the weights, so a tower of other depth or width works too.
+that would have a stride, and attention instead of the last average.
+All sizes come from the weights, so towers of other depth or width work, too.
 """
 
 from typing import TYPE_CHECKING
@@ -46,7 +46,7 @@ class Tower(nn.Module):
         self.pool = AttentionPool(state)
 
     def levels(self, x: Tensor) -> list[Tensor]:
-        """Return the maps (B, C, H, W) that leave the four stages, for images (B, 3, side, side)."""
+        """Return the output maps (B, C, H, W) of the four stages, for images (B, 3, side, side)."""
         for conv in self.stem:
             x = relu(conv(x))
         x = avg_pool2d(x, 2)
@@ -78,7 +78,7 @@ class Conv(nn.Module):
 
 
 class Bottleneck(nn.Module):
-    """Narrow, filter, pool, widen; added to its input, which is pooled and widened to fit."""
+    """Narrow, filter, pool, widen; add the input, pooled and widened to fit."""
 
     def __init__(self, state: State, name: str, *, stride: int) -> None:
         super().__init__()
@@ -99,7 +99,7 @@ class Bottleneck(nn.Module):
 
 
 class AttentionPool(nn.Module):
-    """The mean of all places asks each place, and itself, what to add up."""
+    """Attention pooling: the query is the mean over all positions."""
 
     def __init__(self, state: State) -> None:
         super().__init__()

@@ -1,4 +1,4 @@
-"""What the shapes of CLIP's weights cannot say: read from the settings files beside them."""
+"""CLIP's settings that weight shapes do not determine, read from the files next to them."""
 
 import json
 from collections.abc import Mapping
@@ -15,7 +15,7 @@ QUICK_GELU, GELU = "quick_gelu", "gelu"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ClipSettings:
-    """The activation, pixel statistics, and numbers of heads where stated.
+    """The activation, pixel statistics, and numbers of heads if stated.
 
     image, text     numbers that `config.json` states: "heads", "width", "layers", "patch", "side",
                     "eos" (the token that ends a text)
@@ -34,7 +34,7 @@ def clip_settings(weights: Weights, name: str) -> ClipSettings:
 
     Without either: QuickGELU, as OpenAI trained; GELU for open_clip's own files and training
     checkpoints, unless the run's name contains "quickgelu".
-    Raises DataError when such a file is there and is not of a CLIP model.
+    Raises DataError if such a file belongs to another kind of model.
     """
     folder = weights.file.parent
     if (folder / "config.json").is_file() and "open_clip" not in weights.file.name:

@@ -1,4 +1,4 @@
-"""What the shapes of CLIP's weights say: which network they are of, checked against its name."""
+"""Determine the network from the shapes of CLIP's weights, and check its name."""
 
 from dataclasses import dataclass
 

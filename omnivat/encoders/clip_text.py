@@ -1,4 +1,4 @@
-"""CLIP's text tower, through `transformers`: sentences into the space of the image towers."""
+"""CLIP's text tower, through `transformers`: text embeddings in the space of the images."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -18,10 +18,10 @@ from omnivat.threads import one_thread
 
 
 class ClipText:
-    """The text tower of a CLIP. `network` and `tokenizer` are open to learners.
+    """The text tower of a CLIP. Prompt learners may use `network` and `tokenizer`.
 
-    weights_hash    tells text towers apart; an image tower of the same file has it as `text_hash`
-    logit_scale     what the model multiplies cosines by; None where the checkpoint has none
+    weights_hash    a hash of the text tower; `text_hash` of the image tower in the same file
+    logit_scale     the model's factor of cosines; None if the checkpoint has none
     """
 
     def __init__(self, clip: Clip, device: torch.device) -> None:
@@ -38,7 +38,7 @@ class ClipText:
         self._device = device
 
     def embed_texts(self, texts: Sequence[str]) -> Tensor:
-        """Return the projected embeddings (B, D), float32, of B texts; long ones are cut."""
+        """Return the projected embeddings (B, D), float32, of B texts; long texts are truncated."""
         with torch.inference_mode(), one_thread():
             return torch.cat([self._embed(text) for text in texts])
 
@@ -83,10 +83,10 @@ def _network(clip: Clip) -> Any:
 def load_text_encoder(
     name: str, *, weights: Path | None = None, device: str = "cpu", download: str = "ask"
 ) -> ClipText:
-    """Load the text tower that belongs to the image encoder called `name`.
+    """Load the text tower of the image encoder called `name`.
 
-    Raises MissingNameError for an encoder without one, DataError when a checkpoint is missing or
-    holds an image tower alone.
+    Raises MissingNameError for an encoder without one, DataError if a checkpoint is missing or
+    has only an image tower.
     """
     if name not in CHECKPOINTS:
         raise MissingNameError(

@@ -1,4 +1,4 @@
-"""CLIP's tokenizer: from the files beside a checkpoint, or from a package that carries them."""
+"""CLIP's tokenizer: from files next to a checkpoint, or from an installed package."""
 
 import gzip
 from importlib.util import find_spec
@@ -11,20 +11,20 @@ from omnivat.packages import need
 
 MERGES = "bpe_simple_vocab_16e6.txt.gz"  # the file that OpenAI and open_clip ship
 CARRIERS = ("open_clip", "clip")  # packages with that file inside
-MERGED = 49152 - 256 - 2  # merges in use: the vocabulary less bytes and the two marks
+MERGED = 49152 - 256 - 2  # merges in use: the vocabulary without bytes and the two special tokens
 FILES = (("tokenizer.json",), ("vocab.json", "merges.txt"))
 
 
 def load_tokenizer(place: Path, *, longest: int, vocabulary: int) -> Any:
     """Return the tokenizer of `transformers` for a checkpoint.
 
-    place       the checkpoint: a folder or a file; its tokenizer lies in that folder
-    longest     tokens the text tower takes
-    vocabulary  tokens it has embeddings for
+    place       the checkpoint: a folder or a file; its tokenizer is in that folder
+    longest     longest text of the tower, in tokens
+    vocabulary  number of token embeddings of the tower
 
-    Looks beside the checkpoint, then in the folders of other CLIPs in the cache, then in the
+    It searches next to the checkpoint, then in the folders of other CLIPs in the cache, then in the
     packages open_clip and clip. All CLIPs share one tokenizer.
-    Raises DataError when there is none, or when it does not fit the tower.
+    Raises DataError if there is none, or if it does not fit the tower.
     """
     transformers = need("transformers", purpose="CLIP's tokenizer")
     folder = place if place.is_dir() else place.parent
@@ -53,7 +53,7 @@ def load_tokenizer(place: Path, *, longest: int, vocabulary: int) -> Any:
 
 
 def _carried() -> Path | None:
-    """Return the file of merges inside an installed package, which is not imported."""
+    """Return the merges file in an installed package, without importing the package."""
     for package in CARRIERS:
         spec = find_spec(package)
         for folder in (spec.submodule_search_locations or ()) if spec else ():

@@ -1,4 +1,4 @@
-"""CLIP's ViTs: the image tower through `transformers`, sizes read off the weights.
+"""CLIP's ViTs: the image tower through `transformers`, with sizes from the weights.
 
 Radford et al., "Learning Transferable Visual Models From Natural Language Supervision", 2021.
 """
@@ -82,7 +82,7 @@ def mlp_width(state: State, layer: str, clip: "Clip") -> int:
 
 
 def require_stated(stated: Any, found: dict[str, int], clip: "Clip") -> None:
-    """Refuse weights whose sizes are not those of the settings beside them. Raises DataError."""
+    """Raise DataError for weights whose sizes differ from the settings next to them."""
     for name, size in found.items():
         if stated.get(name, size) != size:
             raise DataError(
@@ -92,10 +92,10 @@ def require_stated(stated: Any, found: dict[str, int], clip: "Clip") -> None:
 
 
 def filled(network: Any, state: State, clip: "Clip") -> Any:
-    """Return `network`, built on meta, with its weights.
+    """Load weights into `network`, which was built on the meta device.
 
-    Buffers that no checkpoint holds (places 0, 1, 2, ...) are made here.
-    Raises DataError when weights are missing or of another shape.
+    Buffers that checkpoints lack (positions 0, 1, 2, ...) are made here.
+    Raises DataError if weights are missing or have other shapes.
     """
     wanted = network.state_dict()
     if missing := sorted(set(wanted) - set(state)):

@@ -1,6 +1,6 @@
-"""EfficientNet-Lite0: pooled features (1280) with the ImageNet weights that a pip package carries.
+"""EfficientNet-Lite0: pooled features (1280), with ImageNet weights from a pip package.
 
-Architecture: Tan and Le, "EfficientNet", ICML 2019, in its Lite variant (ReLU6 in place of swish,
+Architecture: Tan and Le, "EfficientNet", ICML 2019, in its Lite variant (ReLU6 instead of swish,
 no squeeze-and-excitation). Each batch normalisation is folded into the convolution before it.
 """
 
@@ -57,7 +57,7 @@ class Lite0(nn.Module):
 
 
 class Block(nn.Module):
-    """Inverted bottleneck: widen, filter each channel, narrow; added to its input where it fits."""
+    """Inverted bottleneck: widen, filter each channel, narrow; add the input if shapes match."""
 
     def __init__(self, state: dict[str, Tensor], name: str, *, stride: int, widens: bool) -> None:
         super().__init__()
@@ -89,7 +89,7 @@ class Conv(nn.Module):
 
     def forward(self, x: Tensor) -> Tensor:
         before, after = _same_padding(x.shape[-1], self.weight.shape[-1], self.stride)
-        if before != after:  # else the convolution pads, which costs no copy
+        if before != after:  # otherwise the convolution pads, without a copy
             x, before = pad(x, (before, after, before, after)), 0
         return conv2d(x, self.weight, self.bias, self.stride, before, groups=self.groups)
 
@@ -140,7 +140,7 @@ class EfficientNetLite0:
 def load_lite0(
     *, weights: Path | None, device: torch.device, precision: str = "fp32"
 ) -> EfficientNetLite0:
-    """Load the encoder from `weights`, or from the package that carries the published ones."""
+    """Load the encoder from `weights`, or from the package with the published ones."""
     return EfficientNetLite0(weights or _packaged_weights(), device, precision)
 
 

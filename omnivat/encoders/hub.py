@@ -1,4 +1,4 @@
-"""Download a model from the Hugging Face hub, with consent, or say in one sentence why not."""
+"""Download a model from the Hugging Face hub, with consent, or return the reason for failure."""
 
 import os
 import sys
@@ -14,11 +14,12 @@ WEIGHTS = ("model.safetensors", "pytorch_model.bin", "open_clip_model.safetensor
 
 
 def fetch(repository: str, *, megabytes: int = 0, download: str = "ask") -> Path | str:
-    """Return the folder of a model, from the hub's cache or downloaded; or a sentence why not.
+    """Return the folder of a model, cached or downloaded; or a sentence with the reason for
+    failure.
 
     repository  "owner/name"
-    megabytes   size to state in the question, where known
-    download    "yes" downloads, "no" never does, "ask" asks on a terminal and otherwise does not
+    megabytes   size shown in the prompt, if known
+    download    "yes", "no", or "ask", which prompts on a terminal and otherwise means "no"
 
     `huggingface_hub` draws its progress bar and keeps its cache ($HF_HOME); $HF_ENDPOINT names a
     mirror, $HTTPS_PROXY a proxy, and $HF_HUB_OFFLINE=1 forbids every download.
@@ -42,7 +43,7 @@ def fetch(repository: str, *, megabytes: int = 0, download: str = "ask") -> Path
 
 
 def explained(error: Exception, repository: str) -> str:
-    """Return one sentence on why a download failed, and what to do."""
+    """Return one sentence with the reason of a failed download and the remedy."""
     kind, status = type(error).__name__, _status(error)
     if status in (401, 403) or "Gated" in kind:
         return f"The hub refuses {repository} without a login ({kind}); run `hf auth login`."
@@ -73,21 +74,21 @@ def _cached(repository: str) -> Path | None:
 
 
 def _downloaded(repository: str) -> Path:
-    """Download the settings, the tokenizer and one file of weights; safetensors where offered."""
+    """Download settings, tokenizer and one weights file, safetensors if available."""
     from huggingface_hub import HfApi, snapshot_download
 
-    # One request: a listing of files is tried again for half a minute where there is no network.
+    # One request, because listing files retries for half a minute without a network.
     offered = {file.rfilename for file in HfApi().model_info(repository).siblings or ()}
     weights = next((name for name in WEIGHTS if name in offered), None)
     if weights is None:
         raise FileNotFoundError(f"{repository} offers no weights")
-    # The weights come last: a model whose weights are in the cache is then whole.
+    # Weights last: if they are in the cache, the model is complete.
     snapshot_download(repository, allow_patterns=[*SMALL_FILES])
     return Path(snapshot_download(repository, allow_patterns=[*SMALL_FILES, weights]))
 
 
 def _agreed(question: str, ask: Callable[[str], str] = input) -> bool:
-    """Ask on a terminal; elsewhere nobody can agree."""
+    """Prompt on a terminal; without one, return False."""
     if not (sys.stdin.isatty() and sys.stderr.isatty()):
         return False
     try:
@@ -109,7 +110,7 @@ def _endpoint() -> str:
 
 
 def _status(error: BaseException | None) -> int | None:
-    """Return the HTTP status of an error or of what caused it."""
+    """Return the HTTP status of an error or of its cause."""
     while error is not None:
         response = getattr(error, "response", None)
         if (code := getattr(response, "status_code", None)) is not None:

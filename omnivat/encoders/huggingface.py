@@ -1,8 +1,9 @@
 """Any vision model of `transformers` as an encoder: `hf:NAME_OR_FOLDER`.
 
-Pooling, in this order: image features where the model has a text tower beside it (CLIP, SigLIP,
-SigLIP 2); the class token (DINOv2, DINOv3, ViT); the model's own pooled output (ConvNeXt, ResNet,
-vision towers of SigLIP); else the mean of all tokens (I-JEPA). The header of a file states which.
+Pooling is the first of these that the model has: projected image features (models with a text
+tower:
+CLIP, SigLIP, SigLIP 2); the class token (DINOv2, DINOv3, ViT); the model's pooled output (ConvNeXt,
+ResNet, vision towers of SigLIP); the mean of all tokens (I-JEPA). File headers state the pooling.
 """
 
 import json
@@ -32,12 +33,12 @@ def load(
     precision: str = "fp32",
     download: str = "ask",
 ) -> TorchEncoder:
-    """Load the vision model in a folder, or of that name on the hub.
+    """Load a vision model from a folder or from the hub.
 
-    model    a folder as `save_pretrained` writes it, or "owner/name"
-    weights  a folder in place of it
+    model    a folder written by `save_pretrained`, or "owner/name"
+    weights  another folder to use instead
 
-    Raises DataError when there is none, it is not of a vision model, or lacks weights.
+    Raises DataError if it does not exist, is not a vision model, or lacks weights.
     """
     folder = _folder(weights or Path(model), model, download)
     network = _network(folder)
@@ -58,7 +59,7 @@ def load(
 
 
 class _Tower(nn.Module):
-    """The part of a model that sees images: its state without the text tower's."""
+    """The image part of a model: its state without the text tower."""
 
     def __init__(self, network: nn.Module, run: Callable[[Tensor], Tensor]) -> None:
         super().__init__()
@@ -85,13 +86,13 @@ def _folder(place: Path, model: str, download: str) -> Path:
 
 
 def _network(folder: Path) -> Any:
-    """Load the model, and refuse one whose weights are not all there."""
+    """Load the model. Raises DataError if weights are missing."""
     transformers = need("transformers", purpose="hf: encoders")
     try:
         network, info = transformers.AutoModel.from_pretrained(
             folder, local_files_only=True, output_loading_info=True, dtype=torch.float32
         )
-    except Exception as error:  # each kind of damaged folder has its own error there
+    except Exception as error:  # transformers has a different error for each kind of damaged folder
         first = (str(error).strip().splitlines() or [type(error).__name__])[0][:160]
         raise DataError(
             f"'{folder}' cannot be loaded as a model of transformers: {first}"
@@ -107,7 +108,7 @@ def _network(folder: Path) -> Any:
 
 
 def _unused(network: Any, key: str) -> bool:
-    """True for a pooling layer that is made at random where the class token or a mean is used."""
+    """True for a randomly initialized pooling layer that is not used here."""
     return key.startswith("pooler.") and (_has_class_token(network) or not _has_pooled(network))
 
 
@@ -120,7 +121,7 @@ def _has_pooled(network: nn.Module) -> bool:
 
 
 def _run_and_pooling(network: Any, side: int) -> tuple[Callable[[Tensor], Tensor], str]:
-    """Return what turns images into (B, D), and its name."""
+    """Return the function from images to (B, D), and the name of its pooling."""
     inputs = partial(_inputs, patch=_patches(network))
     if hasattr(network, "get_image_features"):
 
@@ -159,7 +160,7 @@ def _pooling(network: Any, example: dict[str, Tensor]) -> str:
 
 
 def _patches(network: Any) -> int | None:
-    """Return the side of a patch for a model that takes patches (SigLIP 2 NaFlex), else None."""
+    """Return the patch side for a model with patch input (SigLIP 2 NaFlex), else None."""
     config = getattr(network.config, "vision_config", network.config)
     return int(config.patch_size) if hasattr(config, "num_patches") else None
 
@@ -199,7 +200,7 @@ def _image_settings(folder: Path, config: Any) -> tuple[int, tuple[float, ...], 
 
 
 def _side(size: Any) -> int | None:
-    """Return the side of a square that `size` names in one of the ways of `transformers`."""
+    """Return the side of the square given by `size`, in any form that `transformers` uses."""
     if isinstance(size, Mapping):
         size = next((size[key] for key in ("shortest_edge", "height") if key in size), None)
     if isinstance(size, list | tuple):

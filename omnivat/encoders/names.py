@@ -1,4 +1,4 @@
-"""What the name of an encoder can be, and the function that loads it."""
+"""Resolve an encoder's name to the function that loads it."""
 
 import importlib
 import importlib.util
@@ -13,8 +13,8 @@ from omnivat.errors import DataError, MissingNameError, SettingsError
 from omnivat.tables import load, suggestion
 
 GROUP = "omnivat.encoders"  # of the entry points that other packages declare
-IMPORTED = "imported:"  # before the name of an encoder that is not here
-HUB = "hf:"  # before the folder or hub name of a model of transformers
+IMPORTED = "imported:"  # prefix of an encoder that is not available here
+HUB = "hf:"  # prefix of a folder or hub name of a transformers model
 
 
 def loader_of(name: str, table: Mapping[str, str]) -> Callable[..., Any]:
@@ -23,7 +23,7 @@ def loader_of(name: str, table: Mapping[str, str]) -> Callable[..., Any]:
     name    a name in `table`; `hf:NAME_OR_FOLDER`; `module:function` or `path/file.py:function`; or
             an entry point of the group "omnivat.encoders"
 
-    Raises MissingNameError for an unknown name, DataError where the named code cannot be imported.
+    Raises MissingNameError for an unknown name, DataError if the named code cannot be imported.
     """
     if name in table:
         found: Callable[..., Any] = load(table, name, kind="encoder")
@@ -50,11 +50,11 @@ def loader_of(name: str, table: Mapping[str, str]) -> Callable[..., Any]:
 
 
 def accepted(loader: Callable[..., Any], name: str, wanted: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the settings that a loader takes.
+    """Return the settings that a loader accepts.
 
-    wanted  setting -> value. One that a loader lacks is left out where nobody asked for it: weights
-            None, precision "fp32", download "ask", or a device, which then is the loader's own.
-    Raises SettingsError where somebody did.
+    wanted  setting -> value. Default values that the loader lacks are dropped: weights None,
+            precision "fp32", download "ask", and the device, which the loader then chooses.
+    Raises SettingsError for any other setting that the loader lacks.
     """
     taken = inspect.signature(loader).parameters
     if any(parameter.kind is parameter.VAR_KEYWORD for parameter in taken.values()):
@@ -74,7 +74,7 @@ def _imported(name: str, importer: Callable[[], Any]) -> Callable[..., Any]:
         found = importer()
     except DataError:
         raise
-    except Exception as error:  # whatever someone's module does when it is imported
+    except Exception as error:  # any error of the imported module
         raise DataError(
             f"The encoder '{name}' cannot be imported ({type(error).__name__}: {error}); check the "
             "module and the folder this command runs in."
@@ -86,7 +86,7 @@ def _imported(name: str, importer: Callable[[], Any]) -> Callable[..., Any]:
 
 
 def _attribute(name: str) -> Any:
-    """Return the function that "module:function" or "path/file.py:function" names."""
+    """Return the function of "module:function" or "path/file.py:function"."""
     module, _, attribute = name.rpartition(":")
     if module.endswith(".py"):
         file = Path(module)

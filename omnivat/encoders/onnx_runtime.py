@@ -1,4 +1,4 @@
-"""A network in ONNX Runtime: fp32 still, sooner on a CPU, other last digits than torch's."""
+"""Run a network in ONNX Runtime: fp32, faster on a CPU, different last digits."""
 
 import logging
 import warnings
@@ -16,12 +16,12 @@ PACKAGES = ("onnx", "onnxscript", "onnxruntime")
 
 
 def in_onnx_runtime(network: nn.Module, example: Tensor) -> Callable[[Tensor], Tensor]:
-    """Return what runs `network` on one image (1, 3, H, W), on one thread of its own.
+    """Return a function that runs `network` on one image (1, 3, H, W), on one thread.
 
-    The network is translated when it is loaded, which takes some seconds, and nothing of that stays
-    on disk. Several threads may call it at once.
+    The conversion at loading takes a few seconds and leaves nothing on disk. Several threads may
+    call the function at once.
 
-    Raises MissingPackageError where a package of ONNX is not installed.
+    Raises MissingPackageError if a package of ONNX is not installed.
     """
     with TemporaryDirectory() as folder:
         file = Path(folder) / "network.onnx"
@@ -30,14 +30,14 @@ def in_onnx_runtime(network: nn.Module, example: Tensor) -> Callable[[Tensor], T
 
 
 def translate(network: nn.Module, example: Tensor, file: Path) -> None:
-    """Write `network` to `file`; its input takes the shape of `example`, one image (1, 3, H, W).
+    """Write `network` to `file`; its input has the shape of `example`, one image (1, 3, H, W).
 
-    Raises MissingPackageError where a package of ONNX is not installed.
+    Raises MissingPackageError if a package of ONNX is not installed.
     """
     for name in PACKAGES:
         need(name, purpose="precision fp32-onnx", install=" ".join(PACKAGES))
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of torch's exporter, about its own parts
+        warnings.simplefilter("ignore")  # warnings of torch's exporter about itself
         quiet = logging.getLogger("torch.onnx")
         before, quiet.level = quiet.level, logging.ERROR
         try:
@@ -49,7 +49,8 @@ def translate(network: nn.Module, example: Tensor, file: Path) -> None:
 
 
 def running(file: Path) -> Callable[[Tensor], Tensor]:
-    """Return what runs the network in `file` on one image (1, 3, H, W), on one thread."""
+    """Return a function that runs the network in `file` on one image (1, 3, H, W), on one
+    thread."""
     runtime = import_module("onnxruntime")
     settings = runtime.SessionOptions()
     settings.intra_op_num_threads = settings.inter_op_num_threads = 1

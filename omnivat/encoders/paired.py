@@ -1,4 +1,4 @@
-"""One encoder for photos and another for tactile images, as one."""
+"""Two encoders, for photos and for tactile images, as one."""
 
 from typing import TYPE_CHECKING
 
@@ -16,8 +16,8 @@ JOINED = " | "  # between the names of the two, VIS first
 class PairEncoder:
     """Two encoders: `vis` for photos, `tac` for tactile images.
 
-    Where their widths differ, the narrower one's embeddings end in zeros, which changes no length,
-    distance or cosine within a modality. Its name joins both names, so that it can be loaded again.
+    If their widths differ, the narrower embeddings are padded with zeros, which changes no length,
+    distance or cosine within a modality. The name combines both names, so it can be loaded again.
     """
 
     def __init__(self, vis: "Encoder", tac: "Encoder") -> None:
@@ -42,7 +42,7 @@ class PairEncoder:
 
 
 class _Padded:
-    """An encoder whose embeddings end in zeros, up to `width`."""
+    """An encoder with embeddings padded with zeros to `width`."""
 
     def __init__(self, inner: "Encoder", width: int) -> None:
         self._inner = inner
@@ -61,7 +61,7 @@ class _Padded:
 
 
 def for_modality(encoder: "Encoder", modality: str) -> "Encoder":
-    """Return what encodes "vis" or "tac": the encoder itself unless it has one for each."""
+    """Return the encoder for "vis" or "tac"; a single encoder serves both."""
     if not isinstance(encoder, PairEncoder):
         return encoder
     found: Encoder = encoder.vis if modality == "vis" else encoder.tac

@@ -1,7 +1,7 @@
-"""Remember where the weights of an encoder lie, so that a head finds its encoder again.
+"""Remember the location of an encoder's weights, so that a head can find its encoder.
 
-One small JSON file in the cache folder: hash of the weights, or name of a set of images -> path. It
-stays on this machine.
+This is one small local JSON file in the cache folder: hash of the weights, or name of an image set
+-> path.
 """
 
 import json
@@ -12,11 +12,11 @@ from omnivat.data.embeddings import Header
 from omnivat.errors import WriteError
 from omnivat.files import cache_folder, write_json
 
-NEWEST = 200  # places kept
+NEWEST = 200  # entries kept
 
 
 def remember(weights_hash: str, place: Path) -> None:
-    """Note where weights were read. A cache that cannot be written costs convenience only."""
+    """Store the location of weights. If the cache cannot be written, nothing else fails."""
     places = _read()
     path = str(place.resolve())
     if places.get(weights_hash) == path:
@@ -30,13 +30,13 @@ def remember(weights_hash: str, place: Path) -> None:
 
 
 def recall(weights_hash: str) -> Path | None:
-    """Return where weights of that hash were read last, if they still lie there."""
+    """Return the last location of weights with that hash, if they are still there."""
     path = _read().get(weights_hash)
     return Path(path) if path and Path(path).exists() else None
 
 
 def images_key(header: Header) -> str:
-    """Return the name under which the folder of a set's images is noted; as a hash of weights is."""
+    """Return the key for the image folder of a set."""
     told = "\x1f".join((*header.key, *header.domains, header.origin.partition(";")[0]))
     return "images " + blake2b(told.encode(), digest_size=8).hexdigest()
 

@@ -1,4 +1,4 @@
-"""What encoders share: pixels to tensors, hashing weights, and running a network image by image."""
+"""Shared by encoders: pixels to tensors, hashes of weights, and running image by image."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -15,7 +15,7 @@ from omnivat.shapes import require_shapes
 from omnivat.threads import one_thread, pin_thread
 
 M = TypeVar("M", bound=torch.nn.Module)
-SIDE = 224  # pixels, as in the paper; another size only where the weights need it
+SIDE = 224  # pixels, as in the paper; other sizes only if the weights require them
 CLIP_MEAN = (0.48145466, 0.4578275, 0.40821073)
 CLIP_STD = (0.26862954, 0.26130258, 0.27577711)
 ONNX = "fp32-onnx"
@@ -36,7 +36,7 @@ def pixels(
 
 
 def resized(side: int, mean: Sequence[float], std: Sequence[float]) -> str:
-    """Return in words what `pixels` does, for the header of a file.
+    """Return a description of `pixels` for file headers.
 
     >>> resized(224, (0.5, 0.5, 0.5), (0.5, 0.5, 0.5))
     'resize 224x224 bicubic, RGB, mean 0.5 0.5 0.5, std 0.5 0.5 0.5'
@@ -49,7 +49,7 @@ def resized(side: int, mean: Sequence[float], std: Sequence[float]) -> str:
 
 
 def state_hash(state: Mapping[str, torch.Tensor]) -> str:
-    """Return 16 hex digits that tell weights apart, whatever file or format they came in."""
+    """Return a hash of weights, 16 hex digits, independent of file and format."""
     digest = blake2b(digest_size=8)
     for name in sorted(state):
         tensor = state[name].detach().cpu().contiguous()
@@ -59,12 +59,12 @@ def state_hash(state: Mapping[str, torch.Tensor]) -> str:
 
 
 def precision_type(precision: str, device: torch.device, *, onnx: bool = False) -> torch.dtype:
-    """Return the number type to compute in.
+    """Return the dtype for computation.
 
-    onnx  whether the encoder runs in ONNX Runtime, too
+    onnx  True if the encoder supports ONNX Runtime
 
-    Raises SettingsError for an unknown name, for "bf16" on a CPU that would only imitate it, and for
-    "fp32-onnx" where it is not offered.
+    Raises SettingsError for an unknown name, for "bf16" on a CPU that only emulates it, and for
+    "fp32-onnx" if it is not supported.
     """
     if precision not in PRECISIONS:
         raise SettingsError(f"precision is '{precision}'; choose {' or '.join(PRECISIONS)}.")
@@ -78,10 +78,10 @@ def precision_type(precision: str, device: torch.device, *, onnx: bool = False) 
 
 
 def cpu_has_bf16() -> bool:
-    """Tell whether this CPU has instructions that multiply bf16.
+    """True if this CPU has bf16 instructions.
 
-    oneDNN says yes to every processor with AVX-512; where the instructions lack it imitates them,
-    slower than fp32. So an x86 CPU is asked itself.
+    oneDNN reports bf16 for every processor with AVX-512, and emulates missing instructions, slower
+    than fp32. On x86, the CPU's own flags are therefore read.
     """
     usable = torch.backends.mkldnn.is_available()
     if not usable or not torch.ops.mkldnn._is_mkldnn_bf16_supported():

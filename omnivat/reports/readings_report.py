@@ -112,7 +112,7 @@ def headline(
     intervals: Mapping[str, Mapping[Row, Interval]],
     labels: Mapping[str, str],
 ) -> str:
-    """Return one sentence for a metric: ours, the best other row, and the interval of the difference."""
+    """Return one sentence for a metric: ours, the best other row, and the interval."""
     best = max(others[metric], key=lambda row: others[metric][row].value)
     found = intervals[metric][best]
     verdict = "zero is outside" if found.low > 0 or found.high < 0 else "zero is inside"
