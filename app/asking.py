@@ -1,4 +1,4 @@
-"""What every question about a pair shares: its two images, as embeddings."""
+"""Shared by all requests about a pair: its two images, as embeddings."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
@@ -13,16 +13,16 @@ if TYPE_CHECKING:
 
 
 def refs_from(question: Mapping[str, Any]) -> dict[str, Ref | None]:
-    """Return what a question names as VIS and TAC."""
+    """Return the references of a request's VIS and TAC images."""
     return {modality: ref_from(question.get(modality)) for modality in ("vis", "tac")}
 
 
 def embedded(
     resources: Resources, refs: Mapping[str, Ref | None]
 ) -> "dict[str, torch.Tensor | None]":
-    """Return the embeddings (1, input_width) of the images named, None where one is left out.
+    """Return the embeddings (1, input_width) of the named images; None for a missing one.
 
-    Raises DataError when both are left out or one is not to be had.
+    Raises DataError if both are missing or one is not available.
     """
     if not any(refs.values()):
         raise DataError("Choose a pair first: a VIS image, a TAC image or both.")
@@ -35,5 +35,5 @@ def embedded(
 
 
 def rounded(values: "np.ndarray[Any, Any]") -> list[list[float]]:
-    """Return rows of numbers with six digits, enough for anything the page shows."""
+    """Round numbers to six digits, enough for the page."""
     return [[round(float(v), 6) for v in row] for row in values]

@@ -1,4 +1,4 @@
-"""The page's own components: plain HTML and an ES module each, no build step."""
+"""The page's components: plain HTML and an ES module each, no build step."""
 
 from pathlib import Path
 
@@ -6,7 +6,7 @@ WEB = Path(__file__).parent / "web"
 
 
 def component(name: str) -> None:
-    """Put the component `web/<name>/<name>.html` here; the script beside it brings it to life."""
+    """Add the component `web/<name>/<name>.html`; the script next to it starts it."""
     import gradio as gr
 
     gr.HTML(

@@ -1,7 +1,7 @@
-"""Decoding what visitors send: within one budget of memory, and where it cannot hang the server.
+"""Decode visitors' images within a memory budget, without hanging the server.
 
-A small plain JPEG or PNG is decoded here. Everything else is decoded by a process of its own, which
-serves one picture, may hold little memory, and is killed when it takes too long.
+A small plain JPEG or PNG is decoded here. Any other image is decoded by a separate process for one
+image, with limited memory; it is killed if it takes too long.
 """
 
 import ctypes
@@ -24,15 +24,15 @@ from omnivat.errors import DataError, OmniVatError
 if TYPE_CHECKING:
     from PIL import Image
 
-SIMPLE_BYTES = 4_000_000  # a file larger than this is read elsewhere
-LARGE = 8_000_000  # bytes of a picture after which freed memory is handed back
+SIMPLE_BYTES = 4_000_000  # a larger file is read by a separate process
+LARGE = 8_000_000  # bytes of a picture; beyond, freed memory is returned to the system
 READY = b"ready\n"
 Check = Callable[[], None]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Picture:
-    """A decoded picture, upright RGB, perhaps smaller than it was, and the size that it had."""
+    """A decoded picture, upright RGB, perhaps scaled down, and its original size."""
 
     image: "Image.Image"
     width: int
@@ -40,7 +40,7 @@ class Picture:
 
 
 class Budget:
-    """Bytes that all requests share; who wants more than is left waits."""
+    """Memory shared by all requests; a request for more than is left waits."""
 
     def __init__(self, total: int = IMAGE_MEMORY) -> None:
         self._total = self._left = total
@@ -48,7 +48,7 @@ class Budget:
 
     @contextmanager
     def of(self, wanted: int, check: Check) -> Iterator[None]:
-        """Hold `wanted` bytes, or all there are where it is more; `check` may end the wait."""
+        """Reserve `wanted` bytes, at most the whole budget; `check` may end the wait."""
         wanted = min(wanted, self._total)
         with self._changed:
             while not self._changed.wait_for(lambda: self._left >= wanted, timeout=0.1):
@@ -63,7 +63,7 @@ class Budget:
 
 
 class Decoder:
-    """Reads images that visitors send; one for the whole server."""
+    """Reads visitors' images; one instance for the server."""
 
     def __init__(self) -> None:
         self._budget = Budget()
@@ -71,12 +71,12 @@ class Decoder:
         self._spare: subprocess.Popen[bytes] | None = None
 
     def read(self, source: bytes | Path, name: str, check: Check = lambda: None) -> Picture:
-        """Return the picture in some bytes or a file.
+        """Return the picture in bytes or a file.
 
-        name   what to call it in an error
-        check  called while other pictures are waited for; what it raises ends the wait
+        name   its name in errors
+        check  called while waiting for other pictures; an error it raises ends the wait
 
-        Raises DataError in one sentence where it is not an image that is taken.
+        Raises DataError, one sentence, for an unsupported image.
         """
         from omnivat.data.images import VISITORS, examined, read_image
 
@@ -91,12 +91,12 @@ class Decoder:
         if image.width * image.height * 4 > LARGE:
             hand_back()
         width, height = found.width, found.height
-        if (width > height) != (image.width > image.height):  # it was turned upright
+        if (width > height) != (image.width > image.height):  # it was rotated upright
             width, height = height, width
         return Picture(image=image, width=width, height=height)
 
     def _elsewhere(self, source: bytes | Path, content: Any, name: str) -> "Image.Image":
-        """Have the picture read by a process that can be killed."""
+        """Read the picture in a process that can be killed."""
         from PIL import Image
 
         size = 0 if isinstance(source, Path) else len(content)
@@ -124,7 +124,7 @@ class Decoder:
         return Image.frombuffer("RGB", tuple(answer["size"]), pixels, "raw", "RGB", 0, 1).copy()
 
     def _process(self) -> "subprocess.Popen[bytes]":
-        """Return a process that is ready, and start the next one."""
+        """Return a ready process, and start the next one."""
         with self._lock:
             process, self._spare = self._spare or _started(), _started()
         if process.stdout is None or process.stdout.readline() != READY:
@@ -132,7 +132,7 @@ class Decoder:
         return process
 
     def close(self) -> None:
-        """End the process that waits."""
+        """Stop the waiting process."""
         with self._lock:
             if self._spare is not None:
                 self._spare.kill()
@@ -148,7 +148,7 @@ def _jpeg_cost(found: Any) -> int:
 
 @contextmanager
 def _content(source: bytes | Path, name: str) -> Iterator[bytes | mmap]:
-    """Give the bytes of a picture; those of a file are mapped."""
+    """Yield the bytes of a picture; a file is memory-mapped."""
     if isinstance(source, bytes):
         if not source:
             raise DataError(f"'{name}' is empty (0 bytes); copy or save the image again.")
@@ -178,14 +178,14 @@ def _libc() -> Any:
 
 
 def hand_back() -> None:
-    """Give freed memory back to the system, where the system has a call for it."""
+    """Return freed memory to the system, if it has a call for that."""
     with suppress(OSError, AttributeError):
         if libc := _libc():
             libc.malloc_trim(0)
 
 
 def serve() -> None:
-    """Read one picture in this process: a question on standard input, pixels on standard output."""
+    """Read one picture in this process: request on standard input, pixels on standard output."""
     from omnivat.data.images import VISITORS, read_image
 
     with suppress(ImportError, ValueError, OSError):
@@ -193,7 +193,7 @@ def serve() -> None:
 
         resource.setrlimit(resource.RLIMIT_DATA, (DECODER_BYTES, DECODER_BYTES))
         resource.setrlimit(resource.RLIMIT_CPU, (DECODE_S, DECODE_S))
-    for kind in ("Png", "Jpeg", "WebP"):  # imported while nobody waits
+    for kind in ("Png", "Jpeg", "WebP"):  # imported before a request arrives
         __import__(f"PIL.{kind}ImagePlugin")
     answers = sys.stdout.buffer
     answers.write(READY)

@@ -1,8 +1,10 @@
-"""Heads and sets that visitors load through the page, each under a name made from its content.
+"""Heads and sets loaded by visitors, each named by a hash of its content.
 
-A desk is what one visitor works with. The server starts with one; a loaded head or set makes
-another, known to nobody without its name. Files live in the server's own temporary folder; a desk
-that is dropped takes its files and its unfinished jobs with it.
+A desk is the head and set that a visitor uses. The server starts with one. A loaded head or set
+makes
+another, which only those with its name can reach. Files are in the server's temporary folder;
+removing
+a desk removes its files and cancels its unfinished jobs.
 """
 
 import os
@@ -41,14 +43,14 @@ class Desks:
         self._lock = Lock()
         self._loaded: OrderedDict[str, Resources] = OrderedDict()
         self._shipped: dict[str, Resources] = {}
-        self._beside: dict[str, str] = {}  # desk -> the desk whose files it uses, too
+        self._beside: dict[str, str] = {}  # desk -> another desk whose files it uses
         self._folders: dict[str, Path] = {}
         self._parts = Parts(self.shared.scratch)
 
     def named(self, name: str) -> Resources:
-        """Return the desk that a request names; the first one where it names none.
+        """Return the desk named by a request; without a name, the first one.
 
-        Raises ForgottenError where the server has it no longer.
+        Raises ForgottenError if the server no longer has it.
         """
         if not name:
             return self.first
@@ -64,7 +66,7 @@ class Desks:
         )
 
     def _shipped_named(self, name: str) -> Resources:
-        """Return a set that comes with the project; it is opened once and stays."""
+        """Return a set of the project; it is opened once and stays open."""
         where = shipped_places(name)
         if (where.head, where.embeddings) == (self.first.where.head, self.first.where.embeddings):
             return self.first
@@ -74,9 +76,9 @@ class Desks:
             return self._shipped[name]
 
     async def keep_part(self, name: str, content: "AsyncIterator[bytes]") -> str:
-        """Write one file of a head or set as it comes; return what to call it in `load`.
+        """Write one file of a head or set as it arrives; return its name for `load`.
 
-        Raises DataError for a file that belongs to neither, or is too large.
+        Raises DataError for a file of another kind, or one that is too large.
         """
         return await self._parts.keep(name, content)
 
@@ -88,15 +90,16 @@ class Desks:
         compare: bool,
         check: Callable[[], None] = lambda: None,
     ) -> str:
-        """Make a desk of files that were sent; return its name.
+        """Make a desk from uploaded files; return its name.
 
-        parts    file name -> what `keep_part` called it
-        beside   the desk that gives what is not among the parts
-        compare  whether the head is to stand beside the desk's own rather than in its place
-        check    called between steps; what it raises ends the work
+        parts    file name -> its name from `keep_part`
+        beside   the desk that provides what is not among the parts
+        compare  True adds the head for comparison instead of replacing the desk's own
+        check    called between steps; an error it raises ends the work
 
-        Two equal loads at once make one desk. Raises DataError in one sentence when the files are
-        not a head or set, or do not fit.
+        Two equal loads at the same time make one desk. Raises DataError, one sentence, if the files
+        are
+        not a head or set, or do not fit together.
         """
         base = self.named(beside)
         key = _key(parts, beside, compare)
@@ -110,10 +113,10 @@ class Desks:
         return self._made(key, beside, placed, check)
 
     def adopt(self, head: "Head", *, beside: str) -> str:
-        """Make a desk of a head that the server trained; return its name.
+        """Make a desk from a head trained on the server; return its name.
 
-        beside  the desk that gives the set
-        Raises DataError when the head does not fit that set.
+        beside  the desk that provides the set
+        Raises DataError if the head does not fit that set.
         """
         from omnivat.checkpoint import save_head
 
@@ -132,7 +135,7 @@ class Desks:
         placed: Callable[[Path], Places],
         check: Callable[[], None],
     ) -> str:
-        """Fill a folder of its own, check what lies there, and take it among the desks."""
+        """Fill a new folder, check its content, and add it as a desk."""
         folder = self.shared.scratch.folder(os.urandom(8).hex())
         try:
             desk = Resources(placed(folder), self.shared, owner=key)
@@ -146,7 +149,7 @@ class Desks:
             shutil.rmtree(folder, ignore_errors=True)
             raise
         with self._lock:
-            if first := key not in self._loaded:  # nobody made the same meanwhile
+            if first := key not in self._loaded:  # no other request made the same desk
                 self._loaded[key], self._beside[key], self._folders[key] = desk, beside, folder
             dropped = self._too_many()
         for owner, old in dropped.items():
@@ -157,7 +160,7 @@ class Desks:
         return key
 
     def _too_many(self) -> dict[str, Path]:
-        """Forget the desks unused for longest whose files no other desk uses; return their folders."""
+        """Remove the least recently used desks whose files no other desk uses; return their folders."""
         dropped: dict[str, Path] = {}
         while len(self._loaded) > KEPT_DESKS:
             used = set(self._beside.values())
@@ -171,7 +174,7 @@ class Desks:
     def _placed(
         self, folder: Path, parts: Mapping[str, str], base: Places, *, compare: bool
     ) -> Places:
-        """Put the parts in their places under `folder`."""
+        """Move the parts to their places under `folder`."""
         for name, sent in parts.items():
             self._parts.place(name, sent, folder / ("head" if name in HEAD else ".") / name)
         where = replace(base, computed=folder, frames=None)

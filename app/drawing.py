@@ -1,4 +1,4 @@
-"""Pictures made of a few shapes, written as SVG text or as PNG: no browser, no plotting library."""
+"""Pictures of simple shapes, as SVG or PNG, without a browser or a plotting library."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -12,12 +12,12 @@ from omnivat.files import replacing, write_text
 Point = tuple[float, float]
 INK, SOFT, GRID = "#0f172a", "#55637a", "#dbe2ea"
 SCALE = 2  # pixels of a PNG for one unit
-FINE = 2  # a PNG is drawn this much larger and shrunk, so that edges are smooth
+FINE = 2  # a PNG is drawn this much larger and scaled down, for smooth edges
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Shape:
-    """One shape. Filled where `fill` is given, with a line where `stroke` is.
+    """One shape, filled if `fill` is given, with an outline if `stroke` is given.
 
     kind    "circle" (one point and `size`), "triangle" (the same), "line" (points), "area" (corners),
             "rect" (two corners) or "text" (one point and `text`)
@@ -37,7 +37,7 @@ class Shape:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Picture:
-    """Shapes on a white ground, later ones above earlier ones."""
+    """Shapes on a white background, later ones on top."""
 
     width: float
     height: float
@@ -51,7 +51,7 @@ def text(point: Point, words: str, size: float = 12, anchor: str = "start") -> S
 
 
 def write_picture(path: Path, picture: Picture) -> None:
-    """Write SVG or PNG, whichever the name asks for. Raises SettingsError for another ending."""
+    """Write SVG or PNG, by the ending of the name. Raises SettingsError for another ending."""
     ending = path.suffix.lower()
     if ending == ".svg":
         write_text(path, svg(picture))
@@ -63,7 +63,7 @@ def write_picture(path: Path, picture: Picture) -> None:
 
 
 def triangle(point: Point, size: float) -> tuple[Point, Point, Point]:
-    """Return the corners of a triangle that looks as large as a circle of radius `size`."""
+    """Return the corners of a triangle of the visual size of a circle of radius `size`."""
     x, y = point
     return (x, y - 1.25 * size), (x + 1.25 * size, y + size), (x - 1.25 * size, y + size)
 
@@ -148,7 +148,7 @@ def _scaled(points: Iterable[Point], factor: float) -> list[Point]:
 
 
 def _dashes(points: Sequence[Point], length: float) -> Iterable[tuple[Point, Point]]:
-    """Give the drawn parts of a straight line from the first point to the last."""
+    """Yield the dashes of a straight line from the first point to the last."""
     (x0, y0), (x1, y1) = points[0], points[-1]
     span = max(((x1 - x0) ** 2 + (y1 - y0) ** 2) ** 0.5, 1e-9)
     for k in range(int(span / length / 2) + 1):

@@ -1,4 +1,4 @@
-"""The pairs that one can pick: `<domain>/<class>/<name>_{vis,tac}.(png|webp|jpg)`."""
+"""Example pairs: `<domain>/<class>/<name>_{vis,tac}.(png|webp|jpg)`."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,7 +11,7 @@ ENDINGS = (".png", ".webp", ".jpg", ".jpeg")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Example:
-    """One pair of image files to pick."""
+    """One example: a pair of image files."""
 
     name: str  # "TAG-sim/wood/a": unique
     domain: str
@@ -25,7 +25,7 @@ class Example:
 
 
 def find_examples(folder: Path) -> dict[str, Example]:
-    """Return the complete pairs under `folder` by name; a folder that is not there has none."""
+    """Return the complete pairs under `folder` by name; a missing folder has none."""
     found = {}
     for vis in sorted(folder.glob("*/*/*_vis.*")):
         if vis.suffix.lower() not in ENDINGS:
@@ -43,7 +43,7 @@ def find_examples(folder: Path) -> dict[str, Example]:
 def example_named(examples: dict[str, Example], name: str) -> Example:
     """Return the example called `name`.
 
-    Raises DataError when there is none.
+    Raises DataError if there is none.
     """
     if name not in examples:
         raise DataError(f"No example is called '{name:.80}'; pick one of the gallery.")
@@ -51,7 +51,7 @@ def example_named(examples: dict[str, Example], name: str) -> Example:
 
 
 def listed(examples: dict[str, Example]) -> list[dict[str, object]]:
-    """Return what the gallery shows of each example."""
+    """Return the gallery's data for each example."""
     return [
         {
             "name": one.name,

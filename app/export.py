@@ -1,4 +1,4 @@
-"""What `python -m omnivat export` writes: pictures, or Explore as one file that needs no Python."""
+"""`python -m omnivat export`: pictures, or Explore as one HTML file."""
 
 import base64
 import json
@@ -20,7 +20,7 @@ from omnivat.files import write_text
 from omnivat.progress import OnStep, Step, ignore
 
 IMPORT = re.compile(r'(\bfrom\s+|\bimport\s+|\bimport\()"(\.{1,2}/[\w./]+\.js)"')
-PREFIX = "omnivat-web/"  # a bare name, which an import map may resolve to a data: address
+PREFIX = "omnivat-web/"  # a bare name, which an import map can resolve to a data: address
 FIRST, TOUR = "explore/explore.js", "header/tour.js"
 
 PAGE = """<!doctype html>
@@ -53,14 +53,14 @@ start(document.querySelector("#explore"));
 
 
 def where_from(head: Path | None, embeddings: Path | None) -> Places:
-    """Return where things lie, the project's own where None."""
+    """Return the locations of head and set; None means the project's own."""
     return places(head, embeddings)
 
 
 def frames_file(where: Places, on_step: OnStep = ignore) -> Path:
-    """Return the frames of a head and a set, computed first where no file holds them.
+    """Return the frames of a head and a set; compute them if there is no file.
 
-    Raises DataError with the reason where there can be none.
+    Raises DataError with the reason if that fails.
     """
     job = Resources(where).frames
     if where.frames is None:
@@ -76,9 +76,9 @@ def export_picture(
 ) -> None:
     """Write the map or the curves as SVG or PNG.
 
-    order  the learned one if None
+    order  None: the learned one
 
-    Raises SettingsError for a map, colouring or ending that is not there.
+    Raises SettingsError for an unknown map, colouring or ending.
     """
     from omnivat.frames import read_frames
 
@@ -94,8 +94,7 @@ def export_picture(
 def export_page(where: Places, frames: Path, out: Path) -> None:
     """Write Explore with all its frames and thumbnails as one HTML file.
 
-    It opens from disk in a browser, asks nothing of any server, and says so where a server would
-    be needed.
+    It opens from disk in a browser and needs no server. Features that need a server show a note.
     """
     from omnivat.frames import read_frames
 
@@ -117,7 +116,7 @@ def export_page(where: Places, frames: Path, out: Path) -> None:
 
 
 def held_files(where: Places, frames: Path) -> dict[str, str]:
-    """Return all that a saved page would ask a server for, by path, as data: addresses."""
+    """Return all server data of a saved page, by path, as data: addresses."""
     resources = Resources(where)
     binary = "application/octet-stream"
     held = {"frames": data_address(frames.read_bytes(), binary)}
@@ -156,12 +155,12 @@ def scripts() -> dict[str, str]:
 
 
 def _beside(folder: str, wanted: str) -> str:
-    """Return the path below `web` of a script that is imported as `wanted` from `folder`."""
+    """Return the path below `web` of the script imported as `wanted` from `folder`."""
     return normpath(f"{folder}/{wanted}")
 
 
 def _bare(folder: str, match: re.Match[str]) -> str:
-    """Return an import of a relative path as one of a bare name."""
+    """Return an import with its relative path replaced by a bare name."""
     return f'{match[1]}"{PREFIX}{_beside(folder, match[2])}"'
 
 

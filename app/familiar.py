@@ -1,4 +1,4 @@
-"""How familiar the images of a pair are, and which training pairs are nearest to them."""
+"""Familiarity of a pair's images, and their nearest training pairs."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
@@ -14,19 +14,19 @@ if TYPE_CHECKING:
     Index = np.ndarray[Any, Any]
 
 NEAREST = 3
-UNLIKE = 0.05  # a quantile below it is unlike the training images: the answer is a guess
+UNLIKE = 0.05  # below this quantile, the prediction is a guess
 
 
 def familiar(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
-    """Return how familiar each image of a pair is to the head.
+    """Return the familiarity of each image of a pair.
 
     question  {"vis", "tac": references}
     return    `images`: modality -> `nearest`, the nearest training pairs of the loaded set and
-              their cosines in E; and, where the head's folder holds what it takes, `cosine`,
+              their cosines in E; and, if the head's folder has the training embeddings, `cosine`,
               `quantile` (share of the training images with a less similar nearest neighbour),
-              `words` and `guess`; `of`: whose pairs `nearest` are
+              `words` and `guess`; `of`: the set of the `nearest` pairs
 
-    Raises DataError where the set is of another encoder.
+    Raises DataError if the set has another encoder.
     """
     head, embeddings = resources.head(), resources.embeddings()
     head.require_embeddings(embeddings)
@@ -46,9 +46,9 @@ def familiar(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any
 
 
 def _training_pairs(resources: Resources) -> "tuple[Index, str]":
-    """Return rows of the set that the head was trained on, and what they are in words.
+    """Return the training rows of the set, and their description.
 
-    All rows, where the set lacks the head's source.
+    If the set lacks the head's source, all rows.
     """
     import numpy as np
 
@@ -64,7 +64,7 @@ def _training_pairs(resources: Resources) -> "tuple[Index, str]":
 def _nearest(
     resources: Resources, name: str, raw: "torch.Tensor", index: "Index", own_row: int
 ) -> list[dict[str, Any]]:
-    """Return the training pairs whose image is nearest by cosine in E, the pair itself left out."""
+    """Return the training pairs whose image is nearest by cosine in E, except the pair itself."""
     import torch
 
     from omnivat.gaps.unit import unit

@@ -1,4 +1,4 @@
-"""The map's frames: a file that is there, or one computed in the background, coarse first."""
+"""The map's frames: an existing file, or one computed in the background, coarse first."""
 
 import logging
 import shutil
@@ -23,24 +23,24 @@ if TYPE_CHECKING:
 log = logging.getLogger(__name__)
 COARSE = tuple(k / 10 for k in range(11))
 FINE = tuple(k / 100 for k in range(101))
-RECIPE = 3  # of what is drawn; maps of another recipe are made again
+RECIPE = 3  # version of the maps; those of other versions are computed again
 FIRST_LOOK, LAST_TOUCH = 0, 2  # priorities; training is between them
-RETRY_S = 5.0  # after a failure, a map that is still wanted is tried again
+RETRY_S = 5.0  # seconds before a failed map is tried again
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FramesState:
-    """What can be shown now (`file`), whether more is coming (`step`), or why nothing is."""
+    """The current file (`file`), the step in progress (`step`), or the reason of a failure."""
 
     file: Path | None = None
     step: Step | None = None
     problem: str = ""
-    place: int = 0  # in the queue, from 1; 0 where the work does not wait
+    place: int = 0  # in the queue, from 1; 0 if not waiting
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Source:
-    """Whose frames they are: two files, and how to have them loaded."""
+    """The head and set of the frames: two files, and a function to load them."""
 
     head: Path
     embeddings: Path
@@ -50,11 +50,11 @@ class Source:
 
 
 def cache_name(head: Path, embeddings: Path, drawn: int = 0) -> str:
-    """Return a name made from the content of both, so that neither can change unseen.
+    """Return a hash of both files, so that a change of either gives another name.
 
     drawn  how many pairs are drawn at random where there are more; 0 for all
 
-    Raises DataError when a file is missing.
+    Raises DataError if a file is missing.
     """
     from omnivat.frames.file import VERSION
 
@@ -72,7 +72,7 @@ def cache_name(head: Path, embeddings: Path, drawn: int = 0) -> str:
 
 
 class FramesJob:
-    """Gives the frames of a head and a set, computing them as a job where no file holds them."""
+    """The frames of a head and a set, computed as a job if there is no file."""
 
     def __init__(
         self,
@@ -92,7 +92,7 @@ class FramesJob:
         self._failed_at = 0.0
 
     def state(self) -> FramesState:
-        """Return what there is; the first call starts the work where work is needed."""
+        """Return the state; the first call starts the work if needed."""
         with self._lock:
             if not self._whole and self._wanted():
                 self._job = self._jobs.start(
@@ -110,14 +110,14 @@ class FramesJob:
         return FramesState(file=file, step=step, place=status.place)
 
     def wait(self) -> FramesState:
-        """Return the state once the work has ended."""
+        """Wait for the work to end; return the state."""
         self.state()
         if self._job is not None:
             self._job.future.exception()
         return self.state()
 
     def _wanted(self) -> bool:
-        """Whether work is to be started: the first time, and again a while after a failure."""
+        """True if work must start: the first time, and some time after a failure."""
         if self._job is None:
             return True
         if self._job.status().state not in ("failed", "cancelled"):
@@ -159,7 +159,7 @@ class FramesJob:
         *,
         linear: bool = False,
     ) -> None:
-        """Compute the frames of some stops and write them; `linear` leaves all but PCA out."""
+        """Compute and write the frames of some stops; `linear` computes PCA only."""
         from omnivat.checkpoint import head_hash
         from omnivat.frames import build_frames, write_frames
         from omnivat.frames.build import DEFAULT_MAPS
@@ -182,14 +182,14 @@ class FramesJob:
         write_frames(to, frames)
         try:
             job.check()
-        except JobStopped:  # its folder may have been removed while this was written
+        except JobStopped:  # its folder may have been removed in the meantime
             if self._folder is not None:
                 shutil.rmtree(self._folder, ignore_errors=True)
             raise
 
 
 def first_stops(learned: float) -> tuple[float, ...]:
-    """Return the stops of the first look at a large set: the learned p and one end.
+    """Return the first stops of a large set: the learned p and one end.
 
     >>> first_stops(0.498), first_stops(0.0)
     ((0.0, 0.498), (0.0, 1.0))
@@ -198,7 +198,7 @@ def first_stops(learned: float) -> tuple[float, ...]:
 
 
 def readable(file: Path) -> bool:
-    """Whether a file holds frames; a damaged one is removed, so that it is made again."""
+    """True if a file holds frames; a damaged one is removed, so that it is computed again."""
     if not file.is_file():
         return False
     from omnivat.frames import read_frames

@@ -1,7 +1,8 @@
-"""Who may talk to the server, and what its page may do: checked before any route is reached.
+"""Access rules of the server and its page, checked before any route.
 
-A page of another site may not send anything, and a name that was bound to this machine without its
-owner's doing (DNS rebinding) is not served. The page itself loads nothing from elsewhere.
+Pages of other sites may not send requests. Host names that others bind to this machine (DNS
+rebinding)
+are not served. The page itself loads nothing from other hosts.
 """
 
 import json
@@ -27,18 +28,18 @@ INLINE = re.compile(rb"<script(?![^>]*\ssrc=)[^>]*>(.*?)</script>", re.DOTALL)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rules:
-    """Names by which the server may be called, and pages that may frame it."""
+    """Allowed host names, and pages that may frame the server."""
 
     names: frozenset[str] = LOOPBACK
-    addresses: bool = False  # whether any numeric address may call it
+    addresses: bool = False  # True allows any numeric address
     framed: bool = False
 
 
 def rules(host: str, names: Iterable[str] = (), *, framed: bool = False) -> Rules:
-    """Return the rules of a server that listens on `host` and may be called `names`, too.
+    """Return the rules of a server on `host` with the additional host names `names`.
 
-    Beyond loopback the machine's own name and numeric addresses are taken: neither can be bound
-    to this machine by another site.
+    Beyond loopback, the machine's own name and numeric addresses are allowed, because no other site
+    can bind them to this machine.
     """
     own = {host.strip("[]").lower(), *(name.strip("[]").lower() for name in names)}
     if is_loopback(host):
@@ -47,7 +48,7 @@ def rules(host: str, names: Iterable[str] = (), *, framed: bool = False) -> Rule
 
 
 def is_loopback(host: str) -> bool:
-    """Whether only this machine can reach what listens on `host`."""
+    """True if only this machine can reach `host`."""
     try:
         return ip_address(host.strip("[]")).is_loopback
     except ValueError:
@@ -55,13 +56,13 @@ def is_loopback(host: str) -> bool:
 
 
 class Guard:
-    """The rules around an application (ASGI)."""
+    """An ASGI application wrapped in the rules."""
 
     def __init__(self, app: App, rules: Rules) -> None:
         self._app, self._rules = app, rules
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Serve a request, or refuse it in a sentence."""
+        """Serve a request, or refuse it with a sentence."""
         if scope["type"] not in ("http", "websocket"):
             await self._app(scope, receive, send)
             return
@@ -72,7 +73,7 @@ class Guard:
         await self._app(scope, receive, self._guarded(send) if scope["type"] == "http" else send)
 
     def _guarded(self, send: Send) -> Send:
-        """Return a `send` that adds the headers; a page is held back until it is whole."""
+        """Return a `send` that adds the headers; a page is buffered until it is complete."""
         held: list[MutableMapping[str, Any]] = []
 
         async def guarded(message: MutableMapping[str, Any]) -> None:
@@ -99,7 +100,7 @@ class Guard:
 
 
 def refused(scope: Scope, rules: Rules) -> str:
-    """Return why a request is refused, in one sentence; "" where it is served."""
+    """Return the reason for refusing a request, one sentence; "" if it is served."""
     host = _header(scope["headers"], b"host").decode("latin-1")
     if not _known(_name(host), rules):
         return (
@@ -139,7 +140,8 @@ def _name(host: str) -> str:
 
 
 def _place(origin: str) -> tuple[str, int | None]:
-    """Return name and port. Behind a proxy the scheme may differ, so usual ports are one."""
+    """Return name and port. Default ports are equal, because the scheme may differ behind a
+    proxy."""
     try:
         parts = urlsplit(origin)
         port = parts.port
@@ -149,14 +151,14 @@ def _place(origin: str) -> tuple[str, int | None]:
 
 
 def headers(page: bytes, rules: Rules) -> list[tuple[bytes, bytes]]:
-    """Return what the browser is told; the inline scripts of `page` are the only ones that run."""
+    """Return the response headers; they allow only the inline scripts of `page`."""
     hashes = " ".join(
         f"'sha256-{b64encode(sha256(script).digest()).decode()}'" for script in INLINE.findall(page)
     )
     policy = "; ".join(
         [
             "default-src 'self'",
-            # Gradio builds its components' code from text
+            # Gradio compiles component code from text
             f"script-src 'self' 'unsafe-eval' {hashes}".strip(),
             "style-src 'self' 'unsafe-inline'",
             "img-src 'self' data: blob:",
@@ -197,7 +199,7 @@ async def _refuse(scope: Scope, send: Send, problem: str) -> None:
 
 
 def warning(host: str, port: int) -> str:
-    """Return what the owner of a server that others can reach is told; "" where nobody can."""
+    """Return the warning for the owner of a server that others can reach; else ""."""
     if is_loopback(host):
         return ""
     return (

@@ -1,8 +1,10 @@
-"""Work that takes a while: a queue with places, a state for each job, and an end for every job.
+"""Long work: a queue with positions, and a state for each job.
 
-A job is a function that takes its `Job` and calls `job.report(step)` or `job.check()` now and then.
-That is where it ends when its visitor is gone or its time is over, and where it waits while a job
-of a better priority goes first. Whatever is raised ends in a sentence and a state.
+A job is a function that takes its `Job` and regularly calls `job.report(step)` or `job.check()`. In
+these
+calls it stops if its visitor is gone or its time is over, and waits while a job of higher priority
+runs.
+Every error becomes a sentence and a state.
 """
 
 import logging
@@ -26,7 +28,7 @@ State = Literal["waiting", "running", "done", "failed", "cancelled"]
 
 
 class JobStopped(BaseException):
-    """Raised inside a cancelled job; no handler of errors on the way takes it for one."""
+    """Raised in a cancelled job; not an Exception, so that no handler catches it."""
 
 
 class CancelledError(OmniVatError):
@@ -36,34 +38,34 @@ class CancelledError(OmniVatError):
 
 
 class BusyError(OmniVatError):
-    """Too much is waiting already, or the work took too long."""
+    """Too many jobs are waiting, or the work took too long."""
 
     status = 503
 
 
 class UnexpectedError(OmniVatError):
-    """The job failed in a way that nobody thought of; the log has the traceback."""
+    """The job failed unexpectedly; the log has the traceback."""
 
     status = 500
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Status:
-    """What can be said of a job now."""
+    """The current state of a job."""
 
     state: State
-    place: int  # in the queue, from 1; 0 where it does not wait
-    step: Step | None  # how far it is
-    problem: str  # why it failed, in one sentence
+    place: int  # in the queue, from 1; 0 if not waiting
+    step: Step | None  # progress
+    problem: str  # reason of a failure, one sentence
 
     @property
     def ended(self) -> bool:
-        """Whether nothing more will happen."""
+        """True if the job has ended."""
         return self.state in ("done", "failed", "cancelled")
 
 
 class Job(Generic[T]):
-    """One piece of work: where it stands, and its end."""
+    """One job: its state and its result."""
 
     def __init__(
         self,
@@ -82,32 +84,32 @@ class Job(Generic[T]):
         self.rank = (priority, number)
         self.cancelled = False
         self.left_s = deadline_s
-        self.since = 0.0  # when it was last let in
+        self.since = 0.0  # when it last started running
         self.thread: Thread | None = None
         self._jobs, self._work = jobs, work
         self._step: Step | None = None
         self._state: State = "waiting"
 
     def report(self, step: Step) -> None:
-        """Say how far the work is; raises as `check` does."""
+        """Report progress; raises the errors of `check`."""
         self._step = step
         self.check()
 
     def check(self) -> None:
-        """Go on, wait for a better job, or stop: raises JobStopped or, out of time, BusyError."""
+        """Continue, or wait for a job of higher priority. Raises JobStopped or, out of time, BusyError."""
         self._jobs.pause(self)
 
     def go_on_at(self, priority: int) -> None:
-        """Go on at another priority; raises as `check` does."""
+        """Continue at another priority; raises the errors of `check`."""
         self.priority, self.rank = priority, (priority, self.rank[1])
         self.check()
 
     def cancel(self) -> None:
-        """Stop the work: at once where it waits, at its next `check` where it runs."""
+        """Stop the work: at once if it waits, at its next `check` if it runs."""
         self._jobs.cancel(self)
 
     def status(self) -> Status:
-        """Return where the job stands."""
+        """Return the state of the job."""
         error = self.future.exception() if self.future.done() else None
         return Status(
             state=self._state,
@@ -117,11 +119,11 @@ class Job(Generic[T]):
         )
 
     def wait(self, timeout_s: float | None = None) -> T:
-        """Return what the work returned; raises its OmniVatError, or TimeoutError."""
+        """Return the result of the work; raises its OmniVatError, or TimeoutError."""
         return self.future.result(timeout_s)
 
     def run(self) -> None:
-        """Do the work and keep its end; called in the job's own thread."""
+        """Run the work and store its result; called in the job's own thread."""
         self._state = "running"
         try:
             value = self._work(self)
@@ -130,7 +132,7 @@ class Job(Generic[T]):
         except OmniVatError as error:
             log.info("a job was refused: %s", error)
             self.end("failed", error)
-        except BaseException:  # whatever it is, somebody waits for the end
+        except BaseException:  # for any error: a caller waits for the end
             log.exception("a job failed")
             self.end("failed", UnexpectedError(UNEXPECTED))
         else:
@@ -144,7 +146,7 @@ class Job(Generic[T]):
 
 
 class _Lane:
-    """Jobs of one kind: those that run, at most `slots`, and those that wait, best first."""
+    """Jobs of one kind: at most `slots` running, and the waiting ones, highest priority first."""
 
     def __init__(self, slots: int) -> None:
         self.slots = slots
@@ -155,7 +157,7 @@ class _Lane:
         insort(self.waiting, job, key=lambda one: one.rank)
 
     def next(self) -> Job[Any] | None:
-        """Move the best waiting job among those that run; None where none may."""
+        """Move the first waiting job to the running ones; None if there is no slot."""
         if len(self.running) >= self.slots or not self.waiting:
             return None
         job = self.waiting.pop(0)
@@ -164,7 +166,7 @@ class _Lane:
 
 
 class Jobs:
-    """Runs jobs, in lanes that do not wait for one another."""
+    """Runs jobs in lanes; lanes are independent of one another."""
 
     def __init__(self, slots: Mapping[str, int] = SLOTS) -> None:
         self._lanes = {name: _Lane(number) for name, number in slots.items()}
@@ -183,11 +185,11 @@ class Jobs:
     ) -> Job[T]:
         """Put work in the queue of a lane; return the job.
 
-        owner       whose work it is: `cancel_owner` ends it; one owner has OWN_JOBS at most
-        priority    the smaller goes first; a running job gives way at its next check
-        deadline_s  seconds of running, not of waiting; none where None
+        owner       owner of the job, for `cancel_owner`; an owner has at most OWN_JOBS jobs
+        priority    smaller numbers run first; a running job yields at its next check
+        deadline_s  seconds of running, without waiting; None: no limit
 
-        Raises BusyError when too much waits already.
+        Raises BusyError if too many jobs are waiting.
         """
         line = self._lanes[lane]
         with self._changed:
@@ -206,7 +208,7 @@ class Jobs:
         return job
 
     def pause(self, job: Job[Any]) -> None:
-        """Stop the job where it was cancelled or is late; let better jobs go first."""
+        """Stop the job if it is cancelled or out of time; wait for jobs of higher priority."""
         line = self._lanes[job.lane]
         with self._changed:
             self._require_time(job)
@@ -233,14 +235,14 @@ class Jobs:
             job.end("cancelled", CancelledError("This work was cancelled."))
 
     def cancel_owner(self, owner: str) -> None:
-        """Stop every job of an owner who is gone."""
+        """Stop every job of an owner."""
         with self._changed:
             theirs = [job for job in self._all() if job.owner == owner]
         for job in theirs:
             self.cancel(job)
 
     def close(self, wait_s: float = 2.0) -> None:
-        """Stop everything, take nothing more, and wait a moment for threads to end."""
+        """Stop all jobs, accept no more, and wait briefly for threads to end."""
         with self._changed:
             self._closed = True
             everything = self._all()
@@ -252,7 +254,7 @@ class Jobs:
                 job.thread.join(max(0.0, until - monotonic()))
 
     def place(self, job: Job[Any]) -> int:
-        """Return the job's place in its queue, from 1; 0 where it does not wait."""
+        """Return the job's position in its queue, from 1; 0 if it is not waiting."""
         with self._changed:
             waiting = self._lanes[job.lane].waiting
             return waiting.index(job) + 1 if job in waiting else 0
@@ -276,7 +278,7 @@ class Jobs:
             job.left_s -= monotonic() - job.since
 
     def _let_in(self, line: _Lane) -> None:
-        """Start or wake what may run now; the lock is held."""
+        """Start or wake the jobs that may run now; the caller holds the lock."""
         while job := line.next():
             job.since = monotonic()
             if job.thread is None:
@@ -287,7 +289,7 @@ class Jobs:
         job.thread = Thread(target=self._run, args=(job,), name="job", daemon=True)
         try:
             job.thread.start()
-        except RuntimeError:  # the system gives no more threads
+        except RuntimeError:  # the system has no more threads
             job.thread = None
             line.running.discard(job)
             job.end("failed", BusyError("The server has no thread left; try again in a minute."))

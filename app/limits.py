@@ -1,24 +1,24 @@
-"""How much the page takes in at once."""
+"""Limits of the page."""
 
 MAX_IMAGE_BYTES = 20_000_000  # a phone's photo is 3 to 12 MB
-MAX_PIXELS = 64_000_000  # the library reads no more; said in the page
-IMAGE_MEMORY = 200_000_000  # bytes that all pictures being decoded may hold together
-DECODE_S = 3  # seconds of a processor that decoding one picture may take
-DECODE_WAIT_S = 8  # seconds after which it is killed, however busy the machine is
-DECODER_BYTES = 220_000_000  # of memory of such a process
-IDLE_S = 20  # seconds without a byte of what a visitor sends
-BODY_S = 600  # seconds in all for what a visitor sends
+MAX_PIXELS = 64_000_000  # the library's limit, shown in the page
+IMAGE_MEMORY = 200_000_000  # memory for all pictures being decoded
+DECODE_S = 3  # CPU seconds to decode one picture
+DECODE_WAIT_S = 8  # seconds after which decoding is killed
+DECODER_BYTES = 220_000_000  # memory of such a process
+IDLE_S = 20  # seconds without a byte of an upload
+BODY_S = 600  # seconds for a whole upload
 MAX_QUESTION_BYTES = 10_000
-SLOTS = {"quick": 2, "long": 1}  # jobs that run at a time: questions; maps and training
+SLOTS = {"quick": 2, "long": 1}  # jobs that run at a time: requests; maps and training
 WAITING_JOBS = 200  # in one lane; more are refused
 OWN_JOBS = 6  # of one owner in one lane
-DRAWN_PAIRS = 20_000  # of a larger set that many are drawn at random, and the page says so
-LARGE_SET = 4_000  # pairs from which the first look is PCA alone, at two stops
-KEPT_DESKS = 3  # heads or sets loaded through the page, each with a map of its own
-KEPT_PARTS = 200  # files that have arrived; who sends more waits until some are old
-PARTS_BYTES = 2_000_000_000  # of them together
-PART_S = 600  # seconds that they are kept for certain
-# files of a head or a set that the page takes, and the largest size of each
+DRAWN_PAIRS = 20_000  # a larger set is sampled to this many pairs, and the page shows that
+LARGE_SET = 4_000  # from this many pairs on, the first maps are PCA at two stops
+KEPT_DESKS = 3  # heads or sets loaded through the page
+KEPT_PARTS = 200  # uploaded files; more must wait until some are old
+PARTS_BYTES = 2_000_000_000  # total size of them
+PART_S = 600  # seconds that they are kept at least
+# accepted files of a head or set, and the largest size of each
 PARTS = {
     "weights.safetensors": 64_000_000,
     "settings.json": 1_000_000,

@@ -1,4 +1,4 @@
-"""One picture of a camera after the other: embed, answer, forget."""
+"""Camera pictures: embed, predict, discard."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -20,15 +20,15 @@ def live(
     name: str = "the image",
     check: Callable[[], None] = lambda: None,
 ) -> dict[str, Any]:
-    """Answer one picture, with the other image of the pair where there is one.
+    """Predict one picture, together with the other image of the pair if given.
 
-    content   the bytes of the picture or their file, neither of which is kept
-    check     called now and then; what it raises ends the work
-    modality  what it is, "vis" or "tac"
-    order     p in quarter turns; the learned one if None
+    content   the bytes of the picture or their file; neither is kept
+    check     called regularly; an error it raises ends the work
+    modality  "vis" or "tac"
+    order     p in quarter turns; None: the learned one
     return    classes, probabilities of each reading, and milliseconds of each part
 
-    Raises DataError when the picture cannot be read or `modality` is unknown.
+    Raises DataError if the picture cannot be read or `modality` is unknown.
     """
     if modality not in ("vis", "tac"):
         raise DataError(f"modality is '{modality:.20}'; it is vis or tac.")
