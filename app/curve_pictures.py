@@ -1,4 +1,4 @@
-"""The curves of a frames file as a picture: what Explore draws beside the map, for a paper or a slide."""
+"""The curves of a frames file as a picture, as in Explore, for a paper or a slide."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from app.drawing import GRID, SOFT, Picture, Shape, text
 if TYPE_CHECKING:
     from omnivat.frames import FrameSet
 
-STAGES = {
+TITLES = {  # of the stages
     "raw": "raw embedding E",
     "frft": "raw DFrFT",
     "relu": "F after ReLU",
@@ -30,7 +30,7 @@ Series = Sequence[float | None]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Plot:
-    """Where one chart lies, and how values become places."""
+    """Position and scale of one chart."""
 
     left: float
     top: float
@@ -39,7 +39,7 @@ class Plot:
     most: float
 
     def at(self, p: float, value: float) -> tuple[float, float]:
-        """Return the place of a value at p, kept within the axes."""
+        """Return the position of a value at p, clipped to the axes."""
         x0, x1, y0, y1 = self.box
         share = (p - self.start) / (self.end - self.start or 1)
         level = min(1.0, max(0.0, value / self.most))
@@ -55,8 +55,8 @@ class Plot:
 def curves_picture(frames: "FrameSet", *, stage: str = "f_hat", order: float) -> Picture:
     """Return the four curves over p on fixed axes, with `order` and the learned p marked.
 
-    The pale band is where a head of fixed weights is at home; of retrained heads it is the span
-    from the lowest to the highest training, and dots are the stops.
+    For fixed weights, the pale band shows the orders that the head was trained for. For retrained
+    heads, it spans the lowest to the highest training, and dots mark the stops.
     """
     shapes: list[Shape] = []
     for k, (name, title) in enumerate(CURVES):
@@ -68,13 +68,13 @@ def curves_picture(frames: "FrameSet", *, stage: str = "f_hat", order: float) ->
             most=highest(frames, name),
         )
         shapes += chart(frames, plot, name, title, stage, order)
-    note = f"OmniVaT, {STAGES.get(stage, stage)}, {caption(frames)}"
+    note = f"OmniVaT, {TITLES.get(stage, stage)}, {caption(frames)}"
     shapes.append(text((EDGE, 2 * HIGH + 18), note, 11))
     return Picture(width=2 * WIDE, height=2 * HIGH + 30, shapes=tuple(shapes), title=note)
 
 
 def caption(frames: "FrameSet") -> str:
-    """Return what the frames are of, in words."""
+    """Return a caption for the frames."""
     what = "simulated data" if frames.embeddings.get("simulated") else "real data"
     source = frames.head.get("source")
     parts = [what, *([f"trained on {source}"] if source else [])]
@@ -89,7 +89,7 @@ def caption(frames: "FrameSet") -> str:
 
 
 def curve_of(frames: "FrameSet", name: str, stage: str) -> Series | None:
-    """Return the values of a measure at a stage; accuracy is never of training pairs."""
+    """Return the values of a measure at a stage; accuracy excludes training pairs."""
     if name != "accuracy":
         return frames.curves.get(f"{name}/{stage}")
     retrained = frames.head.get("kind") == "retrained"
@@ -97,14 +97,14 @@ def curve_of(frames: "FrameSet", name: str, stage: str) -> Series | None:
 
 
 def span_of(frames: "FrameSet", name: str, stage: str) -> tuple[Series, Series] | None:
-    """Return the lowest and highest of several trainings, or None where there are none."""
+    """Return the lowest and highest of several trainings, or None for one training."""
     stem = "seeds:accuracy/unseen" if name == "accuracy" else f"seeds:{name}/{stage}"
     low, high = (frames.curves.get(f"{stem}/{end}") for end in ("low", "high"))
     return None if low is None or high is None else (low, high)
 
 
 def highest(frames: "FrameSet", name: str) -> float:
-    """Return the end of an axis that holds a measure at every stage and stop."""
+    """Return the upper limit of a measure over all stages and stops."""
     if name == "accuracy":
         return 1.0
     found = [values for key, values in frames.curves.items() if key.startswith(f"{name}/")]
@@ -114,7 +114,7 @@ def highest(frames: "FrameSet", name: str) -> float:
 def chart(
     frames: "FrameSet", plot: Plot, name: str, title: str, stage: str, order: float
 ) -> list[Shape]:
-    """Return one chart; the dashed line is the raw embedding's, or guessing."""
+    """Return one chart; the dashed line is the raw embedding, or chance."""
     own = curve_of(frames, name, stage)
     raw = frames.curves.get(f"{name}/raw")
     level = 1 / len(frames.classes) if name == "accuracy" else (raw[0] if raw else None)
@@ -126,7 +126,7 @@ def chart(
     if not known:
         return [*shapes, text((plot.box[1], plot.box[3] - 14), "not measured", 12, "end")]
     line = tuple(plot.at(p, v) for p, v in known)
-    kind = frames.head.get("kind", "moved")  # fixed weights away from their p are drawn in grey
+    kind = frames.head.get("kind", "moved")  # fixed weights are grey away from their p
     shapes.append(
         Shape(kind="line", points=line, stroke=SOFT if kind == "moved" else ACCENT, size=2)
     )

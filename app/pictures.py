@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
-from app.curve_pictures import STAGES
+from app.curve_pictures import TITLES
 from app.drawing import Picture, Shape, text
 from omnivat.errors import SettingsError
 
@@ -51,7 +51,7 @@ def map_picture(
         )
     at = frames.orders[stop] if len(drawn.orders) == 1 else frames.orders[drawn.orders[frame]]
     what = "simulated data" if frames.embeddings.get("simulated") else "real data"
-    title = f"OmniVaT, {STAGES[stage]}, p = {at:.2f}, {kind.upper()}, {what}"
+    title = f"OmniVaT, {TITLES[stage]}, p = {at:.2f}, {kind.upper()}, {what}"
     legend, bottom = legend_of(names)
     return Picture(
         width=SIDE,

@@ -4,12 +4,59 @@ import json
 import types
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, fields, is_dataclass
-from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
+from typing import Any, NamedTuple, TypeVar, Union, get_args, get_origin, get_type_hints
 
 from omnivat.errors import SettingsError
 from omnivat.tables import suggestion
 
 S = TypeVar("S")
+
+
+class Within(NamedTuple):
+    """The range of a number, ends included, as a field declares it: `Annotated[int, Within(1, 9)]`."""
+
+    low: float
+    high: float
+
+    def allows(self, value: Any) -> bool:
+        """Return whether the value is in the range; NaN is in none."""
+        return bool(self.low <= value <= self.high)
+
+    def __str__(self) -> str:
+        return f"{self.low:g} to {self.high:g}"
+
+
+class OneOf(NamedTuple):
+    """The texts that a field takes: `Annotated[str, OneOf(NAMES)]`."""
+
+    names: tuple[str, ...]
+
+    def allows(self, value: Any) -> bool:
+        """Return whether the value is one of the names."""
+        return value in self.names
+
+    def __str__(self) -> str:
+        return f"one of {', '.join(self.names)}"
+
+
+def declared(kind: type[Any]) -> dict[str, Within | OneOf]:
+    """Return what each field of a settings record takes, where it declares that."""
+    hints = get_type_hints(kind, include_extras=True)
+    return {
+        name: limit
+        for name, hint in hints.items()
+        for limit in getattr(hint, "__metadata__", ())
+        if isinstance(limit, Within | OneOf)
+    }
+
+
+def require_declared(settings: object) -> None:
+    """Refuse a value that its field does not take. Raises SettingsError."""
+    for name, limit in declared(type(settings)).items():
+        value = getattr(settings, name)
+        if not limit.allows(value):
+            shown = f"'{value}'" if isinstance(value, str) else f"{value}"
+            raise SettingsError(f"{name} is {shown}; choose {limit}.")
 
 
 def settings_from(kind: type[S], values: Mapping[str, Any]) -> S:

@@ -9,8 +9,8 @@ from pathlib import Path
 from omnivat.cli.arguments import order
 from omnivat.cli.bar import progress_bar
 from omnivat.errors import SettingsError
+from omnivat.stages import STAGES
 
-STAGES = ("raw", "frft", "relu", "f_bar", "f_hat")
 COLOURS = ("domain", "class", "modality", "correctness")
 
 

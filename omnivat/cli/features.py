@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from omnivat.cli.arguments import add_embeddings, add_head, add_order
 from omnivat.cli.computing import add_device
 from omnivat.errors import SettingsError
+from omnivat.stages import STAGES
 
 if TYPE_CHECKING:
     from torch import Tensor
@@ -15,7 +16,6 @@ if TYPE_CHECKING:
     from omnivat.checkpoint import Head
     from omnivat.data.store import Embeddings
 
-STAGES = ("raw", "frft", "relu", "f_bar", "f_hat")
 LARGE = 50_000  # pairs from which the cost is told first
 COPIES = 2  # of the features that are held at once
 

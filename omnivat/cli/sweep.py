@@ -55,11 +55,7 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Measure, write what was asked for, print the ends of the curves."""
-    if all(path is None for path in (options.out, options.json, options.csv)):
-        raise SettingsError("Nothing is to be written; give --out, --json or --csv.")
-    for path in (options.out, options.json, options.csv):
-        if path is not None:
-            require_writable(path)
+    require_outputs([path for path in (options.out, options.json, options.csv) if path])
     check_retrain(options)
     stops = options.retrain if options.retrain is not None else options.stops
     orders = orders_of(options.orders, stops)
@@ -103,6 +99,18 @@ def run(options: argparse.Namespace) -> None:
     print(table(orders, curves))
     written = ", ".join(str(path) for path in (options.out, options.json, options.csv) if path)
     print(f"{len(orders)} stops of {len(embeddings)} pairs written to {written}")
+
+
+def require_outputs(paths: Sequence[Path]) -> None:
+    """Refuse no file, one file for two results, and a place where none can be written."""
+    if not paths:
+        raise SettingsError("Nothing is to be written; give --out, --json or --csv.")
+    if len({path.resolve() for path in paths}) < len(paths):
+        raise SettingsError(
+            "Two of --out, --json and --csv name the same file; give each its own file."
+        )
+    for path in paths:
+        require_writable(path)
 
 
 def _frames(

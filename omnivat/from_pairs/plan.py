@@ -14,7 +14,7 @@ from omnivat.errors import DataError
 from omnivat.lang.bank import DEFAULT_BANK, LangBank, load_bank
 from omnivat.model.settings import HeadSettings
 from omnivat.train import TrainSettings
-from omnivat.train.batches import labels_of
+from omnivat.train.batches import held_out, labels_of
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -80,7 +80,8 @@ def plan_training(
     training  default settings where None
     bank      LANG or its file; the project's own where None. Not read where training.lang is off
 
-    Raises DataError when there is nothing to learn or the bank lacks a class, SettingsError for
+    Raises DataError when there is nothing to learn, when the selection needs held-out objects and
+    there are none, or when the bank lacks a class; SettingsError for
     settings that cannot be.
     """
     training = training or TrainSettings()
@@ -98,7 +99,12 @@ def plan_training(
         **(head or {}),
     }
     settings = settings_from(HeadSettings, values)
-    labels_of(pairs, settings)  # refuses one class alone before anything is computed
+    labels = labels_of(pairs, settings)  # refuses one class alone before anything is computed
+    if training.selection != "last" and not len(held_out(pairs, labels, training, seed)[1]):
+        raise DataError(
+            f"No object of '{source}' can be held out for selection={training.selection}: every "
+            "class has one object only, or val_fraction is 0. Use selection=last."
+        )
     return TrainingPlan(
         embeddings=embeddings,
         source=source,

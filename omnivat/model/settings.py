@@ -1,19 +1,22 @@
 """Settings of the head, frozen and flat."""
 
 from dataclasses import dataclass, replace
+from typing import Annotated
 
+from omnivat.config import OneOf, Within, require_declared
 from omnivat.errors import SettingsError
 from omnivat.model.fusion import FUSIONS
-from omnivat.orders import checked_order
+from omnivat.orders import LIMIT, checked_order
 
-ATTENTION_SCALES = ("inside", "outside")
-FEATURE_SCALES = ("unit", "literal")
-THETA_INITS = ("spread", "ones", "signed", "normal")
-GUIDES = ("both", "added", "query")
-GUIDE_LENGTHS = ("embedding", "unit")
-TREE_INITS = ("orthogonal", "default", "identity")
-GENERATIONS = ("tree", "series", "parallel", "interpolation", "none")
-COMPLEX_TO_REAL = ("tokens", "hermitian", "magnitude", "real")
+AttentionScale = Annotated[str, OneOf(("inside", "outside"))]
+FeatureScale = Annotated[str, OneOf(("unit", "literal"))]
+ThetaInit = Annotated[str, OneOf(("spread", "ones", "signed", "normal"))]
+Guide = Annotated[str, OneOf(("both", "added", "query"))]
+GuideLength = Annotated[str, OneOf(("embedding", "unit"))]
+TreeInit = Annotated[str, OneOf(("orthogonal", "default", "identity"))]
+Generation = Annotated[str, OneOf(("tree", "series", "parallel", "interpolation", "none"))]
+ComplexToReal = Annotated[str, OneOf(("tokens", "hermitian", "magnitude", "real"))]
+Fusion = Annotated[str, OneOf(FUSIONS)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -22,60 +25,36 @@ class HeadSettings:
     defaults."""
 
     classes: tuple[str, ...]
-    input_width: int  # of the image encoder
-    lang_width: int = 384  # of the LANG bank
-    width: int = 512  # D
+    input_width: Annotated[int, Within(1, 65536)]  # of the image encoder
+    lang_width: Annotated[int, Within(1, 65536)] = 384  # of the LANG bank
+    width: Annotated[int, Within(2, 8192)] = 512  # D
     project: bool = False  # learn input projections even if widths agree
     shared_projection: bool = False  # one map for VIS and TAC (docs/decisions/0004)
-    expansion: int = 4  # E, tokens for each channel
-    levels: int = 3  # R, tree levels, root included
-    order: float = 0.5  # initial p, in quarter turns
+    expansion: Annotated[int, Within(1, 64)] = 4  # E, tokens for each channel
+    levels: Annotated[int, Within(1, 6)] = 3  # R, tree levels, root included
+    order: Annotated[float, Within(-LIMIT, LIMIT)] = 0.5  # initial p, in quarter turns
     learn_order: bool = True
-    ffn_ratio: int = 4
+    ffn_ratio: Annotated[int, Within(1, 16)] = 4
     class_token: bool = True  # F_g
     tree_at_inference: bool = True  # off: Alg. 2 of the paper as printed
-    attention_scale: str = "inside"  # of the softmax; "outside" is Eq. 4 as printed
-    feature_scale: str = "unit"  # "literal" does not normalize embeddings and features
-    theta_init: str = "spread"  # equal numbers would stay equal
-    tree_init: str = "orthogonal"
-    logit_scale: float = 10.0  # of the cosine classifier
-    generation: str = "tree"  # of nodes; series and parallel have as many matrices, the rest none
+    attention_scale: AttentionScale = "inside"  # of the softmax; "outside" is Eq. 4 as printed
+    feature_scale: FeatureScale = "unit"  # "literal" does not normalize embeddings and features
+    theta_init: ThetaInit = "spread"  # equal numbers would stay equal
+    tree_init: TreeInit = "orthogonal"
+    logit_scale: Annotated[float, Within(1e-3, 1e4)] = 10.0  # of the cosine classifier
+    generation: Generation = "tree"  # of nodes; series and parallel have as many matrices
     mffa: bool = True  # off: the tree grows from the embeddings
-    complex_to_real: str = "tokens"  # Re and Im as tokens, |F|, Re alone, or complex attention
+    complex_to_real: ComplexToReal = "tokens"  # Re and Im, |F|, Re alone, or complex attention
     order_per_modality: bool = False  # separate p for LANG, VIS and TAC
-    guide: str = "both"  # F-bar of LANG in training: added to embeddings (Eq. 5), query (Eq. 6)
-    guide_length: str = "embedding"  # of that F-bar: √D like embeddings, or 1 as printed
-    fusion: str = "mean"  # late fusion of VIS and TAC in prediction (model/fusion.py)
+    guide: Guide = "both"  # F-bar of LANG in training: added to embeddings (Eq. 5), query (Eq. 6)
+    guide_length: GuideLength = "embedding"  # of that F-bar: √D like embeddings, or 1 as printed
+    fusion: Fusion = "mean"  # late fusion of VIS and TAC in prediction (model/fusion.py)
 
     def __post_init__(self) -> None:
-        for name, low, high in (
-            ("input_width", 1, 65536),
-            ("lang_width", 1, 65536),
-            ("width", 2, 8192),
-            ("expansion", 1, 64),
-            ("levels", 1, 6),
-            ("ffn_ratio", 1, 16),
-        ):
-            value = getattr(self, name)
-            if not low <= value <= high:
-                raise SettingsError(f"{name} is {value}; choose {low} to {high}.")
-        for name, allowed in (
-            ("attention_scale", ATTENTION_SCALES),
-            ("feature_scale", FEATURE_SCALES),
-            ("theta_init", THETA_INITS),
-            ("tree_init", TREE_INITS),
-            ("generation", GENERATIONS),
-            ("complex_to_real", COMPLEX_TO_REAL),
-            ("fusion", FUSIONS),
-            ("guide", GUIDES),
-            ("guide_length", GUIDE_LENGTHS),
-        ):
-            value = getattr(self, name)
-            if value not in allowed:
-                raise SettingsError(f"{name} is '{value}'; choose one of {', '.join(allowed)}.")
+        checked_order(self.order)
+        require_declared(self)
         if len(self.classes) < 2 or len(set(self.classes)) < len(self.classes):
             raise SettingsError(f"classes are {self.classes}; give two or more different names.")
-        checked_order(self.order)
 
     @property
     def guides_by_default(self) -> bool:

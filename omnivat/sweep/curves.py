@@ -13,7 +13,8 @@ from omnivat.gaps.measures import ANSWER_MEASURES, STAGE_MEASURES, SUM_MEASURES,
 from omnivat.gaps.unit import unit
 from omnivat.model.head import OmniVaT
 from omnivat.progress import OnStep, Step, ignore
-from omnivat.sweep.walk import CHUNK, STILL, AtOrder, coarse_first, require_known, walk
+from omnivat.stages import STILL
+from omnivat.sweep.walk import CHUNK, AtOrder, coarse_first, require_known, walk
 
 MEASURES = ("modality_gap", "domain_gap", "margin", "accuracy", "macro_f1")
 

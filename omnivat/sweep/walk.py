@@ -14,12 +14,9 @@ from omnivat.gaps.measures import Facts
 from omnivat.gaps.sums import Sums
 from omnivat.model.head import OmniVaT, PairCoefficients
 from omnivat.model.output import HeadOutput
+from omnivat.stages import STAGES, STILL
 from omnivat.tables import suggestion
 
-# The visible stages of the head. Raw embedding and raw DFrFT have the same distances and cosines at
-# every order, because the transform is unitary.
-STAGES = ("raw", "frft", "relu", "f_bar", "f_hat")
-STILL = ("raw", "frft")
 CHUNK = 512  # pairs in one pass of the head; it bounds the memory for any set
 KEPT_PAIRS = 20_000  # pairs whose coefficients are kept for all orders; beyond, they are recomputed
 

@@ -71,6 +71,27 @@ def test_every_folder_of_the_library_is_in_the_architecture_document():
     assert [name for name in names if name not in text] == []
 
 
+def test_stages_and_modalities_are_listed_in_one_place():
+    lists = {'("raw", "frft"': "stages.py", '"relu", "f_bar"': "stages.py", '"lang", "vis"': ""}
+    for text, wanted in lists.items():
+        found = [
+            path.name
+            for folder in ("omnivat", "app")
+            for path in (ROOT / folder).rglob("*.py")
+            if text in path.read_text(encoding="utf-8")
+        ]
+        assert sorted(set(found)) == ([wanted] if wanted else []), text
+
+
+def test_every_stage_has_a_title_on_the_page():
+    from app.curve_pictures import TITLES
+    from omnivat.stages import STAGES
+
+    script = (ROOT / "app" / "web" / "shared" / "stages.js").read_text(encoding="utf-8")
+    assert tuple(TITLES) == STAGES
+    assert [k for k in re.findall(r'key: "(\w+)"', script) if k in STAGES] == list(STAGES)
+
+
 def test_links_between_documents_lead_somewhere():
     broken = []
     for path in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]:

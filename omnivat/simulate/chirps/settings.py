@@ -1,12 +1,16 @@
 """What a set of chirps is made of, frozen and flat."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
+from omnivat.config import Within, require_declared
 from omnivat.data.domains import SIMULATED_SUFFIX
 from omnivat.errors import SettingsError
 
 MOST_DOMAINS = 8
 CLEARANCE = 0.25  # least distance between p* and the order of any interference
+Share = Annotated[float, Within(0.0, 1.0)]
+Size = Annotated[float, Within(0.0, 1000.0)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -16,34 +20,20 @@ class ChirpSettings:
     The defaults make the shipped set.
     """
 
-    width: int = 64  # D, samples of a signal
-    order: float = 0.35  # p*, where the signal of a class is a single spike, in [0, 1]
-    strength: float = 2.0  # norm of the interference over that of the signal
-    noise: float = 0.05  # standard deviation of white noise on every sample
-    shift: float = 1.0  # 0: interference of every domain has the source's orders; 1: its own
-    spikes: int = 3  # of interference, each at a random place
-    domains: int = 4  # the first is meant as the source
-    classes: int = 5
-    pairs_per_class: int = 40  # of each domain
-    test_share: float = 0.5  # of each class of each domain, rounded
+    width: Annotated[int, Within(8, 8192)] = 64  # D, samples of a signal
+    order: Share = 0.35  # p*, where the signal of a class is a single spike, in [0, 1]
+    strength: Size = 2.0  # norm of the interference over that of the signal
+    noise: Size = 0.05  # standard deviation of white noise on every sample
+    shift: Share = 1.0  # 0: interference of every domain has the source's orders; 1: its own
+    spikes: Annotated[int, Within(1, 64)] = 3  # of interference, each at a random place
+    domains: Annotated[int, Within(1, MOST_DOMAINS)] = 4  # the first is meant as the source
+    classes: Annotated[int, Within(2, 16)] = 5
+    pairs_per_class: Annotated[int, Within(2, 100_000)] = 40  # of each domain
+    test_share: Annotated[float, Within(0.0, 0.9)] = 0.5  # of each class of each domain, rounded
     seed: int = 0
 
     def __post_init__(self) -> None:
-        for name, low, high in (
-            ("width", 8, 8192),
-            ("order", 0.0, 1.0),
-            ("strength", 0.0, 1000.0),
-            ("noise", 0.0, 1000.0),
-            ("shift", 0.0, 1.0),
-            ("spikes", 1, 64),
-            ("domains", 1, MOST_DOMAINS),
-            ("classes", 2, 16),
-            ("pairs_per_class", 2, 100_000),
-            ("test_share", 0.0, 0.9),
-        ):
-            value = getattr(self, name)
-            if not low <= value <= high:
-                raise SettingsError(f"{name} is {value}; choose {low} to {high}.")
+        require_declared(self)
         if self.classes > self.width // 2 - 1:
             raise SettingsError(
                 f"{self.classes} classes need a width of {2 * self.classes + 2} or more, "

@@ -94,6 +94,7 @@ def test_frames_are_made_for_the_orders_stages_and_measures_asked_for(
     ("asked", "sentence"),
     [
         ((), "Nothing is to be written; give --out, --json or --csv."),
+        (("--csv", "c", "--json", "./c"), "--json and --csv name the same file; give each its"),
         (("--csv", "c", "--stages", "f_hut"), "No stage is called 'f_hut'"),
         (("--csv", "c", "--measures", "mmd"), "No measure is called 'mmd'"),
         (("--csv", "c", "--orders", "0,x"), "--orders is '0,x'; write numbers"),

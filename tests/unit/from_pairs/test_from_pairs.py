@@ -1,5 +1,7 @@
 """From pairs to a finished head in memory: what it reports, that it stops, that the CLI agrees."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import torch
@@ -104,6 +106,14 @@ def test_one_class_alone_is_refused_before_training(pairs):
     one = pairs.select(np.flatnonzero(pairs.label == 0))
     with pytest.raises((DataError, SettingsError), match="two or more"):
         plan_training(one, "TAG-sim")
+
+
+@pytest.mark.parametrize("change", [{"val_fraction": 0.0}, {}], ids=["no share", "one object"])
+def test_selection_with_nothing_to_hold_out_is_refused_before_training(pairs, change):
+    one = pairs if change else replace(pairs, rows=pairs.rows | {"object": pairs.label.astype(str)})
+    settings = TrainSettings(selection="source-val", **change)
+    with pytest.raises(DataError, match="No object of 'TAG-sim' can be held out .* selection=last"):
+        plan_training(one, "TAG-sim", training=settings)
 
 
 def test_a_plan_like_a_head_has_its_settings_and_source(watched, pairs):

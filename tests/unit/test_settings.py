@@ -1,0 +1,54 @@
+"""Settings: every field declares what it takes, and refuses anything else in one sentence."""
+
+from typing import Any, get_type_hints
+
+import pytest
+
+from omnivat.config import OneOf, Within, declared, settings_from
+from omnivat.errors import SettingsError
+from omnivat.model.settings import HeadSettings
+from omnivat.simulate.chirps.settings import ChirpSettings
+from omnivat.train import TrainSettings
+
+WANTED: dict[type[Any], dict[str, Any]] = {
+    HeadSettings: {"classes": ("wood", "steel"), "input_width": 24},
+    TrainSettings: {},
+    ChirpSettings: {},
+}
+LIMITS = {int: Within, float: Within, str: OneOf}
+
+
+@pytest.mark.parametrize("kind", WANTED)
+def test_every_number_declares_a_range_and_every_text_its_choices(kind: type[Any]) -> None:
+    """Reads the fields themselves, so a new one without a range fails here."""
+    hints = {name: LIMITS[hint] for name, hint in get_type_hints(kind).items() if hint in LIMITS}
+    found = {name: type(limit) for name, limit in declared(kind).items()}
+    assert found == {name: limit for name, limit in hints.items() if name != "seed"}
+
+
+FIELDS = [(kind, name) for kind in WANTED for name in declared(kind)]
+
+
+@pytest.mark.parametrize(("kind", "name"), FIELDS)
+def test_what_a_field_does_not_take_is_refused_with_what_it_takes(
+    kind: type[Any], name: str
+) -> None:
+    limit = declared(kind)[name]
+    values: list[Any] = ["nonsense"]
+    if isinstance(limit, Within):
+        values = [float("nan"), float("inf"), limit.low - 1, limit.high + 1, -limit.high - 1]
+    for value in values:
+        with pytest.raises(SettingsError, match=f"{name} is .*; (choose|give)"):
+            kind(**{**WANTED[kind], name: value})
+
+
+@pytest.mark.parametrize("kind", WANTED)
+def test_the_ends_of_a_range_are_in_it(kind: type[Any]) -> None:
+    for name, limit in declared(kind).items():
+        if isinstance(limit, Within):
+            assert limit.allows(limit.low) and limit.allows(limit.high), name
+
+
+def test_a_file_of_settings_is_held_to_the_same_ranges() -> None:
+    with pytest.raises(SettingsError, match="logit_scale is -1.0; choose 0.001 to 10000"):
+        settings_from(HeadSettings, {**WANTED[HeadSettings], "logit_scale": -1})
