@@ -27,6 +27,7 @@ from omnivat.errors import DataError
 from omnivat.lang.clip_prompts import ClipPrompts
 from omnivat.tables import load
 
+pytestmark = pytest.mark.slow  # each method trains, on a CLIP of its own
 CLASSES, WIDTH = ("wood", "steel", "glass"), 24
 BY_TEXT = ("zero_shot", "zero_shot_styles", "promptstyler", "promptstyler_ce", "spg")
 LIVE = ("mmrl", "ldc")

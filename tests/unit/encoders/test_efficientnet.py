@@ -175,6 +175,7 @@ def in_onnx() -> Encoder:
     return load_encoder("efficientnet-lite0", precision="fp32-onnx")
 
 
+@pytest.mark.slow
 def test_onnx_runtime_gives_the_same_embeddings_but_for_their_last_digits(
     encoder: Encoder, in_onnx: Encoder, images: torch.Tensor
 ) -> None:
@@ -184,6 +185,7 @@ def test_onnx_runtime_gives_the_same_embeddings_but_for_their_last_digits(
     assert (1 - torch.cosine_similarity(found.double(), wanted.double())).max() < 1e-11
 
 
+@pytest.mark.slow
 def test_onnx_runtime_gives_an_image_one_embedding_whatever_stands_beside_it(
     in_onnx: Encoder, images: torch.Tensor
 ) -> None:

@@ -79,6 +79,7 @@ def test_any_bytes_in_touch_and_go_lists_give_pairs_or_a_sentence(clips, train, 
     answer(clips, keep_labels=keep)
 
 
+@pytest.mark.slow
 @few
 @given(values, values, contents)
 @example({"1": 0}, {}, b"1,,,\x00")
@@ -105,6 +106,7 @@ def test_any_bytes_in_objectfolder_real_materials_give_pairs_or_a_sentence(tmp_p
     answer(tmp_path)
 
 
+@pytest.mark.slow
 @few
 @given(contents, st.one_of(st.none(), contents))
 def test_any_bytes_in_tacquad_contacts_give_pairs_or_a_sentence(tmp_path, put, contact, materials):
