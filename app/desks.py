@@ -160,7 +160,7 @@ class Desks:
         return key
 
     def _too_many(self) -> dict[str, Path]:
-        """Remove the least recently used desks whose files no other desk uses; return their folders."""
+        """Remove the least recently used desks without shared files; return their folders."""
         dropped: dict[str, Path] = {}
         while len(self._loaded) > KEPT_DESKS:
             used = set(self._beside.values())

@@ -96,7 +96,7 @@ class Job(Generic[T]):
         self.check()
 
     def check(self) -> None:
-        """Continue, or wait for a job of higher priority. Raises JobStopped or, out of time, BusyError."""
+        """Continue, or wait for a higher priority. Raises JobStopped or, out of time, BusyError."""
         self._jobs.pause(self)
 
     def go_on_at(self, priority: int) -> None:

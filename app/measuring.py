@@ -1,4 +1,4 @@
-"""How fast and how exact the page's answers are on this machine: measured when asked for."""
+"""Measure speed and error of the page's results on this machine, on request."""
 
 import os
 from collections.abc import Callable, Mapping
@@ -12,17 +12,17 @@ if TYPE_CHECKING:
     from torch import Tensor
 
 PAIRS = 1000  # of the set, at most
-REPEATS = 7  # the median and both ends are told
-ORDER = 0.37  # no special case of the transform
+REPEATS = 7  # repetitions; median, minimum and maximum are shown
+ORDER = 0.37  # not a special case of the transform
 
 
 def measured(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
-    """Time the transform and the head on some of the set, and compare with double precision.
+    """Time the transform and the head on part of the set, and compare with double precision.
 
-    return  `rows`: what, milliseconds (median, least, most), error and what the error is of;
-            how many pairs, how wide, how many threads and processors
+    return  `rows`: name, milliseconds (median, minimum, maximum), error and its definition;
+            numbers of pairs, width, threads and processors
 
-    Raises DataError when anything is asked for: there is nothing to choose.
+    Raises DataError for any setting: there is nothing to choose.
     """
     if question:
         raise DataError("A measurement has no settings; send {}.")
@@ -51,7 +51,7 @@ def measured(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any
 
 
 def transform_rows(x: "Tensor") -> list[dict[str, Any]]:
-    """Return the rows of the transform of x (B, D): anew, from kept coefficients, and against FFT."""
+    """Return the rows of the transform of x (B, D): in full, from coefficients, against FFT."""
     import torch
 
     from omnivat.fractional import coefficients, dfrft, synthesise
@@ -62,7 +62,7 @@ def transform_rows(x: "Tensor") -> list[dict[str, Any]]:
     fourier = torch.fft.fft(wide, norm="ortho")
     near = dfrft(wide, 1 - 2**-48)  # order 1 itself is computed by the FFT
     return [
-        row("DFrFT of each VIS embedding, anew", lambda: dfrft(x, ORDER))
+        row("DFrFT of each VIS embedding, in full", lambda: dfrft(x, ORDER))
         | error(dfrft(x, ORDER), exact, "relative, of single against double precision"),
         row("DFrFT from kept coefficients, as p moves", lambda: synthesise(kept, ORDER))
         | error(synthesise(kept, ORDER), exact, "relative, of single against double precision"),
@@ -72,7 +72,7 @@ def transform_rows(x: "Tensor") -> list[dict[str, Any]]:
 
 
 def head_row(model: Any, exact: Any, vis: "Tensor", tac: "Tensor") -> dict[str, Any]:
-    """Return the row of the whole head, at another p with embeddings kept."""
+    """Return the row of the whole head at another p, with cached embeddings."""
     kept = model.coefficients(vis, tac)
     wanted = exact(vis.double(), tac.double(), order=ORDER).probabilities
     found = model.from_coefficients(kept, ORDER).probabilities
@@ -85,7 +85,7 @@ def head_row(model: Any, exact: Any, vis: "Tensor", tac: "Tensor") -> dict[str, 
 
 
 def stops_row(model: Any, vis: "Tensor", tac: "Tensor") -> dict[str, Any]:
-    """Return the row of one pair at 101 stops in one batch, as the Pair tab asks."""
+    """Return the row of one pair at 101 stops in one batch, as in Try a pair."""
     import torch
 
     stops = torch.arange(101) / 100
@@ -98,12 +98,12 @@ def stops_row(model: Any, vis: "Tensor", tac: "Tensor") -> dict[str, Any]:
     single = torch.cat([model(vis, tac, order=float(p)).probabilities for p in stops[::10]])
     return row("one pair at 101 stops of p, in one batch", at_once) | {
         "error": float((at_once()[::10] - single).abs().max()),
-        "of": "largest difference of a probability from stops asked one by one",
+        "of": "largest difference of a probability from single stops",
     }
 
 
 def row(what: str, work: Callable[[], Any]) -> dict[str, Any]:
-    """Return `what` and the milliseconds of `work`: median, least and most."""
+    """Return `what` and the milliseconds of `work`: median, minimum and maximum."""
     work()  # the first call may build a basis
     times = []
     for _ in range(REPEATS):

@@ -1,4 +1,4 @@
-"""Sentences for people: what an error says in the page, and where its traceback goes."""
+"""Error messages of the page; tracebacks go to the log."""
 
 import logging
 import re
@@ -20,11 +20,11 @@ UNEXPECTED = (
 )
 
 
-PLACE = re.compile(r"(?:/|[A-Za-z]:\\)(?:[^/\\'\"\n]+[/\\])+")  # all of a path but its last part
+PLACE = re.compile(r"(?:/|[A-Za-z]:\\)(?:[^/\\'\"\n]+[/\\])+")  # a path without its last part
 
 
 def without_places(sentence: str) -> str:
-    """Return a sentence in which a file is its name alone: visitors learn no folder of the server.
+    """Return a sentence with file names only, so that visitors see no folder of the server.
 
     >>> without_places("'/srv/ada/heads/one/settings.json' is missing.")
     "'settings.json' is missing."
@@ -33,17 +33,17 @@ def without_places(sentence: str) -> str:
 
 
 def refusal(sentence: str, status: int = 400) -> JSONResponse:
-    """Return the answer that the page shows as one sentence."""
+    """Return the error response, which the page shows as one sentence."""
     return JSONResponse({"error": without_places(sentence)}, status_code=status)
 
 
 def status_of(error: OmniVatError) -> int:
-    """Return the HTTP status of an error, which it may state itself; 400 where it does not."""
+    """Return the HTTP status of an error; 400 by default."""
     return int(getattr(error, "status", 400))
 
 
 def in_sentences(handler: Handler) -> Handler:
-    """Answer every error of `handler` with a sentence; log the traceback of unexpected ones."""
+    """Turn every error of `handler` into a sentence; log the traceback of unexpected ones."""
 
     @wraps(handler)
     async def answered(request: Request) -> Response:

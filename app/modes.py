@@ -1,8 +1,8 @@
-"""What moving p may mean for a head and a set: which frames lie beside the set, in the page's order.
+"""Modes of p for a head and a set, from the frames files next to the set, in the page's order.
 
-trained  a head of its own at each stop (`omnivat sweep --retrain`)
-moved    one head whose weights stay while p moves; these frames are computed where no file has them
-every    one head that was trained for every p
+trained  a separate head at each stop (`omnivat sweep --retrain`)
+moved    one head with fixed weights; its frames are computed if there is no file
+every    one head trained for every p
 """
 
 import logging
@@ -20,13 +20,13 @@ SETS = {"sensors": "Touch sensors", "chirps": "Chirps"}
 
 
 def mode_files(where: Places) -> dict[str, Path]:
-    """Return the frames files that lie beside a set of embeddings, by mode."""
+    """Return the frames files next to a set of embeddings, by mode."""
     folder = where.embeddings.parent
     return {mode: folder / name for mode, name in FILES.items() if (folder / name).is_file()}
 
 
 def fitting_files(resources: Resources) -> dict[str, Path]:
-    """Return the frames files whose pairs and encoder are those of the set; log the others."""
+    """Return the frames files that match the pairs and encoder of the set; log the others."""
     from omnivat.frames.file import frames_header
 
     found = mode_files(resources.where)
@@ -55,7 +55,7 @@ def fitting_files(resources: Resources) -> dict[str, Path]:
 
 
 def modes(resources: Resources) -> dict[str, Any]:
-    """Return what a visitor may choose: the modes of p and the sets that come with the project.
+    """Return the choices of a visitor: the modes of p and the sets of the project.
 
     return  {"modes": names in the page's order, "sets": [{"name", "title", "shown"}, …]}
     """

@@ -1,4 +1,4 @@
-"""Where in an image an answer comes from: hide one part at a time, and see what the answer loses."""
+"""Occlusion: hide one part of an image at a time and measure the change of the probability."""
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -12,10 +12,10 @@ from omnivat.errors import DataError
 if TYPE_CHECKING:
     from PIL import Image
 
-CELLS = 7  # a side of the picture that is shown
-PATCH = 2  # cells that are hidden at once, a side: one alone changes little
-AT_ONCE = 8  # images embedded between two looks at whether the visitor is still there
-SIDE = 448  # pixels the image is scaled down to first; encoders take 224
+CELLS = 7  # for each side of the picture shown
+PATCH = 2  # side of the hidden square, in cells; a single cell changes little
+AT_ONCE = 8  # images embedded between two checks for a cancelled request
+SIDE = 448  # pixels; the image is first scaled down to this, encoders use 224
 
 
 def occlusion(
@@ -28,17 +28,17 @@ def occlusion(
     name: str = "the image",
     check: Callable[[], None] = lambda: None,
 ) -> dict[str, Any]:
-    """Hide each part of an image in turn and ask the head again.
+    """Hide each part of an image in turn and predict again.
 
     content   the bytes of the image or their file
-    check     called between parts; what it raises ends the work
-    modality  what it is, "vis" or "tac"
-    other     the other image of the pair, which stays as it is; None to answer without it
-    order     p in quarter turns; the learned one if None
-    return    the class answered, its probability, and `drops` (CELLS, CELLS): by how much the
-              probability falls where a part is hidden; negative where it rises
+    check     called between parts; an error it raises ends the work
+    modality  "vis" or "tac"
+    other     the other image of the pair, unchanged; None to predict without it
+    order     p in quarter turns; None: the learned one
+    return    the predicted class, its probability, and `drops` (CELLS, CELLS): the decrease of
+              the probability when a part is hidden; negative for an increase
 
-    Raises DataError when the image cannot be read or `modality` is unknown.
+    Raises DataError if the image cannot be read or `modality` is unknown.
     """
     if modality not in ("vis", "tac"):
         raise DataError(f"modality is '{modality:.20}'; it is vis or tac.")
@@ -76,7 +76,7 @@ def occlusion(
 
 
 def hidden(image: "Image.Image") -> Iterator["Image.Image"]:
-    """Give the image with one part after the other painted in its mean colour, row by row."""
+    """Yield the image with one part after the other filled with its mean colour, row by row."""
     width, height = image.size
     mean: Any = image.resize((1, 1)).getpixel((0, 0))
     steps = CELLS - PATCH + 1
@@ -94,7 +94,7 @@ def hidden(image: "Image.Image") -> Iterator["Image.Image"]:
 
 
 def over_cells(falls: list[list[float]]) -> list[list[float]]:
-    """Return for each cell the mean fall over the parts that covered it."""
+    """Return the mean decrease for each cell, over the parts that cover it."""
     steps = len(falls)
     rows = []
     for row in range(CELLS):

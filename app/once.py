@@ -1,4 +1,4 @@
-"""A value made with its first use, once, whichever thread asks first."""
+"""A value computed once, on first use, by any thread."""
 
 from collections.abc import Callable
 from threading import Lock
@@ -8,7 +8,7 @@ V = TypeVar("V")
 
 
 class Once(Generic[V]):
-    """Holds what `make` returns. A failure is not kept: the next use tries again."""
+    """Holds the result of `make`. After a failure, the next use tries again."""
 
     def __init__(self, make: Callable[[], V]) -> None:
         self._make = make
@@ -17,7 +17,7 @@ class Once(Generic[V]):
 
     @property
     def ready(self) -> bool:
-        """Whether the value is there already."""
+        """True if the value exists."""
         return bool(self._made)
 
     def __call__(self) -> V:

@@ -1,7 +1,7 @@
-"""Files of heads and sets that visitors send: kept until they are loaded, or old.
+"""Uploaded files of heads and sets, kept until they are loaded or too old.
 
-What one visitor sends never removes what another is sending or has just sent. Where there is no
-room, the newcomer is refused; what nobody loaded in a while makes room.
+An upload never removes a recent upload of another visitor. If there is no room, the new upload is
+refused; old files that were not loaded are removed first.
 """
 
 import os
@@ -22,7 +22,7 @@ AT_ONCE = 1_000_000  # bytes
 
 
 class Parts:
-    """The files that have arrived, by a name made from their content."""
+    """Uploaded files, named by a hash of their content."""
 
     def __init__(self, scratch: Scratch) -> None:
         self._scratch = scratch
@@ -30,10 +30,10 @@ class Parts:
         self._coming = 0  # bytes of unfinished files
 
     async def keep(self, name: str, content: AsyncIterator[bytes]) -> str:
-        """Write one file as it comes; return its name.
+        """Write one file as it arrives; return its name.
 
-        Raises DataError for a file that belongs to no head or set, or is too large, BusyError
-        where too much has been sent that is not loaded yet.
+        Raises DataError for a file of another kind or one that is too large, BusyError if too many
+        uploads are not loaded yet.
         """
         if name not in PARTS:
             raise DataError(
@@ -46,7 +46,7 @@ class Parts:
             with temporary.open("wb") as handle:
                 async for block in content:
                     size += len(block)
-                    if size > counted:  # a look at the folder for some blocks at a time
+                    if size > counted:  # check the folder once for several blocks
                         self._make_room(AT_ONCE)
                         counted += AT_ONCE
                     if size > PARTS[name]:
@@ -64,7 +64,7 @@ class Parts:
         return digest.hexdigest()
 
     def place(self, name: str, sent: str, target: Path) -> None:
-        """Put the file that `keep` called `sent` at `target`; raises DataError where it is not here."""
+        """Move the file `sent` (a name from `keep`) to `target`. Raises DataError if it is missing."""
         source = self._folder() / sent
         plain = sent.isascii() and sent.isalnum() and len(sent) == 32
         if name not in PARTS or not plain or not source.is_file():
@@ -76,7 +76,7 @@ class Parts:
             shutil.copyfile(source, target)
 
     def _make_room(self, more: int) -> None:
-        """Count `more` bytes as coming; drop what is old where there is no room for them."""
+        """Reserve `more` bytes; remove old files if there is no room."""
         with self._lock:
             kept = [(p.stat(), p) for p in self._folder().iterdir() if p.suffix != UNFINISHED]
             kept.sort(key=lambda entry: entry[0].st_mtime)

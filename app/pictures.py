@@ -25,7 +25,7 @@ def map_picture(
 ) -> Picture:
     """Return the map of a stage at the stop nearest to `order`, with legend and caption.
 
-    Raises SettingsError for a map or colouring that is not there.
+    Raises SettingsError for an unknown map or colouring.
     """
     drawn = frames.maps.get(f"{kind}/{stage}")
     if drawn is None:
@@ -86,7 +86,7 @@ def grouped(
 
 
 def legend_of(names: list[tuple[str, str]]) -> tuple[list[Shape], float]:
-    """Return the legend under the map, in as many lines as it needs, and where it ends."""
+    """Return the legend under the map, in as many lines as needed, and its lower end."""
     shapes, x, y = [], EDGE, SIDE + 2 * LINE
     for name, colour in names:
         width = 30 + 7.2 * len(name)

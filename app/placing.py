@@ -1,4 +1,4 @@
-"""Where a chosen pair and its tree's nodes lie on a map of the set."""
+"""Positions of a pair and its tree nodes on a map of the set."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ Rows = Callable[[Resources, str, float], "Array"]  # (resources, stage, order) -
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Drawn:
-    """One map of the set at one stop: places (2N, 2), VIS first, and the stop's order."""
+    """One map of the set at one stop: positions (2N, 2), VIS first, and the order of the stop."""
 
     stage: str
     order: float
@@ -28,15 +28,17 @@ class Drawn:
 
 
 def place(resources: Resources, question: Mapping[str, Any], features: Rows) -> dict[str, Any]:
-    """Place a pair, and the nodes of its tree where wanted, on one map of the first head.
+    """Place a pair, and optionally the nodes of its tree, on one map of the first head.
 
     question  {"vis", "tac": references, "order": p, "stage": …, "map": "pca" or "umap",
-              "nodes": whether to place the tree's nodes}
-    return    `points` by modality and `nodes`, each [x, y] in map units; `order` of the map's
-              stop; `exact`: whether the map is linear, so that the place is no estimate;
-              `of_set`: whether the whole pair is of the set, and lies where the map has it
+              "nodes": true to place the tree's nodes}
+              return    `points` by modality and `nodes`, each [x, y] in map units; `order` of the
+              map's
+                        stop; `exact`: true if the map is linear, so the position is not an
+                        estimate;
+                        `of_set`: true if the pair belongs to the set and has its place on the map
 
-    Raises DataError where there is no such map.
+              Raises DataError if there is no such map.
     """
     import torch
 
@@ -62,7 +64,7 @@ def place(resources: Resources, question: Mapping[str, Any], features: Rows) -> 
 
 
 def _drawn(resources: Resources, question: Mapping[str, Any]) -> Drawn:
-    """Return the map that the question names, at its stop nearest to the question's order."""
+    """Return the requested map at its stop nearest to the requested order."""
     from omnivat.frames import read_frames
 
     stage, kind = str(question.get("stage")), str(question.get("map"))
@@ -85,7 +87,7 @@ def _features(
 ) -> "tuple[dict[str, Tensor], Tensor | None]":
     """Return the pair's rows (1, W) at the map's stage by modality, and its nodes (M, W).
 
-    Nodes have the head's width; None where they were not wanted or the stage has another width.
+    Nodes have the head's width; None if not requested or if the stage has another width.
     """
     import torch
 
@@ -107,7 +109,7 @@ def _features(
 def _of_set(
     refs: Mapping[str, Ref | None], drawn: Drawn, points: Mapping[str, Any]
 ) -> dict[str, list[float]]:
-    """Return the map's own places of those images that are rows of the set."""
+    """Return the map positions of the images that are rows of the set."""
     half = len(drawn.flat) // 2
     return {
         name: drawn.flat[int(ref.name) + (half if name == "tac" else 0)].tolist()

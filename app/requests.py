@@ -1,4 +1,4 @@
-"""Reading a request with care: no more bytes than allowed, JSON that is an object, numbers."""
+"""Read requests safely: limited bytes, JSON objects, numbers."""
 
 import asyncio
 import base64
@@ -16,17 +16,17 @@ from omnivat.errors import DataError
 if TYPE_CHECKING:
     from PIL import Image
 
-PREVIEW_SIDE = 320  # pixels of the picture that shows what the model sees
+PREVIEW_SIDE = 320  # pixels of the preview
 
 
 class StalledError(DataError):
-    """What a visitor sends stopped coming."""
+    """An upload stalled."""
 
     status = 408
 
 
 def number_from(text: str | None) -> float | str | None:
-    """Return the number that `text` writes; the text itself where it writes none."""
+    """Return `text` as a number, or unchanged if it is not one."""
     try:
         return float(text) if text else None
     except ValueError:
@@ -34,19 +34,19 @@ def number_from(text: str | None) -> float | str | None:
 
 
 def file_name(request: Request) -> str:
-    """Return what a visitor calls the image that is sent, shortened, for messages."""
+    """Return the visitor's name for the uploaded image, shortened, for messages."""
     return request.query_params.get("name", "")[:120] or "the image"
 
 
 def desk_name(request: Request) -> str:
-    """Return the name of the head and set that a request is about; "" for the server's own."""
+    """Return the desk named in a request; "" for the server's own head and set."""
     return request.query_params.get("set", "")[:64]
 
 
 async def blocks(request: Request, limit: int, what: str) -> AsyncIterator[bytes]:
-    """Give the request's bytes as they come, no more than `limit` of them.
+    """Yield the request's bytes as they arrive, at most `limit`.
 
-    Raises DataError when there are more, StalledError when none come for a while or all take long.
+    Raises DataError for more bytes, StalledError if the upload stalls or takes too long.
     """
     size, began, stream = 0, monotonic(), aiter(request.stream())
     while True:
@@ -66,7 +66,7 @@ async def blocks(request: Request, limit: int, what: str) -> AsyncIterator[bytes
 
 
 async def body(request: Request, limit: int, what: str) -> bytes:
-    """Return the request's bytes, reading no more than `limit` of them; raises as `blocks` does."""
+    """Return the request's bytes, at most `limit`; raises the errors of `blocks`."""
     content = bytearray()
     async for block in blocks(request, limit, what):
         content += block
@@ -76,14 +76,14 @@ async def body(request: Request, limit: int, what: str) -> bytes:
 def question_from(content: bytes) -> Mapping[str, Any]:
     """Return the JSON object in `content`.
 
-    Raises DataError when it is anything else.
+    Raises DataError if it is anything else.
     """
     try:
         question = json.loads(content)
     except (ValueError, RecursionError) as error:
-        raise DataError("The question is not JSON; send an object such as {} instead.") from error
+        raise DataError("The request is not JSON; send an object such as {} instead.") from error
     if not isinstance(question, dict):
-        raise DataError("The question is not a JSON object; send one such as {} instead.")
+        raise DataError("The request is not a JSON object; send one such as {} instead.")
     return question
 
 

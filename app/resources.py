@@ -1,6 +1,6 @@
-"""What the page needs from disk, each part loaded when it is first used and only then.
+"""Heads, sets and encoders of the page; each is loaded on first use.
 
-The first page needs none of it: the browser fetches frames and thumbnails as files.
+The first page needs none of them: the browser fetches frames and thumbnails as files.
 """
 
 import logging
@@ -28,22 +28,22 @@ if TYPE_CHECKING:
     from omnivat.encoders.base import Encoder
 
 log = logging.getLogger(__name__)
-KEPT_IMAGES = 512  # embeddings of sent images; about 5 kB each
-KEPT_TAUGHT = 8  # they share all weights but the classifier
+KEPT_IMAGES = 512  # embeddings of uploaded images; about 5 kB each
+KEPT_TAUGHT = 8  # they share all weights except the classifier
 KEPT_FEATURES = 6  # the whole set at one stage and order; some MB each
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Places:
-    """Where things lie. `frames` is None where they have to be computed."""
+    """Locations of files. `frames` is None if they must be computed."""
 
     head: Path
     embeddings: Path
     frames: Path | None
-    sprite: Path | None  # NAME.thumbnails.webp beside the embeddings, and its .json
-    pairs: Path | None  # images to pick from; None where the gallery shows pairs of the set
-    compare: tuple[Path, ...] = ()  # folders of heads to show beside the first
-    computed: Path | None = None  # where computed frames go; the cache where None
+    sprite: Path | None  # NAME.thumbnails.webp next to the embeddings, and its .json
+    pairs: Path | None  # example images; None: the gallery shows pairs of the set
+    compare: tuple[Path, ...] = ()  # folders of comparison heads
+    computed: Path | None = None  # folder of computed frames; None: the cache
     drawn: int = DRAWN_PAIRS  # of a larger set so many pairs are drawn at random
 
 
@@ -52,7 +52,7 @@ def places(
     embeddings: Path | None = None,
     compare: Sequence[Path] = (),
 ) -> Places:
-    """Return where things lie, for the project's own data or for a person's."""
+    """Return the locations of the project's own files or of given ones."""
     own = head is None and embeddings is None
     frames = EXAMPLES / "frames.bin"
     sheet = (embeddings or default_embeddings()).with_suffix(".thumbnails.webp")
@@ -67,7 +67,7 @@ def places(
 
 
 def shipped_places(name: str) -> Places:
-    """Return where a set that comes with the project lies; `omnivat.heads.shipped_sets` names them."""
+    """Return the locations of a set of the project; `omnivat.heads.shipped_sets` lists them."""
     folder, embeddings = shipped_sets()[name]
     frames, sheet = folder / "frames.bin", embeddings.with_suffix(".thumbnails.webp")
     return Places(
@@ -80,7 +80,7 @@ def shipped_places(name: str) -> Places:
 
 
 def head_names(where: Places) -> dict[str, Path]:
-    """Return the folder of each head by the name that requests use: "" is the first one."""
+    """Return the folder of each head by its name in requests; "" is the first one."""
     names = {"": where.head}
     for folder in where.compare:
         name = folder.name or "head"
@@ -91,13 +91,13 @@ def head_names(where: Places) -> dict[str, Path]:
 
 
 class Resources:
-    """The loaded parts, shared by all visitors; nothing in here belongs to one visitor."""
+    """The loaded parts, shared by all visitors; it holds no data of single visitors."""
 
     def __init__(self, where: Places, shared: Shared | None = None, owner: str = "") -> None:
         self.where = where
         self.shared = shared or Shared()
         self.jobs = self.shared.jobs
-        self.owner = owner  # of the jobs that this head and set start
+        self.owner = owner  # owner of the jobs of this head and set
         self.folders = head_names(where)
         self.heads: dict[str, Once[Head]] = {
             name: Once(partial(_load_head, folder)) for name, folder in self.folders.items()
@@ -132,22 +132,22 @@ class Resources:
 
     @property
     def holds(self) -> str:
-        """A name of the head and set held: others, or newer files, have another name."""
+        """A hash of the head and set; other or newer files have another one."""
         files = [self.where.embeddings, *(f / "weights.safetensors" for f in self.folders.values())]
         return content_name(repr([_state_of(file) for file in files]).encode())
 
     def warm(self) -> None:
-        """Load the head and the set, so that the first question is answered at once."""
+        """Load the head and the set, so that the first request is fast."""
         for part in (self.head, self.embeddings):
             try:
                 part()
-            except DataError as error:  # the page says so where it is needed
+            except DataError as error:  # the page shows the error where it matters
                 log.warning("%s", error)
 
     def head_named(self, name: Any) -> "Head":
-        """Return the head that a request names; the first one where it names none.
+        """Return the head named in a request; without a name, the first one.
 
-        Raises DataError for a name that is not loaded, or a head that wants another encoder.
+        Raises DataError for a head that is not loaded or needs another encoder.
         """
         require_name(name, self.heads)
         head = self.heads[name or ""]()
@@ -161,11 +161,11 @@ class Resources:
     # ---- embeddings of one image -------------------------------------------------------------
 
     def embedding(self, ref: Ref, modality: str) -> "np.ndarray[Any, Any]":
-        """Return the embedding (input_width,) of the image that `ref` names.
+        """Return the embedding (input_width,) of the image `ref`.
 
-        modality  "vis" or "tac": which image of a pair
+        modality  "vis" or "tac": the image of a pair
 
-        Raises DataError when there is no such image, or when it was sent and is forgotten.
+        Raises DataError if there is no such image, or if an uploaded one is no longer kept.
         """
         if ref.kind == "row":
             return self._from_set(self._row(ref.name), modality)
@@ -181,18 +181,18 @@ class Resources:
         return _of(kept, modality)
 
     def picture(self, source: bytes | Path, name: str, check: "Check" = lambda: None) -> "Picture":
-        """Decode an image: some bytes or a file. `check` may end a wait for memory.
+        """Decode an image from bytes or a file. `check` may end a wait for memory.
 
-        Raises DataError in one sentence when it is not an image that is taken.
+        Raises DataError, one sentence, for an unsupported image.
         """
         return self.shared.decoder.read(source, name, check)
 
     def take_image(
         self, source: bytes | Path, name: str, check: "Check" = lambda: None
     ) -> "tuple[Ref, Picture]":
-        """Embed an image, some bytes or a file; return its reference and the decoded picture.
+        """Embed an image from bytes or a file; return its reference and the decoded picture.
 
-        Raises DataError in one sentence when it is not an image that is taken.
+        Raises DataError, one sentence, for an unsupported image.
         """
         key = content_name(source if isinstance(source, bytes) else source.read_bytes())
         found = self.picture(source, name, check)
@@ -212,7 +212,7 @@ class Resources:
 
         from omnivat.encoders.paired import for_modality
 
-        # One vector, or VIS and TAC where each modality has an encoder of its own.
+        # One vector, or VIS and TAC if each modality has its own encoder.
         encoders = dict.fromkeys(for_modality(self.encoder(), name) for name in ("vis", "tac"))
         rows = [one.embed(one.preprocess(found.image)[None])[0].numpy() for one in encoders]
         return self._sent.keep(key, rows[0] if len(rows) == 1 else np.stack(rows))
@@ -231,7 +231,7 @@ class Resources:
         return int(name)
 
     def _rows_by_file(self) -> dict[str, int]:
-        """Return which row of the set an example is: "domain/class/stem/modality" -> row."""
+        """Return the row of each example in the set: "domain/class/stem/modality" -> row."""
         try:
             embeddings = self.embeddings()
             self.head().require_embeddings(embeddings)
@@ -260,14 +260,14 @@ class Resources:
 
 
 def require_name(name: Any, known: Mapping[str, Any]) -> None:
-    """Refuse a name of a head that is not loaded; None and "" name the first one."""
+    """Raise an error for a head that is not loaded; None and "" are the first one."""
     if name is not None and (not isinstance(name, str) or name not in known):
         others = ", ".join(f"'{other}'" for other in known if other) or "none beside the first"
         raise DataError(f"No head is called {name!r:.40}; there are {others}.")
 
 
 def _of(kept: "np.ndarray[Any, Any]", modality: str) -> "np.ndarray[Any, Any]":
-    """Return the vector (D,) of a modality: the one there is, or its row of VIS and TAC."""
+    """Return the vector (D,) of a modality, from one vector or from rows of VIS and TAC."""
     if kept.ndim == 1:
         return kept
     row: np.ndarray[Any, Any] = kept[("vis", "tac").index(modality)]
@@ -287,17 +287,17 @@ def _load_embeddings(where: Places) -> "Embeddings":
 
 
 def _pairs_in(file: Path) -> int:
-    """Return how many pairs a set holds, from its header; 0 where there is none to read."""
+    """Return the number of pairs in a set, from its header; 0 if it cannot be read."""
     from omnivat.schema import tensor_table
 
     try:
         return int(tensor_table(file)[1].get("pairs", "0")[:12])
-    except (DataError, OSError, ValueError):  # the load itself says what is wrong
+    except (DataError, OSError, ValueError):  # loading reports the error
         return 0
 
 
 def _state_of(file: Path) -> tuple[str, int, int]:
-    """Return what changes with a file: where it is, its size, when it was written."""
+    """Return the identity of a file: path, size and modification time."""
     try:
         found = file.stat()
     except OSError:

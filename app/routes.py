@@ -1,7 +1,8 @@
-"""The page's own routes: its scripts, its data files, and the questions it asks.
+"""The page's routes: scripts, data files, and JSON requests.
 
-Only what is listed here is served. Questions are JSON; every refusal is one sentence. `?set=NAME`
-asks of a head or set that was loaded through the page.
+Only listed files are served. Every error is one sentence. `?set=NAME` selects a head or set that
+was
+loaded through the page.
 """
 
 from collections.abc import Callable, Mapping
@@ -58,12 +59,12 @@ FACTS: dict[str, Callable[[Resources], Any]] = {
     "examples": lambda resources: listed(resources.examples()),
 }
 TYPES = {".js": "text/javascript", ".css": "text/css"}
-HOLDS = "X-Holds"  # a page that was opened on another head or set is told to load again
-FRESH = {"Cache-Control": "no-cache"}  # ask each time, take nothing where it is unchanged
+HOLDS = "X-Holds"  # a page that was opened on another head or set shows a notice
+FRESH = {"Cache-Control": "no-cache"}  # revalidate each time
 
 
 def routes(first: Resources) -> list[Route]:
-    """Return all routes, each answering errors with a sentence."""
+    """Return all routes; each turns errors into a sentence."""
     desks = Desks(first)
     gets: dict[str, Handler] = {
         "/omnivat/web/{name:path}": web_file,
@@ -88,17 +89,18 @@ def routes(first: Resources) -> list[Route]:
 
 
 def desk_of(desks: Desks, request: Request) -> Resources:
-    """Return what the request asks of: the head and set that the server started with, or others."""
+    """Return the desk of a request: the server's own, or a loaded one."""
     return desks.named(desk_name(request))
 
 
 async def nothing_here(_: Request) -> Response:
-    """Refuse what is sent to Gradio itself: it only lays out the tabs, and the page sends it nothing."""
+    """Refuse requests to Gradio itself: it only lays out the tabs, and the page sends it
+    nothing."""
     return refusal("The page takes nothing here; its own routes are under omnivat/.", 404)
 
 
 async def web_file(request: Request) -> Response:
-    """Serve one of the page's scripts or styles; nothing else of the folder is served."""
+    """Serve one of the page's scripts or styles, and no other file of the folder."""
     path = web_files().get(request.path_params["name"])
     if path is None:
         return refusal("The page has no such file.", 404)
@@ -107,16 +109,16 @@ async def web_file(request: Request) -> Response:
 
 @cache
 def web_files() -> dict[str, Path]:
-    """Return the page's scripts and styles by their names in an address."""
+    """Return the page's scripts and styles by their names in URLs."""
     return {p.relative_to(WEB).as_posix(): p for p in WEB.rglob("*") if p.suffix in TYPES}
 
 
 def file_answer(
     request: Request, file: Path, headers: Mapping[str, str] | None = None, **options: Any
 ) -> Response:
-    """Serve a file, or 304 without a byte of it where the browser holds it as it is now.
+    """Serve a file, or 304 if the browser has the current version.
 
-    headers  of either answer
+    headers  of either response
     """
     sent = FileResponse(
         file, stat_result=file.stat(), headers={**FRESH, **(headers or {})}, **options
@@ -132,10 +134,11 @@ def file_answer(
 
 
 async def frames(desks: Desks, request: Request) -> Response:
-    """Serve the frames of a head, or say how far they are (202), or why there are none (404).
+    """Serve the frames of a head, or their progress (202), or the reason of a failure (404).
 
-    A header tells that finer frames are on their way. The map being there, head and set are loaded
-    beside whatever the visitor does, so that the first question is answered at once.
+    A header marks frames of which finer ones will follow. Once a map is served, head and set load
+    in
+    the background, so that the first request is fast.
     """
     resources = desk_of(desks, request)
     mode = request.query_params.get("mode", "")
@@ -163,7 +166,7 @@ async def frames(desks: Desks, request: Request) -> Response:
 
 
 def mode_frames(request: Request, resources: Resources, mode: str) -> Response:
-    """Serve the frames of heads trained otherwise than the one that is loaded."""
+    """Serve the frames of another mode than the loaded head's."""
     file = mode_files(resources.where).get(mode)
     if file is None:
         return refusal(f"There are no frames of the kind '{mode:.20}' beside this set.", 404)
@@ -176,9 +179,9 @@ def mode_frames(request: Request, resources: Resources, mode: str) -> Response:
 
 
 async def thumbnails(desks: Desks, request: Request) -> Response:
-    """Serve the sprite of thumbnails or its description; sets without one show names only."""
+    """Serve the thumbnail sheet or its description; sets without one show names only."""
     resources = desk_of(desks, request)
-    sprite = None if resources.drawn() else resources.where.sprite  # of pairs in another order
+    sprite = None if resources.drawn() else resources.where.sprite  # its pairs are in another order
     file = {
         "webp": sprite,
         "json": sprite.with_suffix(".json") if sprite else None,
@@ -200,7 +203,7 @@ async def example_image(desks: Desks, request: Request) -> Response:
 
 
 def in_json(said: Any, resources: Resources) -> Response:
-    """Give an answer as JSON; values that are not finite come from a damaged head, and are refused."""
+    """Return a JSON response; values that are not finite come from a damaged head and are an error."""
     try:
         return JSONResponse(said, headers={HOLDS: resources.holds})
     except ValueError:
@@ -210,14 +213,14 @@ def in_json(said: Any, resources: Resources) -> Response:
 
 
 async def facts(desks: Desks, found: Callable[[Resources], Any], request: Request) -> Response:
-    """Say what is known of what is loaded."""
+    """Return facts about the loaded head and set."""
     resources = desk_of(desks, request)
     known = await done(request, desks.shared.jobs, lambda _: found(resources))
     return in_json(known, resources)
 
 
 async def ask(desks: Desks, answer: Answer, request: Request) -> Response:
-    """Answer one JSON question, as a job."""
+    """Run one JSON request as a job."""
     resources = desk_of(desks, request)
     question = question_from(await body(request, MAX_QUESTION_BYTES, "The question"))
     said = await done(request, desks.shared.jobs, lambda _: answer(resources, question))
@@ -229,7 +232,7 @@ async def download(
     made: Callable[[Resources, Mapping[str, Any]], bytes],
     request: Request,
 ) -> Response:
-    """Give a zip made of one JSON question."""
+    """Return a zip for one JSON request."""
     resources = desk_of(desks, request)
     question = question_from(await body(request, MAX_QUESTION_BYTES, "The question"))
     content = await done(request, desks.shared.jobs, lambda _: made(resources, question))

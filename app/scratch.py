@@ -1,6 +1,6 @@
-"""The server's own temporary folder: removed when it stops, and swept by the next one where it could not.
+"""The server's temporary folder. It is removed when the server stops, or by the next server.
 
-A lock on a file inside says that the process lives; the system lets go of it however that ends.
+A lock on a file inside marks a running process; the system releases it when the process ends.
 """
 
 import shutil
@@ -19,7 +19,7 @@ PREFIX, LOCK = "omnivat-page-", "in-use"
 
 
 class Scratch:
-    """A folder for what lasts no longer than the process; made with its first use."""
+    """A folder for the lifetime of the process, made on first use."""
 
     def __init__(self) -> None:
         self._lock = Lock()
@@ -36,7 +36,7 @@ class Scratch:
             return self._home
 
     def folder(self, name: str) -> Path:
-        """Return a folder inside, made where it is not there."""
+        """Return a subfolder; create it if needed."""
         folder = self.home / name
         folder.mkdir(exist_ok=True)
         return folder
@@ -49,7 +49,7 @@ def _removed(home: Path, held: IO[Any] | None) -> None:
 
 
 def sweep() -> int:
-    """Remove folders whose process is gone; return how many."""
+    """Remove the folders of ended processes; return their number."""
     swept = 0
     for folder in Path(gettempdir()).glob(f"{PREFIX}*"):
         if fcntl is None or folder.is_symlink() or not (folder / LOCK).is_file():
@@ -63,10 +63,10 @@ def sweep() -> int:
 
 
 def _locked(file: Path) -> IO[Any] | None:
-    """Return the open file with a lock on it; None where another process holds it."""
+    """Return the locked open file; None if another process holds the lock."""
     try:
         handle = file.open("a")
-    except OSError:  # another person's folder, or gone meanwhile
+    except OSError:  # another user's folder, or already removed
         return None
     try:
         if fcntl is not None:

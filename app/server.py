@@ -42,7 +42,7 @@ def parser(environ: Mapping[str, str] = os.environ) -> argparse.ArgumentParser:
         action="append",
         default=[],
         metavar="DIR",
-        help="a head to show beside the first; can be given several times",
+        help="a head to compare with the first; can be given several times",
     )
     parser.add_argument(
         "--host",
@@ -60,13 +60,13 @@ def parser(environ: Mapping[str, str] = os.environ) -> argparse.ArgumentParser:
         action="append",
         default=hosted.names(environ),
         metavar="NAME",
-        help="a name by which the page may be called, too; can be given several times",
+        help="an additional allowed host name; can be given several times",
     )
     parser.add_argument(
         "--allow-framing",
         action="store_true",
         default=hosted.FRAMED in environ,
-        help="let other pages show this one in a frame, as notebooks and hosted demos do",
+        help="let other pages show this one in a frame, for notebooks and hosted demos",
     )
     parser.add_argument(
         "--no-browser",
@@ -75,13 +75,13 @@ def parser(environ: Mapping[str, str] = os.environ) -> argparse.ArgumentParser:
         help="do not open a browser",
     )
     parser.add_argument(
-        "--desktop", action="store_true", help="open a window of its own (needs pywebview)"
+        "--desktop", action="store_true", help="open a separate window (needs pywebview)"
     )
     return parser
 
 
 def build() -> Any:
-    """Return the Gradio page with all tabs; nothing heavy is loaded for it."""
+    """Return the Gradio page with all tabs, without loading anything heavy."""
     import gradio as gr
 
     with gr.Blocks(title="OmniVaT", fill_width=True, delete_cache=(3600, 3600)) as page:
@@ -97,7 +97,7 @@ def build() -> Any:
 
 
 def launch(page: Any, resources: Any, arguments: argparse.Namespace, **more: Any) -> Any:
-    """Serve the page; returns when it is stopped, at once where `prevent_thread_lock` is given."""
+    """Serve the page until it is stopped; with `prevent_thread_lock`, return at once."""
     from starlette.middleware import Middleware
 
     from app.routes import routes
@@ -120,7 +120,7 @@ def launch(page: Any, resources: Any, arguments: argparse.Namespace, **more: Any
         favicon_path=ICON,
         footer_links=[],
         run_history=False,
-        max_file_size="1mb",  # Gradio's own uploads are not used; images come by our route
+        max_file_size="1mb",  # Gradio's uploads are not used; images use our route
         state_session_capacity=200,
         **more,
     )
@@ -144,7 +144,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if told := warning(chosen.host, chosen.port):
         print(told, file=sys.stderr, flush=True)
     for one in (signal.SIGINT, signal.SIGTERM, getattr(signal, "SIGHUP", signal.SIGTERM)):
-        signal.signal(one, signal.default_int_handler)  # ends as Ctrl+C does, leaving nothing
+        signal.signal(one, signal.default_int_handler)  # ends like Ctrl+C, with all clean-up
     sweep()
     shared, where = Shared(), places(chosen.head, chosen.embeddings, chosen.compare)
     where = replace(where, drawn=chosen.sample)
@@ -163,7 +163,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def in_window(resources: Any, chosen: argparse.Namespace) -> int:
-    """Show the page in a window of its own until it is closed; say what is missing for it."""
+    """Show the page in a separate window until it is closed; report a missing package."""
     try:
         webview = need("webview", purpose="--desktop", install="pywebview")
     except MissingPackageError as error:

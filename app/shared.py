@@ -1,4 +1,4 @@
-"""What all heads and sets of one server share: the runner of jobs, the decoder, the encoders."""
+"""Shared by all heads and sets of a server: jobs, decoder, encoders."""
 
 from functools import partial
 from threading import Lock
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class Shared:
-    """Made once by the server; nothing heavy is loaded for it."""
+    """Created once by the server, without loading anything heavy."""
 
     def __init__(self) -> None:
         self.jobs = Jobs()
@@ -24,9 +24,9 @@ class Shared:
         self._lock = Lock()
 
     def encoder(self, name: str, weights_hash: str = "") -> "Encoder":
-        """Return the encoder of that name and weights, loaded once for all who use it.
+        """Return the encoder with that name and weights, loaded once for all.
 
-        Its weights are read where weights of that hash were read last; nothing is downloaded.
+        Its weights are read from their last known location; nothing is downloaded.
         """
         from omnivat.encoders.base import load_encoder
 

@@ -1,4 +1,4 @@
-"""What is looked at before the server starts, so that a wrong argument is one sentence."""
+"""Checks before the server starts, so that a wrong argument gives one sentence."""
 
 import argparse
 import errno
@@ -8,7 +8,7 @@ from pathlib import Path
 
 from omnivat.errors import DataError, SettingsError
 
-PORTS = range(7860, 7960)  # tried in turn where none is named
+PORTS = range(7860, 7960)  # tried in turn by default
 MOST_PAIRS = 50_000  # 100,000 points: what the map draws smoothly
 
 
@@ -29,7 +29,7 @@ def pair_count(text: str) -> int:
 
 
 def require_files(head: Path | None, embeddings: Path | None, compare: Sequence[Path]) -> None:
-    """Refuse a head or set that was named and is not there; raises DataError."""
+    """Raise DataError for a named head or set that does not exist."""
     for folder in filter(None, (head, *compare)):
         if not (folder / "settings.json").is_file():
             raise DataError(
@@ -46,7 +46,7 @@ def require_files(head: Path | None, embeddings: Path | None, compare: Sequence[
 def free_port(host: str, port: int | None) -> int:
     """Return the port to listen on: `port`, or the first free one.
 
-    Raises SettingsError where the address is not of this machine, or the port is not free.
+    Raises SettingsError if the address is not of this machine, or the port is in use.
     """
     try:
         family, _, _, _, place = socket.getaddrinfo(host, 0, type=socket.SOCK_STREAM)[0]

@@ -1,7 +1,7 @@
-"""What a request may name: a pair of the set, an example, or an image sent before.
+"""References in requests: a pair of the set, an example, or an uploaded image.
 
-The server keeps nothing of a visitor but the embeddings of images, under names made from their
-content: two visitors share nothing but what is equal in both.
+Of uploaded images, the server keeps only embeddings, named by a hash of their content. Two visitors
+share an entry only if they upload the same image.
 """
 
 from collections import OrderedDict
@@ -15,7 +15,7 @@ from omnivat.orders import optional_order
 
 
 class ForgottenError(DataError):
-    """An image was sent before, and the server no longer has it: the page sends it again."""
+    """The server no longer has an uploaded image; the page sends it again."""
 
     status = 410
 
@@ -37,7 +37,7 @@ class Ref:
 
 
 def ref_from(value: Any) -> Ref | None:
-    """Return what a request calls an image; None where it leaves it out.
+    """Return the image reference in a request; None if it is left out.
 
     Raises DataError for anything else.
     """
@@ -56,7 +56,7 @@ def ref_from(value: Any) -> Ref | None:
 
 
 def order_from(value: Any) -> float | None:
-    """Return an order between -4 and 4 quarter turns, or None where none is given.
+    """Return an order between -4 and 4 quarter turns, or None if none is given.
 
     Raises SettingsError for anything else.
     """
@@ -64,7 +64,7 @@ def order_from(value: Any) -> float | None:
 
 
 def content_name(content: bytes) -> str:
-    """Return the name of some bytes: equal bytes, equal name."""
+    """Return a hash of bytes, used as a name."""
     return blake2b(content, digest_size=16).hexdigest()
 
 
@@ -77,14 +77,14 @@ class Recent(Generic[V]):
         self._lock = Lock()
 
     def get(self, name: str) -> V | None:
-        """Return the value called `name`, or None when it was never kept or is forgotten."""
+        """Return the value called `name`, or None if it is not kept."""
         with self._lock:
             if name in self._values:
                 self._values.move_to_end(name)
             return self._values.get(name)
 
     def keep(self, name: str, value: V) -> V:
-        """Keep `value`, forgetting the one unused for longest where there are too many."""
+        """Keep `value`; drop the least recently used one beyond the limit."""
         with self._lock:
             self._values[name] = value
             self._values.move_to_end(name)

@@ -1,4 +1,4 @@
-"""A visitor's own labelled pairs: teach a head from them, judge it, save both."""
+"""A visitor's labelled pairs: teach a head from them, test it, save both."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -21,9 +21,9 @@ DOMAIN = "My pairs"
 
 
 def lessons_in(question: Mapping[str, Any]) -> list[Mapping[str, Any]]:
-    """Return the labelled pairs that a question holds: [{"vis", "tac", "label"}, …].
+    """Return the labelled pairs in a request: [{"vis", "tac", "label"}, …].
 
-    Raises DataError for anything else, or too many.
+    Raises DataError for anything else, or for too many.
     """
     given = question.get("lessons") or []
     if not isinstance(given, list) or not all(isinstance(one, dict) for one in given):
@@ -43,9 +43,9 @@ def lessons_in(question: Mapping[str, Any]) -> list[Mapping[str, Any]]:
 
 
 def head_for(resources: Resources, question: Mapping[str, Any]) -> "Head":
-    """Return the head that a question names, taught from the question's lessons where it has any.
+    """Return the head named in a request, taught from the request's lessons if there are any.
 
-    Raises DataError for a name that is not loaded or lessons that cannot be used.
+    Raises DataError for a head that is not loaded or invalid lessons.
     """
     head = resources.head_named(question.get("head"))
     given = lessons_in(question)
@@ -62,14 +62,14 @@ def head_for(resources: Resources, question: Mapping[str, Any]) -> "Head":
 
 
 def teach(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
-    """Judge the visitor's labelled pairs before and after teaching.
+    """Predict the visitor's labelled pairs before and after teaching.
 
     question  {"lessons": […]}
-    return    `judged`: label, before, after of each pair, where "after" is by a head taught from
-              all other pairs; `right`: how many were right before and after; `classes` of the
-              taught head
+    return    `judged`: label, before, after of each pair, where "after" comes from a head taught
+              from all other pairs; `right`: correct predictions before and after; `classes` of
+              the taught head
 
-    Raises DataError where there are too few pairs of too few classes.
+    Raises DataError for too few pairs or classes.
     """
     from omnivat.teach import judged
 
@@ -88,7 +88,7 @@ def teach(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
 def own_set(resources: Resources, question: Mapping[str, Any]) -> "Embeddings":
     """Return the visitor's labelled pairs as a set of embeddings, one domain.
 
-    Pairs with one image are left out. Raises DataError where no whole pair is left.
+    Pairs with one image are left out. Raises DataError if no complete pair remains.
     """
     import numpy as np
 
@@ -131,7 +131,7 @@ def save_set(resources: Resources, question: Mapping[str, Any]) -> bytes:
 
 
 def save_taught(resources: Resources, question: Mapping[str, Any]) -> bytes:
-    """Return a zip of the head that the visitor's pairs made. Raises DataError without any."""
+    """Return a zip of the taught head. Raises DataError without labelled pairs."""
     if not lessons_in(question):
         raise DataError("No pair is labelled yet, so there is no taught head to save.")
     return head_zip(head_for(resources, question), "taught-head")

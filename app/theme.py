@@ -1,11 +1,11 @@
-"""How the page looks: a built-in theme with fonts of the system, and our one style sheet."""
+"""The page's look: a built-in theme with system fonts, and our style sheets."""
 
 from collections.abc import Sequence
 from typing import Any
 
 FONTS = ("system-ui", "-apple-system", "Segoe UI", "Roboto", "DejaVu Sans", "sans-serif")
 MONO = ("ui-monospace", "Menlo", "Consolas", "DejaVu Sans Mono", "monospace")
-WEB = "omnivat/web"  # where the page's own scripts and styles are served, relative to the page
+WEB = "omnivat/web"  # path of the page's scripts and styles, relative to the page
 
 STYLES = (
     "shared/page",
@@ -17,7 +17,7 @@ STYLES = (
     "shared/narrow",
 )  # in this order: later ones override
 
-EARLY = ("cloud", "store", "frames", "measures", "api")  # scripts that the first tab waits for
+EARLY = ("cloud", "store", "frames", "measures", "api")  # scripts that the first tab needs
 
 HEAD = "\n".join(
     [
@@ -31,12 +31,12 @@ HEAD = "\n".join(
 
 
 def head(views: Sequence[str]) -> str:
-    """Return what goes into the page's head: styles, early scripts, and the names of the tabs."""
+    """Return the HTML head: styles, early scripts, and the names of the tabs."""
     return f'{HEAD}\n<meta name="omnivat-views" content="{" ".join(views)}">'
 
 
 def theme() -> Any:
-    """Return the theme. No font is fetched: every name is one that the system may have."""
+    """Return the theme. It uses system fonts only."""
     import gradio as gr
 
     return gr.themes.Base(

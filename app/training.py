@@ -1,4 +1,4 @@
-"""Train here: one training at a time, watched epoch by epoch, with a queue that tells its place."""
+"""Train here: one training at a time, reported epoch by epoch, with a queue."""
 
 import base64
 import os
@@ -23,34 +23,34 @@ if TYPE_CHECKING:
     from omnivat.data.store import Embeddings
 
 KEPT_RUNS = 12
-PRIORITY = 1  # after a first look at a map, before the rest of one
+PRIORITY = 1  # after the first stops of a map, before the rest
 DEADLINE_S = 300.0
-MEASURE_EVERY = 2  # epochs: each measurement runs the whole set through the head
-MAP_PAIRS = 2000  # drawn while training; a larger set is thinned evenly
-REACH = 1.5  # maps are of unit rows: coordinates lie within it
+MEASURE_EVERY = 2  # epochs; each measurement runs the whole set through the head
+MAP_PAIRS = 2000  # pairs on the map in training; a larger set is thinned evenly
+REACH = 1.5  # maps show unit rows, so coordinates are within it
 LONGEST_VISITOR = 40
 
 
 @dataclass(eq=False)
 class Run:
-    """One training: its plan, and what there is to see of it so far."""
+    """One training: its plan and its results so far."""
 
     plan: Plan
     visitor: str
-    rows: "np.ndarray[Any, Any]"  # the pairs that maps show
+    rows: "np.ndarray[Any, Any]"  # pairs on the maps
     job: Job[None] | None = None
     epochs: list[dict[str, Any]] = field(default_factory=list)
     head: "Head | None" = None
-    desk: str = ""  # where the finished head is loaded
+    desk: str = ""  # name of the finished head's desk
     lock: Lock = field(default_factory=Lock)
 
     @property
     def active(self) -> bool:
-        """Whether it waits or runs."""
+        """True if it waits or runs."""
         return self.job is not None and not self.job.status().ended
 
     def take(self, report: Any) -> None:
-        """Keep what one epoch gave: losses, measures and a map."""
+        """Store the results of one epoch: losses, measures and a map."""
         record = {
             "epoch": int(report.epoch),
             "order": round(float(report.order), 4),
@@ -72,18 +72,18 @@ class Trainings:
         self._active: dict[str, Run] = {}  # by visitor: one at a time each
 
     def offers(self, resources: Resources) -> dict[str, Any]:
-        """Return what can be chosen, and what is chosen at first."""
+        """Return the choices and the defaults."""
         return offers(resources.embeddings().header.domains, resources.head().source)
 
     def start(
         self, resources: Resources, question: Mapping[str, Any], beside: str
     ) -> dict[str, Any]:
-        """Queue a training; return its name and the pairs that its maps show.
+        """Queue a training; return its name and the pairs on its maps.
 
         question  {"visitor": name, "source", "width", …}: see `app.training_plan`
-        beside    the set that it learns from, as the address calls it
+        beside    the set, as named in the address
 
-        Raises DataError for settings that cannot be, or where the visitor has one in the queue.
+        Raises DataError for invalid settings, or if the visitor already has one in the queue.
         """
         visitor = _visitor(question)
         plan = plan_from(question, resources.embeddings())
@@ -113,7 +113,7 @@ class Trainings:
         }
 
     def state(self, question: Mapping[str, Any]) -> dict[str, Any]:
-        """Return where a training stands, and its epochs from number `since` on."""
+        """Return the state of a training, and its epochs from number `since` on."""
         run = self._run(question)
         since = question.get("since", 0)
         if type(since) is not int or since < 0:
@@ -182,7 +182,7 @@ class Trainings:
 
 
 def coded_map(flat: "np.ndarray[Any, Any]", rows: "np.ndarray[Any, Any]") -> str:
-    """Return the places of some pairs, VIS then TAC, as base64 of u16 within ±REACH."""
+    """Return the positions of some pairs, VIS then TAC, as base64 of u16 within ±REACH."""
     import numpy as np
 
     pairs = len(flat) // 2
@@ -215,6 +215,6 @@ def _visitor(question: Mapping[str, Any]) -> str:
 
 
 def _number(value: Any) -> float | None:
-    """Return a number as JSON can hold it, None for NaN."""
+    """Return a number for JSON; None for NaN."""
     number = float(value)
     return round(number, 5) if number == number else None

@@ -1,4 +1,4 @@
-"""What a visitor may choose for a training, and what becomes of the choice."""
+"""The choices of a training, and their check."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ RANGES: dict[str, tuple[float, float, float]] = {
     "seed": (0, 999, 0),
 }
 MOST_PAIRS = 20_000  # of the source
-MOST_LOOKED_AT = 20_000  # of other domains, measured and drawn while training
+MOST_LOOKED_AT = 20_000  # of other domains, measured and drawn in training
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,16 +33,16 @@ class Plan:
     head: dict[str, Any]
     training: "TrainSettings"
     seed: int
-    first: str  # what happens before the first epoch, in words
+    first: str  # the step before the first epoch, in words
 
     @property
     def epochs(self) -> int:
-        """How many epochs there are."""
+        """The number of epochs."""
         return self.training.epochs
 
 
 def offers(domains: Sequence[str], source: str) -> dict[str, Any]:
-    """Return the choices, and those at first."""
+    """Return the choices and the defaults."""
     return {
         "sources": list(domains),
         "widths": list(WIDTHS),
@@ -59,12 +59,12 @@ def offers(domains: Sequence[str], source: str) -> dict[str, Any]:
 
 
 def plan_from(question: Mapping[str, Any], embeddings: "Embeddings") -> Plan:
-    """Return the plan of a question; what it leaves out is as at first.
+    """Return the plan of a request; missing settings have their defaults.
 
-    question  {"source": domain, "width", "order": what p does, "p": where it starts, "mma": λ,
-              "levels": R, "expansion": E, "lang": whether LANG guides, "epochs", "seed"}
+    question  {"source": domain, "width", "order": what p does, "p": initial value, "mma": λ,
+              "levels": R, "expansion": E, "lang": true to use LANG, "epochs", "seed"}
 
-    Raises DataError with what came and what was wanted.
+    Raises DataError with the given and the expected value.
     """
     from omnivat.train import TrainSettings
 
@@ -100,7 +100,7 @@ def plan_from(question: Mapping[str, Any], embeddings: "Embeddings") -> Plan:
 
 
 def looked_at(embeddings: "Embeddings", source: str) -> "Embeddings":
-    """Return the set with all pairs of the source; other domains are thinned evenly where large."""
+    """Return the set with all pairs of the source; large other domains are thinned evenly."""
     import numpy as np
 
     own = embeddings.domain == embeddings.header.domains.index(source)

@@ -1,4 +1,4 @@
-"""The routes of Train here: start, look, cancel, save."""
+"""The routes of Train here: start, state, cancel, save."""
 
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -16,7 +16,7 @@ from app.working import done
 
 
 def training_routes(desks: Desks) -> dict[str, Handler]:
-    """Return the handlers by their address; all take a POST."""
+    """Return the handlers by address; all use POST."""
     trainings = Trainings(desks)
     return {
         "/omnivat/trainings": partial(offers, desks, trainings),
@@ -28,15 +28,15 @@ def training_routes(desks: Desks) -> dict[str, Handler]:
 
 
 async def offers(desks: Desks, trainings: Trainings, request: Request) -> Response:
-    """Give what can be chosen."""
+    """Return the choices."""
     resources = desks.named(desk_name(request))
-    await asked(request)  # nothing is read from it, but it is a question like the others
+    await asked(request)  # it has no content, but it is a request like the others
     found = await done(request, desks.shared.jobs, lambda _: trainings.offers(resources))
     return JSONResponse(found)
 
 
 async def start(desks: Desks, trainings: Trainings, request: Request) -> Response:
-    """Queue a training on the set that the visitor looks at."""
+    """Queue a training on the visitor's set."""
     name = desk_name(request)
     resources = desks.named(name)
     question = await asked(request)
@@ -45,17 +45,17 @@ async def start(desks: Desks, trainings: Trainings, request: Request) -> Respons
 
 
 async def look(answer: Callable[[Mapping[str, Any]], dict[str, Any]], request: Request) -> Response:
-    """Tell where a training stands."""
+    """Return the state of a training."""
     return JSONResponse(answer(await asked(request)))
 
 
 async def saved(desks: Desks, trainings: Trainings, request: Request) -> Response:
-    """Give a finished head as a zip."""
+    """Return a finished head as a zip."""
     question = await asked(request)
     content = await done(request, desks.shared.jobs, lambda _: trainings.saved(question))
     return Response(content, media_type="application/zip")
 
 
 async def asked(request: Request) -> Mapping[str, Any]:
-    """Return the JSON question of a request."""
+    """Return the JSON object of a request."""
     return question_from(await body(request, MAX_QUESTION_BYTES, "The question"))

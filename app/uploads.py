@@ -1,4 +1,4 @@
-"""The routes by which a visitor sends an image, or the files of a head or set."""
+"""Upload routes for an image, or for the files of a head or set."""
 
 from collections.abc import Callable
 from functools import partial
@@ -21,7 +21,7 @@ LIVE, SENT, LOADED, SLOW = 0, 1, 1, 2  # priorities in the quick lane
 
 
 def upload_routes(desks: Desks) -> dict[str, Handler]:
-    """Return the handlers by their address."""
+    """Return the handlers by address."""
     return {
         "/omnivat/image": partial(take_image, desks),
         "/omnivat/occlusion": partial(of_image, occlusion, SLOW, desks),
@@ -32,7 +32,7 @@ def upload_routes(desks: Desks) -> dict[str, Handler]:
 
 
 async def take_image(desks: Desks, request: Request) -> Response:
-    """Take the bytes of one image, embed it, and return its name and a small preview."""
+    """Embed one uploaded image; return its name and a small preview."""
     resources = desks.named(desk_name(request))
     name = file_name(request)
     async with received(request, desks.shared.scratch, MAX_IMAGE_BYTES, "The image") as file:
@@ -52,7 +52,7 @@ async def take_image(desks: Desks, request: Request) -> Response:
 async def of_image(
     work: Callable[..., dict[str, Any]], priority: int, desks: Desks, request: Request
 ) -> Response:
-    """Do `work` on an image that is sent and then forgotten, with what the address says of it."""
+    """Run `work` on an uploaded image that is not kept, with the parameters of the address."""
     asked = request.query_params
     resources = desks.named(desk_name(request))
     known = {
@@ -71,14 +71,14 @@ async def of_image(
 
 
 async def take_part(desks: Desks, request: Request) -> Response:
-    """Take one file of a head or set, as it comes."""
+    """Receive one file of a head or set."""
     name = request.query_params.get("name", "")
     content = blocks(request, max(PARTS.values()), "The file")
     return JSONResponse({"part": await desks.keep_part(name, content)})
 
 
 async def load(desks: Desks, request: Request) -> Response:
-    """Make a desk of the files that were sent: `{"parts": {file: part}, "compare": false}`."""
+    """Make a desk of the uploaded files: `{"parts": {file: part}, "compare": false}`."""
     question = question_from(await body(request, MAX_QUESTION_BYTES, "The question"))
     parts = question.get("parts")
     if not isinstance(parts, dict) or not all(isinstance(part, str) for part in parts.values()):

@@ -1,4 +1,4 @@
-"""Do a request's work as a job that ends when its visitor goes, and take what a visitor sends."""
+"""Run a request as a job that ends when its visitor leaves, and receive uploads."""
 
 import asyncio
 import os
@@ -14,8 +14,8 @@ from app.requests import blocks
 from app.scratch import Scratch
 
 T = TypeVar("T")
-LOOK_S = 0.25  # how often it is seen whether the visitor is still there
-QUESTION_S = 120  # seconds that the answer to a question may take
+LOOK_S = 0.25  # seconds between two checks for a disconnected visitor
+QUESTION_S = 120  # longest time for a reply, in seconds
 
 
 async def done(
@@ -26,9 +26,9 @@ async def done(
     priority: int = 0,
     deadline_s: float = QUESTION_S,
 ) -> T:
-    """Return what `work` returns, as a job of the quick lane.
+    """Run `work` as a job of the quick lane; return its result.
 
-    The job is cancelled when the visitor goes. Raises its OmniVatError.
+    The job is cancelled when the visitor disconnects. Raises its OmniVatError.
     """
     job = jobs.start(work, lane="quick", priority=priority, deadline_s=deadline_s)
     end = asyncio.wrap_future(job.future)
@@ -46,9 +46,9 @@ async def done(
 async def received(
     request: Request, scratch: Scratch, limit: int, what: str
 ) -> AsyncIterator[Path]:
-    """Give a file of the request's bytes, which is gone afterwards.
+    """Yield a temporary file with the request's bytes.
 
-    Raises DataError when there are more than `limit`, or none come for a while.
+    Raises DataError for more than `limit` bytes, or if the upload stalls.
     """
     file = scratch.folder("images") / os.urandom(8).hex()
     try:

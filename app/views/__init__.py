@@ -1,3 +1,3 @@
-"""The tabs, one a file: answers are functions, `build` is wiring."""
+"""The tabs, one in each file: results are functions, `build` is layout."""
 
 VIEWS = ("explore", "pair", "train", "tree", "compare", "data")  # in their order on the page

@@ -18,15 +18,15 @@ if TYPE_CHECKING:
     Array = np.ndarray[Any, Any]
 
 TITLE = "Compare"
-METHODS = {"nearest_mean": "nearest class mean"}  # quick to fit; slower ones are in the matrix
+METHODS = {"nearest_mean": "nearest class mean"}  # fast to fit; slower ones are in the matrix
 _MEASURED = EXAMPLES / "records"
 RECORDS = (_MEASURED / "protocol_full.jsonl", _MEASURED / "protocol.jsonl")
 
 
 def heads(resources: Resources) -> list[dict[str, Any]]:
-    """Return what can stand side by side: name, what it is made of, source, learned order.
+    """Return the heads for comparison: name, structure, source, learned order.
 
-    Read from settings.json alone: nothing heavy is loaded for the list.
+    This reads settings.json only; nothing heavy is loaded.
     """
     found = []
     for name, folder in resources.folders.items():
@@ -53,14 +53,15 @@ def heads(resources: Resources) -> list[dict[str, Any]]:
 
 
 def answers(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what a comparison method, fitted on the head's source domain, predicts for every pair.
+    """Return the predictions of a comparison method, fitted on the head's source, for every pair.
 
     question  {"method": a name of METHODS}
     return    label, prediction (N,) as indices into `classes`, confidence (N,) 0 to 255, and
-              `accuracy`: "unseen" (mean over unseen domains, pairs that count) and each domain;
-              pairs of a class that the method lacks are left out, as they are for a head
+              `accuracy`: "unseen" (mean over unseen domains, test pairs) and each domain; pairs of
+              a
+                        class that the method lacks are left out, as for a head
 
-    Raises DataError for another method, or a set without the head's source domain.
+              Raises DataError for another method, or a set without the head's source domain.
     """
     method = question.get("method")
     if not isinstance(method, str) or method not in METHODS:
@@ -100,10 +101,10 @@ def _answered(resources: Resources, method: str) -> dict[str, Any]:
 def scores_of(
     embeddings: "Embeddings", classes: Sequence[str], source: str, said: "Array"
 ) -> dict[str, float | None]:
-    """Return the accuracy of predictions (N,) in each domain, and of "unseen" ones together.
+    """Return the accuracy of predictions (N,) in each domain, and in the "unseen" ones together.
 
-    Pairs of a class that is not among `classes` are left out, and of "unseen" those that were
-    trained on. None where nothing is left.
+    Pairs of a class that is not in `classes` are left out, and so are training pairs from "unseen".
+    None if no pair remains.
     """
     from omnivat.evaluate import label_map
     from omnivat.unseen import counted
@@ -124,11 +125,11 @@ def scores_of(
 
 
 def matrix(resources: Resources) -> dict[str, Any]:
-    """Return scores by source and target, and the figures that the paper prints.
+    """Return scores by source and target, and the paper's printed figures.
 
     return  `rows`: method, label, source, seeds, cells {target: [accuracy, macro-F1]} as shares;
             `origin`: "protocol" or "heads"; `paper`: method -> source -> [ACC, F1] in percent;
-            `why`: why the paper's are not comparable, "" where they are
+            `why`: why the paper's are not comparable, "" if they are
     """
     from omnivat.protocol.records import fingerprint
     from omnivat.reports.paper import BACKBONE, not_comparable, paper
@@ -158,7 +159,7 @@ def matrix(resources: Resources) -> dict[str, Any]:
 
 
 def head_row(resources: Resources, name: str) -> dict[str, Any] | None:
-    """Return the row that a head's own metrics.json gives for the set's domains, None without any."""
+    """Return the row for the set's domains from a head's metrics.json, None without any."""
     try:
         head = resources.head_named(name)
     except DataError:
@@ -173,7 +174,7 @@ def head_row(resources: Resources, name: str) -> dict[str, Any] | None:
             for record in head.metrics.get("domains", [])
             if "fused" in record.get("scores", {}) and record["domain"] in domains
         }
-    except (AttributeError, KeyError, TypeError):  # metrics.json is what somebody wrote
+    except (AttributeError, KeyError, TypeError):  # metrics.json may come from a visitor
         return None
     if not cells:
         return None
@@ -184,9 +185,10 @@ def head_row(resources: Resources, name: str) -> dict[str, Any] | None:
 def protocol_rows(content: str) -> list[dict[str, Any]]:
     """Return a row for each method and source of the protocol's records, mean over seeds.
 
-    content  fingerprint of the embeddings shown: records of others are left out. No file, no rows
+    content  fingerprint of the embeddings shown; records of other embeddings are left out. Without
+             a file there are no rows
 
-    Heads of several widths are several methods.
+    Heads of different widths are different methods.
     """
     from omnivat.protocol.records import read
 
@@ -210,7 +212,7 @@ def protocol_rows(content: str) -> list[dict[str, Any]]:
 
 
 def mean_cells(runs: Sequence[Mapping[str, Any]]) -> dict[str, list[float]]:
-    """Return target -> [accuracy, macro-F1], each the mean over runs that have the target."""
+    """Return target -> [accuracy, macro-F1], each the mean over runs with that target."""
     cells: dict[str, list[float]] = {}
     for target in dict.fromkeys(name for run in runs for name in run["targets"]):
         scores = [

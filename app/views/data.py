@@ -1,4 +1,4 @@
-"""Data & limits: what is loaded, where it came from, its limits, and how to load one's own."""
+"""Data & limits: what is loaded, its origin and limits, and how to load your own."""
 
 from math import isfinite
 from pathlib import Path
@@ -14,7 +14,7 @@ TITLE = "Data & limits"
 
 
 def about(resources: Resources) -> dict[str, Any]:
-    """Return what is loaded, or for each part that is missing the sentence that says so."""
+    """Return facts about the loaded parts; a missing part gives a sentence."""
     return {
         "head": _or_problem(lambda: head_facts(resources)),
         "embeddings": _or_problem(lambda: embedding_facts(resources)),
@@ -24,7 +24,7 @@ def about(resources: Resources) -> dict[str, Any]:
 
 
 def head_facts(resources: Resources) -> dict[str, Any]:
-    """Return what the head's folder says of itself."""
+    """Return facts from the head's folder."""
     head = resources.head()
     settings = head.settings
     return {
@@ -43,7 +43,7 @@ def head_facts(resources: Resources) -> dict[str, Any]:
 
 
 def embedding_facts(resources: Resources) -> dict[str, Any]:
-    """Return what the set's header says, and how many pairs each domain and class has."""
+    """Return facts from the set's header, and the number of pairs in each domain and class."""
     import numpy as np
 
     embeddings = resources.embeddings()
@@ -66,7 +66,8 @@ def embedding_facts(resources: Resources) -> dict[str, Any]:
 
 
 def without_nan(value: Any) -> Any:
-    """Return a record with None for numbers that JSON cannot hold: a mean over no target is one."""
+    """Return a record with None for NaN, such as a mean without targets, because JSON has no
+    NaN."""
     if isinstance(value, dict):
         return {key: without_nan(one) for key, one in value.items()}
     if isinstance(value, list | tuple):
@@ -75,7 +76,7 @@ def without_nan(value: Any) -> Any:
 
 
 def _place(path: Path) -> str:
-    """Name a file without telling where on the server it lies."""
+    """Return a file's name without its folder on the server."""
     return "/".join(path.parts[-2:])
 
 

@@ -1,4 +1,4 @@
-"""Explore: the whole set on a map that answers while p moves."""
+"""Explore: the whole set on a map that follows p."""
 
 from base64 import b64encode
 from collections.abc import Mapping
@@ -31,7 +31,7 @@ def neighbours(resources: Resources, question: Mapping[str, Any]) -> dict[str, A
     question  {"point": 0..2N-1 (VIS first, then TAC), "stage": …, "order": p}
     return    {"neighbours": [{"point", "cosine"}, …]}; the point's own pair may be among them
 
-    Raises DataError for a point or stage that is not there.
+    Raises DataError for an unknown point or stage.
     """
     from omnivat.sweep import STAGES
 
@@ -47,10 +47,10 @@ def neighbours(resources: Resources, question: Mapping[str, Any]) -> dict[str, A
 
 
 def kept_features(resources: Resources, stage: str, order: float) -> "Array":
-    """Return the features of the first head at a stage, computed once while they are in use."""
+    """Return the features of the first head at a stage, cached."""
     from omnivat.sweep import STILL
 
-    # still stages are unitary: their cosines know no order
+    # unitary stages: their cosines do not depend on the order
     key = stage if stage in STILL else f"{stage} {order:.6f}"
     features = resources.features.get(key)
     if features is None:
@@ -75,7 +75,7 @@ def nearest(features: "Array", point: int, count: int) -> list[dict[str, Any]]:
 
 
 def staged(model: "OmniVaT", embeddings: "Embeddings", stage: str, order: float) -> "Array":
-    """Return the features (2N, W) of a stage at one order, each of length one, VIS first."""
+    """Return the unit features (2N, W) of a stage at one order, VIS first."""
     import torch
 
     from omnivat.gaps.unit import unit
@@ -89,10 +89,10 @@ def staged(model: "OmniVaT", embeddings: "Embeddings", stage: str, order: float)
 
 
 def unseen(resources: Resources) -> dict[str, Any]:
-    """Return how the first head does in domains that it never saw; see `omnivat.unseen`.
+    """Return the accuracy of the first head in unseen domains; see `omnivat.unseen`.
 
-    What is known of each pair is `packed`: a list of numbers would take five times as many bytes.
-    Raises DataError where head and set do not fit.
+    Values of each pair are `packed`: a list of numbers would need five times as many bytes.
+    Raises DataError if head and set do not fit.
     """
     from omnivat.unseen import unseen_summary
 
@@ -114,11 +114,11 @@ def unseen(resources: Resources) -> dict[str, Any]:
 
 
 def packed(values: "Array", kind: str, steps: int = 1) -> dict[str, Any]:
-    """Return numbers (N,) as whole numbers of 1 / steps, little-endian, in base64: for JSON.
+    """Return numbers (N,) as integers in units of 1 / steps, little-endian, in base64.
 
-    kind  "u1", "u2" or "i2", as numpy names it
+    kind  "u1", "u2" or "i2", numpy's names
 
-    Raises DataError where a number is not finite.
+    Raises DataError if a number is not finite.
     """
     import numpy as np
 
@@ -131,14 +131,14 @@ def packed(values: "Array", kind: str, steps: int = 1) -> dict[str, Any]:
 
 
 def pairs(resources: Resources) -> dict[str, list[str]]:
-    """Return what each pair of the set is called and what it imitates, in the order of the set."""
+    """Return the name of each pair and the classes it imitates, in the order of the set."""
     rows = resources.embeddings().rows
     names = [_name(file) for file in rows["vis"]]
     return {"name": names, **{column: rows[column] for column in ("looks_like", "feels_like")}}
 
 
 def _name(file: str) -> str:
-    """Return the name that both files of a pair share."""
+    """Return the common name of a pair's files."""
     return Path(file).stem.removesuffix("_vis")
 
 
@@ -150,12 +150,12 @@ def _toy() -> dict[str, Any]:
 
 
 def mechanism(resources: Resources) -> dict[str, Any]:
-    """Return the toy that shows what the transform and the ReLU do; it is the same for every set."""
+    """Return the toy for the transform and the ReLU; it is the same for every set."""
     return _toy()
 
 
 def place(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
-    """Return where a pair, and its tree's nodes, lie on a map; see `app.placing`."""
+    """Return the positions of a pair and its tree nodes on a map; see `app.placing`."""
     return placing.place(resources, question, kept_features)
 
 

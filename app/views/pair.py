@@ -1,4 +1,4 @@
-"""Try a pair: what the head predicts for one VIS + TAC pair, and whether to trust it."""
+"""Try a pair: the head's predictions for one pair, and their reliability."""
 
 import base64
 from collections.abc import Mapping
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 TITLE = "Try a pair"
 READINGS = ("fused", "vis", "tac")  # both, photo only, touch only
 STOPS = tuple(k / 100 for k in range(101))
-COLUMNS = 256  # of the spectrum's picture; each shows the largest of the entries under it
+COLUMNS = 256  # columns of the spectrum; each shows the maximum of its entries
 
 
 def answer(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
@@ -58,7 +58,7 @@ def answer(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
 def trained_span(head: "Head") -> list[float]:
     """Return the orders [low, high] that the head was trained for.
 
-    The range of p drawn in training, where it was drawn; else the learned order, twice.
+    The range of p in training if p was drawn; else the learned order twice.
     """
     train = head.provenance.get("train", {})
     if train.get("order_draw", "none") != "none":
@@ -72,7 +72,7 @@ def sweep(
     tac: "torch.Tensor | None",
     orders: tuple[float, ...],
 ) -> "dict[str, dict[str, np.ndarray[Any, Any]]]":
-    """Return what the head gives one pair at P orders, all in one batch.
+    """Return the head's results for one pair at P orders, in one batch.
 
     readings    reading -> (P, K) probabilities; see `omnivat.model.output`
     magnitudes  "vis", "tac" -> (P, D) moduli of the transformed embedding
@@ -90,7 +90,7 @@ def sweep(
 
 
 def attention(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
-    """Return where FrATT looks at every stop: how much each token's query gives to each token.
+    """Return FrATT's attention at every stop: the weights of each query over the tokens.
 
     question  as for `answer`
     return    `tokens`: a name for each of the T tokens, with its θ; `off`: modality -> bytes
@@ -135,7 +135,7 @@ def token_names(model: "OmniVaT", modality: str, count: int) -> list[str]:
 def spectrum(magnitudes: "np.ndarray[Any, Any]") -> dict[str, Any]:
     """Return |F_p| (P, D) as a picture of bytes, row by row, with what 255 stands for.
 
-    Neighbouring entries are joined by their maximum where D is wider than the picture.
+    If D exceeds the picture's width, neighbouring entries are reduced to their maximum.
     """
     import numpy as np
 

@@ -1,4 +1,4 @@
-"""Tree: the nodes that DTG grows from the chosen pair, and what NOD keeps apart."""
+"""Tree: the nodes that DTG grows from the chosen pair, and their cosines."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 TITLE = "Tree"
 MOST_PAIRS = (
-    5000  # that vote; a larger set is thinned evenly, and a share then known within a point
+    5000  # pairs that count; a larger set is thinned evenly, with an error of about a point
 )
 
 
@@ -27,10 +27,10 @@ def answer(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     question  {"vis", "tac": references, or "domain": name; "order": p or None,
               "head": name of a comparison head, the first one if left out}
     return    nodes with their parents (-1 for none), norms and class probabilities; `layers`:
-              the cosine matrix of each group of nodes and its NOD loss; `pairs`: how many pairs
-              were averaged over
+              the cosine matrix of each group of nodes and its NOD loss; `pairs`: the number of
+                        averaged pairs
 
-    Raises DataError when nothing is chosen or the head grows no nodes.
+              Raises DataError if nothing is chosen or the head has no nodes.
     """
     import torch
 
@@ -60,10 +60,10 @@ def answer(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def votes(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
-    """Return for each node the class that it gives to most pairs of the set, at the learned p.
+    """Return each node's most frequent class over the set, at the learned p.
 
     question  {"head": name of a comparison head, the first one if left out}
-    return    {"votes": [{"class", "share"}, …], "pairs": how many were looked at}
+    return    {"votes": [{"class", "share"}, …], "pairs": number of pairs}
     """
     import numpy as np
 
@@ -86,7 +86,7 @@ def votes(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
 def _pairs(
     resources: Resources, question: Mapping[str, Any], head: "Head"
 ) -> "tuple[dict[str, Tensor | None], Tensor | None]":
-    """Return the embeddings wanted, and for a domain the index of each pair's class."""
+    """Return the requested embeddings and, for a domain, the class index of each pair."""
     domain = question.get("domain")
     if not domain:
         return embedded(resources, refs_from(question)), None
@@ -108,7 +108,7 @@ def _pairs(
 
 
 def node_records(facts: "TreeFacts") -> list[dict[str, Any]]:
-    """Return what the page shows of each node; `right` where the pairs' classes are known."""
+    """Return the page's data for each node; `right` if the pairs' classes are known."""
     means = rounded(facts.probabilities.numpy())
     records: list[dict[str, Any]] = [
         {"norm": round(float(length), 5), "probabilities": row}
@@ -121,7 +121,7 @@ def node_records(facts: "TreeFacts") -> list[dict[str, Any]]:
 
 
 def layer_records(facts: "TreeFacts") -> list[dict[str, Any]]:
-    """Return each group's cosine matrix and its distance to the identity, which NOD minimises."""
+    """Return each group's cosine matrix and its distance from the identity, which NOD minimises."""
     return [
         {
             "nodes": list(level.nodes),
