@@ -1,17 +1,21 @@
 """One head for every order beside heads trained at each stop alone.
 
-    python -m benchmarks.order_every [--sources TAG-sim,...] [--widths 64] [--steps 12000]
-                                     [--stops 0,0.25,0.5,0.75,1] [--jobs N] [--out FILE]
+    python -m benchmarks.order_every [--sources TAG-sim,...] [--widths 64] [--seeds 1]
+                                     [--steps 3000] [--draw row] [--only every|alone]
+                                     [--stops 0,0.25,...] [--jobs N] [--out FILE] [--table]
 
-The head for every order draws p anew for each pair (`order_draw=row`) and takes `--steps` steps of
-64 pairs; heads at a stop take 60 epochs of 16. Averages are over 11 orders from 0 to 1. Rows are
-appended to a JSON lines file, one for each source and width; a row that is there is not made again.
+The head for every order draws p anew (`order_draw`) and takes `--steps` steps of the settings EVERY;
+heads at a stop take 60 epochs of the usual ones. Averages are over 11 orders from 0 to 1. One row of a
+JSON lines file is one seed of one source and width; a row that is there is not made again. --table
+prints what is there.
 """
 
 import argparse
 import json
 import time
+from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from math import ceil
 from pathlib import Path
 from typing import Any
@@ -24,41 +28,56 @@ from omnivat.data.store import Embeddings, load_embeddings
 from omnivat.from_pairs import plan_training
 from omnivat.heads import default_embeddings
 from omnivat.model.head import OmniVaT
-from omnivat.train import train
+from omnivat.train import TrainSettings, train
 from omnivat.unseen.masks import counted, mean_over_domains
 
-BATCH = 64
+# what helped, in docs/order.md: noise, no LANG, large steps, orders drawn a little beyond [0, 1]
+EVERY = TrainSettings(batch=64, lr=0.1, lang=False, noise=2.0, order_low=-0.1, order_high=1.1)
 AVERAGED = tuple(float(p) for p in np.linspace(0, 1, 11))
+STOPS = "0,0.25,0.5,0.75,1"
+Row = dict[str, Any]
+NAMED = ("kind", "source", "width", "seed", "steps", "draw", "stops")  # what tells two rows apart
 
 
-def compared(
-    file: Path, source: str, width: int, steps: int, draw: str, stops: tuple[float, ...]
-) -> dict[str, Any]:
-    """Train both kinds of head on one source; return their accuracies in unseen domains (%)."""
+def alone(
+    file: Path, source: str, width: int, seed: int, steps: int, draw: str, stops: Sequence[float]
+) -> Row:
+    """Train a head at each stop; return their accuracies (%). Steps and draw are not theirs."""
     embeddings = load_embeddings(file)
-    count = len(embeddings.in_domain(source, split="train"))
-    training = replace(
-        SENSORS, batch=BATCH, epochs=ceil(steps / ceil(count / BATCH)), order_draw=draw
-    )
-    plan = plan_training(embeddings, source, head={"width": width}, training=training)
     began = time.process_time()
-    every = train(plan.pairs, plan.settings, plan.training, bank=plan.bank).model
+    heads = [head_at(embeddings, source, p, seed, SENSORS, {"width": width}) for p in stops]
     cpu = time.process_time() - began
-    alone = [
-        scored(head_at(embeddings, source, p, 0, SENSORS, {"width": width}), embeddings, source)
-        for p in stops
-    ]
+    found = [scored(head, embeddings, source) for head in heads]
     return {
-        "source": source,
-        "width": width,
-        "steps": steps,
-        "draw": draw,
-        "stops": list(stops),
-        "every": [scored(every, embeddings, source, p).unseen for p in stops],
-        "alone": [one.unseen for one in alone],
-        "averaged": averaged(every, embeddings, source),
+        "unseen": [score.unseen for score in found],
+        "source_test": [score.source_test for score in found],
         "cpu_s": round(cpu, 1),
     }
+
+
+def every(
+    file: Path, source: str, width: int, seed: int, steps: int, draw: str, stops: Sequence[float]
+) -> Row:
+    """Train one head for every order; return its accuracies (%) at the stops, and averaged."""
+    embeddings = load_embeddings(file)
+    count = len(embeddings.in_domain(source, split="train"))
+    epochs = round(steps / ceil(count / EVERY.batch))
+    training = replace(EVERY, epochs=epochs, order_draw=draw)
+    plan = plan_training(embeddings, source, head={"width": width}, training=training)
+    began = time.process_time()
+    model = train(plan.pairs, plan.settings, plan.training, bank=plan.bank, seed=seed).model
+    cpu = time.process_time() - began
+    found = [scored(model, embeddings, source, p) for p in stops]
+    return {
+        "unseen": [score.unseen for score in found],
+        "source_test": [score.source_test for score in found],
+        "averaged": averaged(model, embeddings, source),
+        "single": float(np.mean([scored(model, embeddings, source, p).unseen for p in AVERAGED])),
+        "cpu_s": round(cpu, 1),
+    }
+
+
+KINDS = {"every": every, "alone": alone}
 
 
 def averaged(model: OmniVaT, embeddings: Embeddings, source: str) -> float:
@@ -69,35 +88,99 @@ def averaged(model: OmniVaT, embeddings: Embeddings, source: str) -> float:
     return 100 * (mean_over_domains(right, embeddings, source, keep) or float("nan"))
 
 
+def made(
+    file: Path, kind: str, source: str, width: int, seed: int, steps: int, draw: str, stops: str
+) -> Row:
+    """Return a whole row: what it is of, and what was measured."""
+    places = tuple(map(float, stops.split(",")))
+    known = dict(zip(NAMED, (kind, source, width, seed, steps, draw, stops), strict=True))
+    return known | KINDS[kind](file, source, width, seed, steps, draw, places)
+
+
+def compared(rows: Sequence[Row], width: int) -> list[Row]:
+    """Return for each source of a width: means over seeds (S,) of both kinds, and their difference."""
+    found = []
+    for source in dict.fromkeys(row["source"] for row in rows if row["width"] == width):
+        own = [row for row in rows if (row["source"], row["width"]) == (source, width)]
+        means = {
+            kind: np.mean([row["unseen"] for row in own if row["kind"] == kind], axis=0)
+            for kind in KINDS
+            if any(row["kind"] == kind for row in own)
+        }
+        if len(means) == 2:
+            ours = [row for row in own if row["kind"] == "every"]
+            found.append(
+                {
+                    "source": source,
+                    **means,
+                    "less": means["every"] - means["alone"],
+                    "averaged": float(np.mean([row["averaged"] - row["single"] for row in ours])),
+                }
+            )
+    return found
+
+
+def table(rows: Sequence[Row]) -> str:
+    """Return both kinds of head side by side, in Markdown."""
+    lines = []
+    for width in sorted({row["width"] for row in rows}):
+        lines += [
+            f"\nD = {width}\n",
+            "| source | heads at each stop | one head | mean difference | worst stop | averaging |",
+            "| --- | --- | --- | --- | --- | --- |",
+        ]
+        for one in compared(rows, width):
+            alone, every = (f"{one[k].mean():.1f} ({one[k].min():.1f}-{one[k].max():.1f})" for k in ("alone", "every"))  # fmt: skip
+            lines.append(
+                f"| {one['source']} | {alone} | {every} | {one['less'].mean():+.1f} "
+                f"| {one['less'].min():+.1f} | {one['averaged']:+.1f} |"
+            )
+    return "\n".join(lines)
+
+
 def main() -> None:
-    """Make the rows that are not there yet."""
+    """Make the rows that are not there yet, or print those that are."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--embeddings", type=Path, default=default_embeddings())
     parser.add_argument("--sources", help="with commas; all domains if left out")
     parser.add_argument("--widths", default="64")
-    parser.add_argument("--steps", type=int, default=12_000)
+    parser.add_argument("--seeds", type=int, default=1)
+    parser.add_argument("--steps", type=int, default=3000)
     parser.add_argument("--draw", choices=["batch", "row"], default="row")
-    parser.add_argument("--stops", default="0,0.25,0.5,0.75,1")
+    parser.add_argument("--only", choices=[*KINDS], help="both kinds if left out")
+    parser.add_argument("--stops", default=STOPS)
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--out", type=Path, default=Path("docs/benchmarks/order_every.jsonl"))
+    parser.add_argument("--table", action="store_true")
     options = parser.parse_args()
+    there = rows_of(options.out)
+    if options.table:
+        return print(table(there))
     domains = load_embeddings(options.embeddings).header.domains
-    sources = options.sources.split(",") if options.sources else domains
-    stops = tuple(map(float, options.stops.split(",")))
-    there = {(r["source"], r["width"], r["steps"], r["draw"]) for r in rows_of(options.out)}
+    known = {tuple(row[name] for name in NAMED) for row in there}
     jobs = [
-        (options.embeddings, source, int(width), options.steps, options.draw, stops)
-        for width in options.widths.split(",")
-        for source in sources
-        if (source, int(width), options.steps, options.draw) not in there
+        job
+        for width in map(int, options.widths.split(","))
+        for seed in range(options.seeds)
+        for source in (options.sources.split(",") if options.sources else domains)
+        for kind in ([options.only] if options.only else KINDS)
+        if (job := _job(kind, source, width, seed, options)) not in known
     ]
-    for row in carried_out(compared, jobs, options.jobs):
+    for row in carried_out(partial(made, options.embeddings), jobs, options.jobs):
         with options.out.open("a", encoding="utf-8") as handle:
             handle.write(json.dumps(row) + "\n")
         print(json.dumps(row), flush=True)
+    return None
 
 
-def rows_of(file: Path) -> list[dict[str, Any]]:
+def _job(
+    kind: str, source: str, width: int, seed: int, options: argparse.Namespace
+) -> tuple[Any, ...]:
+    own = (options.steps, options.draw) if kind == "every" else (0, "none")
+    return (kind, source, width, seed, *own, options.stops)
+
+
+def rows_of(file: Path) -> list[Row]:
     """Return the rows of a JSON lines file; none where it is not there."""
     if not file.is_file():
         return []

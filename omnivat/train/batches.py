@@ -88,12 +88,16 @@ def batches(
     lang_on = torch.from_numpy(random.random(count) >= settings.lang_drop)
     token_on = torch.from_numpy(random.random(count) >= settings.class_token_drop)
     images = {n: _mirrored(source, n, shuffled, random) for n in settings.given}
+    noise = _noise(source, fit, settings)
     texts = _styled(bank, truth, random) if bank is not None and settings.lang else None
     answers = torch.from_numpy(truth)
     orders = _orders(count, settings, random)
     for start in range(0, count, settings.batch):
         rows = slice(start, start + settings.batch)
-        given = {name: torch.from_numpy(drawn.rows(rows)) for name, drawn in images.items()}
+        given = {
+            name: torch.from_numpy(_noisy(drawn.rows(rows), noise.get(name), random))
+            for name, drawn in images.items()
+        }
         yield Batch(
             vis=given.get("vis"),
             tac=given.get("tac"),
@@ -113,6 +117,24 @@ def _orders(count: int, settings: TrainSettings, random: np.random.Generator) ->
     if settings.order_draw == "batch":
         drawn = drawn[np.arange(count) // settings.batch * settings.batch]
     return torch.from_numpy(drawn)
+
+
+def _noise(source: Embeddings, fit: Array, settings: TrainSettings) -> dict[str, Array]:
+    """Return the noise's standard deviation (input_width,) by modality; nothing without noise."""
+    if not settings.noise:
+        return {}
+    return {
+        name: settings.noise * getattr(source, name)[fit].std(0, dtype=np.float32)
+        for name in settings.given
+    }
+
+
+def _noisy(rows: Array, deviation: Array | None, random: np.random.Generator) -> Array:
+    """Return rows (B, input_width) with white noise on every channel."""
+    if deviation is None:
+        return rows
+    noisy: Array = rows + deviation * random.standard_normal(rows.shape, dtype=np.float32)
+    return noisy
 
 
 @dataclass(frozen=True, slots=True)
