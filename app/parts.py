@@ -64,7 +64,7 @@ class Parts:
         return digest.hexdigest()
 
     def place(self, name: str, sent: str, target: Path) -> None:
-        """Move the file `sent` (a name from `keep`) to `target`. Raises DataError if it is missing."""
+        """Move the file `sent`, named by `keep`, to `target`. Raises DataError if missing."""
         source = self._folder() / sent
         plain = sent.isascii() and sent.isalnum() and len(sent) == 32
         if name not in PARTS or not plain or not source.is_file():

@@ -203,7 +203,7 @@ async def example_image(desks: Desks, request: Request) -> Response:
 
 
 def in_json(said: Any, resources: Resources) -> Response:
-    """Return a JSON response; values that are not finite come from a damaged head and are an error."""
+    """Return a JSON response; non-finite values, from a damaged head, are an error."""
     try:
         return JSONResponse(said, headers={HOLDS: resources.holds})
     except ValueError:
