@@ -1,4 +1,4 @@
-/** What a visitor does in Explore: point, pick, step, select, look for neighbours. */
+/** Actions in Explore: point, pick, step, select, find neighbours. */
 
 import { featuresOf } from "../shared/stages.js";
 import { change, state } from "../shared/store.js";
@@ -10,7 +10,7 @@ export class Acts {
     this.scene = page.scene;
   }
 
-  /** What a map tells of the pointer and the keys, as in pointer.js. */
+  /** Pointer and key callbacks of a map, as in pointer.js. */
   pointing() {
     return {
       wanted: (point) => this.scene.shown(point),

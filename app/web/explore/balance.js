@@ -32,7 +32,7 @@ export class Balance {
   y = (v) =>
     HIGH - PAD.bottom - ((v - this.ys[0]) / (this.ys[1] - this.ys[0] || 1)) * (HIGH - PAD.top - PAD.bottom);
 
-  /** Draw the dots of other frames, or of another gap. */
+  /** Draw the dots of new frames or another gap. */
   replace(frames) {
     this.frames = frames;
     this.wide = this.width();
@@ -41,7 +41,7 @@ export class Balance {
     if (!right?.some(Number.isFinite)) {
       this.steps = [];
       this.box.innerHTML =
-        '<p class="hint">Accuracy on unseen domains is not in these frames, so gap and accuracy cannot be compared here.</p>';
+        '<p class="hint">These frames have no accuracy on unseen domains, so gap and accuracy cannot be compared.</p>';
       return;
     }
     this.steps = stepsOf(frames)
@@ -83,7 +83,7 @@ export class Balance {
       .join("");
   }
 
-  /** Mark the steps of one stop, joined in their order. */
+  /** Mark the steps of one stop and connect them in order. */
   show(stop) {
     this.stop = stop;
     if (!this.steps.length) return;
@@ -101,7 +101,7 @@ export class Balance {
   }
 }
 
-/** Round bounds of shares that hold all of them and guessing. */
+/** Round bounds around all shares and the chance level. */
 function bounds(shares, chance) {
   const known = [...shares.filter(Number.isFinite), chance];
   return [

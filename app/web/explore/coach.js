@@ -1,4 +1,4 @@
-/** A word for a new visitor: what to drag. It goes with the first drag, or after a while. */
+/** A hint for new visitors: what to drag. It disappears at the first drag, or after a while. */
 
 import { watch } from "../shared/store.js";
 

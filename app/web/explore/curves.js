@@ -3,9 +3,9 @@
 import { asText, axis, MEASURES, spread, values } from "../shared/measures.js";
 
 const H = 108;
-const LEAST = 200; // CSS pixels: charts are drawn as wide as their place, so letters keep their size
+const LEAST = 200; // CSS pixels; charts are drawn at the width of their box, so text keeps its size
 const PAD = { left: 38, right: 10, top: 8, bottom: 22 };
-const CLOSE = 0.03; // a head whose p was learned works about this far from it
+const CLOSE = 0.03; // a head works about this far from its learned p
 /** @type {(v: number, span: number[]) => number} */
 const share = (v, [lo, hi]) => (v - lo) / (hi - lo || 1);
 
@@ -39,7 +39,7 @@ export class Curves {
   x = (p) => PAD.left + share(p, this.span) * (this.wide - PAD.left - PAD.right);
   y = (v, ys) => H - PAD.bottom - share(v, ys) * (H - PAD.top - PAD.bottom);
 
-  /** Draw for other frames: their span of p, their axes. */
+  /** Draw for new frames: their range of p, their axes. */
   replace(frames) {
     this.frames = frames;
     this.span = [frames.orders[0], frames.orders.at(-1)];
@@ -70,7 +70,7 @@ export class Curves {
       ${this.band()}<path class="spread"/><path class="ghost"/><path class="own"/><g class="dots"></g><line class="now" y1="${PAD.top}" y2="${H - PAD.bottom}"/><circle class="now" r="4"/></svg>`;
   }
 
-  /** Where the head's weights are at home. */
+  /** The band of orders that the head was trained for. */
   band() {
     const [a, b] = this.span;
     const own = home(this.frames);
@@ -115,13 +115,13 @@ export class Curves {
     return `M${low.map(point).join("L")}L${high.map(point).reverse().join("L")}Z`;
   }
 
-  /** Draw the curves of a stage, of one domain where one alone is shown. */
+  /** Draw the curves of a stage, or of a single domain if only one is shown. */
   show(stage, domain = "") {
     this.shown = [stage, domain];
     const { frames } = this;
     for (const chart of this.charts) {
       const { root, name, ys } = chart;
-      const whole = name === "domain_gap" || name === "margin"; // they exist for all domains together
+      const whole = name === "domain_gap" || name === "margin"; // only for all domains together
       const only = whole ? "" : domain;
       const own = (chart.own = values(frames, name, stage, only));
       const ghost =

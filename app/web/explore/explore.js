@@ -34,7 +34,7 @@ export async function start(root) {
   }
 }
 
-/** Where a link of a set leads that the server no longer has. */
+/** The message for a link to a set that the server no longer has. */
 function homeLink() {
   const link = document.createElement("a");
   link.href = location.pathname;

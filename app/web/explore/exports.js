@@ -37,7 +37,7 @@ export function csv(frames, points, frame, stop, about) {
 const LINE = 17; // CSS pixels between the lines under an exported map
 const rule = new OffscreenCanvas(1, 1).getContext("2d");
 
-/** Where each key of the legend stands, in as many lines as the width asks for. */
+/** Positions of the legend's keys, in as many lines as the width requires. */
 function keys(legend, width) {
   rule.font = "12px sans-serif";
   let left = 8;
@@ -55,7 +55,7 @@ function keys(legend, width) {
   return { placed, height: (row + 2) * LINE + 8 };
 }
 
-/** The map with a caption, as it is on the screen. */
+/** The map as shown, with a caption. */
 export function png(cloud, caption, legend) {
   const { placed, height } = keys(legend, cloud.width / cloud.ratio);
   const canvas = document.createElement("canvas");
@@ -82,7 +82,7 @@ export function png(cloud, caption, legend) {
   return new Promise((resolve) => canvas.toBlob(resolve, "image/png"));
 }
 
-/** The map as shapes that a drawing program can open. */
+/** The map as vector shapes. */
 export function svg(cloud, caption, legend, names) {
   const width = Math.round(cloud.width / cloud.ratio);
   const height = Math.round(cloud.height / cloud.ratio);

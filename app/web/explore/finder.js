@@ -1,4 +1,4 @@
-/** Find pairs: by name, by what only touch can tell, and by histograms whose bars filter. */
+/** Find pairs: by name, by look-alikes, and by histograms that filter. */
 
 import { change, state } from "../shared/store.js";
 
@@ -29,7 +29,7 @@ export function histogram(all, [low, high], wanted = () => true) {
 }
 
 export class Finder {
-  /** `onChange()` is called when a filter of this box has changed. */
+  /** `onChange()` is called after a filter of this box changes. */
   constructor(box, scene, onChange) {
     this.box = box;
     this.scene = scene;
@@ -44,7 +44,7 @@ export class Finder {
     this.alike.onchange = () => change({ alike: this.alike.querySelector("input").checked ? "1" : "" });
   }
 
-  /** Lay out what the facts allow. */
+  /** Show the filters that the data allow. */
   show() {
     const { unseen, pairs } = this.scene.facts;
     const count = pairs?.looks_like.filter(Boolean).length ?? 0;
@@ -102,7 +102,7 @@ export class Finder {
     this.onChange();
   }
 
-  /** Draw what is kept and say how many pairs are shown. */
+  /** Draw the kept pairs and show their number. */
   count() {
     const { frames, ranges, facts, shown } = this.scene;
     const seen = (pair) => shown(pair) || shown(frames.pairs + pair);

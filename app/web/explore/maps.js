@@ -1,4 +1,4 @@
-/** The two maps: the raw embedding, where everything starts, and the step that is open. */
+/** The two maps: the raw embedding and the open step. */
 
 import { Cloud } from "../shared/cloud.js";
 import { orderText } from "../shared/frames.js";
@@ -54,7 +54,7 @@ export class Maps {
     this.each((cloud) => cloud.paintMarks());
   }
 
-  /** The raw map is by the method of the other one where the frames hold it. */
+  /** The raw map uses the method of the other map if the frames have it. */
   beforeKind() {
     const kinds = this.scene.frames.kinds("raw");
     return kinds.includes(state.map) ? state.map : kinds[0];
@@ -81,7 +81,7 @@ export class Maps {
     );
   }
 
-  /** Draw the raw embedding; alone on the page where it is the open step. */
+  /** Draw the raw embedding; it is the only map if it is the open step. */
   showBefore() {
     const { frames } = this.scene;
     const kind = this.beforeKind();
@@ -91,7 +91,7 @@ export class Maps {
     this.$(".before .map-title").innerHTML = this.title("Raw embedding", "raw", kind);
   }
 
-  /** What stands above a map: what it is, by which method, and its gaps for what is shown. */
+  /** The title of a map: its step, its method, and the gaps of the points shown. */
   title(name, stage, kind) {
     const { frames, stop } = this.scene;
     const domain = this.scene.loneDomain();
@@ -113,7 +113,7 @@ export class Maps {
   }
 }
 
-/** What a reader has to know of the map; most maps need no note. */
+/** A note on the map; most maps need none. */
 export function notes(frames, frame, stop) {
   const parts = [];
   if (isStill(state.stage, frames) && frame.stops === 1 && state.stage !== "raw")
@@ -121,12 +121,12 @@ export function notes(frames, frame, stop) {
   else if (frame.stops > 1 && frame.drawn !== stop)
     parts.push(`This map has ${frame.stops} stops; shown is p = ${orderText(frames.orders[frame.drawn])}.`);
   if (frames.kind === "retrained" && !["raw"].includes(state.stage))
-    parts.push("Each stop is another head, so points jump.");
+    parts.push("Each stop is a different head, so points jump.");
   if (frames.kind === "moved" && !isStill(state.stage, frames))
     parts.push("Weights stay fixed while p moves.");
   if (state.map === "umap")
     parts.push(
-      "UMAP keeps neighbours together; its distances and axes mean nothing, and its scale is its own.",
+      "UMAP keeps neighbours together. Its distances, axes and scale have no meaning.",
     );
   return parts.join(" ");
 }

@@ -1,4 +1,4 @@
-/** What moving p means: a head for each stop, one head whose p moves, or one head for every p. */
+/** Modes of p: a head for each stop, one head with fixed weights, or one head for every p. */
 
 import { refused } from "../shared/api.js";
 import { framesOf } from "../shared/facts.js";
@@ -8,20 +8,20 @@ import { change, state } from "../shared/store.js";
 import { escaped } from "../shared/text.js";
 
 const LABELS = {
-  trained: ["Trained here", "Each stop is a head that was trained at that p"],
+  trained: ["Trained here", "Each stop is a head trained at that p"],
   moved: ["Same weights", "One head; only p moves"],
-  every: ["Every p", "One head that was trained for every p"],
+  every: ["Every p", "One head, trained for every p"],
 };
 
-/** The name that a mode has on the page; frames of the loaded head may be of a head for every p. */
+/** A mode's name on the page; the loaded head may be a head for every p. */
 const label = (mode, own) => LABELS[mode === "moved" && own.kind === "every" ? "every" : mode][0];
 
 const trainings = ({ seeds = [], width }) =>
-  [seeds.length > 1 && `${seeds.length} trainings a stop`, width && `width ${width}`]
+  [seeds.length > 1 && `${seeds.length} trainings for each stop`, width && `width ${width}`]
     .filter(Boolean)
     .join(", ");
 
-/** What the chosen mode means, as HTML. */
+/** An explanation of the chosen mode, as HTML. */
 export function modeWords(frames) {
   if (frames.kind === "retrained") {
     const more = trainings(frames.meta.head);
@@ -30,14 +30,14 @@ export function modeWords(frames) {
   if (frames.kind === "every")
     return `<b>One head for every p</b>: p was drawn at random in each training step.`;
   const learned = Number.isFinite(frames.learned) ? orderText(+frames.learned.toFixed(3)) : "its own p";
-  return `<b>What if only p moved?</b> The weights stay those learned at p = ${learned}. Shaded: the orders this head was trained for. Elsewhere it is near guessing, and a small gap means little.`;
+  return `<b>What if only p moved?</b> The weights stay those learned at p = ${learned}. Shaded: the orders this head was trained for. Elsewhere its accuracy is near chance, and a small gap means little.`;
 }
 
-/** The mode to open with: that of the address, or the first that there is. */
+/** The initial mode: from the address, or the first available. */
 export const openingMode = (modes) => (modes.includes(state.mode) ? state.mode : modes[0]);
 
 export class Modes {
-  /** `onFrames(frames)` shows the frames of a mode; `say` takes the sentence of a refusal. */
+  /** `onFrames(frames)` shows the frames of a mode; `say` shows the sentence of a Refusal. */
   constructor($, scene, modes, { onFrames, say }) {
     this.$ = $;
     this.scene = scene;
@@ -57,7 +57,7 @@ export class Modes {
     );
   }
 
-  /** Show the frames of a mode, fetched when it is first chosen. */
+  /** Show the frames of a mode; fetch them on first use. */
   async choose(mode) {
     this.wanted = mode;
     try {
@@ -72,13 +72,13 @@ export class Modes {
     this.onFrames(this.kept.get(mode));
   }
 
-  /** Show the mode that the address names, where another one is shown. */
+  /** Show the mode in the address if another one is shown. */
   follow() {
     const wanted = openingMode(this.modes);
     if (wanted !== this.wanted) this.choose(wanted);
   }
 
-  /** Finer frames of the head itself have come. */
+  /** Finer frames of the head have arrived. */
   replace(own) {
     this.kept.set("moved", own);
     return this.kept.get(this.mode);

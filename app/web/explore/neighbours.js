@@ -1,9 +1,9 @@
-/** Nearest neighbours in the full width of the features, asked of the server when wanted. */
+/** Nearest neighbours in the full width of the features, from the server on request. */
 
 import { ask, refused } from "../shared/api.js";
 import { thumbnail } from "../shared/card.js";
 
-/** Ask, show thumbnails, and return the points to ring on the map. */
+/** Request neighbours, show thumbnails, and return the points to mark on the map. */
 export async function findNeighbours(box, { frames, sprite, point: of, stage, p, onPick }) {
   box.textContent = "Computing this stage for the whole set…";
   let found;

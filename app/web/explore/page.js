@@ -1,4 +1,4 @@
-/** The parts of Explore, wired to one scene and to the address. */
+/** The parts of Explore, connected to one scene and to the address. */
 
 import { card } from "../shared/card.js";
 import { pairNames, unseen } from "../shared/facts.js";
@@ -60,7 +60,7 @@ export class Page {
     wire(this);
   }
 
-  /** Show the first mode, then what is known of the head. */
+  /** Show the first mode, then the facts about the head. */
   async open(mode) {
     await this.modes.choose(mode);
     if (this.scene.frames === this.scene.own && mode !== "moved") this.replace(this.scene.own);

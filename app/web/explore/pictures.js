@@ -1,4 +1,4 @@
-/** Pictures in place of points once few enough are in view. */
+/** Pictures replace points when few enough are in view. */
 
 import { COLOURINGS } from "../shared/palette.js";
 import { state } from "../shared/store.js";
@@ -20,7 +20,7 @@ function sheet(sprite, onLoad) {
   return image.complete && image.naturalWidth ? image : null;
 }
 
-/** Numbers of the points in view; null where there are more than `most`. */
+/** Indices of the points in view; null if there are more than `most`. */
 export function inView(cloud, shown, most = MOST) {
   const found = [];
   for (let point = 0; point < cloud.count; point++) {

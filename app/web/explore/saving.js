@@ -15,7 +15,7 @@ const MODES = {
   every: "one head for every p",
 };
 
-/** Copy a text; say what to do where the browser does not let a page copy. */
+/** Copy a text; return an instruction if the browser forbids copying. */
 async function copied(text) {
   try {
     await navigator.clipboard.writeText(text);
@@ -33,7 +33,7 @@ export class Saving {
     $(".menu").onclick = (event) => event.target.dataset.save && this.save(event.target.dataset.save);
   }
 
-  /** Name in the menu what a CSV would hold. */
+  /** Name the contents of the CSV in the menu. */
   label() {
     const { selected, filtering } = this.scene;
     const what = selected.size

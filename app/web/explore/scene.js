@@ -1,9 +1,9 @@
-/** What Explore shows now: frames, stop, what is filtered, selected, pointed at. */
+/** The state of Explore: frames, stop, filters, selection, highlight. */
 
 import { hidden, state } from "../shared/store.js";
 
 export class Scene {
-  /** `own` are the frames of the head itself; another mode shows others of the same pairs. */
+  /** `own` are the frames of the head; another mode shows other frames of the same pairs. */
   constructor(own, sprite) {
     this.own = own;
     this.frames = own;
@@ -12,7 +12,7 @@ export class Scene {
     this.hovered = -1;
     this.near = []; // points
     this.selected = new Set(); // points
-    this.highlight = null; // {kind, name} of the filter that is pointed at
+    this.highlight = null; // {kind, name} of the filter under the pointer
     this.only = null; // {pairs: Set, words}: a cell of the confusion matrix
     this.ranges = {}; // histogram -> [from, to]
     this.facts = { unseen: null, pairs: null };
@@ -25,7 +25,7 @@ export class Scene {
 
   shown = (point) => this.mask[point] === 1;
 
-  /** Whether a point is drawn in full colour. */
+  /** True if a point is drawn in full colour. */
   lit = (point) => {
     if (this.highlight) {
       const { kind, name } = this.highlight;
@@ -38,7 +38,7 @@ export class Scene {
     return !this.selected.size || this.selected.has(point);
   };
 
-  /** Apply all filters; points that are hidden leave the selection. Returns whether any left. */
+  /** Apply all filters; hidden points leave the selection. Returns true if any point left. */
   refilter() {
     const { frames, mask } = this;
     const wanted = this.wantedPairs();
@@ -77,13 +77,13 @@ export class Scene {
       (!words || words.split(/\s+/).every((word) => text(pair).includes(word)));
   }
 
-  /** The one domain that is left by the filters; "" where several are. */
+  /** The only domain left by the filters; "" if there are several. */
   loneDomain() {
     const left = this.frames.domains.filter((name) => !hidden("domain").has(name));
     return left.length === 1 ? left[0] : "";
   }
 
-  /** What hides points now, in words; [] where nothing does. */
+  /** The active filters, in words; [] for none. */
   filtering() {
     const lists = [
       ["domain", this.frames.domains],

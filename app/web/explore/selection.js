@@ -1,4 +1,4 @@
-/** The table of what the lasso caught. */
+/** The table of the selected points. */
 
 import { imitation, thumbnailPair, verdict } from "../shared/card.js";
 import { escaped, percent } from "../shared/text.js";

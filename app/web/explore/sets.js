@@ -1,13 +1,13 @@
-/** The sets that come with the project, side by side: each opens the page anew on that set. */
+/** The sets of the project; each button opens the page on that set. */
 
 import { escaped } from "../shared/text.js";
 
 const WORDS = {
   sensors: "Photos and touches of materials: p hardly matters",
-  chirps: "Signals that one p alone tells apart: p is everything",
+  chirps: "Signals that only one p tells apart: p is everything",
 };
 
-/** Where the page opens on another set: what belongs to the present one stays behind. */
+/** The address of the page on another set, without the state of the current one. */
 export function addressOf(name, here) {
   const address = new URL(here);
   const kept = new Set(["part", "stage", "gap", "colour", "means"]);

@@ -5,7 +5,7 @@ import { stepsOf } from "../shared/stages.js";
 import { escaped } from "../shared/text.js";
 
 const HIGH = 33; // CSS pixels of a row of stairs
-const WORDS = 16; // of them, above the highest tread, for its figure
+const WORDS = 16; // of these, above the highest step, for its figure
 const ROWS = MEASURES.filter(({ name }) => name !== "accuracy");
 const symbol = (short) => short.replace("_p", "<sub>p</sub>");
 
@@ -22,7 +22,7 @@ export class Staircase {
     box.onkeydown = (event) => this.key(event);
   }
 
-  /** Lay the steps of other frames out. */
+  /** Lay out the steps of new frames. */
   replace(frames) {
     this.frames = frames;
     this.steps = stepsOf(frames);
@@ -36,7 +36,7 @@ export class Staircase {
         `<div class="stair" data-name="${name}"><span class="stair-name" title="${help}">${title}</span><div class="treads"><svg viewBox="0 0 ${this.steps.length} ${HIGH}" preserveAspectRatio="none" aria-hidden="true"><path class="under"/><path class="tread"/></svg>${this.steps.map((s) => `<output data-step="${s.key}"></output>`).join("")}</div></div>`,
     );
     this.box.innerHTML = `<div class="stair heads"><span class="stair-name">Step</span><div class="treads" role="radiogroup" aria-label="Step of the head; opens its map">${heads.join("")}</div></div>${rows.join("")}
-      <div class="stair right-now"><span class="stair-name" title="share of pairs predicted right, mean over domains that the head never saw">Unseen accuracy</span><div class="treads">${this.steps.map((s) => `<output data-step="${s.key}">${s.key === "f_hat" ? "" : '<small aria-label="not classified here">·</small>'}</output>`).join("")}</div></div>`;
+      <div class="stair right-now"><span class="stair-name" title="share of pairs predicted correctly, mean over unseen domains">Unseen accuracy</span><div class="treads">${this.steps.map((s) => `<output data-step="${s.key}">${s.key === "f_hat" ? "" : '<small aria-label="not classified here">·</small>'}</output>`).join("")}</div></div>`;
     this.parts = ROWS.map(({ name }) => {
       const root = this.box.querySelector(`[data-name="${name}"]`);
       return {
@@ -90,7 +90,7 @@ export class Staircase {
   }
 }
 
-/** Where each tread lies, from the top; a value that is missing keeps the height of the one before.
+/** Height of each step, from the top; a missing value keeps the previous height.
  * @param {number[]} now @param {number[]} span */
 export function levels(now, [low, high]) {
   let y = HIGH;

@@ -1,4 +1,4 @@
-/** Domains that the head never saw: shares with intervals, confusion, retrieval, look-alikes. */
+/** Unseen domains: accuracy with intervals, confusion, retrieval, look-alikes. */
 
 import { spread, values } from "../shared/measures.js";
 import { radios } from "../shared/radios.js";
@@ -29,7 +29,7 @@ const NUMBERS = [
 export const inWords = (n) => NUMBERS[n] ?? String(n);
 const times = (counts) => counts.flat().reduce((a, b) => Math.max(a, b), 1);
 
-/** The story in one line; the source is named once and marked wherever it stands. */
+/** The story in one line; the source is marked. */
 export function story({ source, domains }) {
   const others = domains.filter((name) => name !== source).length;
   const known = others < domains.length;
@@ -37,7 +37,7 @@ export function story({ source, domains }) {
   return `Learned from <b class="source">${escaped(source)}</b>${known ? "" : " (not in this set)"}; meets <b>${inWords(others)} ${others === 1 ? "stranger" : "strangers"}</b>.`;
 }
 
-/** What it is worth: the share right in unseen domains at the learned p, and guessing. */
+/** The accuracy in unseen domains at the learned p, and the chance level. */
 export function score(facts, order) {
   const own = facts.unseen["answers/fused"];
   if (!own) return "";
@@ -60,7 +60,7 @@ export class Strangers {
     watch(["reading"], () => this.show());
   }
 
-  /** Lay out what is known of the head. */
+  /** Show the facts about the head. */
   show() {
     const facts = this.scene.facts.unseen;
     if (!facts) return;
@@ -93,7 +93,7 @@ export class Strangers {
         one.name,
         one[key],
         one.is_source ? "source" : "",
-        `<span class="sr">${one.pairs} pairs that were not trained on</span>`,
+        `<span class="sr">${one.pairs} test pairs</span>`,
       ),
     );
     const alike = facts.look_alikes;
@@ -102,7 +102,7 @@ export class Strangers {
       alike && row(`look-alikes (${alike.pairs})`, alike[key], "alike-row", ""),
       row("photo finds a touch of its class", facts.unseen.retrieval, "retrieval-row", ""),
     ];
-    return `${domains.join("")}<hr>${rows.filter(Boolean).join("")}<p class="hint">The thin line is guessing. The last row is retrieval: the touch nearest to each photo in its domain, each seen alone, at F̂.${alike ? " Look-alikes wear another material’s looks: only touch can tell." : ""}</p>`;
+    return `${domains.join("")}<hr>${rows.filter(Boolean).join("")}<p class="hint">The thin line is guessing. The last row is retrieval: how often the touch nearest to a photo in the same domain has its class. Each image is seen alone, at F̂.${alike ? " Look-alikes look like another material: only touch can tell." : ""}</p>`;
   }
 
   listDomains(facts) {
@@ -147,7 +147,7 @@ export class Strangers {
     return `<td class="${truth === answer ? "hit" : ""}"><button type="button" aria-pressed="${on}" data-truth="${truth}" data-answer="${answer}" style="--s:${(100 * strength).toFixed(0)}%" aria-label="${escaped(is)} predicted as ${escaped(said)}: ${count} pairs" ${count ? "" : "disabled"}>${count || ""}</button></td>`;
   }
 
-  /** Filter the map by a cell; the same cell again, or null, shows all. */
+  /** Filter the map by a cell; a second click, or null, shows all pairs. */
   choose(cell) {
     const again = cell && this.cell?.truth === cell.truth && this.cell?.answer === cell.answer;
     this.cell = again ? null : cell;
@@ -173,7 +173,7 @@ export class Strangers {
     return found;
   }
 
-  /** Mark on each bar what heads trained at the present p reach. */
+  /** Mark the accuracy of heads trained at the current p on each bar. */
   mark() {
     const { frames, stop } = this.scene;
     const there = frames.kind === "retrained" && state.reading === "fused";

@@ -1,4 +1,4 @@
-/** The mechanism on a toy: the transform turns, distances stay; the ReLU clips, and they depend on p. */
+/** The mechanism on a toy: the transform keeps distances; after the ReLU they depend on p. */
 
 import { refused } from "../shared/api.js";
 import { toyFacts } from "../shared/facts.js";
@@ -20,7 +20,7 @@ export class Toy {
     this.p = 0.5;
   }
 
-  /** Fetch what is needed and draw; later calls only draw. */
+  /** Fetch the toy and draw; later calls only draw. */
   async open() {
     if (this.facts) return this.show(this.p);
     try {
@@ -85,9 +85,9 @@ const LAYOUT = `<p>Two signals, <b class="vis">a photo’s</b> and <b class="tac
   ${svg("plane turned-plane", PLANE, "two clouds, turned")}${svg("plane clipped-plane", PLANE, "two clouds after the ReLU")}
   <p>gap <output class="g-turned"></output>, at every p</p><p>gap <output class="g-clipped"></output>, changes with p</p></div>
   <h4>Distance against p</h4><svg class="apart" viewBox="0 0 ${W} ${CURVE.high}" role="img" aria-label="Distances against p: flat after the transform, not flat after the ReLU"></svg>
-  <p class="hint">Solid: real part; dotted: imaginary part. Near p = 0.35 each signal becomes one spike. The clouds are one coefficient of 40 photos ● and 40 touches ▲; the transform turns them by p quarter turns.</p>`;
+  <p class="hint">Solid: real part; dotted: imaginary part. Near p = 0.35 each signal becomes one spike. The clouds show one coefficient of 40 photos ● and 40 touches ▲; the transform rotates them by p quarter turns.</p>`;
 
-/** Real and imaginary part of one signal; `act` is what has been done to it. */
+/** Real and imaginary part of one signal; `act` is the last operation. */
 function waves(re, im, colour, act) {
   const wide = W / 2 - 6;
   const line = (all) =>
@@ -100,7 +100,7 @@ function waves(re, im, colour, act) {
   return `<path class="zero" d="M0 ${SIGNAL / 2}H${wide}"/><path d="${line(im)}" style="stroke:${colour}" class="im"/><path d="${line(re)}" style="stroke:${colour}"/>`;
 }
 
-/** Two clouds in the plane, their middles, and the line between them. */
+/** Two clouds in the plane, their means, and the line between the means. */
 function plane(clouds, i, act) {
   const wide = W / 2 - 6;
   const at = ([x, y]) => [

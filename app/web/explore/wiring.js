@@ -1,4 +1,4 @@
-/** Controls of Explore, wired to the page and to the address. */
+/** Controls of Explore, connected to the page and to the address. */
 
 import { COLOURINGS } from "../shared/palette.js";
 import { change, state, watch, watchIn } from "../shared/store.js";
@@ -7,7 +7,7 @@ import { escaped } from "../shared/text.js";
 
 export const PARTS = ["curves", "strangers", "toy"];
 
-/** Wire the controls of Explore, and what follows a change of the address. */
+/** Connect the controls of Explore, and react to changes of the address. */
 export function wire(page) {
   listenToTools(page);
   const { $ } = page;
@@ -46,7 +46,7 @@ export function wire(page) {
   watch(["means"], () => page.showMeans());
 }
 
-/** Wire the tools above the map. */
+/** Connect the tools above the map. */
 function listenToTools(page) {
   const { $ } = page;
   $(".colouring").innerHTML = Object.entries(COLOURINGS)

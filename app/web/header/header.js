@@ -1,4 +1,4 @@
-/** The head of the page: what this is, whether its data are simulated, light or dark. */
+/** The page header: title, badge for simulated data, light or dark. */
 
 import { refused } from "../shared/api.js";
 import { followTabs } from "../shared/tabs.js";

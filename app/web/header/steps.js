@@ -1,4 +1,4 @@
-/** The tour's six steps: what to set, what to predict, and what the screen then shows. */
+/** The tour's six steps: settings, question, and result. */
 
 import { asText, values } from "../shared/measures.js";
 import { percent } from "../shared/text.js";
@@ -12,9 +12,9 @@ const b = (text) => `<b>${text}</b>`;
 const ends = (all) => [Math.min(...all), Math.max(...all)];
 
 /**
- * `at` gives what is on the screen: gap(measure, stage), order, unseen, toy, curve (accuracy over
+ * `at` gives values from the screen: gap(measure, stage), order, unseen, toy, curve (accuracy over
  * stops), orders, kind. A step is {title, set, ask, options, right(at), reveal(at)}; options are
- * [key, words], `right` names the one that the screen shows.
+ * [key, words], `right` returns the key of the correct one.
  */
 export const STEPS = [
   {
@@ -53,7 +53,7 @@ export const STEPS = [
     right: (_) => "relu",
     reveal: ({ toy }) => {
       const [low, high] = ends(toy.distances.signals.clipped);
-      return `The transform turns; it keeps the distance ${b(toy.distances.signals.turned[0].toFixed(2))} at every p. The ReLU clips, and the distance then lies between ${b(low.toFixed(2))} and ${b(high.toFixed(2))}. The real map of Fₚ stands as still as the toy.`;
+      return `The transform rotates: it keeps the distance ${b(toy.distances.signals.turned[0].toFixed(2))} at every p. The ReLU clips, and the distance then lies between ${b(low.toFixed(2))} and ${b(high.toFixed(2))}. On the real map of Fₚ, nothing moves either.`;
     },
   },
   {
@@ -72,7 +72,7 @@ export const STEPS = [
       const start = `At ${NAMES[step]}: ${b(gap.toFixed(2))}. Its cosine margin between classes is ${b(margin.toFixed(2))}`;
       return step !== "f_hat" && margin < last
         ? `${start}, against ${b(last.toFixed(2))} at F̂: the classes have moved together, too, and the tree spreads them again. So read a gap beside margin and accuracy.`
-        : `${start}. A gap alone tells little: read it beside margin and accuracy.`;
+        : `${start}. A gap alone means little: read it beside margin and accuracy.`;
     },
   },
   {
@@ -80,7 +80,7 @@ export const STEPS = [
     set: { part: "curves", stage: "f_hat", ...ALL },
     ask: ({ kind }) =>
       kind === "retrained"
-        ? "Each stop is a head that was trained at that p. Drag p. Does accuracy on unseen domains depend on it?"
+        ? "Each stop is a head trained at that p. Drag p. Does accuracy on unseen domains depend on it?"
         : "The weights stay and only p moves. Drag p. Does accuracy on unseen domains depend on it?",
     options: [
       ["little", "Hardly"],
@@ -90,12 +90,12 @@ export const STEPS = [
       curve && ends(known(curve))[1] - ends(known(curve))[0] >= CLEAR ? "much" : "little",
     reveal: ({ curve, orders, kind }) => {
       if (!curve)
-        return "These frames do not hold accuracy on unseen domains; make them again with <code>omnivat sweep</code>.";
+        return "These frames have no accuracy on unseen domains; make them again with <code>omnivat sweep</code>.";
       const [low, high] = ends(known(curve));
       const at = (v) => orders[curve.indexOf(v)].toFixed(2);
-      const range = `Accuracy on unseen domains goes from ${b(percent(low))} (p = ${at(low)}) to ${b(percent(high))} (p = ${at(high)})`;
+      const range = `Accuracy on unseen domains ranges from ${b(percent(low))} (p = ${at(low)}) to ${b(percent(high))} (p = ${at(high)})`;
       if (kind !== "retrained")
-        return `${range}: the weights belong to the p they were trained with. That says nothing of heads trained elsewhere.`;
+        return `${range}: the weights fit only the p they were trained with. Heads trained at another p can do better.`;
       return high - low < CLEAR
         ? `${range}. Heads trained at any p do about equally well here.`
         : `${range}. On this set the right p decides.`;
@@ -104,7 +104,7 @@ export const STEPS = [
   {
     title: "Meeting strangers",
     set: { part: "strangers", reading: "fused", stage: "f_hat", colour: "domain", ...ALL },
-    ask: "In domains that the head never saw, which is right most often?",
+    ask: "In unseen domains, which is right most often?",
     options: Object.entries(READINGS),
     right: ({ unseen }) => best(unseen),
     reveal: ({ unseen }) => {
@@ -130,7 +130,7 @@ const best = (unseen) =>
     unseen.unseen[`answers/${key}`].share > unseen.unseen[`answers/${most}`].share ? key : most,
   );
 
-/** What is on the screen for the frames that are shown. */
+/** The values on the screen for the current frames. */
 export function onScreen(frames, p, facts) {
   const stop = frames.stop(p);
   return {

@@ -1,4 +1,4 @@
-/** The guided tour: six steps in Explore. Each asks for a prediction, then tells what the screen shows. */
+/** The guided tour: six steps in Explore. The visitor predicts, then the tour shows the result. */
 
 import { choices, framesOf, toyFacts, unseen } from "../shared/facts.js";
 import { change, state } from "../shared/store.js";
@@ -22,7 +22,7 @@ const KEPT = [
   "find",
 ];
 
-/** Start the tour; fails with a sentence where the set or its head cannot be read. */
+/** Start the tour; throws a Refusal if the set or its head cannot be read. */
 export async function startTour() {
   if (document.querySelector(".tour")) return;
   const [{ frames: own }, { modes }, strangers, toy] = await Promise.all([
@@ -51,7 +51,7 @@ class Tour {
     document.querySelector(".gradio-container").append(this.box);
     this.box.onclick = (event) => this.click(/** @type {HTMLElement} */ (event.target));
     this.box.onkeydown = (event) => {
-      if (event.key === "Escape") this.end(); // no value: a false one would call off the Enter key
+      if (event.key === "Escape") this.end(); // return nothing: false would cancel the Enter key
     };
   }
 
@@ -59,7 +59,7 @@ class Tour {
     return onScreen(this.frames, state.p ?? 0.5, this.facts);
   }
 
-  /** Set the page for a step and put its question. */
+  /** Set the page for a step and show its question. */
   show() {
     const step = STEPS[this.at];
     change({ mode: "", ...step.set });
@@ -71,7 +71,7 @@ class Tour {
     this.focus("[data-option]");
   }
 
-  /** Tell what the screen shows, and whether the prediction was that. */
+  /** Show the result, and whether the prediction was correct. */
   reveal(option) {
     const step = STEPS[this.at];
     const screen = this.screen();
