@@ -18,8 +18,6 @@ from omnivat.model.fusion import fuse
 from omnivat.model.head import OmniVaT
 from omnivat.seeding import derive_seed
 
-WANTED = 0.05  # the largest gap that is accepted
-
 
 def lang_guard(
     model: OmniVaT, pairs: Embeddings, bank: LangBank, *, seed: int = 0

@@ -8,14 +8,6 @@ from omnivat.reports.paper import MARK, not_comparable, paper
 from omnivat.reports.reading import Record, answered, latest, methods
 from omnivat.reports.text_table import markdown
 
-# method here -> its row in the paper
-PRINTED = {
-    "zero_shot": "CLIP",
-    "baseline": "PromptStyler",
-    "spg": "SPG",
-    "ldc_icd": "LDC",
-    "omnivat": "OmniVaT",
-}
 SOURCE = "TAG"  # the source of the paper's margins
 
 
