@@ -1,14 +1,14 @@
-/** Attention among the tokens of one modality; where it is uniform, a sentence says so. */
+/** Attention among the tokens of one modality; a sentence replaces a uniform one. */
 
 import { isDark, rgb } from "../shared/palette.js";
 import { escaped } from "../shared/text.js";
 
 const NAMES = { vis: ["vis", "Photo"], tac: ["tac", "Touch"] };
 const ROWS = 101;
-const WORTH = 0.01; // a share that differs by less from the uniform one is nothing to look at
+const WORTH = 0.01; // smaller differences from uniform are not shown
 const [MORE, LESS] = ["#d55e00", "#2f86c4"].map(rgb);
 
-/** What there is to see, in a sentence. scale: the largest distance of a weight from 1/count. */
+/** A sentence about the weights. scale: the largest distance of a weight from 1/count. */
 export function about(count, scale) {
   const points = (100 * scale).toPrecision(2);
   const even = (100 / count).toFixed(1);
@@ -25,7 +25,7 @@ export class Attention {
     this.stop = 0;
   }
 
-  /** found: what the server says; null for none, {problem} for a sentence. */
+  /** found: the server's reply; null for none, {problem} for a sentence. */
   show(found) {
     this.all = [];
     this.box.innerHTML = "";

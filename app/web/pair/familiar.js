@@ -1,4 +1,4 @@
-/** How familiar each image is, and the training pairs that it is nearest to. Text in, HTML out. */
+/** Familiarity of each image, and its nearest training pairs. Text in, HTML out. */
 
 import { thumbnail } from "../shared/card.js";
 import { escaped, percent } from "../shared/text.js";
@@ -10,7 +10,7 @@ const NAMES = { vis: ["photo", "photos"], tac: ["touch", "touch images"] };
 /** One sentence on an image, from its quantile among the training images. */
 export function sentence(modality, image) {
   const [one, many] = NAMES[modality];
-  if (image.words === undefined) return `This head does not record how familiar a ${one} is.`;
+  if (image.words === undefined) return `This head has no record of how familiar a ${one} is.`;
   if (image.cosine > SAME) return `Familiar: it is one of the training ${many}.`;
   const closer = image.quantile < 0.005 ? "all" : percent(1 - image.quantile);
   return `${capital(image.words)}: ${closer} of the training ${many} have a closer neighbour.`;
@@ -18,7 +18,7 @@ export function sentence(modality, image) {
 
 const capital = (text) => text[0].toUpperCase() + text.slice(1);
 
-/** The panel; `set` gives thumbnails and the names of domains and classes, once they are there. */
+/** The panel; `set` has thumbnails and names of domains and classes, once loaded. */
 export function familiarHtml({ images, of }, set) {
   const rows = Object.entries(images).map(([modality, image]) => {
     const mark = image.guess ? "wrong" : image.words === "unusual" ? "unusual" : "right";

@@ -18,8 +18,8 @@ export class Gallery {
   fill(examples, set) {
     const offers = shelf(examples, set.frames);
     const none = set.frames
-      ? "No examples are here; upload images, or pin a pair in Explore."
-      : "The set’s pairs come with its map, which is being computed. Your own images work meanwhile.";
+      ? "There are no examples. Upload images, or pin a pair in Explore."
+      : "The set’s pairs appear with its map, which is being computed. Your own images work meanwhile.";
     this.box.innerHTML = offers.length
       ? offers.map((one) => offer(one, set)).join("")
       : `<p class="hint">${none}</p>`;

@@ -1,4 +1,4 @@
-/** What is known of an image by its reference: a text, and its class where the set states one. */
+/** A text for an image reference, and its class if the set has one. */
 
 import { sent } from "./sent.js";
 
@@ -8,7 +8,7 @@ export class Known {
     this.frames = frames;
   }
 
-  /** {text, truth}; truth is undefined for images that the visitor sent. */
+  /** {text, truth}; truth is undefined for uploaded images. */
   of(ref) {
     const at = ref.indexOf(":");
     const [kind, name] = [ref.slice(0, at), ref.slice(at + 1)];

@@ -1,4 +1,4 @@
-/** Probabilities as lines over p; orders that the head was not trained for are veiled. */
+/** Probabilities as lines over p; orders that the head was not trained for are greyed out. */
 
 import { classColour } from "../shared/palette.js";
 import { escaped } from "../shared/text.js";
@@ -51,7 +51,7 @@ export class Lines {
     return Math.max(WIDE.least, Math.min(WIDE.most, this.box.clientWidth || WIDE.least));
   }
 
-  /** Draw the same for another width. */
+  /** Draw again for another width. */
   again() {
     this.show(...this.shown);
     if (this.at) this.mark(...this.at);
@@ -76,7 +76,7 @@ export class Lines {
     this.box.innerHTML = `<svg viewBox="0 0 ${this.wide} ${H}" role="img" aria-label="Probability of each class against p">${this.frame(learned)}${lines.map((one) => one.path).join("")}${this.veil(band)}${lines.map((one) => one.label).join("")}<line class="now" y1="${PAD.top}" y2="${H - PAD.bottom}"/>${dots.join("")}</svg>`;
   }
 
-  /** The axes, and where p was learned. */
+  /** The axes, and the learned p. */
   frame(learned) {
     const [left, right] = [PAD.left, this.wide - PAD.right];
     const grid = [0, 0.5, 1].map(
@@ -93,7 +93,7 @@ export class Lines {
     return `${grid.join("")}${stops.join("")}<text x="${(left + right) / 2}" y="${H - 1}" text-anchor="middle">p</text>${mark}`;
   }
 
-  /** What is outside the band is a what-if: pale. */
+  /** Outside the band is a what-if, drawn pale. */
   veil(band) {
     if (!band) return "";
     const [low, high] = band.map(this.x);

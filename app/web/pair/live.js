@@ -1,15 +1,15 @@
-/** A camera read live: the newest picture goes to the server as soon as it has answered. */
+/** Live camera: the newest picture is sent as soon as the server has replied. */
 
 import { askOfImage, Refusal, refused } from "../shared/api.js";
 import { escaped, percent } from "../shared/text.js";
 import { best, READINGS } from "./verdict.js";
 import { camera } from "./webcam.js";
 
-const SIDE = 256; // pixels of the longer side that is sent; encoders take 224
+const SIDE = 256; // pixels of the longer side sent; encoders use 224
 const AT_ONCE = 2; // pictures on the way: one is read while the next one travels
-const WINDOW = 1500; // milliseconds that the frame rate is counted over
+const WINDOW = 1500; // milliseconds, window of the frame rate
 
-/** A button that starts and stops the camera. A click while the camera opens calls it off. */
+/** A button that starts and stops the camera. A click while the camera opens cancels it. */
 export class LiveSwitch {
   constructor(button, { place, tell, question, onAnswer, onProblem }) {
     this.button = button;
@@ -38,7 +38,7 @@ export class LiveSwitch {
       mine.stop = () => release(stream);
       await this.read(mine, stream);
     } catch (error) {
-      if (this.run !== mine) return; // called off: what follows from that is no news
+      if (this.run !== mine) return; // cancelled: ignore the consequences
       this.off();
       refused(error, this.onProblem);
     }
@@ -65,7 +65,7 @@ export class LiveSwitch {
       const number = ++pictures.sent;
       const began = performance.now();
       const blob = await picture(video, pictures.canvas);
-      if (!blob) throw new Refusal("The camera gave no picture.");
+      if (!blob) throw new Refusal("The camera returned no picture.");
       const answer = await askOfImage("live", blob, this.question());
       if (this.run !== mine || number < pictures.shown) continue;
       pictures.shown = number;
@@ -103,5 +103,5 @@ export function liveHtml({ classes, readings }) {
     const found = best(classes, readings[reading]);
     return `<article class="reading" data-reading="${reading}"><h3><span class="sign ${sign}"></span>${title}</h3><p class="said">${escaped(found.label)} <b>${percent(found.share)}</b></p></article>`;
   });
-  return `<p><b class="tag">live</b></p><div class="readings">${parts.join("")}</div><p class="hint">How familiar a live picture is, is not looked up. Everything below belongs to the pair chosen before.</p>`;
+  return `<p><b class="tag">live</b></p><div class="readings">${parts.join("")}</div><p class="hint">Familiarity is not computed for live pictures. Everything below belongs to the pair chosen before.</p>`;
 }

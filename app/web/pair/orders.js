@@ -2,16 +2,16 @@
 
 import { percent } from "../shared/text.js";
 
-const CLOSE = 0.03; // within this of the learned p, weights still answer as trained
+const CLOSE = 0.03; // this close to the learned p, the weights still work as trained
 
 /** The orders that a head was trained for, as a band on the axis of p. */
 export const band = ([low, high]) => [Math.max(0, low - CLOSE), Math.min(1, high + CLOSE)];
 
-/** What moving p means for this head. */
+/** The meaning of moving p for this head. */
 export function aboutP(learned, span, classes) {
   const chance = percent(1 / classes.length);
   if (span[1] > span[0]) {
     return `This head was trained for every p from ${span[0].toFixed(2)} to ${span[1].toFixed(2)} (shaded).`;
   }
-  return `Weights stay those of the learned p = ${learned.toFixed(3)}. Shaded: the orders this head was trained for. Elsewhere it is near chance (${chance}), so a rise or fall there says nothing about p. Heads trained at each p are in Explore.`;
+  return `Weights stay those of the learned p = ${learned.toFixed(3)}. Shaded: the orders this head was trained for. Elsewhere it is near chance (${chance}), so a rise or fall there means nothing. Explore shows heads trained at each p.`;
 }

@@ -1,4 +1,4 @@
-/** The visitor's own pairs: what they really are, a running count, and teaching the head. */
+/** The visitor's own pairs: labels, a running count, and teaching the head. */
 
 import { ask, bytesOf, get, refused } from "../shared/api.js";
 import { save } from "../shared/save.js";
@@ -15,7 +15,7 @@ export class OwnPairs {
     this.onLabel = onLabel;
     this.onOpen = onOpen;
     this.pairs = [];
-    this.report = null; // what teaching gave
+    this.report = null; // result of teaching
     this.inUse = false;
     this.note = "";
     box.onclick = (event) => this.clicked(event);
@@ -25,20 +25,20 @@ export class OwnPairs {
     };
   }
 
-  /** The lessons to send with a question about the pair `now`; none while the plain head is in use. */
+  /** The lessons for a request about the pair `now`; none while the plain head is used. */
   lessons(now) {
     const lessons = this.inUse ? lessonsFor(this.pairs, now) : [];
     return lessons.length ? { lessons } : {};
   }
 
-  /** Whether the pair is the visitor's own, rather than one whose class the set states. */
+  /** True if the pair is the visitor's own, not one of the set. */
   static isOwn = (pair) => [pair.vis, pair.tac].some((ref) => ref?.startsWith("image:"));
 
   labelOf(pair) {
     return this.pairs.find((one) => keyOf(one) === keyOf(pair))?.label ?? "";
   }
 
-  /** Show the panel for the pair that is open; answer: what the plain head gives it, or null. */
+  /** Show the panel for the open pair; answer: the plain head's prediction, or null. */
   show(now, answer, describe) {
     this.now = now;
     if (answer) this.answer = answer;
@@ -60,7 +60,7 @@ export class OwnPairs {
 
   counted() {
     if (!this.pairs.length)
-      return '<p class="hint">Choose a class and the page counts how often it is right about your pairs.</p>';
+      return '<p class="hint">Choose the class, and the page counts how often it is right about your pairs.</p>';
     const found = tally(this.pairs);
     const parts = READINGS.filter(([reading]) => found[reading]).map(
       ([reading, title, sign]) =>
@@ -81,7 +81,7 @@ export class OwnPairs {
       this.report
         ? `<button type="button" class="use" aria-pressed="${this.inUse}">${use}</button><button type="button" class="save-head">Save the taught head</button>`
         : ""
-    }<button type="button" class="save-set" title="Their embeddings, as a file that this page and the commands read">Save my pairs as a set</button><button type="button" class="save-pictures" title="The pictures in folders by class, as omnivat embed reads them">Save the pictures</button></div>${lacking ? `<p class="hint">${escaped(lacking)}</p>` : ""}${this.report ? reportHtml(this.report) : ""}`;
+    }<button type="button" class="save-set" title="Their embeddings, as a file for this page and the commands">Save my pairs as a set</button><button type="button" class="save-pictures" title="The pictures in folders by class, for omnivat embed">Save the pictures</button></div>${lacking ? `<p class="hint">${escaped(lacking)}</p>` : ""}${this.report ? reportHtml(this.report) : ""}`;
   }
 
   label(name) {
@@ -97,7 +97,7 @@ export class OwnPairs {
     this.changed();
   }
 
-  /** Labels are others: what was taught from the old ones no longer holds. */
+  /** Labels changed: discard what was taught from the old ones. */
   changed() {
     this.report = null;
     this.note = "";
@@ -149,7 +149,7 @@ export class OwnPairs {
     }
   }
 
-  /** The pictures that this browser still has, in the folders that `omnivat embed` reads. */
+  /** The pictures still in this browser, in folders for `omnivat embed`. */
   async keepPictures() {
     const files = [];
     for (const [number, pair] of this.pairs.entries()) {
@@ -161,7 +161,7 @@ export class OwnPairs {
         files.push([name, new Uint8Array(await blob.arrayBuffer())]);
       }
     }
-    if (!files.length) return this.say("This browser holds no pictures of these pairs.");
+    if (!files.length) return this.say("This browser no longer has pictures of these pairs.");
     save("my-pictures.zip", new Blob(zipped(files), { type: "application/zip" }));
   }
 
@@ -184,6 +184,6 @@ export function reportHtml({ judged, right }) {
   );
   const step = Math.round(100 / judged.length);
   return `<div class="taught"><p><b>Right before: ${right.before} of ${judged.length}. After: ${right.after} of ${judged.length}.</b></p>
-    <p class="hint">Each pair was judged by a head taught on all the others. Only class directions move; features stay. One pair is worth ${step} points here.</p>
+    <p class="hint">Each pair was predicted by a head taught on all the others. Only class directions change, not features. One pair is ${step} points here.</p>
     <div class="scroll" tabindex="0" role="group" aria-label="Your pairs before and after teaching"><table><thead><tr><th scope="col">It is</th><th scope="col">before</th><th scope="col">after</th></tr></thead><tbody>${rows.join("")}</tbody></table></div></div>`;
 }

@@ -1,4 +1,4 @@
-/** Try a pair: choose two images, read the prediction and whether to trust it. */
+/** Try a pair: choose two images, see the prediction and its reliability. */
 
 import { ask, json, refused } from "../shared/api.js";
 import { headLabel, heads } from "../shared/headsets.js";
@@ -40,7 +40,7 @@ class PairTab {
     this.rivals = rivals;
     this.answer = null;
     this.familiar = null;
-    this.live = null; // the newest answer to a camera's picture
+    this.live = null; // the latest prediction of a camera picture
     this.asking = null;
     this.known = new Known(examples, set);
     this.whatIf = new WhatIf(this.$(".what-if-p"));
@@ -60,7 +60,7 @@ class PairTab {
     this.gallery.fill(examples, set);
     this.wire();
     if (state.vis || state.tac) this.ask();
-    else somePair(examples, set.frames); // which asks in turn
+    else somePair(examples, set.frames); // which sends the request
     if (!state.vis && !state.tac) this.empty();
   }
 
@@ -104,7 +104,7 @@ class PairTab {
     this.gallery.mark([state.vis, state.tac]);
   }
 
-  /** A new pair, or another head for it: everything is asked for again. */
+  /** A new pair or another head: request everything again. */
   async ask() {
     this.showInputs();
     this.asking?.abort();
@@ -130,11 +130,11 @@ class PairTab {
       });
     } finally {
       clearTimeout(slow);
-      if (this.asking === mine) this.$(".results").setAttribute("aria-busy", "false"); // else the next one still asks
+      if (this.asking === mine) this.$(".results").setAttribute("aria-busy", "false"); // otherwise a newer request is running
     }
   }
 
-  /** What the first answer need not wait for: familiarity, other heads, the place on the map. */
+  /** Results after the first prediction: familiarity, other heads, the place on the map. */
   async askMore(signal) {
     const { pair } = this;
     this.onMap?.(pair, this.answer.learned);
@@ -190,7 +190,7 @@ class PairTab {
     if (this.familiar.problem) this.$(".familiar p").textContent = this.familiar.problem;
   }
 
-  /** A camera's newest answer takes the verdict; null gives it back. */
+  /** Show the latest camera prediction; null shows the pair's again. */
   showLive(found) {
     const was = this.live;
     this.live = found;
@@ -211,7 +211,7 @@ class PairTab {
     this.whatIf.show(null);
   }
 
-  /** The set has come after the first answer: its pictures, its pairs to pick, its map. */
+  /** The set has arrived after the first prediction: show its pictures, pairs and map. */
   adopt(late) {
     this.set = late;
     this.known = new Known(this.examples, late);

@@ -1,4 +1,4 @@
-/** The same pair, predicted by the heads beside the first one. Text in, HTML out. */
+/** The same pair, predicted by the comparison heads. Text in, HTML out. */
 
 import { escaped, percent } from "../shared/text.js";
 import { best, READINGS } from "./verdict.js";

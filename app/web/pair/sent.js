@@ -1,2 +1,2 @@
-/** Images that the visitor sent: reference -> what the server said of it, and its name. */
+/** Uploaded images: reference -> the server's reply, and the name. */
 export const sent = new Map();

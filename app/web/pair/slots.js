@@ -1,4 +1,4 @@
-/** The two places for images: choose, drop, paste, camera; a file goes to the server once. */
+/** The two image slots: choose, drop, paste, camera; each file is uploaded once. */
 
 import { address, refused, sendImage } from "../shared/api.js";
 import { thumbnail } from "../shared/card.js";
@@ -12,7 +12,7 @@ const NAMES = { vis: ["Photo", "VIS: the surface"], tac: ["Touch", "TAC: the sen
 const LARGEST = 20e6;
 const READING = "Reading the image (the first one also loads the encoder)…";
 
-/** Fill the box with both places. Returns show(refs, sprite, pairs, describe). */
+/** Fill the box with both slots. Returns show(refs, sprite, pairs, describe). */
 export function slots(box, on) {
   box.innerHTML = Object.entries(NAMES).map(slotHtml).join("");
   const all = [...box.children].map((element) => new Slot(element, on));
@@ -27,7 +27,7 @@ const slotHtml = ([key, [name, what]]) => `
     <div class="picture"><span>Drop or paste an image</span></div>
     <p class="what">&nbsp;</p>
     <div class="row"><label class="choose">Choose file<input type="file" accept="image/*,.tif,.tiff,.webp,.png,.jpg" aria-label="Choose a ${name.toLowerCase()}"></label>
-    <button type="button" class="camera" title="Take one picture">Camera</button><button type="button" class="live" aria-pressed="false" title="Predict from the camera, picture after picture">Live</button><button type="button" class="where" title="Hide one part after the other and see what the prediction loses">Where?</button><button type="button" class="clear" aria-label="Remove the ${name.toLowerCase()}">Remove</button></div>
+    <button type="button" class="camera" title="Take one picture">Camera</button><button type="button" class="live" aria-pressed="false" title="Predict from the camera, picture after picture">Live</button><button type="button" class="where" title="Hide one part after the other and see how the prediction changes">Where?</button><button type="button" class="clear" aria-label="Remove the ${name.toLowerCase()}">Remove</button></div>
   </div>`;
 
 class Slot {
@@ -91,7 +91,7 @@ class Slot {
     onProblem("");
     if (file.size > LARGEST) {
       return onProblem(
-        `'${name}' has ${(file.size / 1e6).toFixed(0)} MB and at most 20 are taken; scale it down and try again.`,
+        `'${name}' has ${(file.size / 1e6).toFixed(0)} MB; the limit is 20 MB. Scale it down and try again.`,
       );
     }
     const what = this.$(".what");
@@ -110,12 +110,12 @@ class Slot {
     }
   }
 
-  /** Show what is here now; a running camera stays. */
+  /** Show the current images; a running camera stays. */
   show(ref, sprite, pairs, describe) {
     if (this.live.on) return;
     this.$(".picture").classList.remove("seen");
     this.$(".picture").innerHTML = picture(this.modality, ref, sprite, pairs);
-    this.$(".what").textContent = ref ? describe(ref) : "Nothing here: the other image is read alone.";
+    this.$(".what").textContent = ref ? describe(ref) : "Empty: only the other image is used.";
     this.$(".clear").disabled = !ref;
     this.$(".where").disabled = !ref || ref.startsWith("row:");
   }

@@ -1,18 +1,18 @@
 /** The visitor's own labelled pairs: counting, and what can be taught from them. No DOM here. */
 
-const FEWEST = 2; // pairs of a class, and classes, that teaching needs
+const FEWEST = 2; // fewest pairs of a class, and fewest classes, for teaching
 
-/** A pair is known by its two images. */
+/** A pair is identified by its two images. */
 export const keyOf = ({ vis, tac }) => `${vis ?? ""} ${tac ?? ""}`;
 
-/** Add a pair, or replace the label that it had. said: reading -> predicted class. */
+/** Add a pair, or replace its label. said: reading -> predicted class. */
 export function withPair(pairs, pair) {
   return [...pairs.filter((one) => keyOf(one) !== keyOf(pair)), pair];
 }
 
 export const withoutPair = (pairs, key) => pairs.filter((one) => keyOf(one) !== key);
 
-/** How many pairs each reading got right, of those that it was there for. */
+/** Correct pairs of each reading, among those that have it. */
 export function tally(pairs) {
   const found = {};
   for (const { label, said } of pairs) {
@@ -25,7 +25,7 @@ export function tally(pairs) {
   return found;
 }
 
-/** What is still missing before a head can be taught; "" where nothing is. */
+/** What is missing before a head can be taught; "" if nothing. */
 export function missing(pairs) {
   const counts = new Map();
   for (const { label } of pairs) counts.set(label, (counts.get(label) ?? 0) + 1);
@@ -35,6 +35,6 @@ export function missing(pairs) {
   return `Label two pairs of each of two classes to teach it. So far: ${there}.`;
 }
 
-/** The lessons that a question carries; a pair is never predicted from its own label. */
+/** The lessons of a request; a pair is never predicted from its own label. */
 export const lessonsFor = (pairs, now) =>
   pairs.filter((one) => keyOf(one) !== keyOf(now)).map(({ vis, tac, label }) => ({ vis, tac, label }));

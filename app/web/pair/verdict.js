@@ -3,7 +3,7 @@
 import { classColour } from "../shared/palette.js";
 import { escaped, percent } from "../shared/text.js";
 
-/** What the head is given, and how it is called. A branch inside a pair is none of these. */
+/** The readings and their names. A branch inside a pair is not a reading. */
 export const READINGS = [
   ["fused", "Both", "both"],
   ["vis", "Photo only", "vis"],
@@ -17,17 +17,17 @@ export function best(classes, row) {
   return { label: classes[at], share: row[at] };
 }
 
-/** The images that a reading uses, of those that are there. */
+/** The images of a reading, among those present. */
 export const usedBy = (reading, given) =>
   reading === "fused" ? given : given.filter((name) => name === reading);
 
-/** The images of a reading that are unlike the training images: its prediction is a guess. */
+/** The images of a reading that are unlike the training images, which make it a guess. */
 export const unlike = (reading, given, images) =>
   usedBy(reading, given).filter((name) => images?.[name]?.guess);
 
 /**
- * Three cards. `answer`: what the server says of the pair; `familiar`: of its images, null while
- * that is on the way; `truths`: the class of each image, where it is known.
+  * Three cards. `answer`: the server's predictions; `familiar`: familiarity of the images, null until
+  * it arrives; `truths`: the class of each image, if known.
  */
 export function cards(answer, familiar, truths) {
   const given = ["vis", "tac"].filter((name) => answer.exact.readings[name]);
@@ -35,7 +35,7 @@ export function cards(answer, familiar, truths) {
     const row = answer.exact.readings[reading];
     const head = `<h3><span class="sign ${sign}"></span>${title}</h3>`;
     if (!row)
-      return `<article class="reading none" data-reading="${reading}">${head}<p class="hint">No ${NOUN[reading]} here.</p></article>`;
+      return `<article class="reading none" data-reading="${reading}">${head}<p class="hint">No ${NOUN[reading]}.</p></article>`;
     if (reading === "fused" && given.length < 2) {
       return `<article class="reading none" data-reading="${reading}">${head}<p class="hint">Add the ${NOUN[given[0] === "vis" ? "tac" : "vis"]} to see both together.</p></article>`;
     }
@@ -52,7 +52,7 @@ function called(classes, row, strange) {
   return `<p class="said guess">${escaped(label)}?</p><p class="guessed"><b>This is a guess.</b> ${what} unlike anything it has seen.</p>`;
 }
 
-/** Whether a prediction is right; for a photo and a touch of two classes, which one it follows. */
+/** Whether a prediction is right; for a mixed pair, which image it follows. */
 export function judged(said, used, truths, classes) {
   const known = used.map((name) => truths[name]).filter(Boolean);
   if (!known.length) return "";
@@ -61,11 +61,11 @@ export function judged(said, used, truths, classes) {
     return `<p class="follows">${follows.length ? `It follows the ${NOUN[follows[0]]}.` : "It follows neither."}</p>`;
   }
   if (said === known[0]) return '<p class="right">✓ right</p>';
-  const lacks = classes.includes(known[0]) ? "" : ", a class this head never learned";
+  const lacks = classes.includes(known[0]) ? "" : ", a class this head has not learned";
   return `<p class="wrong">✗ it is ${escaped(known[0])}${lacks}</p>`;
 }
 
-/** One line above the cards: what a mixed pair is made of. */
+/** One line above the cards: the two classes of a mixed pair. */
 export function madeOf({ vis, tac }) {
   if (!vis || !tac || vis === tac) return "";
   return `<p class="made-of">Photo: <b>${escaped(vis)}</b>. Touch: <b>${escaped(tac)}</b>.</p>`;

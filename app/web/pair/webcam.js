@@ -2,10 +2,10 @@
 
 import { Refusal } from "../shared/api.js";
 
-/** Open a camera; fails with a sentence where there is none. */
+/** Open a camera; throws a Refusal if there is none. */
 export async function camera() {
   if (!navigator.mediaDevices?.getUserMedia) {
-    throw new Refusal("This browser gives no camera here; open the page on localhost or over https.");
+    throw new Refusal("This browser allows no camera here; open the page on localhost or over https.");
   }
   try {
     return await navigator.mediaDevices.getUserMedia({ video: true });
@@ -14,7 +14,7 @@ export async function camera() {
   }
 }
 
-/** Show the camera in `box` until a picture is taken. Returns its PNG, or null when called off. */
+/** Show the camera in `box` until a picture is taken. Returns its PNG, or null if cancelled. */
 export async function snapshot(box) {
   const stream = await camera();
   const before = box.innerHTML;

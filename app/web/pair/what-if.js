@@ -1,4 +1,4 @@
-/** What if p were different: the same weights at other orders. A what-if, drawn as one. */
+/** What if p were different: the same weights at other orders. */
 
 import { ask, refused } from "../shared/api.js";
 import { orderBar } from "../shared/order.js";
@@ -11,7 +11,7 @@ import { Spectra } from "./spectrum.js";
 import { best, READINGS } from "./verdict.js";
 
 const STOPS = Array.from({ length: 101 }, (_, i) => i / 100);
-/** A scale for the order bar; before the server has answered, p was learned nowhere. */
+/** A scale for the order bar; there is no learned p before the server's reply. */
 const scale = (answer) => ({
   orders: answer?.orders ?? STOPS,
   meta: { head: { learned_order: answer?.learned } },
@@ -27,7 +27,7 @@ export class WhatIf {
     this.lines = new Lines(this.$(".lines"), (p) => change({ p }));
     this.spectra = new Spectra(this.$(".pictures"));
     this.attention = new Attention(this.$(".looks"));
-    this.looked = null; // the question whose attention is shown
+    this.looked = null; // the request whose attention is shown
     this.$(".which").onclick = (event) => this.choose(event.target.closest("button"));
     box.addEventListener("toggle", () => this.paint());
   }
@@ -36,7 +36,7 @@ export class WhatIf {
     return this.box.querySelector(selector);
   }
 
-  /** answer: of the pair; question: what it was asked with. null clears. */
+  /** answer: the pair's predictions; question: their request. null clears. */
   show(answer, question) {
     this.answer = answer;
     this.question = question;
@@ -50,7 +50,7 @@ export class WhatIf {
     this.paint();
   }
 
-  /** Draw what is seen only where the section is open. */
+  /** Draw only while the section is open. */
   paint() {
     if (!this.answer || !this.box.open) return;
     const { classes, orders, stops, learned, span, spectra } = this.answer;
@@ -91,7 +91,7 @@ export class WhatIf {
     this.$(`[data-reading=${this.reading}]`).focus();
   }
 
-  /** Show where p is now. */
+  /** Show the current p. */
   mark() {
     if (!this.answer || state.p === null) return;
     const stop = scale(this.answer).stop(state.p);

@@ -1,11 +1,11 @@
-/** Where in an image the prediction comes from: parts that it needs are tinted over the picture. */
+/** Tint the parts of an image that the prediction depends on. */
 
 import { askOfImage, bytesOf, Refusal, refused } from "../shared/api.js";
 import { state } from "../shared/store.js";
 import { changed, told, WORTH } from "./hidden-parts.js";
 
-const NEEDED = [213, 94, 0]; // hiding it takes probability away
-const AGAINST = [0, 114, 178]; // hiding it adds some
+const NEEDED = [213, 94, 0]; // hiding it lowers the probability
+const AGAINST = [0, 114, 178]; // hiding it raises the probability
 
 export async function where(slot, onProblem) {
   const { modality } = slot.dataset;
@@ -32,7 +32,7 @@ export async function where(slot, onProblem) {
   }
 }
 
-/** Tint only what changes something. */
+/** Tint only parts that change the probability. */
 function tint({ cells, drops }, most) {
   const canvas = document.createElement("canvas");
   canvas.width = canvas.height = cells;

@@ -1,4 +1,4 @@
-/** A zip of files as they are: no compression, which pictures do not need. No DOM here. */
+/** An uncompressed zip; pictures are compressed already. No DOM here. */
 
 const TABLE = Uint32Array.from({ length: 256 }, (_, n) => {
   let c = n;
@@ -6,7 +6,7 @@ const TABLE = Uint32Array.from({ length: 256 }, (_, n) => {
   return c >>> 0;
 });
 
-/** The check sum that a zip holds of each file. */
+/** The checksum of each file in a zip. */
 export function crc32(bytes) {
   let crc = 0xffffffff;
   for (const byte of bytes) crc = TABLE[(crc ^ byte) & 255] ^ (crc >>> 8);
@@ -14,9 +14,9 @@ export function crc32(bytes) {
 }
 
 const UTF8 = 0x0800; // names are UTF-8
-const DAY = 0x21; // 1 January 1980: no time of the visitor's goes into the file
+const DAY = 0x21; // 1 January 1980, so that no visitor's time is stored
 
-/** What both headers of a file say of it. */
+/** The common part of both headers of a file. */
 function shared({ bytes, name, crc }) {
   const view = new DataView(new ArrayBuffer(26));
   [20, UTF8, 0, 0, DAY].forEach((value, i) => view.setUint16(2 * i, value, true));

@@ -1,6 +1,6 @@
-/** Questions to the server. Every failure becomes a Refusal whose message is one sentence. */
+/** Requests to the server. Every failure becomes a Refusal with a one-sentence message. */
 
-/** Something that a person is told; any other error is a fault of a script and stays one. */
+/** An error for the visitor; any other error is a bug and stays one. */
 export class Refusal extends Error {
   constructor(sentence, status = 0) {
     super(sentence);
@@ -8,22 +8,22 @@ export class Refusal extends Error {
   }
 }
 
-/** Tell `say` the sentence of a refusal; let faults, and questions called off, pass. */
+/** Pass the sentence of a Refusal to `say`; rethrow bugs, ignore cancelled requests. */
 export function refused(error, say) {
   if (error.name === "AbortError") return;
   if (!(error instanceof Refusal)) throw error;
   say(error.message);
 }
 
-const ALONE = "This page is a file of its own: there is no server behind it to ask.";
-const LOST = "The server does not answer. Is it still running? The page goes on when it is back.";
-const OTHER = "The server was started again with another head or set. Reload the page to see it.";
+const ALONE = "This page is a single file without a server, so this does not work here.";
+const LOST = "The server does not respond. Is it still running? The page continues when it is back.";
+const OTHER = "The server was restarted with another head or set. Reload the page to see it.";
 const base = new URL("omnivat/", document.baseURI);
 
 const desk = new URLSearchParams(location.search).get("set"); // a head or set loaded by this visitor
-const held = globalThis.omnivatHeld; // what a page saved as one file carries with it
+const held = globalThis.omnivatHeld; // the data inside a page saved as one file
 
-/** Where a path of the server is; a saved page has some of them inside. */
+/** The address of a server path; a saved page contains some of them. */
 export function address(path) {
   if (held?.[path]) return held[path];
   const url = new URL(path, base);
@@ -31,7 +31,7 @@ export function address(path) {
   return url.href;
 }
 
-let holds = null; // which head and set this page was opened on
+let holds = null; // the head and set of this page
 
 async function answered(request) {
   let response;
@@ -61,10 +61,10 @@ export async function get(path, options) {
 
 export const json = async (path) => (await get(path)).json();
 
-const files = new Map(); // reference -> what was sent, to send it again to a restarted server
+const files = new Map(); // reference -> uploaded file, to send again to a restarted server
 const FORGOTTEN = 410;
 
-/** Ask; where the server has been restarted since an image was sent, send it again first. */
+/** Send a request; if the server has lost an uploaded image, upload it again first. */
 export async function ask(path, question, signal) {
   const body = JSON.stringify(question);
   const headers = { "Content-Type": "application/json" };
@@ -87,7 +87,7 @@ export async function sendImage(blob, name) {
   return answer;
 }
 
-/** The bytes of an image that a reference names; null where the server alone knows it. */
+/** The bytes of a referenced image; null if only the server has it. */
 export async function bytesOf(ref, modality) {
   if (files.has(ref)) return files.get(ref)[0];
   if (!ref.startsWith("example:")) return null;
@@ -95,7 +95,7 @@ export async function bytesOf(ref, modality) {
   return (await get(`example/${path}/${modality}`)).blob();
 }
 
-/** Send an image with a question about it: "occlusion" or "live". */
+/** Send an image with a request: "occlusion" or "live". */
 export async function askOfImage(what, blob, { modality, other, order }) {
   const query = new URLSearchParams({ modality });
   if (Number.isFinite(order)) query.set("order", order);
@@ -103,7 +103,7 @@ export async function askOfImage(what, blob, { modality, other, order }) {
   return (await get(`${what}?${query}`, { method: "POST", body: blob })).json();
 }
 
-/** Send one file of a head or set; returns what to call it in `loadParts`. */
+/** Upload one file of a head or set; returns its name for `loadParts`. */
 export async function sendPart(name, file) {
   return (await (await get(`part?name=${encodeURIComponent(name)}`, { method: "POST", body: file })).json())
     .part;

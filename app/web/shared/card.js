@@ -1,8 +1,8 @@
-/** The card of one pair: both thumbnails, what it is, what the head says of it. */
+/** The card of one pair: thumbnails, class and prediction. */
 
 import { escaped } from "./text.js";
 
-/** A thumbnail out of the sprite: pair i VIS is tile i, TAC is tile N + i. */
+/** A thumbnail from the sheet: VIS of pair i is tile i, TAC is tile N + i. */
 export function thumbnail(sprite, tile, side, label) {
   if (!sprite) return `<span class="thumb none" role="img" aria-label="${label}">${label}</span>`;
   const scale = side / sprite.tile;
@@ -18,7 +18,7 @@ export const thumbnailPair = (frames, sprite, pair, side) =>
   `<span class="thumbs"><figure>${thumbnail(sprite, pair, side, "VIS")}<figcaption>VIS</figcaption></figure>
    <figure>${thumbnail(sprite, frames.pairs + pair, side, "TAC")}<figcaption>TAC</figcaption></figure></span>`;
 
-/** What the head says of a pair at one stop. */
+/** The prediction for a pair at one stop. */
 export function verdict(frames, pair, stop) {
   const at = stop * frames.pairs + pair;
   return {
@@ -30,14 +30,14 @@ export function verdict(frames, pair, stop) {
   };
 }
 
-/** What a pair imitates, in words; "" where it imitates nothing. */
+/** The class that a pair imitates, in words; "" if none. */
 export function imitation(pairs, pair) {
   const [looks, feels] = ["looks_like", "feels_like"].map((column) => pairs?.[column][pair]);
   if (looks) return `looks like ${looks}: only touch can tell`;
   return feels ? `feels like ${feels}` : "";
 }
 
-/** `sample` stands in until a visitor points at a pair; -1 for none. `pairs` names them, once known. */
+/** `sample` is shown until a visitor points at a pair; -1 for none. `pairs` has the names, once loaded. */
 export function card(frames, sprite, pair, stop, pinned, sample = -1, pairs = null) {
   if (pair < 0) {
     const example = sample < 0 ? "" : thumbnailPair(frames, sprite, sample, 124);

@@ -1,4 +1,4 @@
-/** The map: points on one canvas, marks on another above it; zoom and pan survive every stop. */
+/** The map: points on one canvas, marks on another above it; zoom and pan stay the same at every stop. */
 
 import { isDark } from "./palette.js";
 import { Pixels } from "./points.js";
@@ -21,13 +21,13 @@ export class Cloud {
     box.append(this.ground, this.marks);
     this.pixels = new Pixels(this.ground.getContext("2d", { alpha: false }));
     this.count = count;
-    this.x = new Float32Array(count); // device pixels of each point, of the last drawing
+    this.x = new Float32Array(count); // device pixels of each point in the last drawing
     this.y = new Float32Array(count);
     this.view = { zoom: 1, dx: 0, dy: 0 };
     this.layers = []; // [{style, at: Int32Array, count}]
-    this.painters = []; // what draws marks above the points
+    this.painters = []; // functions that draw marks above the points
     this.pending = 0;
-    this.onView = null; // told of every zoom and pan by hand
+    this.onView = null; // called after every manual zoom and pan
     new ResizeObserver(() => this.resize()).observe(box);
     this.resize();
   }
@@ -111,7 +111,7 @@ export class Cloud {
     return [this.x[point] / this.ratio, this.y[point] / this.ratio];
   }
 
-  /** The point nearest to a place in CSS pixels, of those `wanted`, within `reach`; or -1. */
+  /** The `wanted` point nearest to a position in CSS pixels, within `reach`; or -1. */
   nearest(px, py, wanted, reach = 12) {
     const cx = px * this.ratio;
     const cy = py * this.ratio;
@@ -127,7 +127,7 @@ export class Cloud {
     return best;
   }
 
-  /** Zoom by a factor around a place in CSS pixels (the middle where none is given). */
+  /** Zoom by a factor around a position in CSS pixels (default: the middle). */
   zoomBy(factor, px = this.width / this.ratio / 2, py = this.height / this.ratio / 2) {
     const zoom = Math.max(0.5, Math.min(40, this.view.zoom * factor));
     const real = zoom / this.view.zoom;
@@ -155,7 +155,7 @@ export class Cloud {
   }
 }
 
-/** Points inside a polygon of CSS places: the even-odd rule. */
+/** Points inside a polygon in CSS pixels, by the even-odd rule. */
 export function inside(cloud, polygon, wanted) {
   const found = [];
   for (let i = 0; i < cloud.count; i++) {

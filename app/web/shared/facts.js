@@ -1,11 +1,11 @@
-/** What the server knows of the set and its heads, each fetched once for all who need it. */
+/** Facts about the set and its heads; each is fetched once. */
 
 import { json, Refusal } from "./api.js";
 import { fetchFrames } from "./frames.js";
 
 const kept = new Map();
 
-/** The promise called `name`, made once; after a failure the next call tries again. */
+/** The promise called `name`, created once; after a failure the next call tries again. */
 function once(name, make) {
   if (!kept.has(name)) {
     const made = make().catch((error) => {
@@ -21,14 +21,14 @@ const fact = (name) => () => once(name, () => json(name));
 
 const KINDS = { u1: Uint8Array, u2: Uint16Array, i2: Int16Array };
 
-/** The numbers that the server packed: whole ones, in steps. */
+/** Unpack numbers from the server: integers in steps. */
 export function unpacked({ kind, steps, data }) {
   const bytes = Uint8Array.from(atob(data), (letter) => letter.charCodeAt(0));
   const whole = new KINDS[kind](bytes.buffer);
   return steps === 1 ? whole : Float64Array.from(whole, (n) => n / steps);
 }
 
-/** How the head does in unseen domains; what is known of each pair as typed arrays. */
+/** Accuracy in unseen domains; values of each pair as typed arrays. */
 export const unseen = () =>
   once("unseen", async () => {
     const found = await json("unseen");
@@ -43,19 +43,19 @@ export const unseen = () =>
       },
     };
   });
-/** Names of the pairs, and what they imitate. */
+/** Names of the pairs, and the classes they imitate. */
 export const pairNames = fact("pairs");
 /** The mechanism on a toy. */
 export const toyFacts = fact("toy");
-/** Modes of p and sets to choose from; the head alone where the server lists none. */
+/** Modes of p and sets; only the head if the server lists none. */
 export const choices = () => once("modes", () => json("modes").catch(() => ({ modes: ["moved"], sets: [] })));
 
-/** Frames of a mode other than the head's own; `own` are those, and the pairs have to be the same. */
+/** Frames of another mode than the head's; `own` are the head's frames, of the same pairs. */
 export const framesOf = (mode, own) =>
   once(`frames ${mode}`, async () => {
     const { frames } = await fetchFrames(() => {}, "", mode);
     const same = (k, pair) => frames.classes[k] === own.classes[own.label[pair]];
     if (frames.pairs !== own.pairs || !frames.label.every(same))
-      throw new Refusal("The frames of this mode are of other pairs; make them again with `omnivat sweep`.");
+      throw new Refusal("The frames of this mode belong to other pairs; make them again with `omnivat sweep`.");
     return frames;
   });

@@ -1,4 +1,4 @@
-/** Legend and filters in one: what each colour means, and a switch for each name. */
+/** Legend and filters: the meaning of each colour, and a switch for each name. */
 
 import { COLOURINGS, TAC_COLOUR, VIS_COLOUR } from "./palette.js";
 import { hidden, state, toggle } from "./store.js";
@@ -12,7 +12,7 @@ const KINDS = [
 ];
 const SIGNS = { VIS: "●", TAC: "▲" };
 
-/** Draw the switches; the kind that colours the map carries its colours. */
+/** Draw the switches; those of the current colouring show their colours. */
 export function showFilters(box, frames, onPoint) {
   const colours = new Map(COLOURINGS[state.colour].groups(frames));
   const legend = ["correctness", "confidence"].includes(state.colour)
@@ -49,7 +49,7 @@ export function showFilters(box, frames, onPoint) {
   box.onpointerleave = () => onPoint(null);
 }
 
-/** Whether a point is shown, as a function of its number. */
+/** A function from a point's index to whether it is shown. */
 export function shownBy(frames) {
   const domains = frames.domains.map((name) => !hidden("domain").has(name));
   const classes = frames.classes.map((name) => !hidden("class").has(name));

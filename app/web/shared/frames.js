@@ -9,7 +9,7 @@ const ARRAYS = { u8: Uint8Array, u16: Uint16Array };
 export class Frames {
   constructor(buffer) {
     const magic = new TextDecoder().decode(new Uint8Array(buffer, 0, 8));
-    if (magic !== MAGIC) throw new Refusal("The frames file is of another kind; make it again.");
+    if (magic !== MAGIC) throw new Refusal("This is not a frames file of this version; make it again.");
     const length = new DataView(buffer).getUint32(8, true);
     this.meta = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 12, length)));
     this.buffer = buffer;
@@ -29,12 +29,12 @@ export class Frames {
     return this.meta.head?.kind ?? "moved";
   }
 
-  /** Where training left p; NaN where every stop has a head of its own. */
+  /** The learned p; NaN if every stop has its own head. */
   get learned() {
     return this.meta.head?.learned_order ?? NaN;
   }
 
-  /** The domain that the head was trained on; "" where it is unknown. */
+  /** The head's source domain; "" if unknown. */
   get source() {
     return this.meta.head?.source ?? "";
   }
@@ -54,13 +54,13 @@ export class Frames {
     return best;
   }
 
-  /** The kinds of map that a stage has: "pca", "umap". */
+  /** The kinds of map of a stage: "pca", "umap". */
   kinds(stage) {
     const names = Object.keys(this.meta.maps).map((name) => name.split("/"));
     return names.filter(([, of]) => of === featuresOf(stage)).map(([kind]) => kind);
   }
 
-  /** Positions at one stop of one map; `drawn` is the stop that they belong to. */
+  /** Positions at one stop of one map; `drawn` is the stop of these positions. */
   positions(kind, stage, stop) {
     const map = this.meta.maps[`${kind}/${featuresOf(stage)}`];
     let index = 0;
@@ -79,7 +79,7 @@ export class Frames {
   }
 }
 
-/** p for people: two digits, or three where the stop lies between two hundredths. */
+/** p as text: two digits, or three if the stop lies between two hundredths. */
 export const orderText = (p) => (Math.abs(p - +p.toFixed(2)) < 1e-9 ? p.toFixed(2) : p.toFixed(3));
 
 const query = (head, mode) => {
@@ -87,7 +87,7 @@ const query = (head, mode) => {
   return asked ? `frames?${asked}` : "frames";
 };
 
-/** Fetch the frames, telling `onWait` how far the server is while it still computes them. */
+/** Fetch the frames; report progress to `onWait` while the server computes them. */
 export async function fetchFrames(onWait, head = "", mode = "") {
   for (;;) {
     const response = await get(query(head, mode));
@@ -100,7 +100,7 @@ export async function fetchFrames(onWait, head = "", mode = "") {
   }
 }
 
-/** Wait for finer frames after coarse ones were shown. */
+/** Wait for finer frames after coarse ones. */
 export async function whenFine(onWait, head = "") {
   for (;;) {
     await new Promise((resolve) => setTimeout(resolve, 1500));
@@ -112,7 +112,7 @@ export async function whenFine(onWait, head = "") {
   }
 }
 
-/** The sprite of thumbnails, or null where the set has none. */
+/** The sheet of thumbnails, or null if the set has none. */
 export async function fetchThumbnails() {
   const response = await get("thumbnails.json").catch(() => null);
   if (!response) return null;

@@ -1,4 +1,4 @@
-/** Who can answer in a view: the head, comparison heads with frames of their own, simple methods. */
+/** Sources of predictions in a view: the head, comparison heads, simple methods. */
 
 import { ask, json } from "./api.js";
 import { fetchFrames, whenFine } from "./frames.js";
@@ -7,7 +7,7 @@ const METHOD = "method:";
 const cache = new Map();
 let listed = null;
 
-/** The heads that the server has: [{name, folder, generation, source, …}], the first one first. */
+/** The server's heads: [{name, folder, generation, source, …}], the first one first. */
 export const heads = () =>
   (listed ??= json("heads").catch((error) => {
     listed = null;
@@ -19,8 +19,8 @@ export const headLabel = (one) =>
 export const METHODS = [[`${METHOD}nearest_mean`, "nearest class mean (raw embedding)"]];
 export const isMethod = (name) => name.startsWith(METHOD);
 
-/** Frames by which `name` answers; "" is the first head, whose frames are at hand.
- * Where coarse ones come first, `onFiner` is told once there are finer ones to ask for. */
+/** The frames of `name`; "" is the first head, whose frames are loaded.
+ * If coarse frames come first, `onFiner` is called once finer ones exist. */
 export function framesBy(name, own, onWait, onFiner = () => {}) {
   if (!name) return Promise.resolve(own);
   if (!cache.has(name)) {
@@ -45,12 +45,12 @@ async function fetched(name, onWait, onFiner) {
         onFiner();
       },
       () => {},
-    ); // what is shown stays as it is
+    ); // keep the current display
   }
   return frames;
 }
 
-/** The same maps with the answers of a method, which knows no p. */
+/** The same maps with the predictions of a method, which do not depend on p. */
 async function byMethod(name, own) {
   const found = await ask("answers", { method: name.slice(METHOD.length) });
   const index = found.classes.map((label) => own.classes.indexOf(label));

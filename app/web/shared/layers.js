@@ -1,4 +1,4 @@
-/** Which points are drawn how: one layer for each colour and shape, dimmed ones first. */
+/** Layers of points: one for each colour and shape, dimmed ones first. */
 
 import { COLOURINGS, isDark } from "./palette.js";
 import { state } from "./store.js";
@@ -14,8 +14,8 @@ const shade = (hex, by) =>
     .join("")}`;
 
 /**
- * shown(point) and lit(point) say which points are drawn, and which of them in full colour.
- * dim is how strong the others are.
+ * shown(point) and lit(point) select the points that are drawn, and those in full colour.
+ * dim is the opacity of the others.
  * Returns [{style, at, count}], lit ones last.
  */
 export function layersOf(frames, stop, shown, lit, dim = DIM, colour = state.colour) {

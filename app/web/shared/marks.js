@@ -1,4 +1,4 @@
-/** What is drawn above the points: axes with figures, the pair's line, neighbours, the lasso. */
+/** Marks above the points: axes with figures, the pair's line, neighbours, the lasso. */
 
 import { onTheme } from "./palette.js";
 
@@ -7,7 +7,7 @@ const GRID = 90; // CSS pixels between two figures on an axis, about
 const inks = new Map();
 onTheme(() => inks.clear());
 
-/** A variable of the style sheet, looked up once for each theme. */
+/** A variable of the style sheet, read once for each theme. */
 function ink(canvas, name) {
   if (!inks.has(name)) inks.set(name, getComputedStyle(canvas).getPropertyValue(name).trim());
   return inks.get(name);
@@ -23,11 +23,11 @@ const figure = (value, step) => {
   return (Math.abs(value) < step / 2 ? 0 : value).toFixed(Math.min(6, digits));
 };
 
-/** What the axes of a kind of map are. */
+/** The axis labels of a kind of map. */
 export const axisNames = (kind) =>
   kind === "umap" ? { x: "UMAP 1", y: "UMAP 2" } : { x: "principal component 1", y: "principal component 2" };
 
-/** Axes of the map: thin lines at round figures, and what each axis is. */
+/** Axes of the map: thin lines at round figures, and axis labels. */
 export function axes(names) {
   return (context, cloud) => {
     const { scale, middle, ox, oy } = cloud.transform();
@@ -48,7 +48,7 @@ export function axes(names) {
     );
     const small = context.font;
     context.font = `600 12px ${ink(cloud.box, "--ov-font")}`;
-    const taken = width - 34 - context.measureText(`${across} →`).width; // where the axis's own name stands
+    const taken = width - 34 - context.measureText(`${across} →`).width; // start of the axis label
     context.font = small;
     for (let v = Math.ceil(left / step) * step; (v - left) * per < width; v += step) {
       const x = (v - left) * per;

@@ -1,4 +1,4 @@
-/** The middle of each group's VIS and TAC points and the line between them: the gaps, drawn. */
+/** The gaps, drawn: the means of each group's VIS and TAC points, and the line between them. */
 
 import { COLOURINGS, isDark } from "./palette.js";
 import { state } from "./store.js";
@@ -6,7 +6,7 @@ import { state } from "./store.js";
 const ALL = { of: () => () => 0, groups: () => [["all pairs", null]] };
 const SIZE = 8; // CSS pixels, less on a small map
 
-/** A painter: one line a domain or class, or one for all, of the points that `shown(point)` names. */
+/** A painter: one line for each domain or class, or one for all, over points with `shown(point)`. */
 export function means(frames, shown) {
   return (context, cloud) => {
     if (state.means !== "1") return;
@@ -46,7 +46,7 @@ export function means(frames, shown) {
   };
 }
 
-/** Name a group at its VIS and TAC middles. */
+/** Label a group at its VIS and TAC means. */
 function label(context, { vis, tac, colour }, text, edge) {
   context.font = "700 12px system-ui, sans-serif";
   context.textAlign = "center";

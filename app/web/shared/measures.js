@@ -1,4 +1,4 @@
-/** What the frames hold by name: gaps, margin and accuracy of each stage at every stop. */
+/** The measures in the frames: gaps, margin and accuracy of each stage at every stop. */
 
 import { featuresOf } from "./stages.js";
 
@@ -18,7 +18,7 @@ export const MEASURES = [
   {
     name: "accuracy",
     title: "Accuracy",
-    help: "share of pairs that the whole head predicts right, in domains it never saw; dashed: guessing",
+    help: "share of pairs that the whole head predicts correctly in unseen domains; dashed: chance",
     good: "higher",
   },
   {
@@ -32,24 +32,24 @@ export const MEASURES = [
 const series = (frames, name) => frames.meta.curves[name] ?? null;
 const isSource = (frames, domain) => domain === frames.meta.head?.source;
 
-/** The name of an accuracy curve over trainings, without its ending. */
+/** The name of an accuracy curve over several trainings, without its suffix. */
 const trainedAccuracy = (frames, domain) =>
   `seeds:accuracy/${!domain ? "unseen" : isSource(frames, domain) ? "source_test" : domain}`;
 
-/** Accuracy is never of training pairs: of the source there is none unless heads were retrained. */
+/** Accuracy excludes training pairs; the source has one only if heads were retrained. */
 function accuracy(frames, domain) {
   if (frames.kind === "retrained") return series(frames, `${trainedAccuracy(frames, domain)}/mean`);
   if (!domain) return series(frames, "accuracy/unseen");
   return isSource(frames, domain) ? null : series(frames, `accuracy/${domain}`);
 }
 
-/** The values of one measure at one stage, of one domain where named; null where not measured. */
+/** The values of one measure at one stage, of one domain if named; null if not measured. */
 export function values(frames, name, stage, domain = "") {
   if (name === "accuracy") return accuracy(frames, domain);
   return series(frames, `${name}/${featuresOf(stage)}${domain && `/${domain}`}`);
 }
 
-/** Lowest and highest over trainings: {low, high}, or null where heads were not trained several times. */
+/** Minimum and maximum over trainings: {low, high}, or null for a single training. */
 export function spread(frames, name, stage, domain = "") {
   if (frames.kind !== "retrained") return null;
   const stem = name === "accuracy" ? trainedAccuracy(frames, domain) : `seeds:${name}/${featuresOf(stage)}`;

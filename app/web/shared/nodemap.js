@@ -1,4 +1,4 @@
-/** A small map of one stage on which a pair and its tree's nodes are placed. */
+/** A small map of one stage with a pair and its tree nodes. */
 
 import { ask, refused } from "./api.js";
 import { Cloud } from "./cloud.js";
@@ -10,9 +10,9 @@ import { listen } from "./pointer.js";
 import { change, state, watch } from "./store.js";
 
 const STAGE = "f_hat";
-const WAIT = 180; // milliseconds that p has to rest before the server is asked
+const WAIT = 180; // milliseconds that p must rest before a request
 
-/** Returns show(question, order): the question names VIS and TAC; null shows the points alone. */
+/** Returns show(question, order): the question has VIS and TAC; null shows the points only. */
 export function nodeMap(panel, frames, { nodes = true } = {}) {
   const box = panel.querySelector(".still");
   const note = panel.querySelector(".where-note");
@@ -60,7 +60,7 @@ export function nodeMap(panel, frames, { nodes = true } = {}) {
       asking = new AbortController();
       try {
         placed = await ask("place", { ...question, order, stage: STAGE, map: kind(), nodes }, asking.signal);
-        note.textContent = `Every pair of the set, pale, at p = ${placed.order.toFixed(2)}${nodes ? "; 1 to 7 are the nodes" : ""}. ${placed.exact ? "The place is exact: this map is linear." : placed.of_set ? `The pair lies where the map has it${nodes ? "; the nodes’ places are estimated between the nearest neighbours" : ""}.` : "The place is estimated between the nearest neighbours."} Click a point to choose its pair.`;
+        note.textContent = `All pairs of the set, pale, at p = ${placed.order.toFixed(2)}${nodes ? "; 1 to 7 are the nodes" : ""}. ${placed.exact ? "The place is exact: this map is linear." : placed.of_set ? `The pair has its place on the map${nodes ? "; the nodes’ places are estimated between the nearest neighbours" : ""}.` : "The place is estimated between the nearest neighbours."} Click a point to choose its pair.`;
         cloud.paintMarks();
       } catch (error) {
         refused(error, (sentence) => {
@@ -71,7 +71,7 @@ export function nodeMap(panel, frames, { nodes = true } = {}) {
   };
 }
 
-/** CSS pixels of a place in map units.
+/** CSS pixels of a position in map units.
  * @returns {[number, number]} */
 function at(cloud, [x, y]) {
   const { scale, middle, ox, oy } = cloud.transform();

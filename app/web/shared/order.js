@@ -1,9 +1,9 @@
-/** The bar that moves p: slider, play, and where training left it. */
+/** The bar for p: slider, play button, and the learned p. */
 
 import { orderText } from "./frames.js";
 import { change, state } from "./store.js";
 
-const FINE = 0.001; // of the slider, so that it can stand at any learned p
+const FINE = 0.001; // step of the slider, fine enough for any learned p
 const FAR = 10; // stops of Page Up and Page Down
 
 export function orderBar(bar, frames) {
@@ -50,13 +50,13 @@ export function orderBar(bar, frames) {
     slider.max = orders.at(-1);
     slider.step = FINE;
   }
-  /** Say where training left p. */
+  /** Show the learned p. */
   function learned(p) {
     $(".learned").hidden = !Number.isFinite(p);
     $(".learned-mark").hidden = !(p >= orders[0] && p <= orders.at(-1));
     if (!Number.isFinite(p)) return;
     $(".learned").textContent = `learned p = ${p.toFixed(3)}`;
-    $(".learned").title = "Go to the order that training arrived at";
+    $(".learned").title = "Go to the learned order";
     $(".learned").onclick = () => go(frames.stop(p));
     bar.style.setProperty("--at", (p - orders[0]) / (orders.at(-1) - orders[0]));
   }

@@ -1,5 +1,5 @@
-/** Colours and shapes. Domains take the hues of Okabe and Ito, classes those of Tol's bright
- * scheme: both are told apart by colour-blind eyes, and neither is taken for the other. */
+/** Colours and shapes. Domains use the hues of Okabe and Ito, classes those of Tol's bright
+ * scheme. Both are safe for colour-blind readers, and they differ from each other. */
 
 const OKABE_ITO = ["#e69f00", "#56b4e9", "#009e73", "#d55e00", "#0072b2", "#cc79a7", "#f0e442", "#8c8c8c"];
 const TOL_BRIGHT = ["#4477aa", "#ee6677", "#228833", "#ccbb44", "#aa3377", "#66ccee", "#bbbbbb", "#332288"];
@@ -9,7 +9,7 @@ export const VIS_COLOUR = "#56b4e9";
 export const TAC_COLOUR = "#e69f00";
 export const isDark = () => document.body.classList.contains("dark");
 
-/** Call `action` when light and dark change places. */
+/** Call `action` when the page switches between light and dark. */
 export function onTheme(action) {
   new MutationObserver(action).observe(document.body, { attributeFilter: ["class"] });
 }
@@ -17,7 +17,7 @@ export function onTheme(action) {
 const domainColour = (index) => OKABE_ITO[index % OKABE_ITO.length];
 export const classColour = (index) => TOL_BRIGHT[index % TOL_BRIGHT.length];
 
-/** How points may be coloured: each gives names, colours, and the group of a point. */
+/** Colourings of points: each has names, colours, and the group of a point. */
 export const COLOURINGS = {
   domain: {
     label: "Domain",

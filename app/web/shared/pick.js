@@ -1,4 +1,4 @@
-/** The current pair where a visitor has chosen none: the first example, or the set's first pair. */
+/** The default pair: the first example, or the set's first pair. */
 
 import { change, state } from "./store.js";
 
@@ -8,7 +8,7 @@ export function somePair(examples, frames) {
   if (ref) change({ vis: ref, tac: ref });
 }
 
-/** Examples as the set orders its domains and classes. */
+/** Examples in the set's order of domains and classes. */
 function inOrder(examples, frames) {
   const rank = (names, name) => (names?.includes(name) ? names.indexOf(name) : 1000);
   return [...examples].sort(
@@ -18,7 +18,7 @@ function inOrder(examples, frames) {
   );
 }
 
-/** What the gallery offers: the examples, or of the set one pair for each domain and class. */
+/** The gallery: the examples, or one pair of the set for each domain and class. */
 export function shelf(examples, frames) {
   if (examples.length || !frames) {
     return inOrder(examples, frames).map((one) => ({

@@ -14,7 +14,7 @@ const SHAPES = {
 };
 const stamps = new Map();
 
-/** A small picture of one shape: premultiplied colours and what of the ground shows through. */
+/** A small picture of one shape: premultiplied colours, and the transparency. */
 function stamp(shape, colour, edge, radius, alpha) {
   const key = `${shape} ${colour} ${edge} ${radius} ${alpha}`;
   if (stamps.has(key)) return stamps.get(key);

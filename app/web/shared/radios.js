@@ -1,8 +1,8 @@
-/** A row of buttons of which one is chosen: arrows move, the group is one stop of the Tab key. */
+/** A radio group: arrow keys move, Tab enters the group once. */
 
 import { escaped } from "./text.js";
 
-/** options: [{key, label, title}]. Returns what shows which one is chosen. */
+/** options: [{key, label, title}]. Returns a function that marks the chosen one. */
 export function radios(box, options, chosen, onChoose) {
   box.innerHTML = options
     .map(

@@ -1,4 +1,4 @@
-/** Give the visitor a file. */
+/** Download a file. */
 export function save(name, blob) {
   const link = document.createElement("a");
   link.href = URL.createObjectURL(blob);

@@ -1,4 +1,4 @@
-/** The steps that features take through the head, and what each teaches while p moves. */
+/** The steps of the head, with an explanation of each. */
 
 export const STAGES = [
   {
@@ -9,7 +9,7 @@ export const STAGES = [
     step: "embedding",
     colour: "#94a3b8",
     explain:
-      "The frozen encoder’s output. It does not depend on p, so nothing here moves. Photos and touches lie apart, and so do the sensors.",
+      "The frozen encoder’s output. It does not depend on p, so nothing here moves. Photos and touches are apart, and so are the sensors.",
   },
   {
     key: "projection",
@@ -18,7 +18,7 @@ export const STAGES = [
     name: "Projection",
     step: "projection",
     colour: "#7c8aa5",
-    explain: "The head first projects E to its own width. That changes the gaps; p does not.",
+    explain: "The head first projects E to its own width. That changes the gaps; p does not change them.",
   },
   {
     key: "frft",
@@ -28,7 +28,7 @@ export const STAGES = [
     step: "transform",
     colour: "#475569",
     explain:
-      "The fractional Fourier transform is unitary: it turns the whole space and keeps every distance and every cosine, at every p. So no point moves and both gaps are flat lines.",
+      "The fractional Fourier transform is unitary: it rotates the whole space and keeps every distance and every cosine, at every p. No point moves, and both gaps are flat lines.",
   },
   {
     key: "relu",
@@ -38,7 +38,7 @@ export const STAGES = [
     step: "ReLU",
     colour: "#0284c7",
     explain:
-      "The ReLU clips the real and the imaginary part. Each p turns another half of the space into the part that is clipped, so from here on distances depend on p.",
+      "The ReLU clips the real and the imaginary part. At each p, it clips a different part of the space, so from here on distances depend on p.",
   },
   {
     key: "f_bar",
@@ -48,7 +48,7 @@ export const STAGES = [
     step: "attention",
     colour: "#d97706",
     explain:
-      "Attention over the fractional tokens pulls photo and touch together. The classes move together, too: compare the margin with that of the step before.",
+      "Attention over the fractional tokens pulls photo and touch together. The classes move together, too: compare the margin with that of the previous step.",
   },
   {
     key: "f_hat",
@@ -64,15 +64,15 @@ export const STAGES = [
 
 export const stageNamed = (key) => STAGES.find((stage) => stage.key === key) ?? STAGES.at(-1);
 
-/** Whose features and map a stage shows: the transform keeps all distances of the projection. */
+/** The stage whose map is shown: the transform keeps all distances of the projection. */
 export const featuresOf = (stage) => (stage === "projection" ? "frft" : stage);
 
-/** Whether the head projects E, so that E and what is transformed are two maps. */
+/** True if the head projects E, so that raw and projected embeddings have two maps. */
 export const projects = ({ meta: { maps } }) => maps["pca/raw"]?.array !== maps["pca/frft"]?.array;
 
-/** The steps that a head takes. */
+/** The steps of a head. */
 export const stepsOf = (frames) => STAGES.filter(({ key }) => key !== "projection" || projects(frames));
 
-/** Stages whose map and gaps stand still while p moves. */
+/** Stages whose map and gaps do not depend on p. */
 export const isStill = (stage, frames) =>
   stage === "raw" || (["projection", "frft"].includes(stage) && frames.kind !== "retrained");

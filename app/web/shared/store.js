@@ -1,9 +1,9 @@
-/** What the visitor chose, shared by all tabs and kept in the address: a link brings it back. */
+/** The state, shared by all tabs and kept in the address, so that a link restores it. */
 
 import { COLOURINGS } from "./palette.js";
 import { STAGES } from "./stages.js";
 
-/** The tabs, as the server lists them; a saved page has Explore alone. */
+/** The tabs from the server; a saved page has Explore only. */
 const VIEWS = document.querySelector("meta[name=omnivat-views]")?.getAttribute("content").split(" ") ?? [
   "explore",
 ];
@@ -38,7 +38,7 @@ const DEFAULTS = {
 const NUMBERS = new Set(["p", "p2", "pin"]);
 const KEYS = STAGES.map((stage) => stage.key);
 const CHOICES = {
-  // what else an address may say; anything that is not here is left out
+  // allowed values in the address; all others are ignored
   view: VIEWS,
   part: ["curves", "strangers", "toy"],
   mode: ["", "trained", "moved", "every"],
@@ -66,7 +66,7 @@ function fromAddress() {
 
 export const state = fromAddress();
 
-/** Change some values, tell who listens, and write the address once things are calm. */
+/** Change values, notify listeners, and update the address after a short pause. */
 export function change(patch) {
   const changed = Object.keys(patch).filter((name) => state[name] !== patch[name]);
   if (!changed.length) return;
@@ -76,7 +76,7 @@ export function change(patch) {
   writing = setTimeout(writeAddress, 150);
 }
 
-/** Call `action` whenever one of `names` has changed. Returns what stops it. */
+/** Call `action` whenever one of `names` changes. Returns a function that stops it. */
 export function watch(names, action) {
   const listener = (changed) => {
     if (changed.some((name) => names.includes(name))) action();
@@ -85,7 +85,7 @@ export function watch(names, action) {
   return () => listeners.delete(listener);
 }
 
-/** Like `watch`, for one tab: what changes while another is open waits until this one is. */
+/** Like `watch`, for one tab: changes wait until the tab is open. */
 export function watchIn(view, names, action) {
   let late = false;
   const now = () => {
@@ -110,11 +110,11 @@ function writeAddress() {
   }
 }
 
-const TILDE = { "%": "%25", "~": "%7E" }; // names are joined by ~ and may hold one
+const TILDE = { "%": "%25", "~": "%7E" }; // names are joined by ~ and may contain one
 const packed = (name) => name.replace(/[%~]/g, (sign) => TILDE[sign]);
 const unpacked = (text) => text.replace(/%25|%7E/g, (code) => (code === "%25" ? "%" : "~"));
 
-/** The names that a filter hides, as a set. */
+/** The hidden names of a filter, as a set. */
 export const hidden = (kind) => new Set(state[kind] ? state[kind].split("~").map(unpacked) : []);
 
 /** Hide or show one name of a filter. */

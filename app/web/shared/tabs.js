@@ -1,4 +1,4 @@
-/** Open a tab from elsewhere in the page, and keep the open one in the address. */
+/** Open a tab from elsewhere in the page, and keep it in the address. */
 
 import { change, state } from "./store.js";
 
@@ -12,9 +12,9 @@ export function openTab(view) {
   button(view)?.click();
 }
 
-/** Open the tab of the address: a click before Gradio has laid out its tabs is lost, so look twice. */
+/** Open the tab of the address. A click before Gradio has laid out its tabs is lost, so check twice. */
 function openFirst(view, seen = 0) {
-  if (state.view !== view || seen > 1) return; // the visitor went elsewhere, or it stays open
+  if (state.view !== view || seen > 1) return; // the visitor chose another tab, or this one stays open
   const open =
     button(view)?.getAttribute("aria-selected") === "true" && document.getElementById(`view-${view}`);
   if (!open) openTab(view);

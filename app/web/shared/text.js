@@ -1,4 +1,4 @@
-/** Text that may hold anything, made safe for HTML. */
+/** Escape any text for HTML. */
 
 const CODES = { "&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;", "'": "&#39;" };
 export const escaped = (text) => String(text).replace(/[&<>"']/g, (c) => CODES[c]);

@@ -7,12 +7,12 @@ import { isSimulated } from "./text.js";
 let fetching = null;
 const waiting = new Set();
 
-/** {frames, coarse, sprite}; `onWait` hears how far the server is. Fails with a sentence.
+/** {frames, coarse, sprite}; `onWait` gets the server's progress. Throws a Refusal.
  * @param {(step: any) => void} onWait */
 export function theSet(onWait = () => {}) {
   waiting.add(onWait);
   fetching ??= fetchAll().catch((error) => {
-    fetching = null; // the next who asks tries again
+    fetching = null; // the next call tries again
     throw error;
   });
   return fetching;
@@ -20,8 +20,8 @@ export function theSet(onWait = () => {}) {
 
 const NO_SET = { frames: null, sprite: null };
 
-/** The set; while the server still computes its map nulls in its place and, as `later`, a promise of it.
- * Where there is no map, that promise stays open: Explore says why. */
+/** The set. While the server computes its map: nulls, and a promise of the set as `later`.
+ * Without a map that promise stays pending; Explore shows the reason. */
 export function theSetSoon() {
   return new Promise((resolve) => {
     const coming = theSet(() => resolve({ ...NO_SET, later }));
