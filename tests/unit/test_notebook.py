@@ -9,6 +9,7 @@ from omnivat.errors import DataError, SettingsError
 from omnivat.notebook import Cell, explore
 
 
+@pytest.mark.slow
 def test_a_cell_holds_the_whole_page_and_asks_no_server(head_folder, tmp_path, monkeypatch):
     monkeypatch.setenv("OMNIVAT_CACHE", str(tmp_path))
     cell = explore(head_folder, head_folder.parent / "set.safetensors", height=640)
@@ -22,6 +23,7 @@ def test_a_cell_holds_the_whole_page_and_asks_no_server(head_folder, tmp_path, m
     assert cell.save(tmp_path / "lecture.html").read_text(encoding="utf-8") == page
 
 
+@pytest.mark.slow
 def test_a_head_and_a_set_in_memory_are_shown_too(head_folder, tmp_path, monkeypatch):
     from omnivat.checkpoint import load_head
     from omnivat.data.store import load_embeddings

@@ -377,6 +377,7 @@ def test_orders_are_drawn_for_each_batch_or_each_row_within_their_range(source, 
     assert orders.min() >= 0.2 and orders.max() <= 0.4 and len(orders.unique()) > 5
 
 
+@pytest.mark.slow
 def test_a_head_of_drawn_orders_keeps_its_own_order_and_predicts_at_others(source):
     settings = TrainSettings(epochs=60, order_draw="row", lang=False)
     trained = train(source, head(order=0.5), settings)

@@ -61,6 +61,7 @@ def source_of(clip: LiveClip, classes: tuple[str, ...] = ("wood", "steel")) -> S
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("layout", LAYOUTS)
 def test_a_live_clip_gives_the_models_own_embeddings(
     layout: str, clips: Any, tmp_path: Path

@@ -115,6 +115,7 @@ def test_a_photo_of_50_megapixels_is_read_reduced_within_a_visitors_limits():
     assert np.allclose(np.asarray(image)[::500, ::500], (10, 120, 200), atol=6)
 
 
+@pytest.mark.slow
 def test_a_large_picture_is_made_smaller_by_a_whole_factor_like_its_mean():
     random = np.random.default_rng(3)
     pixels = random.integers(0, 256, (2048, 2100, 3), dtype=np.uint8)

@@ -107,6 +107,7 @@ def test_the_comparison_with_the_printed_form_can_fail(make_head, monkeypatch):
     assert not torch.allclose(one_step(model, False)[1]["mffa.theta.vis"], wanted["mffa.theta.vis"])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("signed", [False, True], ids=["positive θ", "θ of both signs"])
 @pytest.mark.parametrize("with_lang", [True, False])
 def test_features_agree_with_finite_differences(make_head, signed, with_lang):

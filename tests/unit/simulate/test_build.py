@@ -10,6 +10,8 @@ from omnivat.errors import DataError, MissingNameError
 from omnivat.progress import Step
 from omnivat.simulate.build import COLUMNS, simulate
 
+pytestmark = pytest.mark.slow  # draws pairs
+
 SMALL = {"domains": ["TAG", "TQ-T3D"], "pairs_per_class": 2, "size": 48, "renderer": "plain"}
 
 
@@ -35,7 +37,6 @@ def test_the_set_lists_what_lies_on_disk(built: Path) -> None:
     assert {row["domain"] for row in rows} == {"TAG-sim", "TQ-T3D-sim"}
 
 
-@pytest.mark.slow
 def test_the_same_seed_gives_the_same_bytes_and_another_seed_others(
     built: Path, tmp_path: Path
 ) -> None:

@@ -17,6 +17,8 @@ from omnivat.simulate.build import simulate
 from omnivat.simulate.examples import chosen, spread, write_examples
 from omnivat.simulate.plan import classes
 
+pytestmark = pytest.mark.slow  # draws pairs
+
 SHIPPED = Path(__file__).parents[3] / "examples"
 SMALL = {"domains": ["TQ-T3D"], "size": 48, "renderer": "plain", "workers": 1}
 
