@@ -67,7 +67,7 @@ def words(page: Any, selector: str) -> str:
 def test_the_first_mode_is_a_head_for_each_stop_and_the_other_a_what_if(two_modes: Any) -> None:
     page = two_modes
     assert "A head for each stop" in words(page, ".mode-words")
-    assert "3 trainings a stop" in words(page, ".mode-words")
+    assert "3 trainings for each stop" in words(page, ".mode-words")
     assert words(page, ".curves [data-name=accuracy] output") == "62.0 %"
     assert page.locator(".explore .curves [data-name=accuracy] .spread").get_attribute("d")
     page.click('.explore .modes [data-key="moved"]')

@@ -210,7 +210,7 @@ def test_a_killed_server_is_told_of_the_drag_goes_on_and_a_new_server_gets_the_i
     page.wait_for_selector(ANSWERED)
     server.stop()
     page.click('.pair .slot[data-modality="vis"] .clear')
-    page.wait_for_selector(".pair .problem:has-text('does not answer')")
+    page.wait_for_selector(".pair .problem:has-text('does not respond')")
     open_tab(page, "explore")
     before = pixels(page)
     pull(page, grab(page), 0.9)

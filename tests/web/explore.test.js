@@ -102,11 +102,11 @@ test("the story names the source, counts the strangers, and scores them at the l
 test("each mode of p says what a stop is", () => {
   assert.match(
     modeWords(frames({ head: { kind: "retrained", seeds: [0, 1], width: 64 } })),
-    /A head for each stop.*2 trainings a stop, width 64/,
+    /A head for each stop.*2 trainings for each stop, width 64/,
   );
   assert.match(
     modeWords(frames({ head: { learned_order: 0.5014 } })),
-    /What if only p moved\?.*p = 0\.501.*near guessing/,
+    /What if only p moved\?.*p = 0\.501.*near chance/,
   );
   assert.match(modeWords(frames({ head: { kind: "every" } })), /One head for every p/);
 });
