@@ -37,7 +37,7 @@ export async function start(root) {
   }
 }
 
-/** At first both sides are at the learned p: left the next head or nearest class mean, right the head. */
+/** Initially both sides are at the learned p: left the next head or nearest class mean, right the head. */
 function atFirst(frames, known) {
   const learned = frames.orders[frames.stop(frames.meta.head?.learned_order ?? 0.5)];
   if (state.p === null) state.p = learned;
@@ -56,10 +56,10 @@ class CompareTab {
     this.root = root;
     this.frames = frames;
     this.sprite = sprite;
-    this.judged = null; // pairs that count, once the server has said which
+    this.judged = null; // test pairs, once loaded
     this.hovered = -1;
     this.selected = new Set();
-    this.lassoed = new Set(); // classes of what is selected
+    this.lassoed = new Set(); // classes of the selection
     this.lassoMode = false;
     this.changedOnly = false;
     this.shown = shownBy(frames);
@@ -101,7 +101,7 @@ class CompareTab {
     button.setAttribute("aria-pressed", String(on));
   }
 
-  /** Which pairs count: not trained on, and of a class that the head knows. */
+  /** The test pairs: not used in training, and of a class that the head has. */
   judge({ pairs }) {
     this.judged = Array.from(pairs.counts.keys()).filter((pair) => pairs.counts[pair]);
     this.show();
@@ -112,7 +112,7 @@ class CompareTab {
     this.show();
   }
 
-  /** Whether the two sides show different domains, and so share no pairs. */
+  /** True if the two sides show different domains, and so share no pairs. */
   get apart() {
     return state.only && state.only2 && state.only !== state.only2;
   }
@@ -146,7 +146,7 @@ class CompareTab {
 
   moved() {
     if (this.apart) {
-      return `${escaped(state.only2)} and ${escaped(state.only)} share no pairs: a lasso in one lights the same classes in the other.`;
+      return `${escaped(state.only2)} and ${escaped(state.only)} share no pairs: a selection in one highlights the same classes in the other.`;
     }
     if (!this.judged || !this.sides.every((side) => side.ready)) return "Counting…";
     const only = state.only || state.only2;
@@ -193,7 +193,7 @@ class CompareTab {
     change({ pin: pair, vis: `row:${pair}`, tac: `row:${pair}` });
   }
 
-  /** A lasso catches whole pairs, so that both of their points stay lit on both sides. */
+  /** A lasso selects whole pairs, so that both points are highlighted on both sides. */
   select(points) {
     this.selected = new Set(points.map((point) => point % this.frames.pairs));
     this.lassoed = new Set([...this.selected].map((pair) => this.frames.label[pair]));

@@ -1,4 +1,4 @@
-/** Scores from each source to each target, and beside them what the paper prints. */
+/** Scores from each source to each target, and the paper's figures. */
 
 import { json, refused } from "../shared/api.js";
 import { escaped, percent } from "../shared/text.js";
@@ -32,7 +32,7 @@ export async function matrix(box) {
   show();
 }
 
-/** The mean over targets that are not the source. */
+/** The mean over targets without the source. */
 function unseen(row, metric) {
   const values = Object.entries(row.cells)
     .filter(([target]) => target !== row.source)
@@ -43,7 +43,7 @@ function unseen(row, metric) {
 /** The mean over a method's sources, of means over unseen targets. */
 const meanOf = (rows, metric) => rows.reduce((sum, row) => sum + unseen(row, metric), 0) / rows.length;
 
-/** Where a method learned from several sources, a last line: its mean over them. */
+/** A last line for methods with several sources: their mean. */
 function overall(rows, targets, metric) {
   if (rows.length < 2) return "";
   return `<tr class="overall"><th scope="row" colspan="2">mean of ${rows.length} sources</th><td colspan="${targets.length}"></td><td><b>${(100 * meanOf(rows, metric)).toFixed(1)}</b></td></tr>`;
@@ -63,7 +63,7 @@ function ranking(rows, labels, metric) {
 
 function ours({ rows, targets, origin }, metric) {
   if (!rows.length)
-    return '<p class="hint">No scores are here: neither the head’s folder nor the protocol’s records hold any.</p>';
+    return '<p class="hint">There are no scores: neither the head’s folder nor the protocol’s records have any.</p>';
   const labels = [...new Set(rows.map((row) => row.label))];
   const shown = (row, target) => {
     const cell = row.cells[target];
@@ -91,9 +91,9 @@ function ours({ rows, targets, origin }, metric) {
   const note =
     origin === "protocol"
       ? "Rows of methods are means over seeds of the protocol’s records; rows of heads come from their own <code>metrics.json</code>."
-      : "These are the loaded heads’ own rows, from their <code>metrics.json</code>. Records of the whole protocol are not here: <code>python -m omnivat protocol</code> makes them, and <code>app.py --compare DIR</code> adds a head of another source.";
+      : "These rows come from the loaded heads’ own <code>metrics.json</code>. There are no records of the whole protocol: <code>python -m omnivat protocol</code> makes them, and <code>app.py --compare DIR</code> adds a head of another source.";
   return `<div>${ranking(rows, labels, metric)}<div class="scroll" tabindex="0" role="group" aria-label="Scores from source to target"><table class="counts scores"><thead><tr><th scope="col">Method</th><th scope="col">Source</th>${targets.map((name) => `<th scope="col">${escaped(name)}</th>`).join("")}<th scope="col">mean of unseen</th></tr></thead><tbody>${body}</tbody></table></div>
-    <p class="hint">${note} Percent, on test pairs where the set states a split, on all pairs where it does not; outlined: the source itself, not in the mean.</p></div>`;
+    <p class="hint">${note} Percent, on test pairs if the set has a split, else on all pairs. Outlined: the source itself, which is not in the mean.</p></div>`;
 }
 
 function papers({ paper, backbone, why, rows }, metric) {
@@ -106,5 +106,5 @@ function papers({ paper, backbone, why, rows }, metric) {
       `<tr><th scope="row">${escaped(method)}</th>${sources.map((source) => `<td>${printed[source] ? printed[source][metric].toFixed(1) : "–"}</td>`).join("")}</tr>`,
   );
   return `<div><div class="scroll" tabindex="0" role="group" aria-label="Figures that the paper prints"><table class="counts paper"><thead><tr><th scope="col">The paper prints, ${escaped(backbone)}</th>${sources.map((name) => `<th scope="col">${escaped(name.replace(/-sim$/, ""))} → X</th>`).join("")}</tr></thead><tbody>${body.join("")}</tbody></table></div>
-    <p class="hint">${why ? `<b class="wrong">Not comparable</b>: ${escaped(why)}. ` : ""}The paper gives means over its targets (X), not each target.</p></div>`;
+    <p class="hint">${why ? `<b class="wrong">Not comparable</b>: ${escaped(why)}. ` : ""}The paper prints means over its targets (X), not single targets.</p></div>`;
 }

@@ -1,4 +1,4 @@
-/** One side of Compare: who predicts, at which stage, p and domain; its map and its measures. */
+/** One side of Compare: head or method, stage, p and domain; its map and its measures. */
 
 import { Refusal, refused } from "../shared/api.js";
 import { Cloud } from "../shared/cloud.js";
@@ -14,9 +14,9 @@ import { change, state } from "../shared/store.js";
 import { escaped } from "../shared/text.js";
 import { difference } from "./changes.js";
 
-const OF_ONE_DOMAIN = ["modality_gap", "accuracy"]; // what exists for a single domain
+const OF_ONE_DOMAIN = ["modality_gap", "accuracy"]; // available for a single domain
 
-/** The names under which the state keeps what each side shows. */
+/** The state's names for the settings of each side. */
 export const SIDES = [
   { p: "p2", stage: "stage2", head: "head2", only: "only2", name: "left" }, // its own
   { p: "p", stage: "stage", head: "head", only: "only", name: "right" }, // p and stage of Explore
@@ -37,13 +37,13 @@ export function sideHtml({ name }, frames, known) {
 }
 
 export class Side {
-  /** board: the tab that both sides belong to. */
+  /** board: the tab of both sides. */
   constructor(keys, box, frames, board) {
     this.keys = keys;
     this.box = box;
-    this.frames = frames; // whose predictions and maps are shown
+    this.frames = frames; // frames of the predictions and maps shown
     this.board = board;
-    this.loaded = null; // the head whose frames these are
+    this.loaded = null; // the head of these frames
     this.cloud = new Cloud(this.$(".map"), 2 * frames.pairs);
     this.drawing = listen(this.cloud, {
       wanted: (point) => this.shows(point),
@@ -76,14 +76,14 @@ export class Side {
     return kinds.includes(state.map) ? state.map : kinds[0];
   }
 
-  /** Who predicts here, in words. */
+  /** The head or method of this side, in words. */
   get who() {
     const { head } = this.chosen;
     if (isMethod(head)) return "nearest class mean";
     return `${head || "the head"} at p = ${this.frames.orders[this.stop].toFixed(2)}`;
   }
 
-  /** Whether what is shown is of the head that is chosen. */
+  /** True if the frames shown belong to the chosen head. */
   get ready() {
     return this.loaded === this.chosen.head;
   }
@@ -127,7 +127,7 @@ export class Side {
     }
   }
 
-  /** Fetch the frames of who predicts here; what is shown stays until they are there. */
+  /** Fetch the frames of this side; the current ones stay until they arrive. */
   async load(own, onFiner) {
     const wait = this.$(".side-wait");
     const name = this.chosen.head;
@@ -141,7 +141,7 @@ export class Side {
     try {
       const found = await framesBy(name, own, tell, onFiner);
       if (this.chosen.head !== name) return;
-      if (found.pairs !== own.pairs) throw new Refusal("This head’s map is of another set.");
+      if (found.pairs !== own.pairs) throw new Refusal("This head’s map belongs to another set.");
       this.frames = found;
       this.loaded = name;
       wait.hidden = true;
@@ -170,7 +170,7 @@ export class Side {
     this.$("tbody").innerHTML = `<tr>${MEASURES.map((measure) => this.cell(measure)).join("")}</tr>`;
   }
 
-  /** The value of a measure here; accuracy only where the head predicts, that is at F̂. */
+  /** The value of a measure here; accuracy only at F̂, where the head predicts. */
   value({ name }) {
     const { stage, only, head } = this.chosen;
     const one = OF_ONE_DOMAIN.includes(name);

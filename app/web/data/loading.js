@@ -1,4 +1,4 @@
-/** Load a head, an embeddings file or both from this browser: for this visitor alone. */
+/** Load a head, an embeddings file or both from this browser, for this visitor only. */
 
 import { ask, Refusal, refused, sendPart } from "../shared/api.js";
 
@@ -10,7 +10,7 @@ export function loading(box) {
     <div class="pickers"><label>Head: its folder <input type="file" class="head" webkitdirectory multiple></label>
     <label>Embeddings: the .safetensors file; its thumbnails too, if there are any <input type="file" class="set" multiple accept=".safetensors,.webp,.json"></label></div>
     <div class="row"><label><input type="checkbox" class="beside"> Add for comparison</label></div>
-    <div class="row"><button type="button" class="main go">Load</button>${inUse() ? '<button type="button" class="back">Back to what the server started with</button>' : ""}<span class="hint" role="status"></span></div>`;
+    <div class="row"><button type="button" class="main go">Load</button>${inUse() ? '<button type="button" class="back">Back to the server’s own head and set</button>' : ""}<span class="hint" role="status"></span></div>`;
   const note = box.querySelector("[role=status]");
   const button = box.querySelector(".go");
   const back = box.querySelector(".back");
@@ -37,13 +37,13 @@ export function loading(box) {
   };
 }
 
-/** The files by the names that the server knows them by. */
+/** The files by their names on the server. */
 function chosen(box) {
   const found = {};
   for (const file of box.querySelector(".head").files) if (HEAD.includes(file.name)) found[file.name] = file;
   if (box.querySelector(".head").files.length && !found["settings.json"]) {
     throw new Refusal(
-      "That folder holds no settings.json, so it is no head; choose the folder that `omnivat train` wrote.",
+      "That folder has no settings.json, so it is not a head. Choose the folder that `omnivat train` wrote.",
     );
   }
   for (const file of box.querySelector(".set").files) {
@@ -57,7 +57,7 @@ function chosen(box) {
   return found;
 }
 
-/** Open the page anew on another set; what was pinned or filtered belongs to the old one. */
+/** Open the page on another set, without the pins and filters of the old one. */
 function leave(set) {
   const address = new URL(location.href);
   address.search = "";

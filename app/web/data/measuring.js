@@ -1,4 +1,4 @@
-/** Speed and error of what the page shows, measured on the server's machine when asked for. */
+/** Speed and error of the page's results, measured on the server on request. */
 
 import { ask, refused } from "../shared/api.js";
 import { escaped } from "../shared/text.js";
@@ -13,7 +13,7 @@ const figure = (v) =>
 const ms = (v) => (v < 10 ? v.toFixed(1) : v.toFixed(0));
 
 export function measuring(box) {
-  box.innerHTML = `<p>How long this page’s computations take here, and how far they are from double precision. It takes a few seconds.</p>
+  box.innerHTML = `<p>Measure how long this page’s computations take here, and their error against double precision. It takes a few seconds.</p>
     <div class="row"><button type="button" class="main">Measure now</button><span class="hint" role="status"></span></div><div class="figures"></div>`;
   const button = box.querySelector("button");
   const note = box.querySelector(".hint");
@@ -40,5 +40,5 @@ function table({ rows, pairs, width, repeats, threads, processors }) {
       `<tr><th scope="row">${escaped(row.what)}</th><td><b>${ms(row.ms.median)}</b> <small>${ms(row.ms.least)} to ${ms(row.ms.most)}</small></td><td>${figure(row.error)}<br><small>${escaped(row.of)}</small></td></tr>`,
   );
   return `<div class="scroll" tabindex="0" role="group" aria-label="Measured speed and error"><table class="measured"><thead><tr><th scope="col">What</th><th scope="col">ms: median, range</th><th scope="col">error</th></tr></thead><tbody>${lines.join("")}</tbody></table></div>
-    <p class="hint">${pairs} pairs of this set, D = ${width}, ${threads} ${threads === 1 ? "thread" : "threads"} of ${processors} processors, ${repeats} repeats. Other work on the machine, other visitors’ too, is in the range.</p>`;
+    <p class="hint">${pairs} pairs of this set, D = ${width}, ${threads} ${threads === 1 ? "thread" : "threads"} of ${processors} processors, ${repeats} repeats. The range includes other work on the machine, such as that of other visitors.</p>`;
 }

@@ -1,8 +1,8 @@
-/** Longer texts of the page: limits, one's own data, glossary. */
+/** Longer texts of the page: limits, your own data, glossary. */
 
 export const ABOUT = (simulated) => `<ul>
-  ${simulated ? "<li>Simulated sensors are cleaner and more alike than real ones. Read differences between stages and heads, not absolute accuracy.</li>" : ""}
-  <li>Most encoders were trained on photos. That touch images land far from photos tells as much about the encoder as about touch.</li>
+  ${simulated ? "<li>Simulated sensors are cleaner and more alike than real ones. Compare stages and heads; do not rely on absolute accuracy.</li>" : ""}
+  <li>Most encoders were trained on photos. The distance between touch images and photos depends on the encoder as much as on touch.</li>
   <li>A small gap is not a good head: features that are all alike have no gap and no classes. Look at accuracy and margin beside it.</li>
   <li>p hardly moves in training, and on these sensors heads trained at any p do about equally well. The order of an encoder’s channels has no physical meaning, so neither has “frequency”.</li>
   <li>Accuracy is on pairs that the head was not trained on.</li></ul>`;
@@ -13,20 +13,20 @@ python -m omnivat thumbnails PAIRS --embeddings mine.safetensors
 python -m omnivat train --embeddings mine.safetensors --source DOMAIN --out my-head
 python app.py --head my-head --embeddings mine.safetensors --compare another-head
 python -m omnivat export --what page --out lecture.html</pre>
-<p>Maps are then computed in the background, eleven stops first, and kept for the next start. Head and embeddings have to come from the same encoder. In a notebook: <code>omnivat.notebook.explore("my-head", "mine.safetensors")</code>.</p>`;
+<p>Maps are then computed in the background, eleven stops first, and kept for the next start. Head and embeddings must come from the same encoder. In a notebook: <code>omnivat.notebook.explore("my-head", "mine.safetensors")</code>.</p>`;
 
 const WORDS = [
   [
     "VIS, TAC",
-    "the photo of a surface, and the image that a camera behind a soft sensor sees when it is pressed on it",
+    "the photo of a surface, and the image from a camera behind a soft sensor pressed on it",
   ],
   ["Domain", "one sensor and one way of collecting pairs"],
   ["Modality gap", "the distance between the mean directions of VIS and TAC; 0 to 2"],
   ["Domain gap", "the mean distance between the mean directions of two domains"],
-  ["Cosine margin", "mean cosine of pairs of one class minus that of pairs of different classes"],
+  ["Cosine margin", "mean cosine of pairs of the same class minus that of pairs of different classes"],
   [
     "p, fractional order",
-    "how far the discrete fractional Fourier transform (DFrFT) turns an embedding towards its spectrum: 0 not at all, 1 all the way",
+    "how far the discrete fractional Fourier transform (DFrFT) turns an embedding into its spectrum: 0 not at all, 1 fully",
   ],
   ["MFFA", "Multimodal Fractional Fourier Adapter: DFrFT, ReLU on real and imaginary part, FrATT"],
   ["FrATT", "attention over the fractional tokens of one modality"],
@@ -34,9 +34,9 @@ const WORDS = [
   ["DTG, NOD", "Discrete Tree Generation, and the loss that keeps the nodes of one layer at right angles"],
   [
     "Photo only, touch only",
-    "the head reads one image and the other is absent; a branch inside a pair is not this",
+    "the head uses one image and the other is absent; a branch inside a pair uses both",
   ],
-  ["Familiar", "how near an image is to the training images, against how near they are to one another"],
+  ["Familiar", "how close an image is to the training images, compared with their distances to one another"],
   ["Pin", "the current pair: Explore marks it and the other tabs show it"],
 ];
 export const glossary = () =>

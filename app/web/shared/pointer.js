@@ -4,7 +4,7 @@ import { inside } from "./cloud.js";
 
 const STEP = 40; // CSS pixels that an arrow key pans
 
-/** The corners of a canvas in CSS pixels: a lasso around all that is in view. */
+/** The corners of a canvas in CSS pixels: a lasso around everything in view. */
 function corners(canvas) {
   const { clientWidth: wide, clientHeight: high } = canvas;
   return [
@@ -103,7 +103,7 @@ class Pointer {
 
   wheel(event) {
     if (!event.ctrlKey && !event.metaKey && document.activeElement !== this.cloud.marks) return;
-    event.preventDefault(); // the page scrolls unless the map was clicked or Ctrl is held
+    event.preventDefault(); // without a click on the map or Ctrl, the page scrolls
     this.cloud.zoomBy(Math.exp(-event.deltaY * 0.0016), ...this.at(event));
   }
 }

@@ -4,7 +4,7 @@ const W = 300;
 const H = 120;
 const PAD = { left: 38, right: 8, top: 8, bottom: 18 };
 
-/** A round upper end of an axis. */
+/** A round upper limit of an axis. */
 export function niceTop(value) {
   if (!(value > 0)) return 1;
   const power = 10 ** Math.floor(Math.log10(value));
@@ -12,7 +12,7 @@ export function niceTop(value) {
 }
 
 /**
- * series: [{name, colour, points: [[epoch, value]], dashed}]; top: of the axis, found where left out;
+ * series: [{name, colour, points: [[epoch, value]], dashed}]; top: of the axis, computed by default;
  * low: its lower end; at: the epoch that is marked; total: epochs in all; unit: "%" shows shares.
  */
 export function chart({ title, series, total, at, top = null, low = 0, level = null, unit = "" }) {

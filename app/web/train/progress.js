@@ -1,8 +1,8 @@
-/** Where a training stands, in words. No DOM here. */
+/** The state of a training, in words. No DOM here. */
 
 import { percent } from "../shared/text.js";
 
-/** One sentence for a state that the server gave. */
+/** One sentence for a state from the server. */
 export function standing({ state, place, text, problem }, { epochs, total }) {
   if (state === "waiting") return `Waiting: place ${place} in the queue. One training runs at a time.`;
   if (state === "running" && epochs >= total) return "Calibrating probabilities on held-out pairs.";
@@ -20,7 +20,7 @@ export function measuredAt(epochs, at) {
   return {};
 }
 
-/** The newest map up to epoch `at`, as base64; null where there is none yet. */
+/** The newest map up to epoch `at`, as base64; null if there is none yet. */
 export function mapAt(epochs, at) {
   for (let i = Math.min(at, epochs.length) - 1; i >= 0; i--)
     if (epochs[i].map) return { map: epochs[i].map, epoch: epochs[i].epoch };

@@ -16,7 +16,7 @@ export class RunMap {
     onTheme(() => this.paint());
   }
 
-  /** A new run: which pairs its maps show. */
+  /** A new run: the pairs on its maps. */
   begin(started) {
     const pairs = started.domain.length;
     this.frames = { pairs, ...started };

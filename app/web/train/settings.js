@@ -1,4 +1,4 @@
-/** What can be chosen for a training, as a form and back. Text in, HTML out. */
+/** The settings of a training, as a form and back. Text in, HTML out. */
 
 import { escaped } from "../shared/text.js";
 
@@ -8,9 +8,9 @@ const ORDERS = {
   search: "search for p",
   every: "train for every p",
 };
-// label and step: the form takes what the server takes
+// label and step; the form accepts what the server accepts
 const NUMBERS = {
-  p: ["p at the start", "any"],
+  p: ["initial p", "any"],
   mma: ["λ, weight of MMA", "any"],
   levels: ["R, tree levels", 1],
   expansion: ["E, tokens", 1],
@@ -18,7 +18,7 @@ const NUMBERS = {
   seed: ["Seed", 1],
 };
 
-/** The form; `offers` is what the server gives. */
+/** The form; `offers` are the server's choices. */
 export function formHtml({ sources, widths, orders, ranges, first }) {
   const select = (name, label, values, text = (v) => v) =>
     `<label>${label}<select name="${name}">${values.map((v) => `<option value="${escaped(v)}" ${v === first[name] ? "selected" : ""}>${escaped(text(v))}</option>`).join("")}</select></label>`;
@@ -33,7 +33,7 @@ export function formHtml({ sources, widths, orders, ranges, first }) {
     <div class="row"><button type="submit" class="main go">Train</button><button type="button" class="stop" hidden>Cancel</button></div>`;
 }
 
-/** What the form says, as the server takes it. entries: name -> text, of a FormData. */
+/** The form's values for the server. entries: name -> text, of a FormData. */
 export function chosen(entries) {
   const found = Object.fromEntries(entries);
   const question = {

@@ -1,4 +1,4 @@
-/** Train here: choose, press Train, watch epoch by epoch, scrub back, use the head. */
+/** Train here: choose settings, train, follow the epochs, use the head. */
 
 import { ask, get, refused } from "../shared/api.js";
 import { save } from "../shared/save.js";
@@ -8,7 +8,7 @@ import { mapAt, result, standing } from "./progress.js";
 import { RunMap } from "./run-map.js";
 import { chosen, formHtml, inWords } from "./settings.js";
 
-const LOOK = 400; // milliseconds between two questions about a training
+const LOOK = 400; // milliseconds between two requests for progress
 
 export async function start(root) {
   const problem = root.querySelector(".problem");
@@ -22,7 +22,7 @@ export async function start(root) {
   }
 }
 
-/** A name for this visitor, so that the server holds one training for each. */
+/** A name for this visitor, so that the server allows one training each. */
 function visitor() {
   const key = "omnivat-visitor";
   const made =
@@ -37,7 +37,7 @@ class TrainTab {
     this.root = root;
     this.run = null; // {name, question, total, epochs, state}
     this.earlier = [];
-    this.at = 0; // the epoch that is shown; the newest while it follows
+    this.at = 0; // the epoch shown; the newest while it follows
     this.follows = true;
     this.map = new RunMap(this.$(".map"), this.$(".legend"));
     this.$(".choices").innerHTML = formHtml(offers);
@@ -100,7 +100,7 @@ class TrainTab {
     }
   }
 
-  /** Ask for new epochs until the training has ended. */
+  /** Request new epochs until the training has ended. */
   async follow(run) {
     while (this.run === run) {
       const { epochs, ...state } = await ask("training", { run: run.name, since: run.epochs.length });

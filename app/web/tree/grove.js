@@ -20,9 +20,9 @@ const NOD = {
     "These nodes lie on the line from photo to touch. Nothing is learned and NOD does not apply.",
 };
 
-export const ALONE = `<p class="hint alone">Tree, series, parallel and interpolation are four ways to make as many nodes. Each needs a head trained with it: <code>python -m omnivat train … --set generation=series</code>, then <code>app.py --compare DIR</code> shows it here beside this one.</p>`;
+export const ALONE = `<p class="hint alone">Tree, series, parallel and interpolation are four ways to make as many nodes. Each needs a head trained that way: <code>python -m omnivat train … --set generation=series</code>, then <code>app.py --compare DIR</code> shows it here, next to this one.</p>`;
 
-/** one: the server's answer for a head, with `votes` once they are there; several: whether others stand beside it. */
+/** one: the server's reply for a head, with `votes` once loaded; several: true if there are more heads. */
 export function grove(one, several) {
   const kind = KINDS[one.generation] ?? (several ? one.generation : "Nodes");
   const title = several
@@ -41,8 +41,8 @@ function legend(one) {
   const right =
     one.nodes[0].right === undefined
       ? ""
-      : " “Right” is the share of the domain’s pairs that the node alone predicts right.";
-  const unused = one.in_use ? "" : " This head predicts without its tree (Alg. 2 to the letter).";
+      : " “Right” is the share of the domain’s pairs that the node alone predicts correctly.";
+  const unused = one.in_use ? "" : " This head predicts without its tree (Alg. 2 as printed).";
   return `<p class="hint legend-line">${keys.join("")} A disc’s area follows the node’s norm. The bar is the classifier’s output for the node alone.${right}${unused}</p>`;
 }
 

@@ -1,4 +1,4 @@
-/** Tree: the nodes that grow from the current pair or a domain's, for each head side by side. */
+/** Tree: the nodes of the current pair or of a domain, for each head side by side. */
 
 import { ask, json, refused } from "../shared/api.js";
 import { heads } from "../shared/headsets.js";
@@ -12,7 +12,7 @@ import { theSetSoon } from "../shared/theset.js";
 import { ALONE, grove } from "./grove.js";
 
 const STOPS = Array.from({ length: 101 }, (_, i) => i / 100);
-const NEAR = 0.005; // half a stop: within it p is meant to be the learned one
+const NEAR = 0.005; // half a stop: this close, p means the learned one
 const scale = {
   orders: STOPS,
   meta: { head: {} },
@@ -43,7 +43,7 @@ class TreeTab {
     this.bar = orderBar(this.$(".order-bar"), scale);
     this.known = [{ name: "" }];
     this.answers = [];
-    this.votes = new Map(); // head -> what its nodes give the set's pairs
+    this.votes = new Map(); // head -> most frequent class of each node
     this.asking = null;
     this.queued = 0;
     this.onMap = null;
@@ -62,7 +62,7 @@ class TreeTab {
     this.$(".wait").classList.toggle("problem", problem);
   }
 
-  /** The set's map has come: its domains can be chosen, and nodes placed on it. */
+  /** The set's map has arrived: offer its domains, and place nodes on it. */
   adopt(frames) {
     this.$(".of").innerHTML += frames.domains
       .map((name) => `<option value="${escaped(name)}">all of ${escaped(name)}</option>`)
@@ -72,13 +72,13 @@ class TreeTab {
     this.onMap = nodeMap(this.$(".on-map"), frames);
   }
 
-  /** While p is dragged, ask at most every 60 ms. */
+  /** While p is dragged, send at most one request every 60 ms. */
   soon() {
     if (state.p !== null) this.bar.show(scale.stop(state.p));
     if (!this.queued) this.queued = setTimeout(() => this.grow(), 60);
   }
 
-  /** The p to ask for: null is the learned one, which the nearest stop stands for. */
+  /** The p to request: null is the learned one, at the stop nearest to it. */
   get order() {
     const learned = this.answers[0]?.learned;
     return state.p !== null && Math.abs(state.p - learned) < NEAR ? null : state.p;
@@ -112,7 +112,7 @@ class TreeTab {
     }
   }
 
-  /** One head's nodes, or why it has none; without the first head there is nothing to show. */
+  /** One head's nodes, or the reason it has none; without the first head nothing is shown. */
   async grown(one, place, question, signal) {
     try {
       const found = await ask("tree", { ...question, order: this.order, head: one.name }, signal);
@@ -125,7 +125,7 @@ class TreeTab {
     }
   }
 
-  /** Ask once for each head which nodes give one class to every pair; the tree does not wait for it. */
+  /** Request once for each head the nodes that give one class to every pair; the tree does not wait for it. */
   async vote() {
     for (const { name, nodes } of this.answers) {
       if (!nodes || this.votes.has(name)) continue;
@@ -134,7 +134,7 @@ class TreeTab {
         this.votes.set(name, await ask("votes", { head: name }));
         this.show();
       } catch (error) {
-        refused(error, () => {}); // a set that the head cannot read: the tree stands without it
+        refused(error, () => {}); // the head cannot read this set: show the tree without it
       }
     }
   }
@@ -156,7 +156,7 @@ class TreeTab {
   }
 }
 
-/** Whose tree it is, in words. */
+/** The source of the tree, in words. */
 function whose(first) {
   if (state.tree) return `Mean over its ${first.pairs} pairs`;
   const refs = [...new Set([state.vis, state.tac].filter(Boolean))];

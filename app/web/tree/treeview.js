@@ -6,9 +6,9 @@ import { escaped, percent } from "../shared/text.js";
 const ROW = 132;
 const RADIUS = 27; // of the node with the largest norm
 const COLUMN = 122; // between the nodes of a series
-const LABEL = 46; // height of what stands under a disc
+const LABEL = 46; // height of the text under a disc
 
-/** How deep each node lies, and its place among the nodes of that depth. */
+/** The depth of each node, and its index among the nodes of that depth. */
 function laidOut(parents) {
   const depth = [];
   const rows = [];
@@ -19,7 +19,7 @@ function laidOut(parents) {
   return { depth, rows };
 }
 
-/** Nodes in one line, left to right, where each grows from the one before or from nothing. */
+/** Nodes in one line, for series and interpolation. */
 function drawLine({ classes, nodes, parents, constant }) {
   const width = Math.max(620, nodes.length * COLUMN);
   const largest = Math.max(...nodes.map((node) => node.norm)) || 1;
