@@ -1,4 +1,4 @@
-"""Draw the figures of docs/order.md from the records of `python -m benchmarks.order`.
+"""Draw the figures of docs/order.md from the records of `benchmarks.order` and `order_every`.
 
 python -m benchmarks.order_figures [--records DIR] [--out DIR]
 """
@@ -10,6 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks._curves import curve_plot
+from benchmarks.order_every import rows_of
+from omnivat.heads import EXAMPLES
 from omnivat.reports.intervals import Spread, spread
 from omnivat.reports.plot import line_plot
 
@@ -91,6 +93,44 @@ def _scores(rows: Rows, orders: Sequence[float], shuffled: bool) -> list[Spread]
     ]
 
 
+def searched(head: Path) -> str:
+    """Held-out log loss of the short trainings of a search, as the head's folder holds it."""
+    record = json.loads((head / "metrics.json").read_text(encoding="utf-8"))["order_search"]
+    found = list(zip(record["orders"], record["score"], record["round"], strict=True))
+    names = {"coarse": "21 orders", "fine": "7 around the best"}
+    return curve_plot(
+        "A search for p on chirps, p* = 0.35",
+        "order p",
+        "log loss of held-out pairs of the source",
+        {
+            name: (
+                [p for p, _, kind in found if kind == key],
+                [score for _, score, kind in found if kind == key],
+            )
+            for key, name in names.items()
+        },
+    )
+
+
+def every_order(rows: Rows) -> str:
+    """Accuracy against p: heads of one stop and one head for every order, spread over sources."""
+    own = [row for row in rows if row["width"] == 64]
+    stops = own[0]["stops"].split(",")
+    names = {"alone": "a head at each stop", "every": "one head for every order"}
+    return line_plot(
+        "Accuracy in unseen domains, mean over sources, D = 64",
+        "order p",
+        stops,
+        {
+            name: [
+                spread([row["unseen"][place] for row in own if row["kind"] == kind])
+                for place in range(len(stops))
+            ]
+            for kind, name in names.items()
+        },
+    )
+
+
 FIGURES: dict[str, tuple[str, Callable[[Rows], str]]] = {
     "order_basin": ("basin", basins),
     "order_width": ("basin", widths),
@@ -118,8 +158,16 @@ def main() -> None:
         record = options.records / f"order_{study}.json"
         if record.is_file():
             rows = json.loads(record.read_text(encoding="utf-8"))["rows"]
-            (options.out / f"{name}.svg").write_text(draw(rows), encoding="utf-8")
-            print(f"{name}.svg")
+            written(options.out / f"{name}.svg", draw(rows))
+    written(options.out / "order_search.svg", searched(EXAMPLES / "chirps" / "head"))
+    if rows := rows_of(options.records / "order_every.jsonl"):
+        written(options.out / "order_every.svg", every_order(rows))
+
+
+def written(file: Path, picture: str) -> None:
+    """Write one figure and print its name."""
+    file.write_text(picture, encoding="utf-8")
+    print(file.name)
 
 
 if __name__ == "__main__":
