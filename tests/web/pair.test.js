@@ -76,7 +76,7 @@ test("familiarity is said in words and as a share of the training images", () =>
     "Unlike the training images: 99\u00a0% of the training photos have a closer neighbour.",
   );
   assert.match(sentence("vis", { words: "familiar", quantile: 1, cosine: 1 }), /one of the training photos/);
-  assert.match(sentence("tac", {}), /does not record/);
+  assert.match(sentence("tac", {}), /has no record/);
 });
 
 test("each reading is counted over the pairs that had its images", () => {

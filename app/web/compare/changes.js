@@ -3,8 +3,8 @@
 import { escaped } from "../shared/text.js";
 
 /**
-  * pairs: indices; left, right: pair -> predicted class; truth: pair -> class.
-  * Returns the number of pairs, and of changed predictions: corrected, broken, still wrong.
+ * pairs: indices; left, right: pair -> predicted class; truth: pair -> class.
+ * Returns the number of pairs, and of changed predictions: corrected, broken, still wrong.
  */
 export function counted(pairs, left, right, truth) {
   const found = { all: 0, corrected: 0, broken: 0, wrong: 0 };
@@ -25,7 +25,8 @@ export function sentence(names, { all, corrected, broken, wrong }) {
   const [left, right] = names.map(escaped);
   if (left === right)
     return `Both sides show ${left}, with the same predictions. Choose another head or p for one of them.`;
-  if (!all) return "There are no test pairs here: all are training pairs, or have a class that the head lacks.";
+  if (!all)
+    return "There are no test pairs here: all are training pairs, or have a class that the head lacks.";
   const changed = corrected + broken + wrong;
   return `From ${left} (left) to ${right} (right), <b>${figure(changed)}</b> of ${figure(all)} predictions change: <span class="right">${figure(corrected)} corrected</span>, <span class="wrong">${figure(broken)} broken</span>, ${figure(wrong)} still wrong.`;
 }

@@ -16,10 +16,7 @@ python -m omnivat export --what page --out lecture.html</pre>
 <p>Maps are then computed in the background, eleven stops first, and kept for the next start. Head and embeddings must come from the same encoder. In a notebook: <code>omnivat.notebook.explore("my-head", "mine.safetensors")</code>.</p>`;
 
 const WORDS = [
-  [
-    "VIS, TAC",
-    "the photo of a surface, and the image from a camera behind a soft sensor pressed on it",
-  ],
+  ["VIS, TAC", "the photo of a surface, and the image from a camera behind a soft sensor pressed on it"],
   ["Domain", "one sensor and one way of collecting pairs"],
   ["Modality gap", "the distance between the mean directions of VIS and TAC; 0 to 2"],
   ["Domain gap", "the mean distance between the mean directions of two domains"],

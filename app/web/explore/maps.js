@@ -125,8 +125,6 @@ export function notes(frames, frame, stop) {
   if (frames.kind === "moved" && !isStill(state.stage, frames))
     parts.push("Weights stay fixed while p moves.");
   if (state.map === "umap")
-    parts.push(
-      "UMAP keeps neighbours together. Its distances, axes and scale have no meaning.",
-    );
+    parts.push("UMAP keeps neighbours together. Its distances, axes and scale have no meaning.");
   return parts.join(" ");
 }

@@ -95,7 +95,7 @@ export const STEPS = [
       const at = (v) => orders[curve.indexOf(v)].toFixed(2);
       const range = `Accuracy on unseen domains ranges from ${b(percent(low))} (p = ${at(low)}) to ${b(percent(high))} (p = ${at(high)})`;
       if (kind !== "retrained")
-        return `${range}: the weights fit only the p they were trained with. Heads trained at another p can do better.`;
+        return `${range}: the weights fit only the p they were trained with. This does not show how well a head trained at another p does.`;
       return high - low < CLEAR
         ? `${range}. Heads trained at any p do about equally well here.`
         : `${range}. On this set the right p decides.`;

@@ -26,8 +26,8 @@ export const unlike = (reading, given, images) =>
   usedBy(reading, given).filter((name) => images?.[name]?.guess);
 
 /**
-  * Three cards. `answer`: the server's predictions; `familiar`: familiarity of the images, null until
-  * it arrives; `truths`: the class of each image, if known.
+ * Three cards. `answer`: the server's predictions; `familiar`: familiarity of the images, null until
+ * it arrives; `truths`: the class of each image, if known.
  */
 export function cards(answer, familiar, truths) {
   const given = ["vis", "tac"].filter((name) => answer.exact.readings[name]);
@@ -35,7 +35,7 @@ export function cards(answer, familiar, truths) {
     const row = answer.exact.readings[reading];
     const head = `<h3><span class="sign ${sign}"></span>${title}</h3>`;
     if (!row)
-      return `<article class="reading none" data-reading="${reading}">${head}<p class="hint">No ${NOUN[reading]}.</p></article>`;
+      return `<article class="reading none" data-reading="${reading}">${head}<p class="hint">No ${NOUN[reading]} here.</p></article>`;
     if (reading === "fused" && given.length < 2) {
       return `<article class="reading none" data-reading="${reading}">${head}<p class="hint">Add the ${NOUN[given[0] === "vis" ? "tac" : "vis"]} to see both together.</p></article>`;
     }

@@ -56,6 +56,8 @@ export const framesOf = (mode, own) =>
     const { frames } = await fetchFrames(() => {}, "", mode);
     const same = (k, pair) => frames.classes[k] === own.classes[own.label[pair]];
     if (frames.pairs !== own.pairs || !frames.label.every(same))
-      throw new Refusal("The frames of this mode belong to other pairs; make them again with `omnivat sweep`.");
+      throw new Refusal(
+        "The frames of this mode belong to other pairs; make them again with `omnivat sweep`.",
+      );
     return frames;
   });
