@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from functools import cache
 from mmap import ACCESS_READ, mmap
 from pathlib import Path
-from threading import Condition, Lock
+from threading import Condition, Lock, Timer
 from typing import TYPE_CHECKING, Any
 
 from app.limits import DECODE_S, DECODE_WAIT_S, DECODER_BYTES, IMAGE_MEMORY
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 SIMPLE_BYTES = 4_000_000  # a larger file is read by a separate process
 LARGE = 8_000_000  # bytes of a picture; beyond, freed memory is returned to the system
+HAND_BACK_S = 1.0  # seconds after a large picture was decoded
 READY = b"ready\n"
 Check = Callable[[], None]
 
@@ -69,6 +70,8 @@ class Decoder:
         self._budget = Budget()
         self._lock = Lock()
         self._spare: subprocess.Popen[bytes] | None = None
+        self._timer: Timer | None = None
+        self._closed = False
 
     def read(self, source: bytes | Path, name: str, check: Check = lambda: None) -> Picture:
         """Return the picture in bytes or a file.
@@ -89,7 +92,7 @@ class Decoder:
                 else:
                     image = self._elsewhere(source, content, name)
         if image.width * image.height * 4 > LARGE:
-            hand_back()
+            self._hand_back_soon()
         width, height = found.width, found.height
         if (width > height) != (image.width > image.height):  # it was rotated upright
             width, height = height, width
@@ -113,6 +116,7 @@ class Decoder:
         finally:
             process.kill()
             process.communicate()
+            self._start_spare()
         head, _, pixels = said.partition(b"\n")
         answer = json.loads(head) if head.endswith(b"}") else {}
         if "size" not in answer:
@@ -124,16 +128,31 @@ class Decoder:
         return Image.frombuffer("RGB", tuple(answer["size"]), pixels, "raw", "RGB", 0, 1).copy()
 
     def _process(self) -> "subprocess.Popen[bytes]":
-        """Return a ready process, and start the next one."""
+        """Return a ready process."""
         with self._lock:
-            process, self._spare = self._spare or _started(), _started()
+            process, self._spare = self._spare or _started(), None
         if process.stdout is None or process.stdout.readline() != READY:
             raise DataError("No process can be started to read the image; try again in a minute.")
         return process
 
+    def _start_spare(self) -> None:
+        """Start the process that the next picture will find ready."""
+        with self._lock:
+            if self._spare is None and not self._closed:
+                self._spare = _started()
+
+    def _hand_back_soon(self) -> None:
+        """Give memory back once the picture has been used and dropped."""
+        with self._lock:
+            if self._timer is None or not self._timer.is_alive():
+                self._timer = Timer(HAND_BACK_S, hand_back)
+                self._timer.daemon = True
+                self._timer.start()
+
     def close(self) -> None:
         """Stop the waiting process."""
         with self._lock:
+            self._closed = True
             if self._spare is not None:
                 self._spare.kill()
                 self._spare.communicate()
@@ -193,7 +212,7 @@ def serve() -> None:
 
         resource.setrlimit(resource.RLIMIT_DATA, (DECODER_BYTES, DECODER_BYTES))
         resource.setrlimit(resource.RLIMIT_CPU, (DECODE_S, DECODE_S))
-    for kind in ("Png", "Jpeg", "WebP"):  # imported before a request arrives
+    for kind in ("Png", "Jpeg", "WebP", "Gif", "Bmp", "Tiff"):  # imported before a request arrives
         __import__(f"PIL.{kind}ImagePlugin")
     answers = sys.stdout.buffer
     answers.write(READY)

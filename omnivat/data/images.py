@@ -238,6 +238,8 @@ def _levels(image: Image.Image, name: str) -> Callable[[Image.Image], Image.Imag
     """Return what makes 8 bits of the picture's wider values; None where it has 8."""
     if not (image.mode.startswith("I") or image.mode == "F"):
         return None
+    if image.mode.startswith("I;16"):  # no value can lie outside
+        return _upper_byte
     low, high = _extremes(image)
     if image.mode == "F":
         if not (low >= 0 and high <= 1):  # also true of NaN
