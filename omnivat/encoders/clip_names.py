@@ -36,6 +36,13 @@ _TEXT = {
     "ln_final.bias": "text_model.final_layer_norm.bias",
 }
 
+# One weight of each kind of image tower.
+_ANCHORS = (
+    "vision_model.embeddings.class_embedding",
+    "visual.class_embedding",
+    "visual.attnpool.positional_embedding",
+)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ClipState:
@@ -54,6 +61,7 @@ class ClipState:
 
 def clip_state(state: Mapping[str, Tensor]) -> ClipState | None:
     """Return CLIP's weights under the names used here, or None if this is not a CLIP."""
+    state = _unwrapped(state)
     scale = state.get("logit_scale")
     if any(key.startswith(("vision_model.", "text_model.")) for key in state):
         kind, image = VIT, _pick(state, "vision_model.", "visual_projection.")
@@ -71,6 +79,17 @@ def clip_state(state: Mapping[str, Tensor]) -> ClipState | None:
         text=text,
         logit_scale=None if scale is None or scale.numel() != 1 else float(scale),
     )
+
+
+def _unwrapped(state: Mapping[str, Tensor]) -> Mapping[str, Tensor]:
+    """Return the part of `state` that is CLIP, without what a model around it put before its names."""
+    for anchor in _ANCHORS:
+        found = next((key for key in state if key.endswith(f".{anchor}")), "")
+        if prefix := found.removesuffix(anchor):
+            return {k.removeprefix(prefix): v for k, v in state.items() if k.startswith(prefix)}
+    if any(key.removeprefix("visual.") in state for key in _ANCHORS[1:]):  # an image tower alone
+        return {f"visual.{key}": value for key, value in state.items()}
+    return state
 
 
 def _plain(key: str) -> str:

@@ -3,6 +3,7 @@
 import importlib
 import importlib.util
 import inspect
+import sys
 from collections.abc import Callable, Mapping
 from functools import partial
 from importlib.metadata import entry_points
@@ -88,8 +89,9 @@ def _imported(name: str, importer: Callable[[], Any]) -> Callable[..., Any]:
 def _attribute(name: str) -> Any:
     """Return the function of "module:function" or "path/file.py:function"."""
     module, _, attribute = name.rpartition(":")
-    if module.endswith(".py"):
-        file = Path(module)
+    file = Path(module)
+    _look_in(file.parent if file.suffix == ".py" else Path())
+    if file.suffix == ".py":
         spec = importlib.util.spec_from_file_location(f"omnivat_encoder_{file.stem}", file)
         if not file.is_file() or spec is None or spec.loader is None:
             raise DataError(f"There is no file '{file}' with an encoder; check its path.")
@@ -100,3 +102,13 @@ def _attribute(name: str) -> Any:
     if not hasattr(loaded, attribute):
         raise DataError(f"'{module}' has no function '{attribute}' to load an encoder.")
     return getattr(loaded, attribute)
+
+
+def _look_in(folder: Path) -> None:
+    """Let imports find what lies in a folder, after all else, as `python -m` does with this one.
+
+    The installed command does not, and code beside an encoder's file would be found nowhere.
+    """
+    place = str(folder.resolve())
+    if place not in sys.path:
+        sys.path.append(place)

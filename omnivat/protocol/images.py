@@ -12,7 +12,6 @@ import numpy as np
 import torch
 from PIL import Image
 from torch import Tensor
-from torch.nn.functional import cosine_similarity
 
 from omnivat.baselines.contract import Fitted
 from omnivat.baselines.live import ImageInput, Live
@@ -23,7 +22,7 @@ from omnivat.encoders.places import images_key, recall
 from omnivat.errors import DataError
 
 TOGETHER = 32  # pairs whose images are in memory at once
-LEAST = 0.995  # cosine of an image's embedding, made again, with the one in the file
+MOST = 0.02  # of its length: how far an embedding, made again, may lie from the one in the file (bf16: 0.011)
 
 
 def live_of(pairs: Embeddings) -> Live:
@@ -62,11 +61,12 @@ def require_own_images(pairs: Embeddings) -> None:
         with torch.no_grad():
             image = live.images(name, torch.tensor([0]), given).to(clip.device)
             found = clip.embed(image).cpu()
-        near = float(cosine_similarity(found, torch.from_numpy(np.array(rows[:1])))[0])
-        if near < LEAST:
+        wanted = torch.from_numpy(np.array(rows[:1]))
+        away = float((found - wanted).norm() / wanted.norm())
+        if not away <= MOST:
             raise DataError(
-                f"The image '{pairs.rows[name][0]}' and its embedding do not belong together (cosine "
-                f"{near:.3f}): another image lies there now, or the embedding was moved, as under an "
+                f"The image '{pairs.rows[name][0]}' and its embedding do not belong together (made again, it "
+                f"lies {away:.0%} away): another image lies there now, or the embedding was moved, as under an "
                 "imitated sensor. Methods that learn inside CLIP predict images as they were embedded."
             )
 

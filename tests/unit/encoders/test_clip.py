@@ -375,3 +375,31 @@ def test_published_merges_give_the_tokens_of_the_published_vocabulary(tmp_path: 
     (tmp_path / MERGES).write_bytes(gzip.compress(b"#version\na b\nb c</w>"))
     found = load_tokenizer(tmp_path, longest=9, vocabulary=49408)
     assert found("ab a bc")["input_ids"] == [514, 64, 65 + 256, 64 + 256, 513, 515]
+
+
+@pytest.mark.parametrize("prefix", ["clip.", "clip_model.", "net.image_encoder.", "model."])
+@pytest.mark.parametrize("names", ["transformers", "OpenAI"])
+def test_a_clip_inside_another_model_is_found_by_its_names(
+    prefix: str, names: str, clips: Any, tmp_path: Path
+) -> None:
+    plain = clips.small_model().state_dict()
+    state = plain if names == "transformers" else clips.openai_names(plain)
+    wrapped = {f"{prefix}{key}": value for key, value in state.items()}
+    torch.save(wrapped | {"head.weight": torch.zeros(5, 24)}, tmp_path / "wrapped.pt")
+    torch.save(state, tmp_path / "plain.pt")
+    found = load_encoder("clip", weights=tmp_path / "wrapped.pt")
+    assert found.weights_hash == load_encoder("clip", weights=tmp_path / "plain.pt").weights_hash
+
+
+@pytest.mark.parametrize("kind", ["ViT", "ResNet"])
+def test_an_image_tower_alone_under_openais_names_loads(
+    kind: str, clips: Any, tmp_path: Path
+) -> None:
+    whole = clips.openai_names(clips.small_model().state_dict())
+    if kind == "ResNet":
+        whole = clips.published_resnet(clips.rn50_state())
+    alone = {k.removeprefix("visual."): v for k, v in whole.items() if k.startswith("visual.")}
+    torch.save(alone, tmp_path / "alone.pt")
+    torch.save(whole, tmp_path / "whole.pt")
+    found = load_encoder("clip", weights=tmp_path / "alone.pt")
+    assert found.weights_hash == load_encoder("clip", weights=tmp_path / "whole.pt").weights_hash

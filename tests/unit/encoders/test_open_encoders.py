@@ -1,5 +1,6 @@
 """Encoders that the project does not list: a model of transformers, one's own code, one for each."""
 
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -302,3 +303,22 @@ def test_a_pair_is_loaded_again_by_its_name_and_hash(own: str, tmp_path: Path) -
     again = load_encoder(name, weights_hash=first.weights_hash)
     assert again.weights_hash == first.weights_hash
     assert len(set(first.weights_hash.split(" | "))) == 2
+
+
+def test_code_in_this_folder_and_beside_a_file_is_found_by_the_installed_command(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """`omnivat` does not look in the folder it runs in, as `python -m omnivat` does."""
+    (tmp_path / "deeper").mkdir()
+    code = (
+        "import torch\nfrom omnivat.encoders import TorchEncoder\n"
+        "def load():\n    return TorchEncoder(torch.nn.Sequential(torch.nn.Conv2d(3, 4, 32),"
+        " torch.nn.AdaptiveAvgPool2d(1), torch.nn.Flatten()), side=32)\n"
+    )
+    (tmp_path / "here_touch.py").write_text(code)
+    (tmp_path / "deeper" / "beside_touch.py").write_text(code)
+    (tmp_path / "deeper" / "wrap_touch.py").write_text("from beside_touch import load\n")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", [place for place in sys.path if place])
+    assert load_encoder("here_touch:load").width == 4
+    assert load_encoder("deeper/wrap_touch.py:load").width == 4
