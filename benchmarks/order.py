@@ -6,6 +6,7 @@
     strength  chirps: what the right order gains over p = 0 and p = 1, by strength and domain shift
     search    chirps: where the search ends, p* drawn anew for every seed, and what it costs
     channels  channels in their order against permuted ones, projected or not, and rows of pictures
+    sensors   search against p held at 0.5, on every source of the simulated sensors
     power     how many runs a difference of one point needs, from the spread over seeds
 
 Each writes DIR/order_STUDY.json; `python -m benchmarks.order_figures` draws the figures.
@@ -15,6 +16,8 @@ import argparse
 import json
 import time
 from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from statistics import fmean, stdev
 from typing import Any
@@ -26,6 +29,7 @@ from benchmarks._order_runs import (
     CHIRP_HEAD,
     CHIRP_TRAINING,
     QUICK_SENSORS,
+    SENSORS,
     carried_out,
     chirp_head,
     head_at,
@@ -48,6 +52,7 @@ OFFSETS = np.linspace(-6.0, 6.0, 97)  # of p from the head's own, in units of 1/
 STRENGTHS = (0.0, 0.5, 1.0, 2.0, 3.0, 4.0)
 SHIFTS = (0.0, 1.0)
 STOPS = (0.0, 0.25, 0.5, 0.75, 1.0)
+CURVE = ("orders", "score", "spread", "round")  # what a search found at each order
 
 
 def basin(options: argparse.Namespace) -> list[dict[str, Any]]:
@@ -164,15 +169,11 @@ def channels(options: argparse.Namespace) -> list[dict[str, Any]]:
 
 def channels_of(kind: str, shuffled: bool, order: float, seed: int) -> dict[str, Any]:
     """Score one head; chirps have their spike at the order 0.25."""
+    made = signals_of(kind, shuffled)
     if kind == "chirps":
-        made = chirp_embeddings(ChirpSettings(order=0.25, seed=1))
         source, training, head = made.header.domains[0], CHIRP_TRAINING, dict(CHIRP_HEAD)
     else:
-        made = {"projected": load_embeddings, "unprojected": _some, "rows": picture_rows}[kind](
-            default_embeddings()
-        )
         source, training, head = "TAG-sim", QUICK_SENSORS, {}
-    made = permuted(made) if shuffled else made
     model = head_at(made, source, order, seed, training, {**head, "width": WIDTH})
     found = scored(model, made, source)
     return {
@@ -185,8 +186,46 @@ def channels_of(kind: str, shuffled: bool, order: float, seed: int) -> dict[str,
     }
 
 
+@cache
+def signals_of(kind: str, shuffled: bool) -> Embeddings:
+    """Return the set of a kind, its channels in order or permuted."""
+    if shuffled:
+        return permuted(signals_of(kind, False))
+    if kind == "chirps":
+        return chirp_embeddings(ChirpSettings(order=0.25, seed=1))
+    makers = {"projected": load_embeddings, "unprojected": _some, "rows": picture_rows}
+    return makers[kind](default_embeddings())
+
+
 def _some(file: Path) -> Embeddings:
     return some_channels(load_embeddings(file))
+
+
+def sensors(options: argparse.Namespace) -> list[dict[str, Any]]:
+    """Search for p on the simulated sensors; p held at 0.5 beside it."""
+    domains = load_embeddings(default_embeddings()).header.domains
+    jobs = [(source, seed) for seed in range(options.seeds) for source in domains]
+    return list(carried_out(sensors_of, jobs, options.jobs))
+
+
+def sensors_of(source: str, seed: int) -> dict[str, Any]:
+    """Score one head whose p was searched for and one whose p was held."""
+    made = signals_of("projected", False)
+    found: dict[str, Any] = {"source": source, "seed": seed}
+    for name, asked in (("search", True), ("fixed", False)):
+        training = replace(SENSORS, order_search=asked)
+        head = {"width": WIDTH, "learn_order": asked}
+        plan = plan_training(made, source, head=head, training=training)
+        before = time.process_time()
+        trained = train(plan.pairs, plan.settings, plan.training, bank=plan.bank, seed=seed)
+        found[name] = {
+            "order": trained.model.order,
+            "unseen": scored(trained.model, made, source).unseen,
+            "cpu_s": round(time.process_time() - before, 2),
+            **{key: trained.search[key] for key in CURVE if trained.search},
+        }
+    print(json.dumps(found), flush=True)
+    return found
 
 
 def power(options: argparse.Namespace) -> list[dict[str, Any]]:
@@ -214,6 +253,7 @@ STUDIES: dict[str, Callable[[argparse.Namespace], list[dict[str, Any]]]] = {
     "strength": strength,
     "search": search,
     "channels": channels,
+    "sensors": sensors,
     "power": power,
 }
 
