@@ -1,6 +1,6 @@
 """OmniVaT: single domain generalization for visual-tactile learning, as a library.
 
-Importing this loads nothing heavy; names load with their first use.
+Importing this loads nothing heavy; names load on first use.
 """
 
 from typing import Any

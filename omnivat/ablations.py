@@ -1,7 +1,7 @@
-"""The paper's ablations as plain data: what each row changes, and which table or figure it is of.
+"""The paper's ablations as plain data: the settings changed by each row of a table or figure.
 
-Rows are settings of the head and of training over whatever base settings a run has; the row "full"
-changes nothing and is run once for all tables.
+A row overrides settings of the head and of training in the base settings of a run. The row "full"
+changes nothing and runs once for all tables.
 """
 
 from collections.abc import Mapping
@@ -12,7 +12,7 @@ from omnivat.data.domains import DOMAINS
 from omnivat.errors import MissingNameError
 from omnivat.tables import suggestion
 
-TWO_SOURCES = ("TAG", "OF 2.0 A")  # where the paper prints ablations
+TWO_SOURCES = ("TAG", "OF 2.0 A")  # the sources of the paper's ablations
 ALL_SOURCES = tuple(DOMAINS)
 
 
@@ -25,7 +25,7 @@ class Row:
     train: Mapping[str, Any] = field(default_factory=dict)
     modalities: tuple[str, ...] = ("vis", "tac")
     base: str = "omnivat"
-    value: float | None = None  # where a figure plots it
+    value: float | None = None  # position in a figure
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -200,7 +200,7 @@ ABLATIONS = {
 
 
 def chosen(names: tuple[str, ...]) -> dict[str, Ablation]:
-    """Return ablations by name, all where none is named.
+    """Return ablations by name; without names, all.
 
     Raises MissingNameError with the nearest name.
     """
@@ -213,5 +213,5 @@ def chosen(names: tuple[str, ...]) -> dict[str, Ablation]:
 
 
 def method_name(row: str) -> str:
-    """Return what a row's runs are called in the records, so that tables share them."""
+    """Return the name of a row's runs in the records, so that tables share them."""
     return f"ablation: {row}"

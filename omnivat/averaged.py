@@ -1,4 +1,4 @@
-"""Predictions averaged over several orders, for a head that was trained with drawn orders."""
+"""Predictions averaged over several orders, for a head trained with drawn orders."""
 
 from collections.abc import Sequence
 
@@ -24,7 +24,7 @@ def averaged_probabilities(
     orders  quarter turns; the cost grows with their number. A head of one fixed p predicts near
             chance away from it, so averaging serves heads trained with `order_draw`
 
-    Raises SettingsError for no order or one out of range, DataError where there are no pairs.
+    Raises SettingsError for no order or one out of range, DataError if there are no pairs.
     """
     if not orders:
         raise SettingsError("There are no orders to average over; give one or more.")

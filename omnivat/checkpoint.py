@@ -1,7 +1,8 @@
 """A head on disk: a folder of `weights.safetensors`, `settings.json` and `metrics.json`.
 
-A calibration stands in `settings.json`; what familiarity needs lies in `familiarity.safetensors`.
-Heads without them load all the same: temperatures are one, familiarity is None.
+`settings.json` has the calibration; `familiarity.safetensors` has the training embeddings. Heads
+without
+them also load, with temperature 1 and familiarity None.
 """
 
 import shutil
@@ -37,7 +38,7 @@ ENCODER = ("name", "weights_hash", "preprocessing")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Head:
-    """A trained head and where it comes from."""
+    """A trained head and its provenance."""
 
     model: OmniVaT
     settings: HeadSettings
@@ -53,9 +54,9 @@ class Head:
         return str(self.provenance.get("source", ""))
 
     def require(self, key: tuple[str, str, str], width: int, *, what: str) -> None:
-        """Refuse embeddings of another encoder, other weights, preprocessing or width.
+        """Raise DataError for embeddings of another encoder, weights, preprocessing or width.
 
-        Raises DataError naming both sides.
+        The message names both sides.
         """
         wanted = tuple(self.encoder[name] for name in ENCODER)
         if key == wanted and width == self.settings.input_width:
@@ -67,7 +68,7 @@ class Head:
         )
 
     def require_embeddings(self, embeddings: Embeddings) -> None:
-        """Refuse a set of embeddings that this head cannot read."""
+        """Raise DataError for a set of embeddings that does not fit this head."""
         self.require(embeddings.header.key, embeddings.width, what="The embeddings")
 
 
@@ -77,9 +78,9 @@ def _describe(key: tuple[str, ...], width: int) -> str:
 
 
 def save_head(folder: str | Path, head: Head) -> Path:
-    """Write a head folder whole or not at all; an older head there is replaced.
+    """Write a head folder, completely or not at all; it replaces an older head.
 
-    Raises DataError when the folder exists and holds anything else.
+    Raises DataError if the folder contains anything else.
     """
     target = Path(folder)
     require_head_folder(target)
@@ -91,7 +92,7 @@ def save_head(folder: str | Path, head: Head) -> Path:
 
 
 def _fill(temporary: Path, target: Path, head: Head) -> None:
-    """Write a head into a new folder and put that in the place of `target`."""
+    """Write a head to a new folder, then replace `target` by it."""
     try:
         tensors = {name: t.detach().contiguous() for name, t in head.model.state_dict().items()}
         (temporary / WEIGHTS).write_bytes(save(tensors, metadata={"format": FORMAT}))
@@ -114,13 +115,13 @@ def _fill(temporary: Path, target: Path, head: Head) -> None:
 
 
 def require_head_folder(folder: str | Path, *, also: Sequence[str] = ()) -> None:
-    """Refuse a place where a head cannot be written without loss, before a head is trained for it.
+    """Check, before training, that a head can be written to `folder` without loss.
 
-    folder  need not exist; an older head in it may be replaced
-    also    names of more files that may be there
+    folder  may be missing; an older head in it may be replaced
+    also    names of further allowed files
 
-    Raises DataError naming the file that is no part of a head, WriteError where nothing can be
-    written.
+    Raises DataError naming a file that is not part of a head, WriteError if the folder is not
+    writable.
     """
     target = Path(folder)
     if target.exists() and not target.is_dir():
@@ -138,7 +139,7 @@ def require_head_folder(folder: str | Path, *, also: Sequence[str] = ()) -> None
 
 
 def _swap(new: Path, target: Path) -> None:
-    """Put `new` in the place of `target`."""
+    """Replace `target` by `new`."""
     old = new.with_name(new.name + ".old")
     if target.exists():
         target.rename(old)
@@ -149,10 +150,10 @@ def _swap(new: Path, target: Path) -> None:
 def load_head(folder: str | Path, *, dtype: torch.dtype | None = None) -> Head:
     """Read a head folder, ready to predict.
 
-    dtype  precision to compute in; as saved (float32) where None
+    dtype  precision for computation; None: as saved (float32)
 
-    The model lies on the device that holds now (`omnivat.devices`).
-    Raises DataError, naming the file, when something is missing, cut short or does not fit.
+    The model is on the current device (`omnivat.devices`).
+    Raises DataError with the file name if something is missing, truncated or does not fit.
     """
     path = Path(folder)
     if not path.is_dir():
@@ -192,7 +193,7 @@ def load_head(folder: str | Path, *, dtype: torch.dtype | None = None) -> Head:
 
 
 def head_hash(folder: str | Path) -> str:
-    """Return a short name of a head's content: weights and settings."""
+    """Return a short hash of a head's weights and settings."""
     digest = sha256()
     for name in (WEIGHTS, SETTINGS):
         digest.update((Path(folder) / name).read_bytes())
@@ -200,7 +201,7 @@ def head_hash(folder: str | Path) -> str:
 
 
 def _calibration(file: Path, given: Any) -> Calibration:
-    """Return the calibration of a head's settings; temperatures of one for an older head."""
+    """Return the calibration in a head's settings; temperature 1 for an older head."""
     if given is None:
         return Calibration()
     try:
@@ -224,7 +225,7 @@ def _save_familiarity(file: Path, found: Familiarity) -> None:
 
 
 def _load_familiarity(file: Path, width: int) -> Familiarity | None:
-    """Return what `_save_familiarity` wrote, None where the file is not there."""
+    """Return the saved familiarity, or None if there is no file."""
     if not file.is_file():
         return None
     try:

@@ -1,4 +1,4 @@
-"""Frozen settings: made from JSON or from `key=value` texts, unknown names refused."""
+"""Frozen settings, made from JSON or `key=value` texts; unknown names are errors."""
 
 import json
 import types
@@ -13,13 +13,13 @@ S = TypeVar("S")
 
 
 class Within(NamedTuple):
-    """The range of a number, ends included, as a field declares it: `Annotated[int, Within(1, 9)]`."""
+    """The range of a number, ends included, for a field: `Annotated[int, Within(1, 9)]`."""
 
     low: float
     high: float
 
     def allows(self, value: Any) -> bool:
-        """Return whether the value is in the range; NaN is in none."""
+        """True if the value is in the range; NaN never is."""
         return bool(self.low <= value <= self.high)
 
     def __str__(self) -> str:
@@ -27,12 +27,12 @@ class Within(NamedTuple):
 
 
 class OneOf(NamedTuple):
-    """The texts that a field takes: `Annotated[str, OneOf(NAMES)]`."""
+    """The allowed texts of a field: `Annotated[str, OneOf(NAMES)]`."""
 
     names: tuple[str, ...]
 
     def allows(self, value: Any) -> bool:
-        """Return whether the value is one of the names."""
+        """True if the value is one of the names."""
         return value in self.names
 
     def __str__(self) -> str:
@@ -40,7 +40,7 @@ class OneOf(NamedTuple):
 
 
 def declared(kind: type[Any]) -> dict[str, Within | OneOf]:
-    """Return what each field of a settings record takes, where it declares that."""
+    """Return the declared range or names of each field of a settings record."""
     hints = get_type_hints(kind, include_extras=True)
     return {
         name: limit
@@ -51,7 +51,7 @@ def declared(kind: type[Any]) -> dict[str, Within | OneOf]:
 
 
 def require_declared(settings: object) -> None:
-    """Refuse a value that its field does not take. Raises SettingsError."""
+    """Raise SettingsError for a value that its field does not allow."""
     for name, limit in declared(type(settings)).items():
         value = getattr(settings, name)
         if not limit.allows(value):
@@ -60,7 +60,7 @@ def require_declared(settings: object) -> None:
 
 
 def settings_from(kind: type[S], values: Mapping[str, Any]) -> S:
-    """Return the settings record `kind` with `values`; fields that are not named keep defaults.
+    """Return the settings record `kind` with `values`; other fields keep their defaults.
 
     Raises SettingsError for an unknown name (and suggests the nearest) or a wrong type.
     """
@@ -74,7 +74,7 @@ def settings_from(kind: type[S], values: Mapping[str, Any]) -> S:
 
 
 def parse_assignments(kind: type[Any], texts: Sequence[str]) -> dict[str, Any]:
-    """Return {name: value} for texts such as "levels=2", typed as the fields of `kind` are.
+    """Return {name: value} for texts such as "levels=2", with the types of the fields of `kind`.
 
     Raises SettingsError for a text without "=", an unknown name or a value that does not parse.
     """
@@ -96,7 +96,7 @@ def parse_assignments(kind: type[Any], texts: Sequence[str]) -> dict[str, Any]:
 
 
 def settings_dict(settings: Any) -> dict[str, Any]:
-    """Return the settings as plain values that JSON can hold."""
+    """Return the settings as plain values for JSON."""
     if not is_dataclass(settings) or isinstance(settings, type):
         raise SettingsError(f"Expected a settings record, got {type(settings).__name__}.")
     return asdict(settings)
@@ -112,7 +112,7 @@ def _list(hints: Mapping[str, Any]) -> str:
 
 
 def _fit(hint: Any, value: Any, name: str) -> Any:
-    """Return `value` as `hint` wants it, or say what was wanted."""
+    """Return `value` converted to `hint`, or raise an error with the expected type."""
     options = get_args(hint) if get_origin(hint) in (Union, types.UnionType) else (hint,)
     for option in options:
         fitted = _fit_one(option, value)

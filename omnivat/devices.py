@@ -1,8 +1,9 @@
-"""The one place that decides where to compute, and how precisely.
+"""Choice of the device and its precision.
 
-A command takes --device, and `computing_on` makes it hold for everything inside, worker processes
-included. Library functions that load or train a head take `current()`; all others work where their
-input lies. Sets of embeddings stay in main memory; a batch at a time goes to the device.
+Commands accept --device; `computing_on` applies it to all work inside, including worker processes.
+Functions that load or train a head use `current()`; all others use the device of their input. Sets
+of
+embeddings stay in main memory, and single batches move to the device.
 """
 
 import os
@@ -15,14 +16,14 @@ from omnivat.errors import SettingsError
 if TYPE_CHECKING:
     import torch
 
-VARIABLE = "OMNIVAT_DEVICE"  # names the device where no --device does
+VARIABLE = "OMNIVAT_DEVICE"  # the device without --device
 
 
 def device_from(name: str) -> "torch.device":
     """Return the device called `name`: "cpu", "cuda", "cuda:1", "mps", "meta" or "auto".
 
-    "auto" is a GPU if there is one. "meta" computes shapes and no numbers, for tests.
-    Raises SettingsError when the device is not there.
+    "auto" is a GPU if there is one. "meta" computes only shapes, for tests.
+    Raises SettingsError if the device does not exist.
     """
     import torch
 
@@ -46,20 +47,20 @@ def device_from(name: str) -> "torch.device":
 
 
 def named() -> str:
-    """Return the name of the device that holds now: $OMNIVAT_DEVICE, or "cpu"."""
+    """Return the name of the current device: $OMNIVAT_DEVICE, or "cpu"."""
     return os.environ.get(VARIABLE) or "cpu"
 
 
 def current() -> "torch.device":
-    """Return the device that holds now. Raises SettingsError when it is not there."""
+    """Return the current device. Raises SettingsError if it does not exist."""
     return device_from(named())
 
 
 @contextmanager
 def computing_on(name: str) -> Iterator[None]:
-    """Let the device `name` hold inside the block, in processes started there too.
+    """Use the device `name` inside the block, also in processes started there.
 
-    Raises SettingsError when it is not there.
+    Raises SettingsError if it does not exist.
     """
     device_from(name)
     before = os.environ.get(VARIABLE)
@@ -74,7 +75,7 @@ def computing_on(name: str) -> Iterator[None]:
 
 
 def precise(device: "torch.device") -> "torch.dtype":
-    """Return the type in which predictions are alike alone and in a batch: float64 where it exists."""
+    """Return the dtype for batch-independent predictions: float64 if the device has it."""
     import torch
 
     return torch.float32 if device.type == "mps" else torch.float64

@@ -1,18 +1,18 @@
-"""Errors with one clear sentence: what came, what was wanted, what to do."""
+"""Errors with one clear sentence: what was given, what was expected, what to do."""
 
 
 def printable(text: str) -> str:
-    """Return `text` with whatever cannot be printed on one line written as an escape."""
+    """Return `text` with escapes for all characters that cannot be printed on one line."""
     return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
 
 
 class OmniVatError(Exception):
-    """Anything a person can put right. The command line prints its sentence and exits with 1.
+    """An error that the user can fix. The command line prints its sentence and exits with 1.
 
-    A sentence quotes names and cells from other people's files, so it is always made printable.
+    The sentence may quote names from any file, so it is always made printable.
     """
 
-    def __str__(self) -> str:  # KeyError would also print the sentence in quotation marks
+    def __str__(self) -> str:  # KeyError would print the sentence in quotation marks
         return printable(str(self.args[0])) if self.args else ""
 
 
@@ -25,7 +25,7 @@ class SettingsError(OmniVatError, ValueError):
 
 
 class DataError(OmniVatError, ValueError):
-    """A file, folder or table is not what it should be."""
+    """A file, folder or table is invalid."""
 
 
 class WriteError(OmniVatError, OSError):

@@ -1,4 +1,4 @@
-"""How well a head does on sets of embeddings: accuracy and macro-F1 for each domain."""
+"""Evaluate a head on sets of embeddings: accuracy and macro-F1 for each domain."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -17,7 +17,7 @@ from omnivat.model.head import OmniVaT
 from omnivat.model.output import HeadOutput
 
 Rows = NDArray[np.int64]
-CHUNK = 512  # pairs a forward pass: memory stays bounded for any set
+CHUNK = 512  # pairs in a forward pass; it bounds the memory for any set
 
 
 def predicted_probabilities(
@@ -30,14 +30,14 @@ def predicted_probabilities(
 ) -> dict[str, Tensor]:
     """Return class probabilities (N, K) by reading (omnivat/model/output.py).
 
-    "fused" uses all that is given, "vis" and "tac" one image with the other absent, and, where both
-    are given, "vis_branch" and "tac_branch" the branches inside the pair.
+    "fused" uses all given images; "vis" and "tac" use one image with the other absent. With both
+    images, "vis_branch" and "tac_branch" are the branches inside the pair.
 
-    order       quarter turns; the learned one where None
-    modalities  what the head is given: "vis", "tac" or both
-    rows        indices of the pairs; all where None
+    order       quarter turns; None: the learned one
+    modalities  input of the head: "vis", "tac" or both
+    rows        indices of the pairs; None: all
 
-    Raises DataError where there are no pairs.
+    Raises DataError if there are no pairs.
     """
     outputs = _outputs(model, embeddings, order, modalities, rows)
     return _joined([output.readings for output in outputs])
@@ -46,9 +46,9 @@ def predicted_probabilities(
 def predicted_logits(
     model: OmniVaT, embeddings: Embeddings, *, modalities: Sequence[str] = ("vis", "tac")
 ) -> dict[str, Tensor]:
-    """Return logits (N, K) before any temperature, as `HeadOutput.reading_logits` names them.
+    """Return logits (N, K) before any temperature, named as in `HeadOutput.reading_logits`.
 
-    Raises DataError where there are no pairs.
+    Raises DataError if there are no pairs.
     """
     return _joined(
         [output.reading_logits for output in _outputs(model, embeddings, None, modalities)]
@@ -77,7 +77,7 @@ def _outputs(
 
 
 def label_map(head_classes: Sequence[str], data_classes: Sequence[str]) -> np.ndarray[Any, Any]:
-    """Return, for each class of the data, its index in the head, or -1 where the head lacks it."""
+    """Return the index of each class of the data in the head, or -1 if the head lacks it."""
     return np.array([head_classes.index(c) if c in head_classes else -1 for c in data_classes])
 
 
@@ -95,15 +95,15 @@ def evaluate(
 ) -> list[dict[str, Any]]:
     """Return one record for each domain: counts, ACC and macro-F1 of every reading.
 
-    order       quarter turns; the learned one where None
-    modalities  what the head is given: "vis", "tac" or both; those it was trained with where None
+    order       quarter turns; None: the learned one
+    modalities  input of the head: "vis", "tac" or both; None: as in training
 
-    Where the data state a split only its test part counts; of a source without one, "trained_on"
-    is true when evaluated on training pairs. Pairs of classes that the head has not learned are left
-    out and counted. F1 averages the classes present in the domain; the "union" variant also averages
+    If the data have a split, only the test part counts. "trained_on" is true when evaluated on
+    training pairs. Pairs of classes that the head lacks are left out and counted. F1 averages the
+    classes present in the domain; the "union" variant also averages
     classes that were only predicted.
 
-    Raises DataError when the embeddings are of another encoder.
+    Raises DataError if the embeddings are from another encoder.
     """
     head.require_embeddings(embeddings)
     given = trained_modalities(head) if modalities is None else tuple(modalities)

@@ -1,4 +1,4 @@
-"""Write files whole or not at all."""
+"""Write files completely or not at all."""
 
 import json
 import os
@@ -14,7 +14,7 @@ from typing import IO, Any
 
 from omnivat.errors import DataError, WriteError
 
-if sys.platform != "win32":  # which has no such locks
+if sys.platform != "win32":  # Windows has no such locks
     import fcntl
 
 UNFINISHED_S = 60  # seconds without a byte; younger files may not have their lock yet
@@ -22,10 +22,10 @@ UNFINISHED_S = 60  # seconds without a byte; younger files may not have their lo
 
 @contextmanager
 def replacing(path: str | Path) -> Iterator[Path]:
-    """Give a temporary path beside `path`; when the block ends well it takes the place of `path`.
+    """Yield a temporary path next to `path`; if the block succeeds, it replaces `path`.
 
     A crash at any moment leaves either the old file or the new one.
-    Raises WriteError, naming the file, where the folder, the disk or its rights do not allow it.
+    Raises WriteError with the file name if the folder, the disk or its permissions prevent it.
     """
     target = Path(path)
     require_writable(target)
@@ -42,7 +42,7 @@ def replacing(path: str | Path) -> Iterator[Path]:
 
 @contextmanager
 def writing(target: Path) -> Iterator[None]:
-    """Say in a WriteError, naming `target`, why something could not be written for it."""
+    """Turn a failed write into a WriteError with the name of `target` and the reason."""
     try:
         yield
     except WriteError:
@@ -50,25 +50,25 @@ def writing(target: Path) -> Iterator[None]:
     except OSError as error:
         why = error.strerror or str(error)
         raise WriteError(
-            f"'{target}' was not written ({why}); look at the folder, its rights and the free space."
+            f"'{target}' was not written ({why}); check the folder, its permissions and the free space."
         ) from error
 
 
 def sweep_unfinished(target: Path) -> None:
-    """Remove what writers of `target` left that were killed; a writer that lives keeps a lock."""
+    """Remove files of killed writers of `target`; a running writer holds a lock."""
     for left in target.parent.glob(f".{escape(target.name)}.*.tmp"):
         try:
             with left.open("rb") as handle:
                 if time() - os.fstat(handle.fileno()).st_mtime > UNFINISHED_S and locked(handle):
                     left.unlink(missing_ok=True)
-        except OSError:  # another one swept it, or it is not ours
+        except OSError:  # another process removed it, or it is not ours
             continue
 
 
 def locked(handle: IO[Any]) -> bool | None:
-    """Take the lock on an open file for as long as it is open; False where another has it.
+    """Lock an open file until it is closed; False if another process holds the lock.
 
-    None where the system has no such locks.
+    None if the system has no such locks.
     """
     if sys.platform == "win32":
         return None
@@ -81,7 +81,7 @@ def locked(handle: IO[Any]) -> bool | None:
 
 @contextmanager
 def _temporary(target: Path) -> Iterator[Path]:
-    """Give a new file beside `target` that is gone when the block ends."""
+    """Yield a new file next to `target`; it is removed when the block ends."""
     with NamedTemporaryFile(
         dir=target.parent, prefix=f".{target.name}.", suffix=".tmp", delete=False
     ) as handle:
@@ -94,10 +94,10 @@ def _temporary(target: Path) -> Iterator[Path]:
 
 
 def require_writable(path: str | Path, suffix: str = "") -> None:
-    """Refuse a place where no file can be written, before long work is done for it.
+    """Check, before long work, that a file can be written.
 
-    suffix  how the name must end, where that matters
-    Nothing is made on disk. Raises WriteError with what is in the way.
+    suffix  required ending of the name, if any
+    Nothing is written to disk. Raises WriteError with the obstacle.
     """
     target = Path(path)
     if suffix and target.suffix.lower() != suffix:
@@ -119,10 +119,10 @@ def require_writable(path: str | Path, suffix: str = "") -> None:
 
 
 def read_whole(path: str | Path, most: int, name: str = "") -> bytes:
-    """Return a file's bytes, `most` of them at the utmost.
+    """Return a file's bytes, at most `most`.
 
-    name  what to call it in an error; the path where none is given
-    Raises DataError for what is missing, no regular file (a pipe never ends), or larger.
+    name  its name in errors; None: the path
+    Raises DataError for a missing file, a larger one, or a pipe or device.
     """
     name = name or str(path)
     try:
@@ -142,23 +142,23 @@ def read_whole(path: str | Path, most: int, name: str = "") -> bytes:
 
 
 def _without_waiting(path: str, flags: int) -> int:
-    """Open without waiting for one who writes to a pipe."""
+    """Open without waiting for the writer of a pipe."""
     return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
 
 
 def write_text(path: str | Path, text: str) -> None:
-    """Write `text` as UTF-8, whole or not at all."""
+    """Write `text` as UTF-8, completely or not at all."""
     with replacing(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
 
 
 def write_json(path: str | Path, value: Any) -> None:
-    """Write `value` as readable JSON, whole or not at all."""
+    """Write `value` as readable JSON, completely or not at all."""
     write_text(path, json.dumps(value, indent=2, ensure_ascii=False) + "\n")
 
 
 def cache_folder() -> Path:
-    """Return the folder for what can be fetched or computed again: $OMNIVAT_CACHE, or the usual."""
+    """Return the cache folder: $OMNIVAT_CACHE, or the platform's default."""
     if named := os.environ.get("OMNIVAT_CACHE"):
         return Path(named)
     if sys.platform == "darwin":

@@ -1,8 +1,10 @@
-"""The LANG guard: how much a head leans on text that prediction does not have.
+"""The LANG guard: how much a head depends on text, which prediction does not have.
 
-In training F-bar of LANG guides half of the pairs, and it is the text of their own class: a head can
-read the label off it. The guard predicts pairs of the source's test with that text and without. A gap
-below five points is wanted; a large one says that part of the training went into reading labels.
+In training, F-bar of LANG guides half of the pairs. It is the text of their class, so a head can
+read
+the label from it. The guard predicts the source's test pairs with that text and without. The gap
+should
+be below five points; a larger one means that part of the training learned to read labels.
 """
 
 import numpy as np
@@ -24,10 +26,10 @@ def lang_guard(
 ) -> dict[str, float]:
     """Return ACC on pairs "with" the text of their class, "without" it, and the "gap".
 
-    pairs  of the source, not trained on; those of classes that the head lacks are left out
-    bank   LANG of the head's classes; each pair gets one of its class's styles, drawn by seed
+    pairs  test pairs of the source; classes that the head lacks are left out
+    bank   LANG of the head's classes; each pair gets a random style of its class
 
-    Raises DataError where there are no pairs.
+    Raises DataError if there are no pairs.
     """
     labels = label_map(model.settings.classes, pairs.header.classes)[pairs.label]
     known = np.flatnonzero(labels >= 0)
@@ -52,7 +54,7 @@ def guided_probabilities(
 ) -> Tensor:
     """Return fused probabilities (N, K) of pairs guided by texts (N, lang_width), as in training.
 
-    labels  (N,) are not used by the head: class tokens are the class-agnostic ones
+    labels  (N,) not used by the head: class tokens are the class-agnostic ones
     """
     found = []
     for start in range(0, len(pairs), CHUNK):

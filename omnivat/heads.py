@@ -1,11 +1,11 @@
-"""Where heads and the data that come with the project live."""
+"""Locations of the project's own heads and data."""
 
 from importlib.util import find_spec
 from pathlib import Path
 
 
 def _examples() -> Path:
-    """Return the folder of examples: the checkout's, or that of an installed `omnivat_examples`."""
+    """Return the folder of examples: in the checkout, or in an installed `omnivat_examples`."""
     checkout = Path(__file__).resolve().parent.parent / "examples"
     installed = find_spec("omnivat_examples")
     if checkout.is_dir() or installed is None or not installed.submodule_search_locations:
@@ -15,7 +15,7 @@ def _examples() -> Path:
 
 EXAMPLES = _examples()
 
-# Sets that come with the project: name -> folder of their frames and head, and embeddings file
+# Sets of the project: name -> folder of their frames and head, and embeddings file
 SHIPPED = {
     "sensors": (EXAMPLES, EXAMPLES / "simulated.safetensors"),
     "chirps": (EXAMPLES / "chirps", EXAMPLES / "chirps" / "chirps.safetensors"),
@@ -23,7 +23,7 @@ SHIPPED = {
 
 
 def shipped_sets() -> dict[str, tuple[Path, Path]]:
-    """Return the shipped sets whose files are there: name -> (folder, embeddings file)."""
+    """Return the available sets of the project: name -> (folder, embeddings file)."""
     return {
         name: (folder, embeddings)
         for name, (folder, embeddings) in SHIPPED.items()
@@ -32,10 +32,10 @@ def shipped_sets() -> dict[str, tuple[Path, Path]]:
 
 
 def default_head() -> Path:
-    """Return the folder of the head that comes with the project."""
+    """Return the folder of the project's own head."""
     return EXAMPLES / "head"
 
 
 def default_embeddings() -> Path:
-    """Return the embeddings file that comes with the project (simulated domains)."""
+    """Return the project's own embeddings file (simulated domains)."""
     return EXAMPLES / "simulated.safetensors"

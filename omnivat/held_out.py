@@ -1,8 +1,10 @@
-"""Predictions for source pairs that a head was not trained on, and what is fitted to them.
+"""Predictions for held-out source pairs, and the calibration fitted to them.
 
-One fold: a quarter of the source's objects is held out, a head is trained on the rest with the same
-settings, and it predicts the held-out pairs as they are and under imitated sensors
-(omnivat/selection.py). Plain pairs alone would make a head as sure of a new sensor as of its own.
+One fold: a quarter of the source's objects is held out, and a head is trained on the rest with the
+same
+settings. It predicts the held-out pairs as they are and under imitated sensors
+(omnivat/selection.py).
+With plain pairs alone, a head would be as confident on a new sensor as on its own.
 """
 
 from collections.abc import Sequence
@@ -27,7 +29,7 @@ FOLD = 0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HeldOut:
-    """Logits by reading and labels of held-out pairs; `plain` marks those that were not moved."""
+    """Logits by reading, and labels, of held-out pairs; `plain` marks unshifted pairs."""
 
     logits: dict[str, Tensor]  # (N, K) each, before any temperature
     labels: Tensor  # (N,)
@@ -64,7 +66,7 @@ def calibration_of(
     """Train once on three quarters of the source's objects and fit to the last quarter.
 
     Arguments as for `omnivat.train.train`.
-    Raises DataError where no object can be held out.
+    Raises DataError if no object can be held out.
     """
     fold = evidence(source, FOLD)
     trained = train(fold.fit, head, settings, bank=bank, seed=seed)

@@ -1,4 +1,4 @@
-"""What the nodes of a head's tree are: lengths, predictions, and how far each level spreads."""
+"""Facts about a head's tree nodes: lengths, predictions, and the cosines of each level."""
 
 from dataclasses import dataclass
 
@@ -14,12 +14,12 @@ from omnivat.model.dtg import groups, parents
 from omnivat.model.head import OmniVaT
 from omnivat.sweep.walk import coefficients_of
 
-CHUNK = 512  # pairs whose nodes are in memory at once
+CHUNK = 512  # pairs with nodes in memory at once
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Level:
-    """One group of nodes that NOD keeps apart."""
+    """One group of nodes for NOD."""
 
     nodes: range
     cosines: Tensor  # (n, n), mean over pairs
@@ -33,13 +33,13 @@ class TreeFacts:
     parents: list[int]  # -1 for none
     lengths: Tensor  # (N,)
     probabilities: Tensor  # (N, K)
-    right: Tensor | None  # (N,) share of pairs predicted right, where labels are known
+    right: Tensor | None  # (N,) accuracy of each node, if labels are known
     levels: list[Level]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NodeVote:
-    """The class that a node gives to most pairs of a set, and the share of pairs that get it."""
+    """The most frequent class of a node over a set, and its share of the pairs."""
 
     label: str
     share: float
@@ -47,10 +47,10 @@ class NodeVote:
 
 @torch.no_grad()
 def tree_facts(model: OmniVaT, nodes: Tensor, labels: Tensor | None = None) -> TreeFacts:
-    """Return what the nodes of B pairs are.
+    """Return facts about the nodes of B pairs.
 
     nodes   (B, N, D) of `model(…, nodes=True)`
-    labels  (B,) class indices, -1 for a class that the head lacks; None where not known
+    labels  (B,) class indices, -1 for a class that the head lacks; None if unknown
     """
     kind = model.settings.generation
     probabilities = model.classify(nodes).softmax(-1)
@@ -79,11 +79,11 @@ def _level(nodes: Tensor, group: range) -> Level:
 
 @torch.no_grad()
 def node_votes(head: Head, embeddings: Embeddings) -> list[NodeVote]:
-    """Return for each node the class that it gives to most pairs of a set, at the learned p.
+    """Return each node's most frequent class over a set, at the learned p.
 
-    A node whose share is near 1 gives one class whatever the pair is.
+    A node with a share near 1 gives the same class for almost every pair.
 
-    Raises DataError when the head generates no nodes or cannot read the embeddings.
+    Raises DataError if the head has no nodes or does not fit the embeddings.
     """
     head.require_embeddings(embeddings)
     kept = coefficients_of(head.model, embeddings)

@@ -24,7 +24,7 @@ class Cell:
     height: int  # CSS pixels
 
     def _repr_html_(self) -> str:
-        """Return the page in a frame: it can run its own scripts and touch nothing of the notebook."""
+        """Return the page in a sandboxed frame, which cannot reach the notebook."""
         return (
             f'<iframe srcdoc="{escape(self.page)}" style="width:100%;height:{self.height}px;border:0" '
             'sandbox="allow-scripts allow-downloads" title="OmniVaT: Explore"></iframe>'
@@ -46,15 +46,15 @@ def explore(
     height: int = 900,
     on_step: OnStep = ignore,
 ) -> Cell:
-    """Return Explore for a head and a set; a notebook shows it where it is the value of a cell.
+    """Return Explore for a head and a set, to show as the value of a notebook cell.
 
-    head        a head folder, or a loaded head; the project's own where None
-    embeddings  an embeddings file, or loaded embeddings; the project's own where None
+    head        a head folder, or a loaded head; None: the project's own
+    embeddings  an embeddings file, or loaded embeddings; None: the project's own
     height      of the frame, 300 to 4000 CSS pixels
-    on_step     gets progress while maps are computed, which takes seconds to minutes
+    on_step     called with progress while maps are computed, which takes seconds to minutes
 
-    The page holds all it needs: no server runs, and a saved notebook still shows it.
-    Raises SettingsError for another height, DataError where head and set do not fit.
+    The page is complete: it needs no server, and a saved notebook keeps it.
+    Raises SettingsError for another height, DataError if head and set do not fit.
     """
     if not HEIGHTS[0] <= height <= HEIGHTS[1]:
         raise SettingsError(f"height is {height}; choose {HEIGHTS[0]} to {HEIGHTS[1]} pixels.")
@@ -70,7 +70,7 @@ def explore(
 
 
 def _head_folder(head: Any, place: Path) -> Path | None:
-    """Return the folder of a head; one in memory is written to a temporary place first."""
+    """Return the folder of a head; a head in memory is first written to a temporary folder."""
     if head is None or isinstance(head, str | Path):
         return None if head is None else Path(head)
     from omnivat.checkpoint import save_head
@@ -79,7 +79,7 @@ def _head_folder(head: Any, place: Path) -> Path | None:
 
 
 def _embeddings_file(embeddings: Any, place: Path) -> Path | None:
-    """Return the file of a set; one in memory is written to a temporary place first."""
+    """Return the file of a set; a set in memory is first written to a temporary file."""
     if embeddings is None or isinstance(embeddings, str | Path):
         return None if embeddings is None else Path(embeddings)
     from omnivat.data.store import save_embeddings

@@ -1,4 +1,4 @@
-"""The range of the fractional order that commands, heads and the page take: one authority."""
+"""The range of the fractional order, for commands, heads and the page."""
 
 from typing import Any
 
@@ -12,9 +12,9 @@ def checked_order(order: Any, *, name: str = "order") -> float:
     """Return the order as a float.
 
     order  quarter turns, from -4 to 4
-    name   what to call it in the sentence
+    name   its name in the error
 
-    Raises SettingsError for anything else, and names the equal order in range where there is one.
+    Raises SettingsError for anything else; the message has the equivalent order in range, if any.
     """
     number = isinstance(order, int | float) and not isinstance(order, bool)
     if number and abs(order) <= LIMIT:
@@ -32,12 +32,12 @@ def _shown(order: Any) -> str:
 
 
 def _same_as(order: float) -> str:
-    """Return where the order lies within one period."""
+    """Return the equivalent order within one period."""
     if isinstance(order, float) and not abs(order) < 1e15:  # NaN, infinite, or without fraction
         return ""
     return f" The transform has period 4, so use {order % 4:g}."
 
 
 def optional_order(order: Any, *, name: str = "order") -> float | None:
-    """Return the order checked, or None where none is given."""
+    """Return the checked order, or None if none is given."""
     return None if order is None else checked_order(order, name=name)

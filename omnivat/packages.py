@@ -1,4 +1,4 @@
-"""Optional packages, asked for when they are needed and with the reason."""
+"""Optional packages, imported when needed."""
 
 from importlib import import_module
 from types import ModuleType
@@ -7,10 +7,10 @@ from omnivat.errors import MissingPackageError
 
 
 def need(name: str, *, purpose: str, install: str | None = None) -> ModuleType:
-    """Import the package `name`, or say what it is for and how to install it.
+    """Import the package `name`, or raise an error with its purpose and the install command.
 
-    A package that is there but broken keeps its own traceback.
-    Raises MissingPackageError when `name` itself is not installed.
+    A broken installed package keeps its own traceback.
+    Raises MissingPackageError if `name` itself is not installed.
     """
     try:
         return import_module(name)

@@ -1,4 +1,4 @@
-"""Predict the material of pairs, the same alone or in any batch."""
+"""Predict the material of pairs, independent of the batch."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -9,21 +9,21 @@ from torch import Tensor
 from omnivat.checkpoint import Head
 from omnivat.orders import optional_order
 
-PRECISION = torch.float64  # load heads so, and a batch changes no digit that anyone reads
+PRECISION = torch.float64  # heads in this dtype give the same digits in any batch
 
 
 @torch.no_grad()
 def predict_embeddings(
     head: Head, vis: Tensor | None, tac: Tensor | None, *, order: float | None = None
 ) -> list[dict[str, Any]]:
-    """Return one record a pair, as plain values.
+    """Return one record for each pair, as plain values.
 
     vis, tac  (B, input_width) raw embeddings; one of them may be None
-    order     quarter turns; the learned one where None
-    return    B records: "prediction", "probabilities" (all that was given), "modalities" ("vis" and
-              "tac", each with the other image absent) and, for a pair, "branches" (inside the
-              pair): class -> probability maps that sum to one; "temperature" by reading; and
-              "familiarity" by modality, where the head has kept its training images
+    order     quarter turns; None: the learned one
+    return    B records: "prediction", "probabilities" (from all given images), "modalities" ("vis"
+              and "tac", each with the other image absent) and, for a pair, "branches" (inside the
+              pair), as class -> probability; "temperature" by reading; and "familiarity" by
+              modality, if the head has its training embeddings
     """
     device = head.model.classifier.device
     given = [None if rows is None else rows.to(device) for rows in (vis, tac)]

@@ -1,4 +1,4 @@
-"""How long work tells its caller how far it is."""
+"""Progress reports."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Step:
-    """One report of progress: `done` of `total` (0 when unknown) and what is being done."""
+    """One progress report: `done` of `total` (0 if unknown), and the current step."""
 
     done: int
     total: int
@@ -17,4 +17,4 @@ OnStep = Callable[[Step], None]
 
 
 def ignore(_: Step) -> None:
-    """Take a report of progress and do nothing with it."""
+    """Ignore a progress report."""

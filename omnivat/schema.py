@@ -1,7 +1,8 @@
-"""What is taken from files that other people wrote, checked before anything is loaded from them.
+"""Check untrusted files before loading them.
 
-JSON has a bounded depth, numbers of bounded length and texts that can be written; a safetensors file
-has few names, in a header of bounded size, of types that are wanted. Each refusal is one sentence.
+JSON must have limited depth, numbers of limited length and valid texts. A safetensors file must
+have a
+header of limited size, few names and expected types. Every error is one sentence.
 """
 
 import json
@@ -30,11 +31,11 @@ def read_object(file: Path, most: int = MOST_JSON) -> dict[str, Any]:
 
 
 def object_in(content: bytes, name: str) -> dict[str, Any]:
-    """Return the JSON object that some bytes write.
+    """Return the JSON object in bytes.
 
-    name  what to call them in an error
-    Raises DataError where they write anything else, or hold what cannot be used: deep nesting,
-    integers of many digits, infinite numbers, texts with half a character.
+    name  their name in errors
+    Raises DataError for anything else, and for deep nesting, integers of many digits, infinite
+    numbers, or texts with lone surrogates.
     """
     value = json_in(content, name)
     if not isinstance(value, dict):
@@ -43,7 +44,7 @@ def object_in(content: bytes, name: str) -> dict[str, Any]:
 
 
 def json_in(content: bytes, name: str) -> Any:
-    """Return the JSON value that some bytes write; raises DataError as `object_in` does."""
+    """Return the JSON value in bytes; raises DataError as `object_in` does."""
     try:
         value = json.loads(content, parse_int=_integer, parse_float=_float)
         _require_plain(value, DEEPEST)
@@ -67,7 +68,7 @@ def _float(text: str) -> float:
 
 
 def _require_plain(value: Any, deeper: int) -> None:
-    """Refuse what is too deep, and texts that UTF-8 cannot write."""
+    """Raise an error for deep nesting, and for texts that UTF-8 cannot encode."""
     if deeper < 0:
         raise ValueError(f"it is nested more than {DEEPEST} deep")
     if isinstance(value, str):
@@ -82,7 +83,7 @@ def _require_plain(value: Any, deeper: int) -> None:
 
 
 def require_writable_text(text: str) -> None:
-    """Refuse half a character, which no file or page can hold; raises ValueError."""
+    """Raise ValueError for a lone surrogate, which no file or page can contain."""
     try:
         text.encode()
     except UnicodeEncodeError as error:
@@ -110,7 +111,7 @@ def name_list(value: Any, name: str, most: int) -> tuple[str, ...]:
 
 
 def columns_in(content: bytes, name: str, most: int) -> dict[str, list[str]]:
-    """Return columns of texts, of which there may be millions, that JSON in some bytes writes.
+    """Return columns of texts from JSON bytes; there may be millions of texts.
 
     Raises DataError for anything else.
     """
@@ -141,7 +142,7 @@ def _all_writable(title: str, column: Any) -> bool:
 
 
 def _kind(value: Any) -> str:
-    """Return what a value is, for a sentence."""
+    """Return the kind of a value, for an error."""
     if isinstance(value, dict | list):
         return f"a {'mapping' if isinstance(value, dict) else 'list'} of {len(value):,}"
     return f"{value!r:.40}"
@@ -150,11 +151,11 @@ def _kind(value: Any) -> str:
 def tensor_table(
     file: Path, *, types: tuple[str, ...] = TYPES, most: int = MOST_TENSORS
 ) -> tuple[dict[str, Mapping[str, Any]], dict[str, str], int]:
-    """Return the table of a safetensors file, its metadata, and where its numbers start.
+    """Return the table of a safetensors file, its metadata, and the offset of its numbers.
 
-    types  which numbers are taken
-    most   how many names
-    Raises DataError where the header is cut short, too large, or says what cannot be.
+    types  accepted number types
+    most   largest number of names
+    Raises DataError for a truncated, too large or inconsistent header.
     """
     with file.open("rb") as handle:
         length = int.from_bytes(handle.read(8), "little")

@@ -1,4 +1,4 @@
-"""One seed for a run, and an independent stream for each named use of it."""
+"""One seed for each run, and an independent random stream for each named use."""
 
 from hashlib import blake2b
 
@@ -6,8 +6,8 @@ from hashlib import blake2b
 def derive_seed(run_seed: int, *names: str | int) -> int:
     """Return the 63-bit seed of the stream called `names`.
 
-    Streams do not depend on one another nor on the order they are asked for, so adding one
-    (a baseline, a domain, a tree level) leaves every earlier result as it was.
+    Streams are independent of one another and of the order of calls, so a new stream (a baseline, a
+    domain, a tree level) changes no earlier result.
 
     >>> derive_seed(0, "split", "TAG") == derive_seed(0, "split", "TAG")
     True

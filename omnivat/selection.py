@@ -1,13 +1,14 @@
 """Source-side evidence for choosing settings: held-out objects of the source, plain and shifted.
 
-A target is never looked at. Held-out objects alone say how well a method fits its source; a new
-sensor also moves every embedding of a modality at once. That is imitated: one random offset and
-one random stretch, drawn at the scale of the source's own spread, for all held-out pairs of a
-modality. Several draws stand for several unknown sensors, of two kinds:
+Targets are never used. Held-out objects alone measure how well a method fits its source, but a new
+sensor also shifts all embeddings of a modality. An imitated sensor applies one random offset and
+one
+random scale to all held-out pairs of a modality, drawn at the scale of the source's spread. Several
+draws imitate several unknown sensors, of two kinds:
 
-axes    every axis moves on its own: directions that hardly tell pictures apart move too
-spread  the offset is drawn like a pair of the source, along the directions in which pictures
-        differ: as long as the other and far harder, since classes lie along them
+axes    each axis is shifted independently, including axes that hardly vary
+spread  the offset is drawn from the distribution of the source's pairs, along the directions in
+        which they differ: same norm, more damaging, because classes differ along them
 """
 
 from dataclasses import dataclass, replace
@@ -28,7 +29,7 @@ KINDS = ("axes", "spread")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Evidence:
-    """One fold: pairs to fit, and held-out pairs as they are and under imitated sensors."""
+    """One fold: training pairs, and held-out pairs, plain and under imitated sensors."""
 
     fit: Embeddings
     held: dict[str, Embeddings]  # "held out", "axes 0", "axes 1", ..., "spread 0", ...
@@ -43,7 +44,7 @@ def evidence(
     shifts    imitated sensors of each kind
     strength  their size in standard deviations of the source
 
-    Raises DataError when no object can be held out.
+    Raises DataError if no object can be held out.
     """
     seed = derive_seed(0, "evidence", fold)
     held = hold_out(source.rows["object"], source.label, FRACTION, seed=seed)
@@ -60,7 +61,7 @@ def evidence_of(
     shifts: int = SHIFTS,
     strength: float = STRENGTH,
 ) -> Evidence:
-    """Return the fold that holds out the pairs `held` (N,); imitated sensors are drawn by seed."""
+    """Return the fold with held-out pairs `held` (N,); the seed draws the imitated sensors."""
     fit, rest = source.select(~held), source.select(held)
     shifted = {
         f"{kind} {number}": shift(rest, fit, strength, derive_seed(seed, kind, number), kind=kind)
@@ -73,7 +74,7 @@ def evidence_of(
 def shift(
     pairs: Embeddings, reference: Embeddings, strength: float, seed: int, *, kind: str = "axes"
 ) -> Embeddings:
-    """Return the pairs as another pair of sensors might give them.
+    """Return the pairs as measured by imitated sensors.
 
     "axes"    x -> mean + (x - mean) (1 + s a) + s std b, a in [-0.5, 0.5] and b ~ N(0, 1) by axis
     "spread"  x -> mean + (x - mean) (1 + s a) + s z, one a, and z ~ N(0, covariance of reference)

@@ -1,4 +1,4 @@
-"""Check the axes of tensors at public borders."""
+"""Check the axes of tensors in public functions."""
 
 from typing import Protocol
 
@@ -15,8 +15,8 @@ class Shaped(Protocol):
 def require_shapes(**tensors: tuple[Shaped, str]) -> dict[str, int]:
     """Check named tensors against axes such as "B D"; return the size of each letter.
 
-    A letter means the same size wherever it stands. "..." stands for any leading axes.
-    Raises ShapeError naming the tensor, what came and what was wanted.
+    The same letter means the same size. "..." means any leading axes.
+    Raises ShapeError with the tensor's name, its shape and the expected shape.
     """
     sizes: dict[str, int] = {}
     for name, (tensor, axes) in tensors.items():

@@ -1,4 +1,4 @@
-"""The stages of the head that can be seen, in their order."""
+"""The visible stages of the head, in order."""
 
 STAGES = ("raw", "frft", "relu", "f_bar", "f_hat")
 # Raw embedding and raw DFrFT have the same distances and cosines at every order, because the

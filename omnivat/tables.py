@@ -1,4 +1,4 @@
-"""Look a name up in a plain table, and load what it points to only then."""
+"""Look up a name in a table, and import its target on first use."""
 
 from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
@@ -15,7 +15,7 @@ def suggestion(name: str, known: Iterable[str]) -> str:
 
 
 def load(table: Mapping[str, str], name: str, *, kind: str) -> Any:
-    """Return the object that `table[name]`, a "module:attribute" text, points to.
+    """Return the object of `table[name]`, a "module:attribute" text.
 
     Raises MissingNameError with the known names and the nearest one.
     """

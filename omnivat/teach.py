@@ -11,7 +11,7 @@ from omnivat.checkpoint import Head
 from omnivat.errors import DataError
 from omnivat.model.head import OmniVaT
 
-FEWEST = 2  # pairs of a class, and classes, that a lesson needs
+FEWEST = 2  # fewest pairs of a class, and fewest classes
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -25,7 +25,7 @@ class Lesson:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Judged:
-    """One pair before and after teaching; "after" never saw the pair itself."""
+    """Predictions for one pair before and after teaching; "after" is taught without this pair."""
 
     label: str
     before: str
@@ -36,9 +36,9 @@ def taught(head: Head, lessons: Sequence[Lesson]) -> Head:
     """Return a head whose class directions are moved to the lessons' mean F̂.
 
     A class keeps its learned direction with the weight of one pair. A class that the head lacks
-    gets a direction from the lessons alone. Features do not change, and `head` is left as it is.
+    gets its direction from the lessons. Features do not change, and `head` is not modified.
 
-    Raises DataError where there is no lesson.
+    Raises DataError without lessons.
     """
     if not lessons:
         raise DataError("There is nothing to learn from; label at least one pair.")
@@ -47,9 +47,9 @@ def taught(head: Head, lessons: Sequence[Lesson]) -> Head:
 
 
 def judged(head: Head, lessons: Sequence[Lesson]) -> list[Judged]:
-    """Judge every lesson before and after teaching, each by a head taught on all others.
+    """Predict every lesson before and after teaching, each by a head taught on all others.
 
-    Raises DataError where fewer than two classes have two pairs or more.
+    Raises DataError if fewer than two classes have two or more pairs.
     """
     require_enough([one.label for one in lessons])
     means = torch.stack([_mean_direction(head.model, one) for one in lessons])
@@ -64,7 +64,7 @@ def judged(head: Head, lessons: Sequence[Lesson]) -> list[Judged]:
 
 
 def require_enough(labels: Sequence[str]) -> None:
-    """Refuse labels of which fewer than two classes have two pairs. Raises DataError."""
+    """Raise DataError if fewer than two classes have two pairs."""
     counts = {label: labels.count(label) for label in dict.fromkeys(labels)}
     if sum(count >= FEWEST for count in counts.values()) < FEWEST:
         there = ", ".join(f"{label} {count}" for label, count in counts.items()) or "none yet"
@@ -75,7 +75,7 @@ def require_enough(labels: Sequence[str]) -> None:
 
 @torch.no_grad()
 def _mean_direction(model: OmniVaT, lesson: Lesson) -> Tensor:
-    """Return the mean (D,) of the unit F̂ of the images that the pair has."""
+    """Return the mean (D,) of the unit F̂ of the pair's images."""
     features = model(lesson.vis, lesson.tac).f_hat
     return torch.stack([normalize(rows, dim=-1)[0] for rows in features.values()]).mean(0)
 

@@ -1,8 +1,9 @@
 """Limit torch threads for small jobs. Outside `omnivat.fractional`, only this file sets the number.
 
-`torch.set_num_threads` changes the calling thread, and also the number that threads born later
-start with. A thread born while another runs a small job would keep one thread for life, so that
-second number is put back at once, by a thread of our own.
+`torch.set_num_threads` changes the calling thread, and also the default of threads started later. A
+thread started during a small job would then keep one torch thread for ever, so a helper thread
+resets
+the default at once.
 """
 
 import os
@@ -14,19 +15,16 @@ from queue import SimpleQueue
 import torch
 
 LIGHT = 128  # widths up to this train faster on one thread
-FEW_PAIRS = 4  # and so many pairs are predicted faster on one
+FEW_PAIRS = 4  # up to this many pairs are predicted faster on one thread
 
-_wanted: SimpleQueue[int] = SimpleQueue()  # numbers that threads to come should start with
+_wanted: SimpleQueue[int] = SimpleQueue()  # defaults for threads started later
 _keeper: list[threading.Thread] = []
 _pinned = threading.local()
 
 
 @contextmanager
 def one_thread(few: bool = True) -> Iterator[None]:
-    """Let torch use one thread inside where there is little work, else as many as before.
-
-    Concerns the calling thread alone.
-    """
+    """Limit torch to one thread inside if there is little work; only in the calling thread."""
     before = torch.get_num_threads()
     if not few or before == 1:
         yield
@@ -41,7 +39,7 @@ def one_thread(few: bool = True) -> Iterator[None]:
 
 
 def pin_thread() -> None:
-    """Keep the calling thread, a worker beside others, at one thread of arithmetic for good."""
+    """Limit the calling thread, a worker, to one torch thread permanently."""
     before = torch.get_num_threads()
     torch.set_num_threads(1)
     _pinned.yes = True
@@ -61,5 +59,5 @@ def _keep() -> None:
         torch.set_num_threads(_wanted.get())
 
 
-if hasattr(os, "register_at_fork"):  # a child has no keeper yet
+if hasattr(os, "register_at_fork"):  # a forked child has no helper thread yet
     os.register_at_fork(after_in_child=_keeper.clear)

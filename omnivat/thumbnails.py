@@ -1,4 +1,4 @@
-"""One sheet of thumbnails for a set of embeddings: what the page shows when a point is touched."""
+"""One sheet of thumbnails for a set of embeddings, shown in the page."""
 
 import math
 from pathlib import Path
@@ -11,13 +11,13 @@ from omnivat.errors import DataError
 from omnivat.files import replacing, write_json
 from omnivat.progress import OnStep, Step, ignore
 
-TILE = 64  # pixels a side
+TILE = 64  # pixels for each side
 QUALITY = 60  # of WebP
-SIDE_LIMIT = 16383  # pixels; WebP holds no more
+SIDE_LIMIT = 16383  # pixels, WebP's limit
 
 
 def sheet_of(embeddings: Path) -> Path:
-    """Return where the page looks for the thumbnails of an embeddings file: beside it."""
+    """Return the path of the thumbnails of an embeddings file, next to the file."""
     return embeddings.with_suffix(".thumbnails.webp")
 
 
@@ -29,15 +29,15 @@ def write_thumbnails(
     tile: int = TILE,
     on_step: OnStep = ignore,
 ) -> int:
-    """Write the sheet, a WebP, and its description, a JSON beside it; return how many are missing.
+    """Write the sheet (WebP) and its description (JSON); return the number of missing images.
 
-    root  folder that the file names in the embeddings start from
-    tile  pixels a side of one thumbnail
+    root  base folder of the file names in the embeddings
+    tile  side of one thumbnail in pixels
 
     Tile i is pair i's photo, tile N + i its tactile image, in rows from the top left. An image that
     cannot be read leaves a grey tile and is counted.
-    Raises DataError when there is no pair, when no image is found, or when the sheet would be too
-    large for the format.
+    Raises DataError if there is no pair, no image is found, or the sheet would exceed the format's
+    limit.
     """
     names = [*embeddings.rows["vis"], *embeddings.rows["tac"]]
     if not names:
