@@ -100,8 +100,11 @@ def launch(page: Any, resources: Any, arguments: argparse.Namespace, **more: Any
     """Serve the page until it is stopped; with `prevent_thread_lock`, return at once."""
     from starlette.middleware import Middleware
 
+    from app.connections import install
     from app.routes import routes
     from app.theme import head, theme
+
+    install()
 
     names, framed = arguments.allow_host, arguments.allow_framing
     guarded = rules(arguments.host, names, framed=framed)

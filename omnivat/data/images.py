@@ -59,7 +59,7 @@ class Limits:
 
 OWN = Limits()  # a person's own files, on the command line
 VISITORS = Limits(
-    kinds=COMMON, cost=64_000_000, pixels=24_000_000, variants=False
+    kinds=COMMON, cost=50_000_000, pixels=24_000_000, variants=False
 )  # what comes over a network
 
 
