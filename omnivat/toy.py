@@ -1,7 +1,7 @@
 """A toy that shows why the order p matters only after the ReLU.
 
-Two short signals and two clouds of points in the plane are turned by p and then clipped. The page
-draws what is computed here; docs/order.md tells the same of the full head.
+Two short signals and two clouds in the plane are transformed with order p and then clipped, for the
+page. docs/order.md covers the full head.
 """
 
 from collections.abc import Sequence
@@ -14,7 +14,7 @@ from torch import Tensor
 from omnivat.fractional import dfrft
 
 SAMPLES = 64  # of a signal
-SPIKE_ORDER = 0.35  # where each signal is a single spike, as on the chirps set
+SPIKE_ORDER = 0.35  # order at which each signal is one spike, as in the chirps set
 SPIKES = (22, 43)  # sample of the spike of the photo's and of the touch's signal
 POINTS = 40  # of a cloud
 CENTRES = ((1.15, 0.55), (0.1, -1.1))  # of the photo's and the touch's cloud

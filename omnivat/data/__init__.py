@@ -1,1 +1,1 @@
-"""Pairs of images, the names they carry, and the file their embeddings live in."""
+"""Pairs of images, their names, and the file of their embeddings."""

@@ -1,7 +1,8 @@
 """Read and write `.safetensors` files that need not fit in memory.
 
-The safetensors package reads and writes whole arrays. Here arrays are mapped when read, and written
-block after block. The format: 8 bytes with the length of a JSON table, the table, the numbers.
+The safetensors package reads and writes whole arrays. Here, arrays are memory-mapped for reading
+and
+written block by block. The format: 8 bytes with the length of a JSON table, the table, the numbers.
 """
 
 import json
@@ -19,13 +20,13 @@ from omnivat.schema import tensor_table
 
 NAMES = {"F32": "<f4", "F16": "<f2", "I64": "<i8", "U8": "|u1"}
 MOST_COLUMNS = 64
-LARGE_BYTES = 64_000_000  # a larger array is mapped to be read only
-WALKED_BYTES = 32_000_000  # read of such an array before its pages are given back
+LARGE_BYTES = 64_000_000  # larger arrays are mapped read-only
+WALKED_BYTES = 32_000_000  # bytes read from such an array before its pages are released
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Column:
-    """An array to write: its type and shape, and blocks of its first axis, made when asked for."""
+    """An array to write: type, shape, and lazy blocks of its first axis."""
 
     dtype: str  # a key of NAMES
     shape: tuple[int, ...]
@@ -33,15 +34,15 @@ class Column:
 
 
 def column(array: NDArray[Any]) -> Column:
-    """Return a column of an array that is in memory."""
+    """Return a column of an array in memory."""
     dtype = {np.dtype(code): name for name, code in NAMES.items()}[array.dtype]
     return Column(dtype=dtype, shape=array.shape, blocks=(array,))
 
 
 def write_arrays(path: Path, columns: Mapping[str, Column], metadata: Mapping[str, str]) -> None:
-    """Write named columns, holding one block of one column at a time.
+    """Write named columns, with one block in memory at a time.
 
-    Raises ValueError when the blocks of a column do not add up to its shape.
+    Raises ValueError if the blocks of a column do not add up to its shape.
     """
     table: dict[str, Any] = {"__metadata__": dict(metadata)}
     # Widest numbers first, so that every array starts at a multiple of its own width.
@@ -69,10 +70,10 @@ def write_arrays(path: Path, columns: Mapping[str, Column], metadata: Mapping[st
 
 
 def read_arrays(path: Path) -> tuple[dict[str, NDArray[Any]], dict[str, str]]:
-    """Return named arrays, mapped and not read, and the metadata.
+    """Return named memory-mapped arrays and the metadata.
 
-    An array of up to LARGE_BYTES may be written to; that changes memory, never the file.
-    Raises DataError for a header that cannot be, SafetensorError when the file is cut short.
+    Arrays of up to LARGE_BYTES are writable in memory, without changing the file.
+    Raises DataError for an invalid header, SafetensorError for a truncated file.
     """
     table, metadata, start = tensor_table(path, types=tuple(NAMES), most=MOST_COLUMNS)
     with safe_open(path, framework="numpy"):  # checks offsets, shapes and file size
@@ -81,9 +82,9 @@ def read_arrays(path: Path) -> tuple[dict[str, NDArray[Any]], dict[str, str]]:
 
 
 def released(array: NDArray[Any]) -> None:
-    """Give a mapped array's pages back to the system; they are read again when they are needed.
+    """Release a mapped array's pages; they are read again when needed.
 
-    What was written to the array since it was mapped is lost: for arrays that nobody wrote to.
+    Changes to the array in memory are lost, so use it only for unchanged arrays.
     """
     mapped = getattr(array, "_mmap", None)
     if mapped is not None and hasattr(mapped, "madvise"):
@@ -93,9 +94,9 @@ def released(array: NDArray[Any]) -> None:
 def walked(
     array: NDArray[Any], rows: NDArray[np.int64] | None = None, *, size: int = 4096
 ) -> Iterator[NDArray[Any]]:
-    """Give copies of an array's rows, `size` at a time, without holding a large mapped array.
+    """Yield copies of an array's rows, `size` at a time, without keeping a large array in memory.
 
-    rows  indices; every row where None
+    rows  indices; None: every row
     """
     count, read = len(array) if rows is None else len(rows), 0
     for start in range(0, count, size):
@@ -103,7 +104,7 @@ def walked(
         if rows is None:
             block = np.array(array[some])
             read += block.nbytes
-        else:  # pages are mapped whole, with those around them
+        else:  # whole pages are mapped, and their neighbours
             block, own = np.array(array[rows[some]]), rows[some]
             read += array[:1].nbytes * int(own.max() - own.min() + 1)
         if read >= WALKED_BYTES or start + size >= count:

@@ -1,4 +1,4 @@
-"""The eight visual-tactile domains of the paper, and what a simulated one is called."""
+"""The paper's eight visual-tactile domains, and the names of simulated ones."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from omnivat.errors import DataError
 
 SIMULATED_SUFFIX = "-sim"
-TOTAL = "all"  # figures over all domains carry this name in tables and curves
+TOTAL = "all"  # name of figures over all domains in tables and curves
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,7 +42,7 @@ def simulated(name: str) -> str:
 
 
 def is_simulated(name: str) -> bool:
-    """Tell whether a domain name says that its images were simulated."""
+    """True if a domain's name marks simulated images."""
     return name.endswith(SIMULATED_SUFFIX)
 
 
@@ -52,7 +52,7 @@ def paper_name(name: str) -> str:
 
 
 def require_domain_names(domains: Sequence[str]) -> None:
-    """Raise DataError where a domain has the name that figures over all domains carry."""
+    """Raise DataError if a domain has the name of figures over all domains."""
     if TOTAL in domains:
         raise DataError(
             f"A domain is called '{TOTAL}', the name of figures over all domains; rename the domain."

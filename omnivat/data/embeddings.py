@@ -1,4 +1,4 @@
-"""Embeddings of a set of pairs in memory: vectors, names, and the header that says who made them."""
+"""Embeddings of a set of pairs in memory: vectors, names, and a header with their origin."""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -15,7 +15,7 @@ Array = NDArray[np.float32]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Header:
-    """Where embeddings come from. Two files can be mixed only where `key` is the same."""
+    """The origin of embeddings. Two files can be mixed only if their `key` is equal."""
 
     encoder: str
     weights_hash: str
@@ -24,12 +24,12 @@ class Header:
     classes: tuple[str, ...]
     simulated: bool = False
     origin: str = ""
-    precision: str = "fp32"  # how the encoder computed
-    text_hash: str = ""  # of the text tower in the encoder's checkpoint, where it has one
+    precision: str = "fp32"  # of the encoder
+    text_hash: str = ""  # of the text tower in the encoder's checkpoint, if any
 
     @property
     def key(self) -> tuple[str, str, str]:
-        """What must agree before embeddings can be compared."""
+        """The fields that must be equal for a comparison."""
         return self.encoder, self.weights_hash, self.preprocessing
 
 
@@ -37,11 +37,11 @@ class Header:
 class Embeddings:
     """Cached embeddings of N pairs and the names of everything in them.
 
-    vis, tac            (N, D) as the encoder gave them, any length
-    vis_flip, tac_flip  (N, D) of the mirrored images, or None where they were not made
+    vis, tac            (N, D) from the encoder, any length
+    vis_flip, tac_flip  (N, D) of the mirrored images, or None
     domain, label       (N,) indices into header.domains and header.classes
     rows                column name -> N texts: vis, tac (file names), object, split, part,
-                        looks_like, feels_like (classes that a pair imitates, "" where none)
+                        looks_like, feels_like (classes that a pair imitates, or "")
     """
 
     header: Header
@@ -62,7 +62,7 @@ class Embeddings:
         return int(self.vis.shape[1])
 
     def select(self, keep: NDArray[Any]) -> "Embeddings":
-        """Return the pairs that `keep`, a mask or indices, names; names of domains stay."""
+        """Return the pairs of `keep`, a mask or indices; the list of domains stays the same."""
         index = np.flatnonzero(keep) if keep.dtype == bool else keep
         return replace(
             self,
@@ -76,9 +76,9 @@ class Embeddings:
         )
 
     def sampled(self, count: int, *, seed: int = 0) -> "Embeddings":
-        """Return `count` pairs drawn at random, in their order; all of them where there are no more.
+        """Return `count` random pairs in their order, or all if there are fewer.
 
-        The header's origin says how many of how many. Names of domains and classes stay.
+        The header's origin records the sampling. Names of domains and classes stay the same.
         """
         if not 0 < count < len(self):
             return self
@@ -89,14 +89,14 @@ class Embeddings:
         return replace(drawn, header=replace(self.header, origin=origin))
 
     def in_domain(self, name: str, *, split: str = "", part: str = "") -> "Embeddings":
-        """Return the pairs of one domain, of one split or part where named: those of `rows_of`."""
+        """Return the pairs of one domain, optionally of one split or part; see `rows_of`."""
         return self.select(self.rows_of(name, split=split, part=part))
 
     def rows_of(self, name: str, *, split: str = "", part: str = "") -> NDArray[np.int64]:
-        """Return which pairs are of one domain, of one split or part where named, ascending.
+        """Return the rows of one domain, optionally of one split or part, ascending.
 
-        A split that the data do not state ("" in every row) keeps all pairs.
-        Raises DataError when no such domain is in the set.
+        If the data have no split ("" in every row), all pairs are kept.
+        Raises DataError if the set lacks the domain.
         """
         if name not in self.header.domains:
             known = ", ".join(self.header.domains)

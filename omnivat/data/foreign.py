@@ -1,10 +1,12 @@
-"""Read embeddings that were made elsewhere: NPZ, Parquet, HDF5 or a CSV of vectors.
+"""Import embeddings from other programs: NPZ, Parquet, HDF5 or a CSV of vectors.
 
-Each file has the vectors `vis` and `tac`, one row a pair, and the name of each pair's `material`.
-In NPZ and HDF5 the vectors are arrays (N, D). In Parquet they are columns of lists, or numbered
-columns `vis_0`, `vis_1`, ... as in a CSV. `domain`, `object`, `split`, `part`, `looks_like`,
+Each file has the vectors `vis` and `tac`, one row for each pair, and each pair's `material`. In NPZ
+and
+HDF5 the vectors are arrays (N, D). In Parquet they are columns of lists, or numbered columns
+`vis_0`,
+`vis_1`, ... as in a CSV. Optional columns: `domain`, `object`, `split`, `part`, `looks_like`,
 `feels_like`, the file names `vis_file` and `tac_file`, and the mirrored vectors `vis_flip` and
-`tac_flip` may stand beside them.
+`tac_flip`.
 """
 
 import re
@@ -22,7 +24,7 @@ from omnivat.data.materials import in_order
 from omnivat.data.store import ROW_NAMES, VECTORS
 from omnivat.errors import DataError
 
-PREFIX = "imported:"  # before the name of an encoder that made embeddings elsewhere
+PREFIX = "imported:"  # prefix of the encoder's name for imported embeddings
 TEXTS = ("domain", "material", "object", "split", "part", "looks_like", "feels_like")
 SPLITS = ("train", "val", "test", "")
 Columns = dict[str, NDArray[Any]]
@@ -41,15 +43,15 @@ def import_embeddings(
 ) -> Embeddings:
     """Return the embeddings in a file, checked and named.
 
-    encoder         who made them, for people; files imported under one name count as of one encoder
-    domain          of all pairs, where the file has no such column
-    classes         names of the numbers in `material`, where it holds numbers
-    columns         name here -> name in the file, where they differ
-    preprocessing   what was done to an image first, where known
-    origin          one line for people on where the file is from
+    encoder         name of their encoder; files with the same name count as the same encoder
+    domain          of all pairs, if the file has no such column
+    classes         names of the numbers in `material`, if it has numbers
+    columns         name here -> name in the file, if they differ
+    preprocessing   preprocessing of the images, if known
+    origin          one line on the file's origin
 
-    Of two widths, the narrower vectors end in zeros.
-    Raises DataError in one sentence that names the file and what is wrong with it.
+    If the widths differ, the narrower vectors are padded with zeros.
+    Raises DataError, one sentence with the file and the fault.
     """
     place = Path(file)
     if not encoder.strip():
@@ -125,7 +127,7 @@ def _wide(array: Array, width: int) -> Array:
 
 
 def _renamed(found: Columns, columns: Mapping[str, str], place: Path) -> Columns:
-    """Return the columns under the names used here, numbered columns joined into vectors."""
+    """Return the columns under the names used here; numbered columns become vectors."""
     known = {*VECTORS, *TEXTS, "vis_file", "tac_file"}
     for ours, theirs in columns.items():
         if ours not in known:
@@ -149,7 +151,7 @@ def _renamed(found: Columns, columns: Mapping[str, str], place: Path) -> Columns
 
 
 def _joined(found: Columns, place: Path) -> Columns:
-    """Return `vis_0`, `vis_1`, ... as one array (N, D) each."""
+    """Return `vis_0`, `vis_1`, ... as one array (N, D), and so on."""
     joined = dict(found)
     for name in VECTORS:
         numbers = sorted(

@@ -1,4 +1,4 @@
-"""Open an NPZ, Parquet, HDF5 or CSV file as named arrays; nothing in them is run."""
+"""Open an NPZ, Parquet, HDF5 or CSV file as named arrays, without running code in it."""
 
 import csv
 import zipfile
@@ -16,10 +16,10 @@ Columns = dict[str, NDArray[Any]]
 
 
 def read_columns(place: Path) -> Columns:
-    """Return the named arrays of a file, told by its ending.
+    """Return the named arrays of a file; its ending gives the format.
 
-    Raises DataError when it is missing, of another kind or cannot be read, MissingPackageError
-    where the package that reads it is not installed.
+    Raises DataError if it is missing, of another kind or unreadable, MissingPackageError if the
+    package for it is not installed.
     """
     if not place.is_file():
         raise DataError(f"No file at '{place}'.")
@@ -30,7 +30,7 @@ def read_columns(place: Path) -> Columns:
         return reader(place)
     except OmniVatError:
         raise
-    except Exception as error:  # each reader has its own errors for a damaged file
+    except Exception as error:  # each reader has its own errors for damaged files
         first = (str(error).strip().splitlines() or [type(error).__name__])[0][:120]
         raise DataError(f"'{place}' cannot be read ({first}); export it again.") from error
 

@@ -1,7 +1,7 @@
-"""What the bytes of an image file say before a pixel is decoded: its kind, its size, what it costs.
+"""Kind, size and memory cost of an image file, read from its header before decoding.
 
-Only the common kinds are walked here, each as far as its first picture; the rare ones are named and
-left to their decoder. A walk looks at a bounded number of pieces, whatever the file says.
+Only common kinds are parsed here, up to their first picture; rare kinds are identified and left to
+their decoder. The number of parsed pieces is limited for any file.
 """
 
 import re
@@ -12,13 +12,13 @@ from mmap import mmap
 
 Content = bytes | mmap  # a file in memory, or mapped
 MOST_PIECES = 20_000  # of one file; a camera's photo has tens, an 8-kilobyte PNG writer 2,500
-MOST_TEXTS = 16  # compressed texts of a PNG, each of which may unpack to a megabyte
-MOST_SCANS = 64  # of a progressive JPEG; usual writers make 10
+MOST_TEXTS = 16  # compressed texts of a PNG; each may unpack to a megabyte
+MOST_SCANS = 64  # of a progressive JPEG; usual programs write 10
 MOST_SCANNED = 400_000_000  # samples of a JPEG times its scans
 SIMPLE_PIXELS = 2_000_000
 HEADER = 4096  # bytes that hold the header of a PPM
 
-STARTS: tuple[tuple[str, bytes], ...] = (  # kind, what its files begin with; a dot is any byte
+STARTS: tuple[tuple[str, bytes], ...] = (  # kind, start of its files; a dot is any byte
     ("PNG", rb"\x89PNG\r\n\x1a\n"),
     ("JPEG", rb"\xff\xd8\xff"),
     ("GIF", rb"GIF8[79]a"),
@@ -30,32 +30,35 @@ STARTS: tuple[tuple[str, bytes], ...] = (  # kind, what its files begin with; a 
     ("AVIF", rb"....ftypavi[fs]|....ftypmi[fa]1|....ftypmsf1"),
     ("PPM", rb"P[1-6fy0CUB]"),
 )
-COSTS = {"JPEG2000": 20, "AVIF": 10}  # bytes a pixel while decoding, measured; others up to 6
+COSTS = {
+    "JPEG2000": 20,
+    "AVIF": 10,
+}  # bytes for each pixel while decoding, measured; others up to 6
 
 
 class OddFileError(ValueError):
-    """The file is not written as any usual program writes it; the text says how."""
+    """The file has an unusual structure; the message describes it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ImageFile:
-    """What is known of an image file from its header."""
+    """Facts about an image file from its header."""
 
     kind: str
-    width: int = 0  # 0 where only the decoder can tell
+    width: int = 0  # 0 if only the decoder knows
     height: int = 0
-    bytes_a_pixel: float = 6.0  # held while decoding
-    kept: float = 0.0  # of these, what a reduced decode needs all the same
-    usual: bool = True  # False for variants that decode slowly
-    simple: bool = False  # decoding it takes no longer than its few pixels do
+    bytes_a_pixel: float = 6.0  # memory while decoding
+    kept: float = 0.0  # of these, needed by a reduced decode, too
+    usual: bool = True  # False for slow variants
+    simple: bool = False  # decoding time depends on the pixels only
 
     @property
     def pixels(self) -> int:
-        """How many pixels its picture has."""
+        """The number of pixels."""
         return self.width * self.height
 
     def cost(self, scale: int = 1) -> int:
-        """Return the bytes that decoding holds, at 1/scale of the size where the kind allows."""
+        """Return the memory for decoding, at 1/scale of the size if the kind allows it."""
         if self.kind != "JPEG":
             scale = 1
         seen = self.bytes_a_pixel - self.kept
@@ -63,9 +66,9 @@ class ImageFile:
 
 
 def image_file(content: Content) -> ImageFile | None:
-    """Return what `content` says of itself; None where it is no image of a known kind.
+    """Return facts from the header of `content`; None for an unknown kind.
 
-    Raises OddFileError where a header is cut short, damaged, or padded beyond reason.
+    Raises OddFileError for a truncated, damaged or excessively padded header.
     """
     kind = next((k for k, start in STARTS if re.match(start, content[:32], re.DOTALL)), None)
     if kind is None:
@@ -140,7 +143,7 @@ def _jpeg(content: Content, found: ImageFile) -> ImageFile:
 
 
 def _after_fill(content: Content, at: int) -> int:
-    """Return where the last of a run of 0xFF stands."""
+    """Return the index of the last of a run of 0xFF."""
     end = re.compile(rb"[^\xff]").search(content, at)
     if end is None:
         raise OddFileError("is cut short or damaged")
@@ -209,7 +212,7 @@ def _tiff(content: Content, found: ImageFile) -> ImageFile:
 
 
 def _tiff_tags(content: Content) -> Iterator[tuple[int, int]]:
-    """Give each tag of the first picture and its first value, where that stands in the table."""
+    """Yield each tag of the first picture, with its first value if that is in the table."""
     end = "<" if content[:2] == b"II" else ">"
     big = content[2:4] in (b"+\0", b"\0+")
     word, entry = ("Q", "HHQ") if big else ("I", "HHI")
@@ -232,7 +235,7 @@ def _tiff_tags(content: Content) -> Iterator[tuple[int, int]]:
 
 
 def _ppm(content: Content, found: ImageFile) -> ImageFile:
-    """A header of three or four words; between them a comment may stand, of any length."""
+    """Parse a header of three or four words; comments of any length may be between them."""
     words = re.sub(rb"#[^\r\n]*[\r\n]", b" ", content[:HEADER]).split(None, 3)
     if len(words) < 3:
         raise OddFileError(f"has no header in its first {HEADER} bytes")

@@ -1,15 +1,15 @@
-"""Read an image of any common kind as upright 8-bit RGB, or say in one sentence why not.
+"""Read an image of any common kind as upright 8-bit RGB, or raise an error of one sentence.
 
-What is decided here, so that the same picture gives the same pixels whatever file holds it:
+The same picture gives the same pixels from any file format:
 
-- transparency is laid on white, so colours hidden under it never matter;
+- transparency is blended with white, so hidden colours have no effect;
 - 16-bit values keep their upper 8 bits, grey and colour alike; floating values must be in [0, 1];
 - the EXIF rotation is applied, colour profiles are not;
-- of an animation the first frame is taken;
-- a picture whose shorter side is over 2,047 pixels, or that has over 6 megapixels, is made smaller
-  by a whole factor: encoders take 224.
+- only the first frame of an animation is used;
+- a picture with a shorter side over 2,047 pixels, or over 6 megapixels, is reduced by an integer
+  factor; encoders use 224 pixels.
 
-The header is read first. What is too large, or of a kind that is not taken, is refused there.
+The header is read first. Too large files and unsupported kinds are refused then.
 """
 
 from collections.abc import Callable
@@ -24,18 +24,18 @@ from omnivat.data.image_files import Content, ImageFile, OddFileError, image_fil
 from omnivat.errors import DataError
 from omnivat.files import read_whole
 
-MAX_PIXELS = 64_000_000  # read from the header, before a single pixel is decoded
+MAX_PIXELS = 64_000_000  # checked in the header, before decoding
 MAX_FILE_BYTES = 300_000_000
 MIN_SIDE = 8
-SHORT_SIDE = 1024  # a reduced picture is no smaller
+SHORT_SIDE = 1024  # lower limit of a reduced picture
 STRIP_PIXELS = 1_000_000
-MOST_PIXELS = 6_000_000  # a picture is reduced until it has no more
+MOST_PIXELS = 6_000_000  # upper limit of a reduced picture
 COMMON = ("PNG", "JPEG", "WEBP", "GIF", "BMP", "TIFF")
 FORMATS = (*COMMON, "PPM", "QOI", "JPEG2000", "AVIF")
 REMEDY = "save it as PNG or JPEG and try again"
 
 _MODULES = {"JPEG2000": "Jpeg2KImagePlugin", "WEBP": "WebPImagePlugin"}
-_UPRIGHT = {  # EXIF orientation -> what turns the stored pixels upright
+_UPRIGHT = {  # EXIF orientation -> rotation to upright
     2: Image.Transpose.FLIP_LEFT_RIGHT,
     3: Image.Transpose.ROTATE_180,
     4: Image.Transpose.FLIP_TOP_BOTTOM,
@@ -49,18 +49,16 @@ _ORIENTATION = 0x0112
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Limits:
-    """What is taken: kinds of files, and the bytes that decoding one may hold."""
+    """Limits: accepted kinds, and the memory for decoding."""
 
     kinds: tuple[str, ...] = FORMATS
     cost: int = 260_000_000
-    pixels: int = MAX_PIXELS  # of kinds that cannot be decoded smaller, as JPEG can
+    pixels: int = MAX_PIXELS  # for kinds that cannot be decoded at reduced size, as JPEG can
     variants: bool = True  # slow variants of a kind, such as run lengths in a BMP
 
 
-OWN = Limits()  # a person's own files, on the command line
-VISITORS = Limits(
-    kinds=COMMON, cost=50_000_000, pixels=24_000_000, variants=False
-)  # what comes over a network
+OWN = Limits()  # the user's own files, on the command line
+VISITORS = Limits(kinds=COMMON, cost=50_000_000, pixels=24_000_000, variants=False)  # uploads
 
 
 def read_image(
@@ -72,12 +70,13 @@ def read_image(
 ) -> Image.Image:
     """Return the image in `source`, a path, a file's bytes or an open image, as upright RGB.
 
-    name     what to call it in an error; the path where none is given
-    limits   which kinds are taken, and how much memory decoding may hold
-    reduced  whether a large picture is made smaller; False keeps every pixel
+    name     its name in errors; None: the path
+    limits   accepted kinds, and memory for decoding
+    reduced  True reduces a large picture; False keeps every pixel
 
-    Raises DataError, naming the file and the remedy, when it is missing, empty, cut short, not an
-    image, over the limits, under 8 pixels on a side, or of values without a known range.
+    Raises DataError, with the file and the remedy, if it is missing, empty, truncated, not an
+    image,
+    over the limits, under 8 pixels on a side, or has values without a known range.
     """
     if isinstance(source, Image.Image):
         return _rgb(source, name or "the image", reduced=reduced)
@@ -94,7 +93,7 @@ def read_image(
 def examined(
     content: Content, name: str, *, limits: Limits = OWN, reduced: bool = True
 ) -> ImageFile:
-    """Return what a file's header says, where the file is one that is taken.
+    """Return facts from the header of an accepted file.
 
     Raises DataError as `read_image` does; no pixel is decoded.
     """
@@ -113,7 +112,7 @@ def examined(
 
 
 def factor(width: int, height: int) -> int:
-    """Return by what whole number a picture's sides are divided.
+    """Return the integer divisor of a picture's sides.
 
     >>> factor(2000, 3000), factor(3000, 4000), factor(100, 640_000)
     (1, 2, 4)
@@ -126,13 +125,13 @@ def factor(width: int, height: int) -> int:
 
 
 def draft_scale(width: int, height: int) -> int:
-    """Return by how much a JPEG is made smaller while it is decoded: 1, 2, 4 or 8."""
+    """Return the reduction of a JPEG while decoding: 1, 2, 4 or 8."""
     wanted = factor(width, height)
     return max(scale for scale in (1, 2, 4, 8) if scale <= wanted)
 
 
 def read_bytes(source: str | Path | bytes, name: str = "") -> bytes:
-    """Return a file's bytes; raises DataError when it is missing, unreadable or empty."""
+    """Return a file's bytes; raises DataError if it is missing, unreadable or empty."""
     name = name or str(source)
     content = source if isinstance(source, bytes) else read_whole(source, MAX_FILE_BYTES, name)
     if not content:
@@ -141,7 +140,7 @@ def read_bytes(source: str | Path | bytes, name: str = "") -> bytes:
 
 
 def central_square(image: Image.Image, side: int) -> Image.Image:
-    """Return the central `side` x `side` pixels (fewer where the image is smaller); 0 cuts nothing."""
+    """Crop to the central `side` x `side` pixels, or fewer in a smaller image; 0: no crop."""
     if side <= 0:
         return image
     side = min(side, *image.size)
@@ -152,15 +151,16 @@ def central_square(image: Image.Image, side: int) -> Image.Image:
 def _open(handle: BytesIO, found: ImageFile, name: str) -> Image.Image:
     """Read the header only.
 
-    `Image.open` would warn of large images, and silencing a warning is not safe beside threads;
-    its own table of readers gives the size without the warning.
+    `Image.open` would warn about large images, and silencing a warning is not thread-safe. PIL's
+    table
+    of readers gives the size without the warning.
     """
     kind = found.kind
     try:
         import_module(f"PIL.{_MODULES.get(kind, kind.capitalize() + 'ImagePlugin')}")
         opener, _ = Image.OPEN[kind]
         return opener(handle, "")
-    except Exception as error:  # a reader given bad bytes may raise anything
+    except Exception as error:  # a reader may raise any error for bad bytes
         raise DataError(f"'{name}' is a damaged {kind} file; {REMEDY}.") from error
 
 
@@ -172,7 +172,7 @@ def _rgb(image: Image.Image, name: str, *, reduced: bool) -> Image.Image:
             image.draft(None, (image.width // scale, image.height // scale))  # only JPEG does
         image.load()
         turn = _UPRIGHT.get(_turn(image))
-    except Exception as error:  # a decoder given bad bytes may raise anything
+    except Exception as error:  # a decoder may raise any error for bad bytes
         raise DataError(f"'{name}' is cut short or damaged; {REMEDY}.") from error
     try:
         seen = _eight_bit_rgb(image, name, factor(*image.size) if reduced else 1)
@@ -210,12 +210,12 @@ def _check_cost(found: ImageFile, name: str, limits: Limits, *, reduced: bool) -
 def _turn(image: Image.Image) -> int:
     try:
         return int(image.getexif().get(_ORIENTATION, 1))
-    except Exception:  # damaged EXIF says nothing about the pixels, which are good
+    except Exception:  # damaged EXIF does not mean damaged pixels
         return 1
 
 
 def _eight_bit_rgb(image: Image.Image, name: str, smaller: int) -> Image.Image:
-    """Return the picture as RGB, its sides divided by `smaller`, going strip by strip."""
+    """Return the picture as RGB, its sides divided by `smaller`, strip by strip."""
     upper = _levels(image, name)
     width, height = image.size
     out = Image.new("RGB", (-(-width // smaller), -(-height // smaller)))
@@ -235,10 +235,10 @@ def _on_white(strip: Image.Image) -> Image.Image:
 
 
 def _levels(image: Image.Image, name: str) -> Callable[[Image.Image], Image.Image] | None:
-    """Return what makes 8 bits of the picture's wider values; None where it has 8."""
+    """Return a function from the picture's values to 8 bits; None if it has 8 bits."""
     if not (image.mode.startswith("I") or image.mode == "F"):
         return None
-    if image.mode.startswith("I;16"):  # no value can lie outside
+    if image.mode.startswith("I;16"):  # no value is outside
         return _upper_byte
     low, high = _extremes(image)
     if image.mode == "F":

@@ -1,4 +1,4 @@
-"""The table beside a set of embeddings that a person can open: CSV, or Parquet when asked for."""
+"""A readable table next to a set of embeddings: CSV, or Parquet on request."""
 
 import csv
 from collections.abc import Mapping, Sequence
@@ -14,10 +14,10 @@ COLUMNS = (*_EARLIER, "looks_like", "feels_like")
 
 
 def write_manifest(path: Path, columns: Mapping[str, Sequence[str]], kind: str = "csv") -> Path:
-    """Write named columns of text beside `path`, whole or not at all; return the file's path.
+    """Write named columns of text next to `path`, completely or not at all; return the file's path.
 
     Raises SettingsError for an unknown kind, MissingPackageError for Parquet without pyarrow,
-    WriteError where another table would be lost.
+    WriteError if another table would be lost.
     """
     place = manifest_place(path, kind)
     require_own(place)
@@ -30,17 +30,14 @@ def write_manifest(path: Path, columns: Mapping[str, Sequence[str]], kind: str =
 
 
 def manifest_place(path: Path, kind: str) -> Path:
-    """Return where the table beside `path` lies. Raises SettingsError for an unknown kind."""
+    """Return the path of the table next to `path`. Raises SettingsError for an unknown kind."""
     if kind not in MANIFESTS:
         raise SettingsError(f"manifest is '{kind}'; choose {' or '.join(MANIFESTS)}.")
     return path.with_suffix(f".{kind}")
 
 
 def require_own(place: Path) -> None:
-    """Refuse to replace a CSV that is not such a manifest: someone's table of pairs, say.
-
-    Raises WriteError.
-    """
+    """Raise WriteError if a CSV that is not a manifest would be replaced, such as a table of pairs."""
     if place.suffix != ".csv" or not place.is_file():
         return
     with place.open("rb") as handle:

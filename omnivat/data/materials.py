@@ -1,4 +1,4 @@
-"""The five materials that all domains share, and what other names for them count as."""
+"""The five common materials, and the rules for other names."""
 
 import json
 import re
@@ -14,13 +14,13 @@ RULES_FILE = Path(__file__).with_name("materials.json")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rule:
-    """One name of one source, the material it counts as, and why (see materials.json)."""
+    """One name in one source, its material, and the reason (see materials.json)."""
 
     source: str  # "touch_and_go", "objectfolder" or "tacquad"
-    raw: str  # as the source writes it, in lower case
-    named: str  # what it is, in words: label 4 is metal
-    material: str  # one of MATERIALS, or "" where it is left out
-    merged: bool  # one of several materials counted as one; strict reading leaves it out
+    raw: str  # the source's spelling, in lower case
+    named: str  # in words: label 4 is metal
+    material: str  # one of MATERIALS, or "" if left out
+    merged: bool  # True for merged materials; strict reading skips them
     grade: str  # "read" in a public source, "inferred" or "chosen"
     why: str
 
@@ -33,7 +33,7 @@ def rules(source: str) -> dict[str, Rule]:
 
 
 def why_left_out(rule: Rule | None, raw: str, *, strict: bool) -> str:
-    """Return why a material is left out, or nothing when the rule keeps it."""
+    """Return the reason for leaving out a material, or "" if the rule keeps it."""
     if rule is None or not rule.material:
         return f"{raw or 'no material'}: none of the five materials"
     if strict and rule.merged:
@@ -42,9 +42,9 @@ def why_left_out(rule: Rule | None, raw: str, *, strict: bool) -> str:
 
 
 def class_key(name: str) -> str:
-    """Return the one spelling of a class name: "Wood", "wood " and "WOOD" all give "wood".
+    """Return the normalized class name: "Wood", "wood " and "WOOD" all give "wood".
 
-    Case, surrounding and repeated blanks, and look-alike Unicode forms do not make a new class.
+    Case, extra blanks and compatible Unicode forms make no difference.
     """
     return " ".join(unicodedata.normalize("NFKC", name).casefold().split())
 
@@ -56,14 +56,14 @@ def in_order(names: set[str]) -> tuple[str, ...]:
 
 
 def rules_in_text(text: str, source: str, *, glued: bool = False) -> tuple[Rule, ...]:
-    """Return the rules whose word stands in a text, one for each material that they give.
+    """Return the rules whose word occurs in a text, one for each material.
 
     text   an item's name or caption; words are runs of letters, in any case
     glued  also find a word at the start or the end of another: "glasscup"
 
-    One slip of the keyboard is forgiven in words of five letters and more: two neighbours swapped
-    ("galss"), one left out ("platic") or one doubled ("woodden"), but none exchanged, so that
-    "grass" is never glass. Of several rules for one material the one that is not merged counts.
+    Words of five or more letters may have one typing error: two swapped neighbours ("galss"), a
+    missing letter ("platic") or a doubled one ("woodden"), but no wrong letter: "grass" is not
+    glass. Of several rules for one material, one that is not merged has priority.
     """
     table = rules(source)
     found: dict[str, Rule] = {}

@@ -16,7 +16,7 @@ def digits(labels: Iterable[int]) -> str:
 
 
 def compact(numbers: Sequence[int]) -> str:
-    """Return whole numbers as text: ascending runs as "3-7", the rest one by one.
+    """Return integers as text: ascending runs as "3-7", others one by one.
 
     >>> compact([3, 4, 5, 9, 9, 1])
     '3-5 9 9 1'

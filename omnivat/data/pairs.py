@@ -1,4 +1,4 @@
-"""A pair: a photo (VIS) and a tactile image (TAC) of one contact, with its names."""
+"""A pair: a photo (VIS) and a tactile image (TAC) of one contact, with names."""
 
 from collections import Counter
 from dataclasses import dataclass, field
@@ -10,23 +10,23 @@ from omnivat.errors import printable
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pair:
-    """One VIS + TAC pair on disk. `object` is the thing touched: splits keep objects whole."""
+    """One VIS + TAC pair on disk. `object` is the touched object; no split divides it."""
 
     vis: Path
     tac: Path
     domain: str
     material: str
     object: str = ""
-    split: str = ""  # "train", "val", "test" or "" where the source states none
+    split: str = ""  # "train", "val", "test", or "" without a split
     part: str = ""  # TacQuad: "indoor" or "outdoor"
-    looks_like: str = ""  # the class that the object imitates by sight, "" where none
-    feels_like: str = ""  # the class that it imitates by touch, "" where none
-    tac_crop: int = 0  # central square to cut before resizing, pixels; 0 cuts nothing
+    looks_like: str = ""  # the class that the object imitates visually, or ""
+    feels_like: str = ""  # the class that it imitates by touch, or ""
+    tac_crop: int = 0  # central square before resizing, pixels; 0: no crop
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Skipped:
-    """Something a reader left out, and why. `count` is how many such things it stands for."""
+    """Something that a reader skipped, and the reason. `count` is the number of such items."""
 
     what: str
     why: str
@@ -35,15 +35,15 @@ class Skipped:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PairSet:
-    """What a reader found: the pairs, what it left out, and where they come from."""
+    """The result of a reader: pairs, skipped items, and their origin."""
 
     pairs: tuple[Pair, ...]
     skipped: tuple[Skipped, ...] = field(default=())
-    origin: str = ""  # one line for people, such as "Touch-and-Go, official lists"
+    origin: str = ""  # one line, such as "Touch-and-Go, official lists"
     simulated: bool = False
 
     def domains(self) -> tuple[str, ...]:
-        """Return the domains in the order they first appear."""
+        """Return the domains in order of first appearance."""
         return tuple(dict.fromkeys(pair.domain for pair in self.pairs))
 
     def materials(self) -> tuple[str, ...]:
@@ -51,16 +51,16 @@ class PairSet:
         return in_order({pair.material for pair in self.pairs})
 
     def counts(self) -> Counter[tuple[str, str, str]]:
-        """Return how many pairs each (domain, split, material) has."""
+        """Return the number of pairs of each (domain, split, material)."""
         return Counter((pair.domain, pair.split, pair.material) for pair in self.pairs)
 
 
 def summary_table(found: PairSet, *, examples: int = 3) -> str:
-    """Return what was loaded, what was skipped and why, as text tables with named columns.
+    """Return the loaded pairs, and the skipped items with reasons, as text tables.
 
-    found     what a reader returned
-    examples  how many skipped things to name for each reason
-    return    lines for people, without a final line end
+    found     the result of a reader
+    examples  number of skipped items named for each reason
+    return    lines of text, without a final line end
     """
     classes = found.materials()
     places = Counter((p.domain, p.part, p.split, p.material) for p in found.pairs)
@@ -94,7 +94,7 @@ def _reasons(found: PairSet, examples: int) -> list[list[str]]:
 
 
 def _aligned(header: list[str], rows: list[list[str]]) -> list[str]:
-    """Return the lines of a table whose columns are as wide as their longest cell."""
+    """Return the lines of a table with aligned columns."""
     table = [[printable(cell) for cell in row] for row in [header, *rows]]
     widths = [max(map(len, column)) for column in zip(*table, strict=True)]
     return ["  ".join(map(str.ljust, row, widths)).rstrip() for row in table]

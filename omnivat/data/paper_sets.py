@@ -1,4 +1,4 @@
-"""Find the paper's data sets in one folder, wherever they lie in it, and read them as one set."""
+"""Find the paper's data sets below one folder, and read them as one set."""
 
 import json
 from collections.abc import Mapping
@@ -11,19 +11,19 @@ from omnivat.data.pairs import PairSet
 from omnivat.data.readers import READERS, read_pairs
 from omnivat.errors import DataError
 
-# reader -> what people call the set
+# reader -> name of the set
 SETS = {
     "touch_and_go": "Touch-and-Go",
     "objectfolder_real": "ObjectFolder Real",
     "objectfolder_2": "ObjectFolder 2.0",
     "tacquad": "TacQuad",
 }
-DEPTH = 2  # folders below the root that are looked into
+DEPTH = 2  # levels below the root that are searched
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PaperSets:
-    """What was found: reader -> folder, what each gave, and all of it as one set."""
+    """The result: reader -> folder, the pairs of each, and all pairs as one set."""
 
     places: Mapping[str, Path]
     parts: Mapping[str, PairSet]
@@ -31,12 +31,12 @@ class PaperSets:
 
     @property
     def missing(self) -> tuple[str, ...]:
-        """The data sets of the paper that are not there."""
+        """The missing data sets of the paper."""
         return tuple(title for name, title in SETS.items() if name not in self.places)
 
     @property
     def fingerprint(self) -> str:
-        """Changes with the list of pairs: files, names and splits."""
+        """A hash of the list of pairs: files, names and splits."""
         rows = [
             [str(p.vis), str(p.tac), p.domain, p.material, p.split, p.part]
             for p in self.pairs.pairs
@@ -47,7 +47,7 @@ class PaperSets:
 def find_paper_sets(root: Path) -> dict[str, Path]:
     """Return reader -> folder of each data set in `root` or up to two folders below it.
 
-    Raises DataError when there is no such folder, none of the sets is in it, or one is there twice.
+    Raises DataError if there is no such folder, no set in it, or one set twice.
     """
     if not root.is_dir():
         raise DataError(f"There is no folder '{root}'; name the one with the data sets in it.")
@@ -72,9 +72,9 @@ def find_paper_sets(root: Path) -> dict[str, Path]:
 
 
 def read_paper_sets(root: Path, *, seed: int = 0) -> PaperSets:
-    """Read every data set of the paper that is in `root`, each as its reader does by default.
+    """Read every data set of the paper in `root`, with the default options of its reader.
 
-    ObjectFolder 2.0 counts as it does in the paper: its rendered touch is its data, not a stand-in.
+    ObjectFolder 2.0 counts as in the paper: its rendered touch is not marked as simulated.
     Raises DataError as `find_paper_sets` and the readers do.
     """
     places = find_paper_sets(root)
@@ -87,7 +87,7 @@ def read_paper_sets(root: Path, *, seed: int = 0) -> PaperSets:
 
 
 def _folders(root: Path, depth: int) -> list[Path]:
-    """Return the root and the folders below it, nearest first; links are not followed."""
+    """Return the root and the folders below it, breadth first; links are not followed."""
     found, level = [root], [root]
     for _ in range(depth):
         level = [

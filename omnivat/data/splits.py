@@ -1,7 +1,8 @@
-"""Split pairs so that no object is on both sides, and draw as many of each class.
+"""Split pairs without dividing objects, and balance classes.
 
-An object is whatever shares a name: a thing, or the clip or item that stands for one. A pair
-without a name is an object of its own.
+Pairs with the same object name belong to one object, which may be a clip or an item. A pair without
+a
+name is a separate object.
 """
 
 from collections import Counter, defaultdict
@@ -21,17 +22,18 @@ from omnivat.seeding import derive_seed
 def hold_out(
     objects: Sequence[str], labels: Sequence[Hashable] | NDArray[Any], fraction: float, *, seed: int
 ) -> NDArray[np.bool_]:
-    """Return which of N pairs to hold out: whole objects, and of each class about `fraction`.
+    """Return a mask of the held-out pairs: whole objects, about `fraction` of each class.
 
-    objects   N names; "" is an object of its own
+    objects   N names; "" is a separate object
     labels    N classes, texts or numbers
     fraction  in [0, 1), of the pairs of each class
     seed      the same seed holds out the same pairs
     return    (N,) True where held out
 
-    A class of two or more objects has pairs on both sides, as far as objects of several classes
-    allow; a class of one object is never held out.
-    Raises DataError when the fraction is out of range or the lengths differ.
+    A class of two or more objects has pairs on both sides, unless objects of several classes
+    prevent
+    it. A class of one object is never held out.
+    Raises DataError if the fraction is out of range or the lengths differ.
     """
     if not 0 <= fraction < 1:
         raise DataError(f"The fraction to hold out is {fraction}; choose 0 or more and below 1.")
@@ -52,8 +54,9 @@ def _choose(
 ) -> set[Hashable]:
     """Return objects that together hold about `fraction` of each class.
 
-    Objects are met in a random order and taken when that brings the classes they hold nearer to
-    their share; then every class still missing gets its smallest object, where it has another.
+    Objects are visited in random order, and one is chosen if that brings its classes closer to
+    their
+    share. Then every class without one gets its smallest object, if it has another.
     """
     total: Counter[Hashable] = Counter()
     owners: Counter[Hashable] = Counter()
@@ -95,12 +98,12 @@ def _choose(
 def split_by_object(
     pairs: Sequence[Pair], *, seed: int, test: float = 0.3, val: float = 0.0
 ) -> tuple[Pair, ...]:
-    """Return the pairs with their split set to train, val or test, whole objects each.
+    """Return the pairs with split train, val or test, without dividing objects.
 
     test, val  fractions of the pairs of each class in each domain; the rest is train
-    seed       of the draw; a domain's draw does not depend on which others are there
+    seed       of the draw; a domain's draw does not depend on the other domains
 
-    Raises DataError when the two fractions leave nothing for training.
+    Raises DataError if the two fractions leave nothing for training.
     """
     if not (test >= 0 and val >= 0 and test + val < 1):
         raise DataError(
@@ -121,7 +124,7 @@ def split_by_object(
 
 
 def pairs_held_out(pairs: Sequence[Pair], fraction: float, seed: int) -> list[bool]:
-    """Return for each pair whether `hold_out` holds it out."""
+    """Return True for each pair held out by `hold_out`."""
     objects = [pair.object for pair in pairs]
     held: list[bool] = hold_out(objects, [p.material for p in pairs], fraction, seed=seed).tolist()
     return held
@@ -130,8 +133,8 @@ def pairs_held_out(pairs: Sequence[Pair], fraction: float, seed: int) -> list[bo
 def balance(pairs: Sequence[Pair], *, seed: int) -> tuple[tuple[Pair, ...], tuple[Skipped, ...]]:
     """Draw from each class as many pairs as the smallest class has, in every domain and split.
 
-    seed    of the draw; a class's draw does not depend on the others but for its size
-    return  the pairs kept, in their order, and how many each class lost
+    seed    of the draw; a class's draw depends on the others only by the size
+    return  the pairs kept, in their order, and the number removed from each class
     """
     groups: dict[tuple[str, str], dict[str, list[int]]] = defaultdict(lambda: defaultdict(list))
     for index, pair in enumerate(pairs):

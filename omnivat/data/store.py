@@ -1,8 +1,8 @@
 """Embeddings of a set of pairs: one `.safetensors` file with a checked header.
 
-The file holds arrays `vis`, `tac` (N, D), their flipped copies where made, the indices `domain` and
-`label` (N,), and `rows`, the file and object names as UTF-8 JSON. The header says which encoder
-made them. Arrays are memory-mapped; nothing here needs torch.
+The file has arrays `vis`, `tac` (N, D), optional mirrored copies, the indices `domain` and `label`
+(N,), and `rows`, the file and object names as UTF-8 JSON. The header names the encoder. Arrays are
+memory-mapped, and torch is not needed.
 """
 
 import json
@@ -44,7 +44,7 @@ __all__ = ["FORMAT", "ROW_NAMES", "Embeddings", "Header", "load_embeddings", "sa
 def save_embeddings(
     path: str | Path, embeddings: Embeddings, *, dtype: str = "float32", manifest: str = "csv"
 ) -> None:
-    """Write the embeddings whole or not at all, and a manifest beside them.
+    """Write the embeddings, completely or not at all, and a manifest.
 
     dtype       "float32", or "float16" for half the size and 3 digits
     manifest    "csv", or "parquet" (through pyarrow)
@@ -79,7 +79,7 @@ def write_columns(
     rows: Mapping[str, Sequence[str]],
     manifest: str = "csv",
 ) -> None:
-    """Write a set of embeddings whose vectors come block by block, whole or not at all.
+    """Write a set of embeddings block by block, completely or not at all.
 
     Raises DataError when a value is not finite or too large for float16, or a domain is called
     "all".
@@ -108,7 +108,7 @@ def write_columns(
 
 
 def _completed(rows: Mapping[str, Sequence[str]], count: int) -> dict[str, list[str]]:
-    """Return the columns, with empty texts for those that older files lack."""
+    """Return the columns; those missing in older files have empty texts."""
     complete = {name: list(column) for name, column in rows.items()}
     for name in _LATER:
         complete.setdefault(name, [""] * count)
@@ -126,7 +126,7 @@ def _written(path: str | Path, rows: Mapping[str, Sequence[str]]) -> bytes:
 
 
 def vector_type(dtype: str) -> str:
-    """Return what the format calls "float32" or "float16"; raises SettingsError for another."""
+    """Return the format's name for "float32" or "float16"; raises SettingsError for another."""
     if dtype not in DTYPES:
         raise SettingsError(f"dtype is '{dtype}'; choose {' or '.join(DTYPES)}.")
     return DTYPES[dtype]
@@ -166,11 +166,11 @@ def _metadata(header: Header, count: int, width: int) -> dict[str, str]:
 
 
 def load_embeddings(path: str | Path) -> Embeddings:
-    """Open a file that `save_embeddings` wrote; big arrays stay memory-mapped.
+    """Open an embeddings file; large arrays stay memory-mapped.
 
-    Half-precision vectors are read and widened to float32. Arrays of up to 64 MB may be written to,
-    which never changes the file; larger ones are read only.
-    Raises DataError, naming the file, when it is missing, cut short or of another kind.
+    Half-precision vectors become float32. Arrays of up to 64 MB are writable in memory, without
+    changing the file; larger ones are read-only.
+    Raises DataError with the file name if it is missing, truncated or of another kind.
     """
     file = Path(path)
     if not file.is_file():
@@ -251,6 +251,6 @@ def _check(file: Path, embeddings: Embeddings) -> None:
             raise DataError(f"'{file}' has a {name} index without a name; make it again.")
     for vectors in (embeddings.vis, embeddings.tac, *flips):
         finite = all(np.isfinite(block).all() for block in walked(vectors))
-        released(vectors)  # looked at and not written to
+        released(vectors)  # read, not changed
         if not finite:
             raise DataError(f"'{file}' holds NaN or infinite embeddings; embed the pairs again.")

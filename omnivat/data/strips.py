@@ -1,4 +1,4 @@
-"""Strips: a signal as a picture of grey stripes, and a picture of stripes read back as a signal."""
+"""Strips: a signal as a picture of grey stripes, and the signal read back from it."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -7,17 +7,17 @@ from PIL import Image
 from omnivat.errors import ShapeError
 
 STRIPES = 64  # of every picture
-SIDE = 256  # pixels of a picture: four a stripe
-MIDDLE, SWING = 127.5, 120.0  # grey of 0, and how far the largest value lies from it
-ENCODER = "strip"  # its entry in the table of encoders
-READER = "1"  # in place of a hash of weights: changes when the same picture gives other numbers
+SIDE = 256  # pixels of a picture: four for each stripe
+MIDDLE, SWING = 127.5, 120.0  # grey of 0, and the largest distance from it
+ENCODER = "strip"  # its name in the table of encoders
+READER = "1"  # version, instead of a hash of weights
 PREPROCESSING = f"{STRIPES} upright stripes, mean grey of each, less {MIDDLE}, over {SWING:g}"
 
 
 def strip_picture(signal: NDArray[np.floating]) -> Image.Image:
-    """Return a signal as upright stripes from left to right, light where it is positive.
+    """Return a signal as vertical stripes from left to right, light for positive values.
 
-    signal  (64,) any finite values; the largest magnitude becomes the full swing, 0 is mid-grey
+    signal  (64,) finite values; the largest magnitude has full contrast, 0 is mid-grey
     return  256 x 256 pixels, RGB
 
     Raises ShapeError for another length.
@@ -32,11 +32,11 @@ def strip_picture(signal: NDArray[np.floating]) -> Image.Image:
 
 
 def strip_signal(picture: Image.Image) -> NDArray[np.float32]:
-    """Return the signal (64,) that a picture shows, whatever its size and format.
+    """Return the signal (64,) of a picture of any size and format.
 
-    The picture is averaged over its height and over each of 64 equal upright bands. A picture
-    that `strip_picture` made gives its signal back, scaled to a largest magnitude of 1, to half
-    a grey level (0.004).
+    The picture is averaged over its height and over 64 equal vertical bands. For a picture made by
+    `strip_picture`, the result is the signal scaled to a largest magnitude of 1, to half a grey
+    level (0.004).
     """
     grey = picture.convert("RGB").convert("L").convert("F")
     bands = np.asarray(grey.resize((STRIPES, 1), Image.Resampling.BOX), dtype=np.float32)[0]

@@ -1,8 +1,8 @@
-"""Draw a Tac3D displacement field as an RGB image. How the paper does it is not known: this is ours.
+"""Draw a Tac3D displacement field as an RGB image. The paper's method is unknown; this one is ours.
 
-The sensor follows 20 x 20 markers in its skin. Displacements along x, y and z become red, green
-and blue; no displacement is mid-grey. One scale within the skin and one into it serve a whole data
-set: markers are pushed in several times as far as they are dragged.
+The sensor tracks 20 x 20 markers in its skin. Displacements along x, y and z become red, green and
+blue; no displacement is mid-grey. A data set has one scale for tangential and one for normal
+displacement, because markers are pressed in several times as far as they are dragged.
 """
 
 from collections.abc import Iterable, Sequence
@@ -17,15 +17,16 @@ from PIL import Image
 from omnivat.errors import DataError, printable
 from omnivat.files import replacing
 
-MARKERS = 20  # a side
+MARKERS = 20  # markers on each side
+
 SIDE = 224  # pixels of the image drawn
-ROBUST = 99  # percent of the displacements that the scale covers
-MOST_FOR_SCALE = 2000  # fields looked at for the scale, evenly taken
+ROBUST = 99  # percent of the displacements within the scale
+MOST_FOR_SCALE = 2000  # fields used for the scale, evenly spaced
 Field = NDArray[np.float64]
 
 
 def load_field(file: Path) -> Field:
-    """Return the displacements (20, 20, 3) in a `.npy` file, of that shape or (400, 3).
+    """Return the displacements (20, 20, 3) of a `.npy` file with that shape or (400, 3).
 
     Raises DataError for anything else: another shape, text, objects, NaN.
     """
@@ -45,9 +46,9 @@ def load_field(file: Path) -> Field:
 
 
 def robust_scale(fields: Iterable[Field]) -> Field:
-    """Return the sizes (3,) along x, y, z that 99 % of the displacements stay below; 1 for none.
+    """Return the 99 % quantiles (3,) of the displacements along x, y, z; 1 for none.
 
-    x and y share theirs, so that the hue of a drag says its direction.
+    x and y share one scale, so that the hue of a drag shows its direction.
     """
     seen = list(fields)
     if not seen:
@@ -61,7 +62,7 @@ def field_to_rgb(field: Field, scale: Field, *, side: int = SIDE) -> NDArray[np.
     """Return an image (side, side, 3) of a displacement field.
 
     field  (20, 20, 3) displacements along x, y, z
-    scale  (3,) > 0, the displacements drawn as full colour; larger ones are cut
+    scale  (3,) > 0, the displacements drawn as full colour; larger ones are clipped
     """
     colours = np.clip(field / scale, -1, 1) * 127.5 + 127.5
     channels = [
@@ -76,11 +77,11 @@ def field_to_rgb(field: Field, scale: Field, *, side: int = SIDE) -> NDArray[np.
 
 
 def draw_all(files: Sequence[Path], folder: Path) -> tuple[dict[Path, Path], dict[Path, str]]:
-    """Draw every field on one scale into `folder`, those that are there already excepted.
+    """Draw every field on one scale into `folder`; existing images are kept.
 
     files   `.npy` files of one data set
-    folder  for the images, each named by what is in it, so that nothing in it is ever out of date
-    return  the image of each field, and for the fields that cannot be drawn why
+    folder  of the images, each named by a hash of its content
+    return  the image of each field, and the reason for each field that cannot be drawn
     """
     drawn: dict[Path, Path] = {}
     refused: dict[Path, str] = {}

@@ -1,4 +1,4 @@
-"""Readers of pairs: one file a data set, one table, one door."""
+"""Readers of pairs: one file for each data set, one table, one entry point."""
 
 from collections.abc import Callable
 from importlib import import_module
@@ -12,7 +12,7 @@ from omnivat.data.readers.names import exists, show
 from omnivat.errors import DataError, SettingsError
 from omnivat.tables import load, suggestion
 
-# Tried in this order where the layout is not named. A reader's module holds `read` and `recognises`.
+# Tried in this order if no reader is named. A reader is a module with `read` and `recognises`.
 READERS = {
     "csv": "omnivat.data.readers.table:read",
     "tacquad": "omnivat.data.readers.tacquad:read",
@@ -40,17 +40,17 @@ def recognised(source: Path) -> str:
 def read_pairs(
     source: Path | str, *, reader: str = "auto", strict: bool = False, seed: int = 0, **options: Any
 ) -> PairSet:
-    """Return the pairs of a data set on disk, with what was left out and why.
+    """Return the pairs of a data set on disk, and the skipped items with reasons.
 
     source   a folder, or a CSV file with a row for each pair
-    reader   a name in READERS; "auto" tells from what lies in the folder
+    reader   a name in READERS; "auto" recognises the layout
     strict   only the five materials under their own names: no iron as steel, no other classes
-    seed     of the balanced subsampling, where the reader has one
-    options  settings of that reader alone, such as by_folder for Touch-and-Go; a truth value may
-             be the text "true" or "false", as it comes from a command line
+    seed     of the balanced subsampling, if the reader has one
+    options  settings of that reader, such as by_folder for Touch-and-Go; a truth value may be the
+             text "true" or "false", from a command line
 
-    Raises DataError when there is nothing at `source`, it is of another layout, or it holds no
-    pairs or a domain that is called "all"; SettingsError for an option that the reader does not have.
+    Raises DataError if `source` is missing, has another layout, no pairs, or a domain called "all";
+    SettingsError for an option that the reader lacks.
     """
     path = Path(source)
     if not exists(path):
@@ -63,7 +63,7 @@ def read_pairs(
 
 
 def _checked(name: str, read: Callable[..., PairSet], options: dict[str, Any]) -> dict[str, Any]:
-    """Return the options, true and false as truth values where a command line gave them as text."""
+    """Return the options, with the texts "true" and "false" as truth values."""
     own = {
         parameter.name: parameter.default
         for parameter in signature(read).parameters.values()

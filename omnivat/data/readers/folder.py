@@ -23,20 +23,20 @@ LAYOUT = "<domain>/<class>/<name>_vis.png beside <name>_tac.png"
 
 
 def recognises(source: Path) -> bool:
-    """Tell whether this is a folder: of the readers, this one takes any."""
+    """True for any folder; this reader is the last one tried."""
     return source.is_dir()
 
 
 def read(source: Path, *, strict: bool = False, seed: int = 0) -> PairSet:
     """Return the pairs of a plain folder.
 
-    source  the folder that holds one folder for each domain
+    source  a folder with one folder for each domain
     strict  keep the five materials only
     seed    not used: every pair is kept
 
-    The class is the folder's name in lower case. A folder inside a class is an object, which
-    splits keep whole. Half a pair, and a half that is there twice, is skipped and listed.
-    Raises DataError when there are no pairs, or two classes or domains of one name.
+    The class is the folder's name in lower case. A folder inside a class is an object, which no
+    split divides. A single image without its partner, and a duplicate, is skipped and listed.
+    Raises DataError without pairs, or for two classes or domains of the same name.
     """
     if not source.is_dir():
         raise DataError(f"'{show(source)}' is not a folder; wanted a folder of {LAYOUT}.")
@@ -57,25 +57,25 @@ def read(source: Path, *, strict: bool = False, seed: int = 0) -> PairSet:
 
 
 class _Walk:
-    """What has been found so far on the way through the folders."""
+    """The state of the walk through the folders."""
 
     def __init__(self, root: Path, strict: bool) -> None:
         self.root, self.strict = root, strict
         self.pairs: list[Pair] = []
         self.skipped: list[Skipped] = []
-        self._seen: dict[str, Path] = {}  # real folder -> the name it was first read under
+        self._seen: dict[str, Path] = {}  # real folder -> name at first visit
 
     def skip(self, path: Path, why: str, count: int = 1) -> None:
         self.skipped.append(Skipped(what=show(path.relative_to(self.root)), why=why, count=count))
 
     def skip_halves(self, folder: Path, why: str) -> None:
-        """List the images that lie where no pair is looked for."""
+        """List the images outside class folders."""
         for entry in visible(folder):
             if _is_half(entry.name):
                 self.skip(folder / entry.name, why)
 
     def read_class(self, domain: str, folder: Path) -> None:
-        """Read the pairs of one class, those in its object folders among them."""
+        """Read the pairs of one class, including those in its object folders."""
         material = class_key(folder.name)
         if self.strict and material not in MATERIALS:
             self.skip(folder, f"strict: not one of {', '.join(MATERIALS)}")
@@ -89,7 +89,7 @@ class _Walk:
                 self.skip_halves(deeper, "lies deeper than an object folder")
 
     def is_new(self, folder: Path) -> bool:
-        """Tell whether a folder is met for the first time; a link may lead to it again."""
+        """True if a folder is visited for the first time; links may lead to it again."""
         real = os.path.realpath(folder)
         if leads_upwards(folder):
             self.skip(folder, "leads back to a folder that it lies in")
@@ -131,7 +131,7 @@ class _Walk:
 
 
 def _not_a_half(path: Path, stem: re.Match[str] | None) -> str:
-    """Return why a file is no half of a pair, or nothing. Files of other kinds pass unseen."""
+    """Return why a file is not part of a pair, or "". Files of other kinds are ignored."""
     image = is_image_name(path.name)
     if not image and not stem:
         return ""
@@ -149,7 +149,7 @@ def _not_a_half(path: Path, stem: re.Match[str] | None) -> str:
 
 
 def _of_one_name(folders: list[Path], kind: str) -> list[Path]:
-    """Return the folders, or raise DataError when two of them mean one name."""
+    """Return the folders, or raise DataError if two of them have the same name."""
     first: dict[str, Path] = {}
     for folder in folders:
         name = class_key(folder.name)

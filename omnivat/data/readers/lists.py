@@ -1,4 +1,4 @@
-"""Small text files that come with data sets: tables with a header, JSON, lists of lines."""
+"""Small text files of data sets: tables with a header, JSON, lists of lines."""
 
 import csv
 import json
@@ -15,17 +15,17 @@ MOST_TEXT = 1_000_000_000  # bytes of a table or list; a million pairs take 200 
 
 
 def read_text(file: Path) -> str:
-    """Return a file as text, whatever bytes are in it; raises DataError when it cannot be read."""
+    """Return a file as text, with any bytes; raises DataError if it cannot be read."""
     return read_whole(file, MOST_TEXT, show(file)).decode("utf-8-sig", errors="replace")
 
 
 def read_lines(file: Path) -> list[str]:
-    """Return the lines of a file without outer blanks, empty ones left empty."""
+    """Return the lines of a file, stripped; empty lines stay."""
     return [line.strip() for line in read_text(file).splitlines()]
 
 
 def read_json(file: Path, kind: type) -> Any:
-    """Return what a JSON file holds; raises DataError when it is no JSON of that kind."""
+    """Return the content of a JSON file; raises DataError for other content."""
     try:
         value = json.loads(read_text(file))
     except (ValueError, RecursionError) as error:
@@ -39,7 +39,7 @@ def read_json(file: Path, kind: type) -> Any:
 
 
 def read_cells(file: Path) -> list[list[str]]:
-    """Return the rows of a CSV, cells without outer blanks, rows without a cell left out."""
+    """Return the rows of a CSV with stripped cells, without empty rows."""
     try:
         rows = [[cell.strip() for cell in row] for row in csv.reader(StringIO(read_text(file)))]
     except csv.Error as error:
@@ -50,7 +50,7 @@ def read_cells(file: Path) -> list[list[str]]:
 def read_names(file: Path, key: str, value: str) -> dict[str, str]:
     """Return one named column by another, for a CSV with names in its first row.
 
-    Raises DataError when a column is missing, or a key has two values.
+    Raises DataError if a column is missing, or a key has two values.
     """
     rows = read_cells(file)
     header = [name.lower() for name in rows[0]] if rows else []

@@ -1,4 +1,4 @@
-"""File names as people wrote them: which are images, which can be kept, how to show them."""
+"""Checks of file names: images, valid text, printable form."""
 
 import os
 import re
@@ -17,34 +17,34 @@ IMAGE_SUFFIXES = frozenset(
 
 
 def show(path: Path | str) -> str:
-    """Return a path that can always be printed: odd bytes and line ends become escapes."""
+    """Return a printable path: invalid bytes and line ends become escapes."""
     return printable(os.fspath(path))
 
 
 def is_text(name: str) -> bool:
-    """Tell whether a file name is valid UTF-8, so that it can be written to a file."""
+    """True if a file name is valid UTF-8."""
     return not any(0xD800 <= ord(letter) <= 0xDFFF for letter in name)
 
 
 def is_image_name(name: str) -> bool:
-    """Tell by its suffix, in any case, whether a file is an image."""
+    """True if a file's suffix, in any case, is that of an image."""
     return os.path.splitext(name)[1].lower() in IMAGE_SUFFIXES
 
 
 def exists(path: Path) -> bool:
-    """Tell whether something readable is there; a dangling or looping link is not."""
+    """True if something readable exists; False for a broken or looping link."""
     return os.path.exists(path)
 
 
 def is_file(path: Path) -> bool:
-    """Tell whether this is a file; unlike Path.is_file, never raises for a name too long."""
+    """True if this is a file; unlike Path.is_file, it never raises for long names."""
     return os.path.isfile(path)
 
 
 def visible(folder: Path) -> Iterator[os.DirEntry[str]]:
-    """Give what lies in a folder, sorted by name, without hidden entries.
+    """Yield the entries of a folder, sorted by name, without hidden ones.
 
-    A folder that cannot be listed gives nothing.
+    A folder that cannot be listed has none.
     """
     try:
         with os.scandir(folder) as entries:
@@ -61,7 +61,7 @@ def folders_in(folder: Path) -> list[Path]:
 
 
 def leads_upwards(folder: Path) -> bool:
-    """Tell whether a link leads back to a folder that it lies in."""
+    """True if a link leads to one of its own parent folders."""
     return folder.is_symlink() and Path(os.path.realpath(folder)) in (
         Path(os.path.realpath(folder.parent)),
         *Path(os.path.realpath(folder.parent)).parents,
@@ -69,15 +69,15 @@ def leads_upwards(folder: Path) -> bool:
 
 
 def number_of(path: Path) -> int | None:
-    """Return the number that a file's name ends in before its suffix, if any."""
+    """Return the number at the end of a file's stem, if any."""
     number = re.search(r"[0-9]+$", path.stem)
     return int(number[0]) if number else None
 
 
 def frames_in(folder: Path, suffixes: frozenset[str] = IMAGE_SUFFIXES) -> dict[int, Path]:
-    """Return the frames in a folder by the number that their name ends in, in its order.
+    """Return the frames in a folder by the number at the end of their names, in that order.
 
-    Of a frame in two formats the first by name counts; a name without a number is no frame.
+    If a frame has two formats, the first by name counts. Names without a number are ignored.
     """
     frames: dict[int, Path] = {}
     for entry in visible(folder):

@@ -23,13 +23,13 @@ from omnivat.tables import suggestion
 
 A, B = "OF 2.0 A", "OF 2.0 B"
 LAST_OF_A = 100
-TOUCH_CROP = 320  # pixels; the release's own loader cuts touch so before resizing
+TOUCH_CROP = 320  # pixels; the release's loader crops touch to this before resizing
 TEST_OBJECTS = 5  # of each class, in A and in B: the paper's 500 test pairs a class
 SPLITS = ("paper", "release")
 
 
 def recognises(source: Path) -> bool:
-    """Tell whether a folder has the layout of the ObjectFolder benchmark's release."""
+    """True if a folder has the layout of the ObjectFolder benchmark's release."""
     return is_file(source / "label.json") and (source / "touch").is_dir()
 
 
@@ -43,16 +43,15 @@ def read(
 ) -> PairSet:
     """Return the pairs of ObjectFolder 2.0, A and B.
 
-    source   the release's folder, with `vision` and `touch` in it
+    source   the release's folder, with `vision` and `touch`
     strict   leave out iron (as steel) and polycarbonate (as plastic)
     seed     of the draw of objects
-    split    "paper" draws as many objects of each class and five of them for testing, which gives
-             the paper's counts; "release" takes all pairs of split.json, split as it says
-    objects  objects.csv, where it is not <root>/objects.csv
+    split    "paper" draws equally many objects of each class, five for testing, which gives the
+             paper's counts; "release" uses all pairs and splits of split.json
+    objects  objects.csv, if it is not <root>/objects.csv
 
-    What label.json's numbers mean is not written in it: they are matched with objects.csv, and
-    refused where one number has two materials. Raises DataError then, when a file is missing, or
-    when there is nothing to pair.
+    label.json does not name its numbers, so they are matched with objects.csv. Raises DataError if
+    one number has two materials, if a file is missing, or if there are no pairs.
     """
     if split not in SPLITS:
         raise SettingsError(
@@ -78,10 +77,10 @@ def read(
 
 
 def materials_of_objects(source: Path, table: Path) -> dict[int, str]:
-    """Return each labelled object's material, after checking that label.json agrees with it.
+    """Return each labelled object's material, after checking it against label.json.
 
-    Raises DataError unless every number of label.json stands for one material and every material
-    for one number.
+    Raises DataError unless every number of label.json matches one material and every material one
+    number.
     """
     labels = _labels(source / "label.json")
     materials = _materials(table)
@@ -130,7 +129,7 @@ def _materials(table: Path) -> dict[int, str]:
 
 
 def _things(source: Path, raw: dict[int, str], strict: bool, left_out: Tally) -> dict[int, str]:
-    """Return the objects to keep and the material each counts as."""
+    """Return the objects to keep, with their materials."""
     known = rules("objectfolder")
     things = {}
     for thing, name in sorted(raw.items()):
@@ -185,11 +184,11 @@ def _released(source: Path, pairs: list[Pair]) -> tuple[list[Pair], tuple[Skippe
 
 
 def _drawn(pairs: list[Pair], seed: int) -> tuple[list[Pair], tuple[Skipped, ...]]:
-    """Return as many objects of each class, split as the paper's counts say.
+    """Return equally many objects of each class, split to match the paper's counts.
 
-    B: as many objects of each class as the rarest has; five of them test, the others train.
-    A: as many as the rarest has train, up to five others test; a class without others is tested
-    on its training objects, harmless because A is never tested on itself.
+    B: as many objects of each class as the rarest has, five of them for testing. A: as many as the
+    rarest has for training, up to five others for testing. A class without others is tested on its
+    training objects, which is harmless because A is never tested on itself.
     """
     things: dict[tuple[str, str], dict[str, list[Pair]]] = defaultdict(lambda: defaultdict(list))
     for pair in pairs:

@@ -1,11 +1,11 @@
 """ObjectFolder Real (OF Real): a hundred objects, each pressed at 30 to 50 places.
 
     <root>/<object>/tactile_data/<contact>/0/gelsight/<number>.png    the whole press as frames
-    <root>/<object>/tactile_data/<contact>/0/<a camera>/<number>.png  what cameras saw meanwhile
+    <root>/<object>/tactile_data/<contact>/0/<a camera>/<number>.png  camera frames
     <root>/materials.csv   object,material: copied from the data set's download page
 
-The folder says gelsight, the paper GelSlim. How the cameras' folders are called could not be
-checked: any folder of frames beside gelsight is taken, the hand's camera first.
+The folder is called gelsight, the sensor in the paper GelSlim. The names of the camera folders are
+unknown, so any folder of frames next to gelsight is accepted, the hand's camera first.
 """
 
 from collections.abc import Iterator
@@ -24,11 +24,11 @@ DOMAIN = "OF Real"
 TOUCH = "gelsight"
 TEST_SHARE = 1_355 / (3_401 + 1_355)  # of the paper's counts
 CHOICES = ("middle", "last", "all")
-PREFERRED = ("hand", "third")  # words in the names of the cameras' folders, best first
+PREFERRED = ("hand", "third")  # words in the names of camera folders, best first
 
 
 def recognises(source: Path) -> bool:
-    """Tell whether a folder holds objects with tactile data."""
+    """True if a folder has objects with tactile data."""
     return any((folder / "tactile_data").is_dir() for folder in folders_in(source))
 
 
@@ -43,15 +43,15 @@ def read(
 ) -> PairSet:
     """Return the pairs of ObjectFolder Real, split by object.
 
-    source     the folder of the objects' folders, "1" to "100"
+    source     the folder of the object folders, "1" to "100"
     strict     leave out iron (as steel) and polycarbonate (as plastic)
     seed       of the split
-    frames     which frame of a press: the "middle" one, the "last", or "all" of them
-    camera     the folder beside gelsight to take VIS from; "" finds one
-    materials  the table object,material, where it is not <root>/materials.csv
+    frames     frames of a press: "middle", "last" or "all"
+    camera     the folder of VIS next to gelsight; "" finds one
+    materials  the table object,material, if it is not <root>/materials.csv
 
-    Which frames and which camera the paper used is not known. The VIS frame is the one at the
-    same part of its recording. Raises DataError when there is no table or nothing to pair.
+    The paper's frames and camera are unknown. The VIS frame is at the same fraction of its
+    recording. Raises DataError without a table or without pairs.
     """
     if frames not in CHOICES:
         raise SettingsError(
@@ -89,7 +89,7 @@ def _materials_of(source: Path, table: Path | str | None) -> dict[str, str]:
 
 
 def _material(thing: Path, named: dict[str, str], strict: bool, left_out: Tally) -> Iterator[str]:
-    """Give the object's material if it is one to keep."""
+    """Return the object's material if it is kept."""
     raw = class_key(named.get(thing.name, ""))
     rule = rules("objectfolder").get(raw)
     if not is_text(thing.name):
@@ -129,7 +129,7 @@ def _chosen(count: int, choice: str) -> range:
 
 
 def _camera_frames(recording: Path, camera: str) -> list[Path]:
-    """Return the frames of the wanted camera, or of the best one that has any."""
+    """Return the frames of the given camera, or of the best one with frames."""
     beside = [folder for folder in folders_in(recording) if folder.name != TOUCH]
     if camera:
         beside = [folder for folder in beside if folder.name == camera]

@@ -1,4 +1,4 @@
-"""A CSV of pairs: a row a pair, columns vis, tac, domain, material and what else is known."""
+"""A CSV of pairs: one row for each pair, columns vis, tac, domain, material and optional ones."""
 
 import csv
 import os
@@ -22,25 +22,25 @@ Row = dict[str, str]
 
 
 def recognises(source: Path) -> bool:
-    """Tell whether this is a CSV, or a folder with one called pairs.csv."""
+    """True for a CSV, or for a folder with a pairs.csv."""
     return source.suffix.lower() == ".csv" if is_file(source) else is_file(source / "pairs.csv")
 
 
 def read(source: Path, *, strict: bool = False, seed: int = 0) -> PairSet:
     """Return the pairs of a CSV in UTF-8, separated by commas, with names in its first row.
 
-    source  the file, or a folder with `pairs.csv` in it; paths in it count from its folder
+    source  the file, or a folder with `pairs.csv`; its paths are relative to its folder
     strict  keep the five materials only
     seed    not used: every pair is kept
 
-    A row without an image or a name, and a row that repeats another, is skipped and listed.
-    Raises DataError for a file that is no such table, an unknown split, the same images under two
-    names, or no pairs at all.
+    A row without an image or a name, or a repeated row, is skipped and listed.
+    Raises DataError for another kind of file, an unknown split, the same images under two names, or
+    no pairs.
     """
     file = source / "pairs.csv" if source.is_dir() else source
     pairs: list[Pair] = []
     skipped: list[Skipped] = []
-    first: dict[tuple[str, str], tuple[int, Pair]] = {}  # the two files -> where they came first
+    first: dict[tuple[str, str], tuple[int, Pair]] = {}  # the two files -> row of first appearance
     for number, row in _rows(file):
         why = _why_not(file, number, row, strict)
         if not why:
@@ -67,7 +67,7 @@ def read(source: Path, *, strict: bool = False, seed: int = 0) -> PairSet:
 
 
 def _rows(file: Path) -> Iterator[tuple[int, Row]]:
-    """Give the rows with the number a spreadsheet shows them under, cells without outer blanks."""
+    """Yield the rows with their spreadsheet numbers and stripped cells."""
     try:
         reader = csv.reader(StringIO(_text(file), newline=""), strict=True)
         header = [name.strip().lower() for name in next(reader, [])]
@@ -111,7 +111,7 @@ def _check_header(file: Path, header: list[str]) -> None:
 
 
 def _why_not(file: Path, number: int, row: Row, strict: bool) -> str:
-    """Return why a row gives no pair, or nothing."""
+    """Return why a row gives no pair, or ""."""
     if row["more"]:
         return "has more cells than the first row (a comma inside a name needs quotation marks)"
     for name in NEEDED:
@@ -134,7 +134,7 @@ def _why_not(file: Path, number: int, row: Row, strict: bool) -> str:
 
 
 def _path(folder: Path, cell: str) -> Path:
-    """Return where a cell points; one written with backslashes is found as well."""
+    """Return the path in a cell; backslashes work, too."""
     path = folder / cell
     if "\\" in cell and not is_file(path):
         return folder / cell.replace("\\", "/")

@@ -1,11 +1,11 @@
 """TacQuad (TQ): four sensors on the same items, indoors and outdoors.
 
 <root>/contact_{indoor,outdoor}.csv   item, then first and last frame in contact for GelSight
-                                      Mini, DIGIT and DuraGel, perhaps a caption; no header
+                                      Mini, DIGIT and DuraGel, optionally a caption; no header
 <root>/data_{indoor,outdoor}/<item>/{gelsight,digit,duragel}/<number>.png    touch, from 0
 <root>/data_{indoor,outdoor}/<item>/img_{gelsight,digit,duragel,tac3d}/<number>.png
-<root>/data_indoor/<item>/tac3d/<number>.npy    20 x 20 x 3, and in some copies empty
-<root>/materials.csv   item,material: overrides what the names and captions say
+<root>/data_indoor/<item>/tac3d/<number>.npy    20 x 20 x 3; missing in some copies
+<root>/materials.csv   item,material: overrides names and captions
 """
 
 from collections.abc import Iterator
@@ -26,15 +26,20 @@ from omnivat.seeding import derive_seed
 from omnivat.tables import suggestion
 
 PARTS = ("indoor", "outdoor")
-RENAMED = {"yumaoqiu": "shuttlecock", "yumaoqiu2": "shuttlecock2"}  # listed so, stored so
+RENAMED = {
+    "yumaoqiu": "shuttlecock",
+    "yumaoqiu2": "shuttlecock2",
+}  # name in the list -> name of the folder
 ARRAYS = frozenset({".npy"})
 TRAIN, TEST = 41, 15  # frames of an item: 779 = 19 * 41, 285 = 19 * 15, 525 = 35 * 15
-T3D_TEST_SHARE = 682 / (1_196 + 682)  # of the paper's counts; no number a item fits them
+T3D_TEST_SHARE = 682 / (
+    1_196 + 682
+)  # of the paper's counts; no number of frames for each item fits them
 
 
 @dataclass(frozen=True, slots=True)
 class Sensor:
-    """A sensor's domain, its folder, and where contact_*.csv holds its first frame."""
+    """A sensor's domain, its folder, and the column of its first frame in contact_*.csv."""
 
     domain: str
     folder: str
@@ -61,7 +66,7 @@ class Contact:
 
 
 def recognises(source: Path) -> bool:
-    """Tell whether a folder holds TacQuad's contact lists."""
+    """True if a folder has TacQuad's contact lists."""
     return is_file(source / "contact_indoor.csv") or is_file(source / "contact_outdoor.csv")
 
 
@@ -80,14 +85,15 @@ def read(
     source      the folder with contact_indoor.csv
     strict      leave out iron and aluminium (as steel)
     seed        of the draw of frames
-    all_frames  keep every frame in contact; otherwise 41 to train and 15 to test of each outdoor
-                item and 15 to test of each indoor item, as the paper's counts suggest
+    all_frames  keep every frame in contact; otherwise 41 training and 15 test frames of each
+    outdoor
+                item and 15 test frames of each indoor item, as the paper's counts suggest
     by_object   put whole outdoor items into train or test; otherwise frames of one item are in both
-    materials   the table item,material, where it is not <root>/materials.csv; an empty material
-                leaves the item out
-    cache       where the images of Tac3D fields go; the user's cache folder where not given
+    materials   the table item,material, if it is not <root>/materials.csv; an empty material
+                skips the item
+    cache       folder of the images of Tac3D fields; by default the user's cache folder
 
-    Raises DataError when nothing can be paired.
+    Raises DataError if there are no pairs.
     """
     left_out = Tally()
     contacts = list(_contacts(source, materials, strict, left_out))
@@ -108,7 +114,7 @@ def read(
 def _contacts(
     source: Path, table: Path | str | None, strict: bool, left_out: Tally
 ) -> Iterator[Contact]:
-    """Give the rows of both parts whose item is there and of one of the five materials."""
+    """Yield the rows of both parts whose item exists and has one of the five materials."""
     given = Path(table) if table else source / "materials.csv"
     overrides = _overrides(given, required=table is not None)
     for part in PARTS:
@@ -148,10 +154,10 @@ def _overrides(file: Path, *, required: bool) -> dict[str, str]:
 def material_of(
     item: str, caption: str, overrides: dict[str, str], *, strict: bool = False
 ) -> tuple[str, str]:
-    """Return an item's material, or "" and why it has none of the five.
+    """Return an item's material, or "" and the reason.
 
-    An override counts first, then the item's name, then the caption. A text that names two
-    materials decides nothing.
+    An override has priority, then the item's name, then the caption. A text with two materials is
+    ignored.
     """
     if item in overrides:
         return overrides[item], "" if overrides[item] else "left out by the table of materials"
@@ -166,7 +172,7 @@ def material_of(
 
 
 def _touches(contact: Contact, sensor: Sensor, left_out: Tally) -> Iterator[Pair]:
-    """Give the pairs of one sensor: the frames in contact, first and last included."""
+    """Yield the pairs of one sensor: the frames in contact, first and last included."""
     what = f"{contact.part}/{show(contact.item)}, {sensor.domain}"
     bounds = contact.cells[sensor.column : sensor.column + 2]
     if len(bounds) < 2 or not all(map(str.isdecimal, bounds)) or int(bounds[0]) > int(bounds[1]):
@@ -185,10 +191,10 @@ def _touches(contact: Contact, sensor: Sensor, left_out: Tally) -> Iterator[Pair
 def _paired(
     contact: Contact, sensor: Sensor, touch: dict[int, Path], recorded: int, left_out: Tally
 ) -> Iterator[Pair]:
-    """Give touch frames with the image of the same moment.
+    """Yield touch frames with the image of the same moment.
 
-    recorded  how many touch frames there are in all: the images' count may differ by a few, so
-              frame t goes with image int(t / recorded * images)
+    recorded  number of all touch frames; the number of images may differ slightly, so frame t is
+              paired with image int(t / recorded * images)
     """
     images = list(frames_in(contact.folder / f"img_{sensor.folder}").values())
     if touch and not images:
@@ -210,7 +216,7 @@ def _paired(
 def _with_splits(
     found: list[Pair], contact: Contact, sensor: Sensor, seed: int, all_frames: bool
 ) -> list[Pair]:
-    """Return the frames of an item that train and test, in the order they were recorded."""
+    """Return the training and test frames of an item, in recorded order."""
     outdoor = contact.part == "outdoor"
     wanted = len(found) if all_frames else min(len(found), TEST + TRAIN * outdoor)
     random = Random(derive_seed(seed, "frames", sensor.domain, contact.part, contact.item))
@@ -221,7 +227,7 @@ def _with_splits(
 
 
 def _tac3d(contacts: list[Contact], folder: Path, seed: int, left_out: Tally) -> list[Pair]:
-    """Return the pairs of Tac3D, which were recorded indoors and have no ranges of contact."""
+    """Return the pairs of Tac3D, which was recorded indoors and has no contact ranges."""
     fields = {
         contact.item: (contact, frames_in(contact.folder / TAC3D.folder, ARRAYS))
         for contact in contacts
@@ -248,7 +254,7 @@ def _tac3d(contacts: list[Contact], folder: Path, seed: int, left_out: Tally) ->
 
 
 def _by_object(pairs: list[Pair], seed: int) -> list[Pair]:
-    """Return the pairs with whole items in train or test; what only tests goes on testing."""
+    """Return the pairs with whole items in train or test; items for testing only stay so."""
     trained = {(pair.domain, pair.part) for pair in pairs if pair.split == "train"}
     split = [pair for pair in pairs if (pair.domain, pair.part) in trained]
     rest = [pair for pair in pairs if (pair.domain, pair.part) not in trained]

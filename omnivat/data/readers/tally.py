@@ -1,4 +1,4 @@
-"""Count what a reader leaves out, so that a hundred thousand frames make a few lines."""
+"""Count skipped items, so that a hundred thousand frames give a few lines."""
 
 from collections import Counter
 
@@ -6,7 +6,7 @@ from omnivat.data.pairs import Skipped
 
 
 class Tally:
-    """How many pairs each thing stands for that was left out for a reason."""
+    """The number of pairs skipped for each item and reason."""
 
     def __init__(self) -> None:
         self._counts: Counter[tuple[str, str]] = Counter()
@@ -16,13 +16,13 @@ class Tally:
         self._counts[what, why] += count
 
     def skipped(self) -> tuple[Skipped, ...]:
-        """Return one entry for each thing and reason, in the order they first came."""
+        """Return one entry for each item and reason, in order of first appearance."""
         return tuple(
             Skipped(what=what, why=why, count=count) for (what, why), count in self._counts.items()
         )
 
     def reasons(self, limit: int = 3) -> str:
-        """Return the commonest reasons in a few words, for the sentence of an error."""
+        """Return the most frequent reasons in a few words, for an error."""
         reasons: Counter[str] = Counter()
         for (_, why), count in self._counts.items():
             reasons[why] += count

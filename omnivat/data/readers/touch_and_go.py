@@ -34,7 +34,7 @@ class Frame:
 
 
 def recognises(source: Path) -> bool:
-    """Tell whether a folder holds clips with GelSight frames."""
+    """True if a folder has clips with GelSight frames."""
     clips = folders_in(source / "dataset") or folders_in(source)
     return any((clip / "gelsight_frame").is_dir() for clip in clips)
 
@@ -51,17 +51,17 @@ def read(
 ) -> PairSet:
     """Return the pairs of Touch-and-Go.
 
-    source       the folder with `dataset` in it, or with the clips themselves
-    strict       changes nothing here: metal and tile are its only words for steel and ceramic
+    source       the folder with `dataset`, or with the clips
+    strict       no effect here: metal and tile are its only words for steel and ceramic
     seed         of the balancing and of the split by clip
     by_folder    put whole clips into train or test. The official lists share 100 of their 106
                  test clips with training, so their test pairs are near copies of training pairs
     balanced     draw as many pairs of each class as the smallest has, as the paper seems to
     keep_labels  keep materials beyond the five under their own names
-    lists        the folder with train.txt and test.txt, where it is another one
+    lists        the folder with train.txt and test.txt, if it is another one
 
-    Without the official lists label.txt is read and split by clip; without any list, keep_labels
-    takes the clip's name as the class. Raises DataError when there is nothing to pair.
+    Without the official lists, label.txt is read and split by clip. Without any list, keep_labels
+    uses the clip's name as the class. Raises DataError if there are no pairs.
     """
     left_out = Tally()
     clips = source / "dataset" if (source / "dataset").is_dir() else source
@@ -91,7 +91,7 @@ def read(
 
 
 def _list_files(places: tuple[Path, ...], by_folder: bool) -> tuple[dict[str, Path], bool]:
-    """Return the lists by the split they stand for, and whether theirs is the official split."""
+    """Return the lists by split, and True for the official split."""
     for place in places:
         both = {"train": place / "train.txt", "test": place / "test.txt"}
         every = place / "label.txt"
@@ -103,7 +103,7 @@ def _list_files(places: tuple[Path, ...], by_folder: bool) -> tuple[dict[str, Pa
 
 
 def _listed(files: dict[str, Path], left_out: Tally) -> Iterator[Frame]:
-    """Give the frames of the lists; each frame once, and none that is inconclusive."""
+    """Yield the frames of the lists, each once, without inconclusive ones."""
     seen: dict[tuple[str, int], str] = {}
     for split, file in files.items():
         for line in filter(None, read_lines(file)):
@@ -127,9 +127,9 @@ def _plain(clip: str) -> bool:
 
 
 def _label_names(places: tuple[Path, ...]) -> dict[str, str]:
-    """Return what category_reference.txt calls each label, checked against the five we map.
+    """Return the labels' names in category_reference.txt, checked against our five.
 
-    Raises DataError when it calls one of the five something else.
+    Raises DataError if one of the five has another name there.
     """
     file = next(
         (p / "category_reference.txt" for p in places if is_file(p / "category_reference.txt")),
@@ -152,7 +152,7 @@ def _label_names(places: tuple[Path, ...]) -> dict[str, str]:
 def _materials(
     frames: list[Frame], names: dict[str, str], strict: bool, keep: bool, left_out: Tally
 ) -> list[tuple[Frame, str]]:
-    """Return the frames with the class they count as."""
+    """Return the frames with their classes."""
     known = rules("touch_and_go")
     kept = []
     for frame in frames:
@@ -169,7 +169,7 @@ def _materials(
 
 
 def _unlisted(clips: Path) -> list[tuple[Frame, str]]:
-    """Return every frame of every clip, the clip's name as its class."""
+    """Return every frame of every clip, with the clip's name as the class."""
     return [
         (Frame(clip.name, number, clip.name, ""), class_key(clip.name))
         for clip in folders_in(clips)
