@@ -3,14 +3,15 @@
 import logging
 import os
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from omnivat.data.manifest import manifest_place, require_own
 from omnivat.data.pairs import PairSet, Skipped
 from omnivat.data.store import Header, vector_type
-from omnivat.embed.job import Job, chunks_of
+from omnivat.embed.job import Chunk, Job, chunks_of
 from omnivat.embed.parts import Part, Parts, merge
 from omnivat.errors import DataError, SettingsError
 from omnivat.files import require_writable
@@ -72,16 +73,7 @@ def embed_pairs(
     written or the table beside it would replace another; settings are checked first.
     """
     out = Path(out)
-    vector_type(dtype)
-    require_writable(out, ".safetensors")
-    require_own(manifest_place(out, manifest))
-    if workers is not None and workers < 1:
-        raise SettingsError(f"workers is {workers}; choose 1 or more.")
-    if not pairs.pairs:
-        raise DataError(
-            f"There are no pairs to embed in {pairs.origin or 'what was given'}; "
-            "see what the reader left out and why."
-        )
+    _require_sound(pairs, out, workers, dtype, manifest)
     run = load(ENGINES, engine, kind="engine")
     job = Job(
         encoder=encoder_name,
@@ -93,23 +85,8 @@ def embed_pairs(
         download=download,
     )
     begun = time.monotonic()
-    encoder = job.load()
-    parts = Parts(out)
-    with parts.claimed():
-        chunks = list(chunks_of(pairs.pairs, encoder, job))
-        waiting = [chunk for chunk in chunks if parts.read(chunk) is None]
-        resumed = len(pairs.pairs) - sum(len(chunk.pairs) for chunk in waiting)
-        if resumed:
-            _log.info("%d pairs were embedded by an earlier run", resumed)
-        on_pairs = _progress(len(pairs.pairs), resumed, on_step)
-        for chunk, content in run(
-            waiting, job, encoder, workers=workers or usable_cores(), on_pairs=on_pairs
-        ):
-            parts.write(chunk, content)
-        finished = [part for chunk in chunks if (part := parts.read(chunk)) is not None]
-        _require_all(finished, len(chunks), pairs, parts)
-        header = merge(out, finished, pairs, encoder, job, dtype=dtype, manifest=manifest)
-        parts.remove()
+    work = partial(run, job=job, workers=workers or usable_cores())
+    finished, resumed, header = _embedded(pairs, job, out, work, on_step, dtype, manifest)
     return EmbedReport(
         out=out,
         header=header,
@@ -118,6 +95,52 @@ def embed_pairs(
         skipped=tuple(skipped for part in finished for skipped in part.skipped),
         seconds=time.monotonic() - begun,
     )
+
+
+def _require_sound(
+    pairs: PairSet, out: Path, workers: int | None, dtype: str, manifest: str
+) -> None:
+    """Refuse what cannot be embedded or written, before the encoder is loaded."""
+    vector_type(dtype)
+    require_writable(out, ".safetensors")
+    require_own(manifest_place(out, manifest))
+    if workers is not None and workers < 1:
+        raise SettingsError(f"workers is {workers}; choose 1 or more.")
+    if not pairs.pairs:
+        raise DataError(
+            f"There are no pairs to embed in {pairs.origin or 'what was given'}; "
+            "see what the reader left out and why."
+        )
+
+
+def _embedded(
+    pairs: PairSet,
+    job: Job,
+    out: Path,
+    work: Callable[..., Iterator[tuple[Chunk, bytes]]],
+    on_step: OnStep,
+    dtype: str,
+    manifest: str,
+) -> tuple[list[Part], int, Header]:
+    """Embed what no earlier run has finished and write the set.
+
+    return  its parts, how many pairs were there already, and the set's header
+    """
+    encoder, parts, total = job.load(), Parts(out), len(pairs.pairs)
+    with parts.claimed():
+        chunks = list(chunks_of(pairs.pairs, encoder, job))
+        waiting = [chunk for chunk in chunks if parts.read(chunk) is None]
+        resumed = total - sum(len(chunk.pairs) for chunk in waiting)
+        if resumed:
+            _log.info("%d pairs were embedded by an earlier run", resumed)
+        on_pairs = _progress(total, resumed, on_step)
+        for chunk, content in work(waiting, encoder=encoder, on_pairs=on_pairs):
+            parts.write(chunk, content)
+        finished = [part for chunk in chunks if (part := parts.read(chunk)) is not None]
+        _require_all(finished, len(chunks), pairs, parts)
+        header = merge(out, finished, pairs, encoder, job, dtype=dtype, manifest=manifest)
+        parts.remove()
+    return finished, resumed, header
 
 
 def usable_cores() -> int:

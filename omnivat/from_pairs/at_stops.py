@@ -11,8 +11,6 @@ from dataclasses import replace
 from multiprocessing import get_context
 from pathlib import Path
 
-import torch
-
 from omnivat.checkpoint import SETTINGS, save_head
 from omnivat.errors import SettingsError
 from omnivat.files import require_writable
@@ -20,6 +18,7 @@ from omnivat.from_pairs.finish import trained_head
 from omnivat.from_pairs.plan import TrainingPlan
 from omnivat.from_pairs.report import Meter
 from omnivat.progress import OnStep, Step, ignore
+from omnivat.threads import pin_thread
 from omnivat.train import TrainingCancelled, Watch
 from omnivat.train.state import run_name
 from omnivat.train.watch import never
@@ -109,7 +108,7 @@ _HELD: dict[str, tuple[TrainingPlan, Path]] = {}  # of a worker process
 
 
 def _prepare(plan: TrainingPlan, folder: Path) -> None:
-    torch.set_num_threads(1)
+    pin_thread()
     _HELD["work"] = (plan, folder)
 
 
