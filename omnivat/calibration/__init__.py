@@ -1,7 +1,7 @@
-"""What a head learns about its own confidence, from source pairs that it was not trained on.
+"""Calibration of a head's confidence, from held-out source pairs.
 
 fit.py          temperatures and the weight of a learned fusion, from held-out predictions
-familiarity.py  how near an image lies to the training images, against the set's own distances
+familiarity.py  distance of an image to the training images, relative to their own distances
 """
 
 from omnivat.calibration.familiarity import Familiarity, familiarity_of

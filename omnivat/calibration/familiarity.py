@@ -1,9 +1,11 @@
-"""Familiarity: how near an image lies to the training images, against the set's own distances.
+"""Familiarity: distance of an image to the training images, relative to their own distances.
 
 The distance is the cosine in E, the encoder's space, to the nearest training image of the modality.
-A cosine means little by itself, so it is read against the training set: for each of its images, the
-cosine to the nearest image of another object. A quantile of 0.02 says that 98 % of the training
-images have a nearer neighbour than this image has.
+A cosine alone means little, so it is compared with the training set: the cosine of each training
+image
+to the nearest image of another object. A quantile of 0.02 means that 98 % of the training images
+have
+a closer neighbour.
 """
 
 from collections.abc import Sequence
@@ -16,7 +18,7 @@ from torch.nn.functional import normalize
 
 from omnivat.errors import DataError
 
-MOST_ROWS = 2000  # training images kept for each modality: bounds the file and the search
+MOST_ROWS = 2000  # training images for each modality; bounds the file and the search
 QUANTILES = 101
 CHUNK = 512
 WORDS = ((0.05, "unlike the training images"), (0.25, "unusual"), (2.0, "familiar"))
@@ -24,7 +26,7 @@ WORDS = ((0.05, "unlike the training images"), (0.25, "unusual"), (2.0, "familia
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Familiarity:
-    """Training images as unit vectors, and the quantiles of their own nearest cosines.
+    """Training images as unit vectors, and the quantiles of their nearest cosines.
 
     rows       modality -> (N, D) unit rows
     quantiles  modality -> (101,) ascending cosines, from quantile 0 to 1
@@ -34,9 +36,9 @@ class Familiarity:
     quantiles: dict[str, Tensor]
 
     def look(self, vis: Tensor | None, tac: Tensor | None) -> list[dict[str, dict[str, Any]]]:
-        """Return one record a pair: modality -> cosine, quantile in [0, 1] and words.
+        """Return one record for each pair: modality -> cosine, quantile in [0, 1] and words.
 
-        vis, tac  (B, D) raw embeddings of the head's encoder; either may be None
+        vis, tac  (B, D) raw embeddings of the head's encoder; one may be None
         """
         given = {n: x for n, x in (("vis", vis), ("tac", tac)) if x is not None and n in self.rows}
         found = {name: self._one(name, rows) for name, rows in given.items()}
@@ -58,12 +60,12 @@ def words(quantile: float) -> str:
 
 
 def familiarity_of(vis: Tensor | None, tac: Tensor | None, objects: Sequence[str]) -> Familiarity:
-    """Return what to keep of a training set.
+    """Return the familiarity of a training set.
 
     vis, tac  (N, D) raw embeddings; at most 2,000 evenly spread rows are kept of each
     objects   N names; an image's neighbours of the same object do not count
 
-    Raises DataError where all images are of one object.
+    Raises DataError if all images are of one object.
     """
     given = {n: x for n, x in (("vis", vis), ("tac", tac)) if x is not None}
     step = max(1, -(-len(objects) // MOST_ROWS))
@@ -91,7 +93,7 @@ def nearest_cosine(
 ) -> Tensor:
     """Return (B,): the largest cosine of each row (B, D) with reference rows (N, D).
 
-    owner, reference_owner  (B,), (N,) objects; rows of the same object are passed over
+    owner, reference_owner  (B,), (N,) objects; rows of the same object are skipped
     """
     units = normalize(rows.float(), dim=-1)
     others = normalize(reference.float(), dim=-1)
@@ -107,7 +109,8 @@ def nearest_cosine(
 
 
 def quantile_of(values: Tensor, quantiles: Tensor) -> Tensor:
-    """Return where values (B,) stand among ascending quantiles (Q,): 0 below all, 1 above all."""
+    """Return the quantile of values (B,) among ascending quantiles (Q,): 0 below all, 1 above
+    all."""
     last = len(quantiles) - 1
     upper = torch.searchsorted(quantiles, values, right=True).clamp(1, last)
     low, high = quantiles[upper - 1], quantiles[upper]

@@ -10,7 +10,7 @@ from omnivat.errors import DataError
 from omnivat.model.fusion import Calibration, fused_logs
 
 LOWEST, HIGHEST = 0.05, 20.0  # temperatures
-STEPS = 32  # of the golden section: the temperature is known to 1e-6 of itself
+STEPS = 32  # of the golden section; relative error 1e-6
 SHARES = 21  # evenly from 0 to 1
 GOLDEN = (5**0.5 - 1) / 2
 
@@ -20,8 +20,8 @@ def fit_temperature(logits: Tensor, labels: Tensor) -> float:
 
     logits  (N, K) logits or log-probabilities;  labels  (N,)
 
-    The loss is convex in 1/T, so the golden section in log T finds the lowest.
-    Raises DataError where there are no pairs.
+    The loss is convex in 1/T, so the golden section in log T finds its minimum.
+    Raises DataError without pairs.
     Source: Guo et al., ICML 2017.
     """
     if not len(labels):
@@ -36,12 +36,13 @@ def fit_temperature(logits: Tensor, labels: Tensor) -> float:
 
 
 def fit_share(vis: Tensor, tac: Tensor, labels: Tensor) -> float:
-    """Return the weight of VIS, 0 to 1, whose weighted log-probabilities fit the labels best.
+    """Return the weight of VIS, 0 to 1, with the best weighted log-probabilities.
 
     vis, tac  (N, K) logits;  labels  (N,)
 
-    Every share is judged at its own best temperature, so that a share is not chosen for its
-    confidence. Ties go to the share nearest to a half.
+    Every share is scored at its own best temperature, so that confidence does not affect the
+    choice.
+    Ties go to the share nearest to 0.5.
     """
 
     def loss(share: float) -> tuple[float, float]:
@@ -58,9 +59,9 @@ def fit_calibration(
     """Return temperatures for "fused", "vis" and "tac", and the share of a learned fusion.
 
     logits  of held-out pairs: "vis" and "tac" with the other image absent; "vis_branch" and
-            "tac_branch" inside the pair, "pair" of the summed features. What is not there keeps a
-            temperature of one
-    fusion  how the branches become one prediction
+            "tac_branch" inside the pair, "pair" of the summed features. A missing one keeps
+                    temperature 1
+            fusion  late fusion of the branches
     """
     temperature = {
         name: fit_temperature(logits[name], labels) if name in logits else 1.0
@@ -88,7 +89,7 @@ def _exp(value: float) -> float:
 
 
 def _lowest(loss: Callable[[float], float], low: float, high: float) -> float:
-    """Return where a function with one valley is lowest, by golden section."""
+    """Return the minimum of a unimodal function, by golden section."""
     left, right = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
     at_left, at_right = loss(left), loss(right)
     for _ in range(STEPS):

@@ -85,21 +85,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         print("Stopped. Nothing is half-written.", file=sys.stderr)
         return 130
-    except BrokenPipeError:  # the reader of our output went away, as `head` does
+    except BrokenPipeError:  # the reader of the pipe closed, as `head` does
         sys.stderr.close()
         return 1
-    except OSError as error:  # a full disk, a lost network folder: nothing a traceback explains
+    except OSError as error:  # a full disk or a lost network folder: a traceback does not help
         print(f"omnivat {options.command}: {_what_failed(error)}", file=sys.stderr)
         return 1
     return 0
 
 
 def _device(options: argparse.Namespace) -> AbstractContextManager[None]:
-    """Let the device that a command was given hold for all it does."""
+    """Run a command on its device."""
     name = getattr(options, "device", "cpu")
     return nullcontext() if name == named() == "cpu" else computing_on(name)
 
 
 def _what_failed(error: OSError) -> str:
     where = f"'{error.filename}': " if error.filename else ""
-    return f"{where}{error.strerror or error}. Check the path, its rights and the free space."
+    return f"{where}{error.strerror or error}. Check the path, its permissions and the free space."

@@ -24,12 +24,12 @@ def add(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="key=value",
-        help="a setting that all rows start from, such as width=64",
+        help="a base setting of all rows, such as width=64",
     )
 
 
 def run(options: argparse.Namespace) -> None:
-    """Do what is not done yet, then write tables and plots anew."""
+    """Run what is missing, then write tables and plots."""
     from omnivat.ablations import chosen
     from omnivat.model.settings import HeadSettings
     from omnivat.protocol import records
@@ -61,7 +61,7 @@ def planned_rows(
     head: dict[str, Any],
     training: dict[str, Any],
 ) -> "list[Run]":
-    """Return the runs of all tables; a row that stands in several is run once."""
+    """Return the runs of all tables; a row in several tables runs once."""
     from omnivat.protocol.methods import HEAD, Method
     from omnivat.protocol.run import Run
 

@@ -1,4 +1,4 @@
-"""Arguments that several commands share, declared once."""
+"""Arguments shared by several commands."""
 
 import argparse
 from collections.abc import Callable
@@ -13,18 +13,18 @@ from omnivat.tables import suggestion
 
 
 def add_head(parser: argparse.ArgumentParser, *, note: str = "") -> None:
-    """Declare --head, the folder that `omnivat train` wrote."""
-    text = "folder of a trained head; the project's own if left out"
+    """Declare --head, a folder from `omnivat train`."""
+    text = "folder of a trained head; default: the project's own"
     parser.add_argument("--head", type=Path, default=default_head(), help=text + note)
 
 
 def add_embeddings(parser: argparse.ArgumentParser) -> None:
-    """Declare --embeddings, the file that `omnivat embed` wrote."""
+    """Declare --embeddings, a file from `omnivat embed`."""
     parser.add_argument(
         "--embeddings",
         type=Path,
         default=default_embeddings(),
-        help="embeddings file; the project's simulated domains if left out",
+        help="embeddings file; default: the project's simulated domains",
     )
 
 
@@ -34,22 +34,22 @@ def add_order(parser: argparse.ArgumentParser) -> None:
         "--order",
         type=order,
         metavar="P",
-        help="fractional order p, -4 to 4 quarter turns; the learned one if left out",
+        help="fractional order p, -4 to 4 quarter turns; default: the learned one",
     )
 
 
-def add_seed(parser: argparse.ArgumentParser, *, of: str = "everything that is random") -> None:
+def add_seed(parser: argparse.ArgumentParser, *, of: str = "all random choices") -> None:
     """Declare --seed."""
-    parser.add_argument("--seed", type=int, default=0, help=f"seed of {of}; 0 if left out")
+    parser.add_argument("--seed", type=int, default=0, help=f"seed of {of}; default: 0")
 
 
 def add_json(parser: argparse.ArgumentParser) -> None:
     """Declare --json."""
-    parser.add_argument("--json", action="store_true", help="print JSON for programs")
+    parser.add_argument("--json", action="store_true", help="print JSON")
 
 
 def order(text: str) -> float:
-    """Return a fractional order from -4 to 4, as a type of argparse."""
+    """Return a fractional order from -4 to 4, for argparse."""
     try:
         return checked_order(float(text))
     except SettingsError as error:
@@ -57,7 +57,7 @@ def order(text: str) -> float:
 
 
 def whole(least: int, most: int | None = None) -> Callable[[str], int]:
-    """Return a type of argparse: a whole number from `least` to `most`."""
+    """Return a type for argparse: a whole number from `least` to `most`."""
     wanted = f"{least} or more" if most is None else f"{least} to {most}"
 
     def checked(text: str) -> int:
@@ -73,7 +73,7 @@ def whole(least: int, most: int | None = None) -> Callable[[str], int]:
 
 
 def listed(text: str) -> tuple[str, ...]:
-    """Return the parts of "a,b,c" without blanks around them."""
+    """Return the parts of "a,b,c", stripped."""
     return tuple(part.strip() for part in text.split(",") if part.strip())
 
 
@@ -89,9 +89,9 @@ def numbers(text: str, *, name: str = "--seeds") -> tuple[int, ...]:
 
 
 def split_settings(texts: list[str], *kinds: type[Any]) -> tuple[dict[str, Any], ...]:
-    """Give each `key=value` text to the settings record that has the key.
+    """Assign each `key=value` text to the settings record with that key.
 
-    Raises SettingsError for a key that none has.
+    Raises SettingsError for an unknown key.
     """
     found: list[dict[str, Any]] = [{} for _ in kinds]
     names = [field_names(kind) for kind in kinds]

@@ -9,7 +9,7 @@ from omnivat.progress import OnStep, Step
 
 @contextmanager
 def progress_bar(title: str) -> Iterator[OnStep]:
-    """Give a function that takes reports and draws them; nothing is drawn where stderr is a file."""
+    """Yield a function that draws progress reports; nothing is drawn if stderr is a file."""
     from tqdm import tqdm
 
     bar = tqdm(desc=title, disable=not sys.stderr.isatty(), leave=False, dynamic_ncols=True)

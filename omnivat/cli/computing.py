@@ -1,4 +1,4 @@
-"""What commands that compute share: where to compute, and whether weights may be downloaded."""
+"""Shared by commands that compute: device, and permission to download weights."""
 
 import argparse
 
@@ -6,7 +6,7 @@ from omnivat.devices import named
 
 
 def add_device(parser: argparse.ArgumentParser) -> None:
-    """Declare --device; `omnivat.devices.device_from` gives it its meaning."""
+    """Declare --device; see `omnivat.devices.device_from`."""
     parser.add_argument(
         "--device",
         default=named(),
@@ -23,7 +23,7 @@ def add_download(parser: argparse.ArgumentParser) -> None:
         action="store_const",
         const="yes",
         default="ask",
-        help="fetch missing weights from the hub without a question",
+        help="fetch missing weights from the hub without asking",
     )
     group.add_argument(
         "--offline",

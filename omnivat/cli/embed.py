@@ -37,7 +37,7 @@ def add(parser: argparse.ArgumentParser) -> None:
         "--reader",
         choices=["auto", *READERS],
         default="auto",
-        help="layout of PAIRS; told from the files if left out",
+        help="layout of PAIRS; default: recognised from the files",
     )
     parser.add_argument("--strict", action="store_true", help="no merged or unknown materials")
     parser.add_argument(
@@ -52,7 +52,7 @@ def add(parser: argparse.ArgumentParser) -> None:
         "--precision",
         choices=["fp32", "bf16", "fp32-onnx"],
         default="fp32",
-        help="how the encoder computes; fp32 if left out",
+        help="precision of the encoder; default: fp32",
     )
     add_device(parser)
     add_download(parser)
@@ -60,7 +60,7 @@ def add(parser: argparse.ArgumentParser) -> None:
         "--dtype",
         choices=["float32", "float16"],
         default="float32",
-        help="how vectors are stored; float32 if left out",
+        help="type of the stored vectors; default: float32",
     )
     parser.add_argument(
         "--engine", choices=["local", "ray"], default="local", help="this machine, or a Ray cluster"
@@ -69,14 +69,14 @@ def add(parser: argparse.ArgumentParser) -> None:
         "--manifest",
         choices=["csv", "parquet"],
         default="csv",
-        help="kind of the list that is written beside the embeddings",
+        help="kind of the table next to the embeddings",
     )
     parser.add_argument("--no-flips", action="store_true", help="leave out the mirrored copies")
-    parser.add_argument("--workers", type=whole(1), help="threads; all cores if left out")
+    parser.add_argument("--workers", type=whole(1), help="threads; default: all cores")
 
 
 def run(options: argparse.Namespace) -> None:
-    """Read the pairs, say what was found, embed them."""
+    """Read the pairs, print a summary, embed them."""
     from omnivat.data.manifest import manifest_place
     from omnivat.data.pairs import summary_table
     from omnivat.data.readers import read_pairs
@@ -85,7 +85,7 @@ def run(options: argparse.Namespace) -> None:
     require_writable(options.out, ".safetensors")
     if manifest_place(options.out, options.manifest).resolve() == options.pairs.resolve():
         raise SettingsError(
-            f"--out is '{options.out}', and the table beside it would replace '{options.pairs}'; "
+            f"--out is '{options.out}', and its table would replace '{options.pairs}'; "
             "choose another name."
         )
     encoder = encoder_name(options.encoder, options.tac_encoder, options.tac_weights)

@@ -66,11 +66,13 @@ def table(records: Sequence[dict[str, Any]]) -> str:
 
     mean, f1 = target_mean(records), target_mean(records, "macro_f1")
     if math.isnan(mean):
-        lines.append("mean of targets: none, for no other domain has pairs of the head's classes")
+        lines.append(
+            "mean of targets: none, because no other domain has pairs of the head's classes"
+        )
     else:
         lines.append(f"{'mean of targets':<18} {'':>6} {100 * mean:>6.1f} {100 * f1:>6.1f}")
     if any(record["trained_on"] for record in records):
         lines.append(
-            "The set states no split: the source's row is measured on the head's training pairs."
+            "The set has no split: the source's row is measured on the head's training pairs."
         )
     return "\n".join(lines)

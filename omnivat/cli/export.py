@@ -1,4 +1,4 @@
-"""Write the page's pictures, or Explore as one HTML file for a lecture without Python.
+"""Write the page's pictures, or Explore as one HTML file.
 
 python -m omnivat export --what map|curves|page --out FILE [--order P] [--stage STAGE]
 """
@@ -20,36 +20,36 @@ def add(parser: argparse.ArgumentParser) -> None:
         "--what",
         choices=("map", "curves", "page"),
         default="map",
-        help="the picture to write; the map if left out",
+        help="the picture to write; default: the map",
     )
     parser.add_argument("--out", type=Path, required=True, help=".svg or .png; .html for the page")
-    parser.add_argument("--head", type=Path, help="head folder; the project's own if left out")
+    parser.add_argument("--head", type=Path, help="head folder; default: the project's own")
     parser.add_argument(
-        "--embeddings", type=Path, help="embeddings file; the project's own if left out"
+        "--embeddings", type=Path, help="embeddings file; default: the project's own"
     )
     parser.add_argument(
-        "--frames", type=Path, help="frames that `sweep` wrote, instead of making them"
+        "--frames", type=Path, help="frames from `sweep`, instead of computing them"
     )
     parser.add_argument(
-        "--order", type=order, help="p, -4 to 4 quarter turns; the learned one if left out"
+        "--order", type=order, help="p, -4 to 4 quarter turns; default: the learned one"
     )
     parser.add_argument(
         "--stage",
         choices=STAGES,
         default="f_hat",
-        help="stage of the head that is drawn; f_hat if left out",
+        help="stage of the head to draw; default: f_hat",
     )
     parser.add_argument(
         "--map",
         choices=("pca", "umap"),
         default="pca",
-        help="projection of the map; pca if left out",
+        help="projection of the map; default: pca",
     )
     parser.add_argument(
         "--colour",
         choices=COLOURS,
         default="domain",
-        help="what colours mean; the domain if left out",
+        help="meaning of colours; default: domain",
     )
 
 

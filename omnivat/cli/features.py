@@ -1,4 +1,4 @@
-"""What `gaps` and `project` share: the features of a whole set at one stage and one order."""
+"""Shared by `gaps` and `project`: the features of a set at one stage and one order."""
 
 import argparse
 import sys
@@ -16,13 +16,13 @@ if TYPE_CHECKING:
     from omnivat.checkpoint import Head
     from omnivat.data.store import Embeddings
 
-LARGE = 50_000  # pairs from which the cost is told first
+LARGE = 50_000  # from this many pairs on, the cost is printed first
 COPIES = 2  # of the features that are held at once
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StageFeatures:
-    """Points (2N, W) of length one, VIS above TAC, and where they come from; no order at "raw"."""
+    """Unit points (2N, W), VIS then TAC, and their origin; no order at "raw"."""
 
     embeddings: "Embeddings"
     points: "Tensor"
@@ -36,14 +36,14 @@ class StageFeatures:
 
     @property
     def about(self) -> str:
-        """One line: how many pairs, at which order, simulated or not."""
+        """One line: number of pairs, order, simulated or not."""
         order = "no order" if self.order is None else f"p = {self.order:.4g}"
         simulated = ", simulated data" if self.embeddings.header.simulated else ""
         return f"{len(self.embeddings)} pairs, {order}{simulated}"
 
 
 def add_stage(parser: argparse.ArgumentParser) -> None:
-    """Declare which features are meant."""
+    """Declare the arguments that select features."""
     add_head(parser, note="; not read at stage raw")
     add_embeddings(parser)
     parser.add_argument(
@@ -59,12 +59,12 @@ def add_stage(parser: argparse.ArgumentParser) -> None:
         type=int,
         default=0,
         metavar="N",
-        help="use N pairs drawn at random; all of them if left out",
+        help="use N random pairs; default: all",
     )
 
 
 def size_warning(pairs: int, width: int) -> str:
-    """Return how much memory a large set will take, roughly; "" for a small one.
+    """Return the approximate memory for a large set; "" for a small one.
 
     Features of a stage are held once, and as much again while they are measured; the two stages of
     the transform are twice as wide, for Re and Im.
@@ -79,7 +79,7 @@ def size_warning(pairs: int, width: int) -> str:
 
 
 def stage_features(options: argparse.Namespace, *, by_domain: bool = False) -> StageFeatures:
-    """Load what the options name and compute that one stage; no head is loaded for "raw".
+    """Load head and set and compute one stage; "raw" needs no head.
 
     by_domain  put the points in the order of their domains, so that a domain's lie together
     """
@@ -114,7 +114,7 @@ def _points(
     stage: str,
     place: "Tensor",
 ) -> "Tensor":
-    """Return unit rows (2N, W), each at its place among VIS, and then among TAC."""
+    """Return unit rows (2N, W): VIS, then TAC, in the given order."""
     import torch
 
     from omnivat.devices import current

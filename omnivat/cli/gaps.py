@@ -1,4 +1,4 @@
-"""Measure the gaps of a set at one stage: between the modalities, and between every two domains.
+"""Measure the gaps of a set at one stage: between modalities, and between all pairs of domains.
 
 python -m omnivat gaps [--stage S] [--order P] [--measure M] [--json]
 """
@@ -21,7 +21,7 @@ def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     add_stage(parser)
     parser.add_argument(
-        "--measure", choices=list(GAPS), default="centroid", help="centroid if left out"
+        "--measure", choices=list(GAPS), default="centroid", help="default: centroid"
     )
     add_json(parser)
 
@@ -44,7 +44,7 @@ def run(options: argparse.Namespace) -> None:
     print(f"{options.measure} at {options.stage}: {found.about}\n")
     if "standard_error" in record:
         print(
-            f"estimated by random features, as the set is large; standard error of the gap over all "
+            f"estimated by random features, because the set is large; standard error of the gap over all "
             f"pairs ± {record['standard_error']:.2g}\n"
         )
     print("between VIS and TAC")
@@ -58,7 +58,7 @@ def run(options: argparse.Namespace) -> None:
 def gaps_of(found: StageFeatures, measure: str) -> dict[str, Any]:
     """Return "modality_gap": domain (or "all") -> value, "domain_gap": modality -> a -> b -> value.
 
-    found  points in the order of their domains, as `stage_features(by_domain=True)` gives them
+    found  points in the order of their domains, from `stage_features(by_domain=True)`
     """
     import numpy as np
 
@@ -91,7 +91,7 @@ def gaps_of(found: StageFeatures, measure: str) -> dict[str, Any]:
 
 
 def error_of(measure: str, vis: "Tensor", tac: "Tensor") -> dict[str, float]:
-    """Return the standard error of the gap over all pairs where the measure is an estimate."""
+    """Return the standard error of the gap over all pairs if the measure is an estimate."""
     from omnivat.gaps.mmd import is_estimated, mmd_rbf_estimate
 
     if measure != "mmd_rbf" or not is_estimated(vis, tac):

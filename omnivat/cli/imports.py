@@ -1,4 +1,4 @@
-"""Import embeddings that were made elsewhere: NPZ, Parquet, HDF5 or a CSV of vectors.
+"""Import embeddings from another program: NPZ, Parquet, HDF5 or a CSV of vectors.
 
 python -m omnivat import FILE --encoder NAME --out set.safetensors [--domain NAME] [--column material=class]
 """
@@ -15,27 +15,27 @@ def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("file", type=Path, help=".npz, .parquet, .h5 or .csv (docs/encoders.md)")
     parser.add_argument("--out", type=Path, required=True, help="the .safetensors file to write")
     parser.add_argument(
-        "--encoder", required=True, metavar="NAME", help="who made the vectors, for people"
+        "--encoder", required=True, metavar="NAME", help="name of the vectors' encoder"
     )
-    parser.add_argument("--domain", default="", help="of all pairs, where the file names none")
+    parser.add_argument("--domain", default="", help="of all pairs, if the file has none")
     parser.add_argument("--classes", default="", help="names of numbered materials, with commas")
     parser.add_argument(
         "--column",
         action="append",
         default=[],
         metavar="OURS=THEIRS",
-        help="where a column has another name, such as material=label; may be repeated",
+        help="another name of a column, such as material=label; can be given several times",
     )
-    parser.add_argument("--preprocessing", default="", help="what was done to an image first")
-    parser.add_argument("--origin", default="", help="one line on where the file is from")
+    parser.add_argument("--preprocessing", default="", help="preprocessing of the images")
+    parser.add_argument("--origin", default="", help="one line on the file's origin")
     parser.add_argument("--simulated", action="store_true", help="the pairs are simulated")
     parser.add_argument(
-        "--dtype", choices=["float32", "float16"], default="float32", help="of the file written"
+        "--dtype", choices=["float32", "float16"], default="float32", help="of the written file"
     )
 
 
 def run(options: argparse.Namespace) -> None:
-    """Read, check, write; print what came in."""
+    """Read, check, write; print a summary."""
     from omnivat.data.foreign import import_embeddings
     from omnivat.data.manifest import manifest_place, require_own
     from omnivat.data.store import save_embeddings

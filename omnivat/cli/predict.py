@@ -2,8 +2,9 @@
 
     python -m omnivat predict VIS TAC [VIS TAC ...] [--head DIR] [--order P] [--json]
 
-Write "-" in the place of a VIS or TAC that is not there. Of --pairs, those with an image that cannot
-be read are named on stderr and left out.
+Write "-" for a missing VIS or TAC. Of --pairs, pairs with an unreadable image are named on stderr
+and
+left out.
 """
 
 import argparse
@@ -42,7 +43,7 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    """Load the head and its encoder, embed the pairs, print the answers."""
+    """Load the head and its encoder, embed the pairs, print the predictions."""
     pairs = _pairs(options)
     import torch
 
@@ -93,7 +94,7 @@ def run(options: argparse.Namespace) -> None:
 
 
 def _pairs(options: argparse.Namespace) -> list[tuple[Path | None, Path | None, int]]:
-    """Return VIS, TAC and the side of the square to cut from TAC, for each pair."""
+    """Return VIS, TAC and the side of the square crop of TAC, for each pair."""
     if options.pairs and options.images:
         raise SettingsError("Give either images or --pairs, not both.")
     if options.pairs:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 COLUMNS = ("x", "y", "modality", "domain", "class", "pair", "name")
 NEIGHBOURS = 15
-LEAST = 2 * NEIGHBOURS + 1  # points below which faithfulness has no value
+LEAST = 2 * NEIGHBOURS + 1  # fewest points for a faithfulness value
 
 
 def add(parser: argparse.ArgumentParser) -> None:
@@ -32,14 +32,14 @@ def add(parser: argparse.ArgumentParser) -> None:
         "--method",
         choices=list(PROJECTIONS),
         default="umap",
-        help="how points are laid out; umap if left out",
+        help="method of the map; default: umap",
     )
     add_seed(parser, of="the layout")
     parser.add_argument("--out", type=Path, required=True, help="the CSV to write")
 
 
 def run(options: argparse.Namespace) -> None:
-    """Compute the features, lay them out, write the CSV, print how faithful the map is."""
+    """Compute the features, map them, write the CSV, print the faithfulness."""
     if options.out.suffix.lower() != ".csv":
         raise SettingsError(f"--out is '{options.out}'; name a file that ends in .csv.")
     require_writable(options.out)
@@ -61,12 +61,12 @@ def run(options: argparse.Namespace) -> None:
     if len(points) >= LEAST:
         print(faithfulness(quality(points, flat, k=NEIGHBOURS)))
     if options.method == "umap" and len(points) > MOST_ROWS:
-        print(f"{MOST_ROWS:,} points were laid out; the rest lie between their neighbours")
+        print(f"{MOST_ROWS:,} points were mapped; the others are placed between their neighbours")
     print(f"{len(points)} points written to {options.out}")
 
 
 def faithfulness(found: "Quality") -> str:
-    """Return the line that says how faithful a map is, with intervals where rows were drawn."""
+    """Return a line with the faithfulness of a map, with intervals if rows were sampled."""
     drawn = found.trustworthiness_error > 0
     trust, recall = (
         f"{value:.4f}" + (f" ± {error:.4f}" if drawn else "")
@@ -83,7 +83,7 @@ def faithfulness(found: "Quality") -> str:
 
 
 def _rows(found: StageFeatures, flat: "Tensor") -> Iterator[list[str]]:
-    """Give one row a point: all VIS, then all TAC, in the order of the pairs."""
+    """Yield one row for each point: all VIS, then all TAC, in the order of the pairs."""
     embeddings = found.embeddings
     header, count = embeddings.header, len(embeddings)
     for point, place in enumerate(flat):

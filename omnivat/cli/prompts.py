@@ -38,7 +38,7 @@ def add(parser: argparse.ArgumentParser) -> None:
         "--encoder",
         choices=TEXT_ENCODERS,
         default="minilm",
-        help="text encoder; minilm if left out",
+        help="text encoder; default: minilm",
     )
     parser.add_argument("--weights", type=Path, help="checkpoint of a CLIP encoder")
     add_device(parser)
@@ -47,10 +47,10 @@ def add(parser: argparse.ArgumentParser) -> None:
         "--method",
         choices=METHODS,
         default="phrases",
-        help="eighty fixed style phrases, or styles learned as word vectors (CLIP alone)",
+        help="eighty fixed style phrases, or styles learned as word vectors (CLIP only)",
     )
-    parser.add_argument("--styles", type=int, default=80, help="how many promptstyler learns")
-    parser.add_argument("--steps", type=int, default=100, help="steps a learned style")
+    parser.add_argument("--styles", type=int, default=80, help="number of styles for promptstyler")
+    parser.add_argument("--steps", type=int, default=100, help="steps for each learned style")
     parser.add_argument("--seed", type=int, default=0, help="of the learned styles")
 
 

@@ -23,13 +23,13 @@ def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     add_running(parser)
     parser.add_argument(
-        "--methods", default="", metavar="a,b,c", help="methods by name; all fast ones if left out"
+        "--methods", default="", metavar="a,b,c", help="methods by name; default: all fast ones"
     )
     parser.add_argument(
         "--sources",
         default="",
         metavar="A,B",
-        help="domains to train on; all that the set has if left out",
+        help="domains to train on; default: all in the set",
     )
     parser.add_argument(
         "--folds",
@@ -55,7 +55,7 @@ def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--calibrate",
         action="store_true",
-        help="fit temperatures and a learned fusion to held-out objects, too; twice the time",
+        help="also fit temperatures and a learned fusion to held-out objects; twice the time",
     )
     parser.add_argument(
         "--candidate",
@@ -68,12 +68,12 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 
 def add_running(parser: argparse.ArgumentParser) -> None:
-    """Declare what `protocol` and `ablate` share."""
+    """Declare the arguments shared by `protocol` and `ablate`."""
     add_embeddings(parser)
-    parser.add_argument("--lang", type=Path, help="LANG bank; the project's own if left out")
+    parser.add_argument("--lang", type=Path, help="LANG bank; default: the project's own")
     parser.add_argument("--out", type=Path, required=True, help="folder for records and tables")
     parser.add_argument("--seeds", default="0,1,2", metavar="0,1,2", help="one run for each seed")
-    parser.add_argument("--jobs", type=whole(1), default=1, help="processes side by side")
+    parser.add_argument("--jobs", type=whole(1), default=1, help="parallel processes")
     add_device(parser)
     parser.add_argument(
         "--engine", default="local", choices=("local", "ray"), help="this machine, or a Ray cluster"
@@ -82,7 +82,7 @@ def add_running(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    """Do what is not done yet, then write the tables anew."""
+    """Run what is missing, then write the tables."""
     from omnivat.data.store import load_embeddings
     from omnivat.model.settings import HeadSettings
     from omnivat.protocol import records
@@ -119,7 +119,7 @@ def run(options: argparse.Namespace) -> None:
 
 
 def note_images(embeddings: "Embeddings", pairs: Path) -> None:
-    """Note where the images of a set lie. Raises DataError for a place that is not there."""
+    """Remember the image folder of a set. Raises DataError if it does not exist."""
     from omnivat.cli.thumbnails import start_of
     from omnivat.encoders.places import images_key, remember
 
@@ -131,7 +131,7 @@ def note_images(embeddings: "Embeddings", pairs: Path) -> None:
 def candidates_of(texts: list[str]) -> dict[str, dict[str, dict[str, Any]]]:
     """Return candidates by name: "key=value,key=value" -> settings of the head and of training.
 
-    Raises SettingsError for a setting that does not exist, or for a single candidate.
+    Raises SettingsError for an unknown setting, or for a single candidate.
     """
     from omnivat.model.settings import HeadSettings
     from omnivat.train import TrainSettings
@@ -146,7 +146,7 @@ def candidates_of(texts: list[str]) -> dict[str, dict[str, dict[str, Any]]]:
 
 
 def work(runs: "list[Run]", options: argparse.Namespace, *, lang: bool = True) -> None:
-    """Do the runs with a progress bar; without LANG, no method gets text."""
+    """Run with a progress bar; without LANG, no method has text."""
     from omnivat.lang.bank import DEFAULT_BANK
     from omnivat.protocol.engine import run_all
 

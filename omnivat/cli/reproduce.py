@@ -2,7 +2,7 @@
 
 python -m omnivat reproduce --data ROOT --weights FILE --out DIR
 
-Every step takes up where it stopped. docs/reproduce.md lists the data, where from, and how large.
+Every step resumes. docs/reproduce.md lists the data sets, their sources and sizes.
 """
 
 import argparse
@@ -22,27 +22,27 @@ if TYPE_CHECKING:
     from omnivat.encoders import Encoder
 
 STATE, EMBEDDINGS, LANG = "reproduce.json", "embeddings.safetensors", "lang.safetensors"
-TIMED = 8  # pairs that the encoder is timed on
+TIMED = 8  # pairs for timing the encoder
 
 
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("--data", type=Path, required=True, help="folder with the data sets in it")
-    parser.add_argument("--out", type=Path, required=True, help="folder for everything written")
+    parser.add_argument("--data", type=Path, required=True, help="folder of the data sets")
+    parser.add_argument("--out", type=Path, required=True, help="output folder")
     parser.add_argument("--weights", type=Path, help="checkpoint of CLIP, of any layout and size")
     parser.add_argument(
         "--encoder", default="", metavar="NAME", help="clip with --weights, else clip-vit-b16"
     )
     parser.add_argument("--seeds", default="0,1,2", metavar="0,1,2", help="one run for each seed")
-    parser.add_argument("--jobs", type=whole(1), default=1, help="processes side by side")
+    parser.add_argument("--jobs", type=whole(1), default=1, help="parallel processes")
     parser.add_argument(
-        "--workers", type=whole(1), help="threads that embed; all cores if left out"
+        "--workers", type=whole(1), help="threads for embedding; default: all cores"
     )
     parser.add_argument("--methods", default="", metavar="a,b,c", help="of the comparison")
     parser.add_argument("--only", default="", metavar="a,b,c", help="some of the ablations")
-    parser.add_argument("--no-ablations", action="store_true", help="leave the ablations out")
+    parser.add_argument("--no-ablations", action="store_true", help="skip the ablations")
     parser.add_argument("--styles", type=whole(1), default=80, help="styles of PromptStyler")
-    parser.add_argument("--steps", type=whole(1), default=100, help="steps a style")
+    parser.add_argument("--steps", type=whole(1), default=100, help="steps for each style")
     parser.add_argument(
         "--set", action="append", default=[], metavar="key=value", help="a setting of the head"
     )
@@ -51,7 +51,7 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    """Do every step that is not done; write the tables anew."""
+    """Run every unfinished step; write the tables."""
     from omnivat.data.paper_sets import read_paper_sets
     from omnivat.encoders import load_encoder
     from omnivat.protocol import records
@@ -83,21 +83,21 @@ def _say_what_was_found(sets: "PaperSets", out: Path) -> None:
 
     lines = [summary_table(part) for part in sets.parts.values()]
     if sets.missing:
-        lines.append(f"Not found: {', '.join(sets.missing)}; their settings are left out.")
+        lines.append(f"Not found: {', '.join(sets.missing)}; their settings are skipped.")
     text = "\n\n".join(lines)
     write_text(out / "data.txt", text + "\n")
     print(text)
 
 
 def _embed(sets: "PaperSets", name: str, encoder: "Encoder", options: argparse.Namespace) -> None:
-    """Embed all pairs, unless the file there is of the same pairs and the same encoder."""
+    """Embed all pairs, unless the file has the same pairs and encoder."""
     from omnivat.embed import embed_pairs
 
     made_by = [encoder.name, encoder.weights_hash, encoder.precision, encoder.preprocessing]
     state = {"pairs": sets.fingerprint, "encoder": made_by}
     file = options.out / EMBEDDINGS
     if file.is_file() and _state(options.out) == state:
-        print(f"{file} is of these pairs and this encoder; not made again")
+        print(f"{file} has these pairs and this encoder; kept")
         return
     with progress_bar(f"embed with {name}") as show:
         report = embed_pairs(
@@ -124,18 +124,18 @@ def _state(out: Path) -> dict[str, Any]:
 
 
 def _lang(name: str, encoder: "Encoder", options: argparse.Namespace) -> Path | None:
-    """Return the LANG bank of the checkpoint's own text tower, made unless it is there."""
+    """Return the LANG bank of the checkpoint's text tower; make it if needed."""
     from omnivat.lang.bank import load_bank
 
     tower = getattr(encoder, "text_hash", "")
     if not tower:
         print(
-            "The checkpoint has no text tower; heads train without LANG, methods of text are left out"
+            "The checkpoint has no text tower; heads train without LANG, and text methods are skipped"
         )
         return None
     file: Path = options.out / LANG
     if file.is_file() and load_bank(file).text_hash == tower:
-        print(f"{file} is of this checkpoint; not made again")
+        print(f"{file} belongs to this checkpoint; kept")
         return file
     given = ["--encoder", name, "--out", str(file), "--method", "promptstyler"]
     given += ["--styles", str(options.styles), "--steps", str(options.steps)]
@@ -158,7 +158,7 @@ def _named(option: str, value: str) -> list[str]:
 
 
 def _run(command: str, module: Any, arguments: list[str]) -> None:
-    """Run another command, printed so that it can be repeated by hand."""
+    """Print and run another command."""
     print(f"\n$ omnivat {command} {' '.join(arguments)}", flush=True)
     parser = argparse.ArgumentParser(prog=f"omnivat {command}")
     module.add(parser)
@@ -166,7 +166,7 @@ def _run(command: str, module: Any, arguments: list[str]) -> None:
 
 
 def _measured(sets: "PaperSets", encoder: "Encoder") -> dict[str, Any]:
-    """Return the time of the encoder for a pair, and the GPU memory where there is a GPU."""
+    """Return the encoder's time for a pair, and the GPU memory if there is a GPU."""
     import platform
 
     import torch

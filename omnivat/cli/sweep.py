@@ -4,9 +4,10 @@
     python -m omnivat sweep --csv CURVES --stages raw,f_hat --measures mmd_rbf,ece --orders 0,0.5,1
     python -m omnivat sweep --retrain 21 --out FRAMES [--source DOMAIN] [--seeds 0,1,2] [--jobs 2]
 
---out writes the frames file for the page; without it nothing is mapped, only measured.
---retrain trains a head at each order, with the settings of --head, in place of moving p of one head.
-Heads that a stopped run finished are used again.
+--out writes the frames file for the page; without it, no maps are computed. --retrain trains a head
+at
+each order, with the settings of --head, instead of moving the p of one head. Finished heads of an
+interrupted run are used again.
 """
 
 import argparse
@@ -35,26 +36,26 @@ def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     add_head(parser)
     add_embeddings(parser)
-    parser.add_argument("--out", type=Path, help="the frames file for the page, maps and all")
+    parser.add_argument("--out", type=Path, help="the frames file for the page, with maps")
     parser.add_argument("--json", type=Path, help="the curves over p as JSON")
-    parser.add_argument("--csv", type=Path, help="the curves over p as a table, a column each")
-    parser.add_argument("--stops", type=int, help="that many orders from 0 to 1; 101 if left out")
+    parser.add_argument("--csv", type=Path, help="the curves over p as a table, one column each")
+    parser.add_argument("--stops", type=int, help="number of orders from 0 to 1; default: 101")
     add_device(parser)
     parser.add_argument("--orders", help="these orders instead, such as 0,0.25,1.5")
     parser.add_argument(
         "--stages",
         default=ALL,
-        help="of raw, frft, relu, f_bar, f_hat, with commas between; all if left out, as the page wants",
+        help="of raw, frft, relu, f_bar, f_hat, separated by commas; default: all, for the page",
     )
     parser.add_argument(
         "--measures",
-        help="of docs/gaps.md, with commas between, or 'all'; the quick ones if left out",
+        help="of docs/gaps.md, separated by commas, or 'all'; default: the fast ones",
     )
     add_retrain(parser)
 
 
 def run(options: argparse.Namespace) -> None:
-    """Measure, write what was asked for, print the ends of the curves."""
+    """Measure, write the outputs, print the ends of the curves."""
     require_outputs([path for path in (options.out, options.json, options.csv) if path])
     check_retrain(options)
     stops = options.retrain if options.retrain is not None else options.stops
@@ -102,9 +103,9 @@ def run(options: argparse.Namespace) -> None:
 
 
 def require_outputs(paths: Sequence[Path]) -> None:
-    """Refuse no file, one file for two results, and a place where none can be written."""
+    """Check the output files: at least one, all different, all writable."""
     if not paths:
-        raise SettingsError("Nothing is to be written; give --out, --json or --csv.")
+        raise SettingsError("There is no output; give --out, --json or --csv.")
     if len({path.resolve() for path in paths}) < len(paths):
         raise SettingsError(
             "Two of --out, --json and --csv name the same file; give each its own file."
@@ -156,8 +157,8 @@ def _curves(
 def orders_of(text: str | None, stops: int | None) -> list[float]:
     """Return the orders that `--orders` lists, or `--stops` of them from 0 to 1.
 
-    Raises SettingsError for both at once, for what is not a finite number, and for a list that does
-    not ascend.
+    Raises SettingsError for both options together, for numbers that are not finite, and for a list
+    that is not ascending.
     """
     if text is None:
         count = 101 if stops is None else stops
@@ -179,9 +180,9 @@ def orders_of(text: str | None, stops: int | None) -> list[float]:
 
 
 def names_of(text: str, known: Sequence[str], kind: str) -> tuple[str, ...]:
-    """Return the names in `text`, once each and in the order of `known`; `all` stands for all.
+    """Return the names in `text`, once each and in the order of `known`; `all` means all.
 
-    Raises SettingsError for a name that is not known.
+    Raises SettingsError for an unknown name.
     """
     if text == ALL:
         return tuple(known)

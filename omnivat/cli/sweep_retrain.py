@@ -1,4 +1,4 @@
-"""The part of `omnivat sweep` that trains a head at each order."""
+"""`omnivat sweep --retrain`: train a head at each order."""
 
 import argparse
 import shutil
@@ -19,16 +19,16 @@ ONLY_RETRAIN = ("source", "seeds", "jobs", "keep", "lang", "set")
 
 
 def add_retrain(parser: argparse.ArgumentParser) -> None:
-    """Declare --retrain and what applies to it alone."""
+    """Declare --retrain and its own arguments."""
     group = parser.add_argument_group("a head at each order")
     group.add_argument(
         "--retrain", type=whole(2, 1001), metavar="N", help="train a head at each of N orders"
     )
-    group.add_argument("--source", help="domain to train on; that of --head if left out")
-    group.add_argument("--seeds", help="such as 0,1,2 (default): maps are of the first one's heads")
-    group.add_argument("--jobs", type=whole(1, 256), help="processes; all cores if left out")
-    group.add_argument("--keep", type=Path, help="folder for the heads, which are then kept")
-    group.add_argument("--lang", type=Path, help="LANG bank; the project's own if left out")
+    group.add_argument("--source", help="domain to train on; default: that of --head")
+    group.add_argument("--seeds", help="such as 0,1,2 (default); maps show the first one's heads")
+    group.add_argument("--jobs", type=whole(1, 256), help="processes; default: all cores")
+    group.add_argument("--keep", type=Path, help="folder of the heads; keeps them")
+    group.add_argument("--lang", type=Path, help="LANG bank; default: the project's own")
     group.add_argument(
         "--set",
         action="append",
@@ -38,7 +38,7 @@ def add_retrain(parser: argparse.ArgumentParser) -> None:
 
 
 def check_retrain(options: argparse.Namespace) -> None:
-    """Refuse combinations that make no sense. Raises SettingsError."""
+    """Raise SettingsError for contradictory arguments."""
     if options.retrain is None:
         for name in ONLY_RETRAIN:
             if getattr(options, name) is not None:
@@ -58,7 +58,7 @@ def retrained(
     stages: Sequence[str],
     measures: Sequence[str],
 ) -> Any:
-    """Train the heads that are not there yet, and return their frames."""
+    """Train the missing heads, and return the frames of all."""
     from omnivat.embed.pairs import usable_cores
     from omnivat.frames.retrained import MAPS, retrained_frames
     from omnivat.from_pairs.at_stops import heads_at_stops
@@ -80,7 +80,7 @@ def retrained(
 
 
 def _plan(options: argparse.Namespace, head: "Head", embeddings: "Embeddings") -> "TrainingPlan":
-    """Return the plan of `head` with what --source, --lang and --set change."""
+    """Return the plan of `head`, changed by --source, --lang and --set."""
     from dataclasses import replace
 
     from omnivat.from_pairs import plan_like

@@ -1,4 +1,4 @@
-"""Make the sheet of thumbnails that the page shows for a set of embeddings.
+"""Make the page's sheet of thumbnails for a set of embeddings.
 
 python -m omnivat thumbnails PAIRS --embeddings FILE
 """
@@ -15,10 +15,10 @@ from omnivat.files import require_writable
 
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("pairs", type=Path, help="the folder or CSV of pairs that was embedded")
+    parser.add_argument("pairs", type=Path, help="the embedded folder or CSV of pairs")
     add_embeddings(parser)
-    parser.add_argument("--out", type=Path, help="a .webp; beside the embeddings if left out")
-    parser.add_argument("--tile", type=int, default=64, help="pixels a side of one thumbnail")
+    parser.add_argument("--out", type=Path, help="a .webp; default: next to the embeddings")
+    parser.add_argument("--tile", type=int, default=64, help="side of one thumbnail in pixels")
 
 
 def run(options: argparse.Namespace) -> None:
@@ -40,10 +40,10 @@ def run(options: argparse.Namespace) -> None:
 
 
 def start_of(pairs: Path, names: Sequence[str]) -> Path:
-    """Return the folder that the names in an embeddings file start from.
+    """Return the base folder of the names in an embeddings file.
 
-    `embed` shortens names by what all images share: for a table, and for a data set whose images
-    lie deeper, that is not the folder that was given.
+    `embed` shortens names by the common path of all images. For a table, and for a data set with
+    deeper folders, that is not the given folder.
     """
     folder = pairs if pairs.is_dir() else pairs.parent
     if not names or (folder / names[0]).is_file():
@@ -58,4 +58,4 @@ def start_of(pairs: Path, names: Sequence[str]) -> Path:
     wanted = Path(names[0]).parts
     depth = len(wanted)
     starts = {file.parents[depth - 1] for file in files if file.parts[-depth:] == wanted}
-    return starts.pop() if len(starts) == 1 else folder  # of two, neither is surely the right one
+    return starts.pop() if len(starts) == 1 else folder  # with two candidates, neither is certain

@@ -2,9 +2,10 @@
 
 python -m omnivat train --embeddings FILE --source DOMAIN --out DIR [--set key=value ...]
 
-The state after every epoch lies in DIR until the head is there; --resume resumes a stopped training,
-with identical final weights. A second training on three quarters of the objects then fits the head's
-temperatures to the other quarter; --no-calibration skips it.
+DIR holds the state after every epoch until the head is finished; --resume resumes a stopped
+training,
+with identical final weights. A second training on three quarters of the objects then fits the
+temperatures to the last quarter; --no-calibration skips it.
 """
 
 import argparse
@@ -18,24 +19,22 @@ from omnivat.cli.computing import add_device
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     add_embeddings(parser)
-    parser.add_argument("--source", required=True, help="the one domain to learn from")
+    parser.add_argument("--source", required=True, help="the source domain")
     parser.add_argument("--part", default="", help="only this part of it, such as outdoor")
     parser.add_argument("--out", type=Path, required=True, help="folder for the head")
-    parser.add_argument("--lang", type=Path, help="LANG bank; the project's own if left out")
+    parser.add_argument("--lang", type=Path, help="LANG bank; default: the project's own")
     add_seed(parser, of="weights and batches")
     add_device(parser)
     parser.add_argument(
         "--repeat",
         default="",
         metavar="1,2",
-        help="train again with these seeds for the spread of the scores; the head is --seed's",
+        help="train again with these seeds, for the spread of the scores; the saved head uses --seed",
     )
     parser.add_argument(
-        "--no-calibration", action="store_true", help="keep temperatures of one: half the time"
+        "--no-calibration", action="store_true", help="keep temperature 1: half the time"
     )
-    parser.add_argument(
-        "--resume", action="store_true", help="go on from where a stopped training of --out was"
-    )
+    parser.add_argument("--resume", action="store_true", help="resume a stopped training of --out")
     parser.add_argument(
         "--set",
         action="append",

@@ -1,4 +1,4 @@
-"""Embed a set of pairs into one file, by the cores of this machine or by a cluster."""
+"""Embed a set of pairs into one file, on this machine or on a cluster."""
 
 from omnivat.embed.pairs import ENGINES, EmbedReport, embed_pairs
 from omnivat.encoders.cache import embed_image, embed_pair

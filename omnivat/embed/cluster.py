@@ -1,8 +1,9 @@
-"""The Ray engine: the same chunks over Ray Data, for people with a cluster and a million images.
+"""The Ray engine: the same chunks over Ray Data, for a cluster and millions of images.
 
-The machines must see the images under the same paths and have the same weights; the second is
-checked. A machine that is lost has its chunks done again by another. Part files are named by their
-chunk, so whatever is done twice is kept once.
+All machines need the images under the same paths and the same weights, which are checked. If a
+machine
+fails, others repeat its chunks. Part files are named by their chunk, so a repeated chunk is stored
+once.
 """
 
 import pickle
@@ -27,10 +28,10 @@ def run(
     workers: int,
     on_pairs: Callable[[int], None],
 ) -> Iterator[tuple[Chunk, bytes]]:
-    """Give each chunk with the content of its part file, in the order they are finished.
+    """Yield each chunk with the content of its part file, in the order of completion.
 
-    Uses the cluster this process is connected to, or that $RAY_ADDRESS names, or starts Ray here.
-    workers     how many worker processes, each on one core of the cluster
+    It uses the connected cluster, or the one of $RAY_ADDRESS, or starts Ray here.
+    workers     number of worker processes, each on one core of the cluster
     """
     ray = need("ray", purpose=PURPOSE, install=INSTALL)
     data = need("ray.data", purpose=PURPOSE, install=INSTALL)
@@ -72,6 +73,6 @@ class Worker:
 
     def __call__(self, row: dict[str, Any]) -> dict[str, Any]:
         """Return the content of the part file of the chunk in `row`."""
-        chunk: Chunk = pickle.loads(row["chunk"])  # sent by `run` above, never read from a file
+        chunk: Chunk = pickle.loads(row["chunk"])  # sent by `run` above, not from a file
         results = [embed_one(self._encoder, self._job, pair, self._cache) for pair in chunk.pairs]
         return {"index": row["index"], "part": part_bytes(chunk, self._job, results)}

@@ -1,4 +1,4 @@
-"""What is to be embedded and how: the job, its chunks of pairs, and one pair's work."""
+"""The embedding job, its chunks of pairs, and the work for one pair."""
 
 import json
 from collections.abc import Iterator, Sequence
@@ -15,15 +15,15 @@ from omnivat.encoders.cache import EmbeddingCache, embed_views
 from omnivat.encoders.paired import for_modality
 from omnivat.errors import DataError
 
-CHUNK = 128  # pairs in one part file: what an interruption can cost at most
+CHUNK = 128  # pairs in one part file, the most that an interruption loses
 Array = NDArray[np.float32]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Job:
-    """How to embed; plain values, so that it can be sent to another machine."""
+    """Settings of the embedding, as plain values that can be sent to another machine."""
 
-    encoder: str  # two, "VIS | TAC", for one each
+    encoder: str  # "VIS | TAC" for two encoders
     weights: Path | None = None
     tac_weights: Path | None = None
     device: str = "cpu"
@@ -33,12 +33,12 @@ class Job:
 
     @property
     def views(self) -> tuple[bool, ...]:
-        """Which views of an image are made: False as it is, True mirrored."""
+        """The views of an image: False unchanged, True mirrored."""
         return (False, True) if self.flips else (False,)
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """The names of the vectors that are made of each pair."""
+        """The names of each pair's vectors."""
         return ("vis", "vis_flip", "tac", "tac_flip") if self.flips else ("vis", "tac")
 
     def load(self) -> Encoder:
@@ -55,7 +55,7 @@ class Job:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Chunk:
-    """Some pairs in a row. `fingerprint` changes with the files, the encoder and the settings."""
+    """Consecutive pairs. `fingerprint` hashes the files, the encoder and the settings."""
 
     index: int
     pairs: tuple[Pair, ...]
@@ -65,7 +65,7 @@ class Chunk:
 def chunks_of(
     pairs: Sequence[Pair], encoder: Encoder, job: Job, size: int = CHUNK
 ) -> Iterator[Chunk]:
-    """Cut the pairs into chunks of `size`."""
+    """Split the pairs into chunks of `size`."""
     made_by = [
         encoder.name,
         encoder.weights_hash,
@@ -92,7 +92,7 @@ def _state(path: Path) -> tuple[str, int, int]:
 def embed_one(
     encoder: Encoder, job: Job, pair: Pair, cache: EmbeddingCache | None = None
 ) -> list[Array] | Skipped:
-    """Return a pair's vectors (D,) in the order of `job.columns`, or why it has none."""
+    """Return a pair's vectors (D,) in the order of `job.columns`, or the reason of a failure."""
     try:
         vis = embed_views(for_modality(encoder, "vis"), pair.vis, cache, flips=job.views)
         tac = embed_views(

@@ -1,4 +1,4 @@
-"""The local engine: every core reads, decodes and encodes, one image each at a time."""
+"""The local engine: every core reads, decodes and encodes one image at a time."""
 
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -15,7 +15,7 @@ from omnivat.encoders.running import pinned_workers
 
 A = TypeVar("A")
 B = TypeVar("B")
-AHEAD = 4  # pairs waiting for each worker; bounds the memory
+AHEAD = 4  # waiting pairs for each worker; bounds the memory
 
 
 def run(
@@ -26,10 +26,10 @@ def run(
     workers: int,
     on_pairs: Callable[[int], None],
 ) -> Iterator[tuple[Chunk, bytes]]:
-    """Give each chunk with the content of its part file, in order, as it is finished.
+    """Yield each chunk with the content of its part file, in order.
 
-    While one worker waits for the disk or decodes, the others encode. Images that occur more than
-    once nearby, such as one photo for many touches, are encoded once.
+    While one worker reads or decodes, the others encode. An image that recurs soon, such as one
+    photo for many touches, is encoded once.
     """
     work = partial(embed_one, encoder, job, cache=EmbeddingCache(in_memory=1024))
     pairs = (pair for chunk in chunks for pair in chunk.pairs)
@@ -46,7 +46,7 @@ def run(
 def in_order(
     pool: ThreadPoolExecutor, work: Callable[[A], B], items: Iterable[A], *, window: int
 ) -> Iterator[B]:
-    """Give `work(item)` for each item in order, with at most `window` of them under way."""
+    """Yield `work(item)` for each item in order, with at most `window` items in progress."""
     under_way: deque[Future[B]] = deque()
     for item in items:
         under_way.append(pool.submit(work, item))

@@ -1,4 +1,4 @@
-"""Embed every pair of a set into one file: resumable, in bounded memory, past unreadable images."""
+"""Embed every pair of a set into one file: resumable, in bounded memory, skipping unreadable images."""
 
 import logging
 import os
@@ -27,13 +27,13 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EmbedReport:
-    """What `embed_pairs` did."""
+    """The result of `embed_pairs`."""
 
     out: Path
     header: Header
     embedded: int  # pairs in the file
-    resumed: int  # of these and the skipped, how many an earlier, interrupted run had done
-    skipped: tuple[Skipped, ...]  # pairs with an image that cannot be read, and why
+    resumed: int  # of these and the skipped ones, done by an earlier, interrupted run
+    skipped: tuple[Skipped, ...]  # pairs with an unreadable image, and the reasons
     seconds: float
 
 
@@ -56,21 +56,21 @@ def embed_pairs(
 ) -> EmbedReport:
     """Embed `pairs` with the encoder of that name and write the set of embeddings to `out`.
 
-    encoder_name    as `load_encoder` takes it; "VIS | TAC" names one for each modality
-    weights     a checkpoint in place of the default one
-    tac_weights the same for the encoder of tactile images, where it is another
+    encoder_name    a name for `load_encoder`; "VIS | TAC" for one encoder each
+    weights     a checkpoint instead of the default one
+    tac_weights the same for a separate encoder of tactile images
     device      "cpu", "cuda" or "auto"
-    download    "ask", "yes" or "no": whether missing weights may be fetched from the hub
-    precision   "fp32", "bf16" where the CPU has it, or "fp32-onnx" for the default encoder
+    download    "ask", "yes" or "no": permission to fetch missing weights from the hub
+    precision   "fp32", "bf16" if the CPU has it, or "fp32-onnx" for the default encoder
     engine      "local", or "ray" for a cluster; both write the same file
-    flips       also embed the mirrored images, which training draws from
-    workers     how many images at a time; every core where not said
+    flips       also embed mirrored images, for training
+    workers     images in parallel; default: every core
     dtype       of the file: "float32", or "float16" for half the size
-    manifest    "csv" or "parquet": the readable table beside `out`
+    manifest    "csv" or "parquet": the readable table next to `out`
 
-    What is finished lies in `<out>.parts` until all is; the same call again goes on from there.
-    Raises DataError when there are no pairs or none can be read, WriteError when `out` cannot be
-    written or the table beside it would replace another; settings are checked first.
+    Finished parts are in `<out>.parts` until the end; the same call resumes from them.
+    Raises DataError if there are no pairs or none can be read, WriteError if `out` cannot be
+    written or its table would replace another; settings are checked first.
     """
     out = Path(out)
     _require_sound(pairs, out, workers, dtype, manifest)
@@ -100,7 +100,7 @@ def embed_pairs(
 def _require_sound(
     pairs: PairSet, out: Path, workers: int | None, dtype: str, manifest: str
 ) -> None:
-    """Refuse what cannot be embedded or written, before the encoder is loaded."""
+    """Check input and output before loading the encoder."""
     vector_type(dtype)
     require_writable(out, ".safetensors")
     require_own(manifest_place(out, manifest))
@@ -122,9 +122,9 @@ def _embedded(
     dtype: str,
     manifest: str,
 ) -> tuple[list[Part], int, Header]:
-    """Embed what no earlier run has finished and write the set.
+    """Embed what is not finished and write the set.
 
-    return  its parts, how many pairs were there already, and the set's header
+    return  its parts, the number of pairs from earlier runs, and the set's header
     """
     encoder, parts, total = job.load(), Parts(out), len(pairs.pairs)
     with parts.claimed():
@@ -144,7 +144,7 @@ def _embedded(
 
 
 def usable_cores() -> int:
-    """Return how many cores this process may use."""
+    """Return the number of cores for this process."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
@@ -163,7 +163,7 @@ def _require_all(finished: list[Part], wanted: int, pairs: PairSet, parts: Parts
 
 
 def _progress(total: int, done: int, on_step: OnStep) -> Callable[[int], None]:
-    """Return what to call with how many pairs are newly done; it reports rate and time left."""
+    """Return a function of the number of new pairs; it reports rate and time left."""
     begun, at_start = time.monotonic(), done
 
     def on_pairs(count: int) -> None:
@@ -178,7 +178,7 @@ def _progress(total: int, done: int, on_step: OnStep) -> Callable[[int], None]:
 
 
 def time_text(seconds: float) -> str:
-    """Return a length of time in two units at most, for people.
+    """Return a duration as text, in at most two units.
 
     >>> time_text(5), time_text(200), time_text(7300)
     ('5 s', '3 min 20 s', '2 h 1 min')

@@ -1,4 +1,4 @@
-"""Part files: what is finished of an interrupted run, and how parts become one set of embeddings."""
+"""Part files of a resumable run, and their merging into one set of embeddings."""
 
 import json
 import os
@@ -27,7 +27,7 @@ IN_USE = "in-use"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Part:
-    """A finished chunk: its file, which of its pairs have vectors, and why the others have none."""
+    """A finished chunk: its file, the pairs with vectors, and the reasons for the others."""
 
     file: Path
     pairs: tuple[Pair, ...]
@@ -35,7 +35,7 @@ class Part:
 
 
 def part_bytes(chunk: Chunk, job: Job, results: Sequence[list[Array] | Skipped]) -> bytes:
-    """Return the content of the part file of a chunk, given what `embed_one` said of each pair."""
+    """Return the content of a chunk's part file from the results of `embed_one`."""
     kept = [index for index, result in enumerate(results) if not isinstance(result, Skipped)]
     skipped = [asdict(result) for result in results if isinstance(result, Skipped)]
     arrays: dict[str, NDArray[Any]] = {"kept": np.array(kept, np.int64)}
@@ -47,14 +47,14 @@ def part_bytes(chunk: Chunk, job: Job, results: Sequence[list[Array] | Skipped])
 
 
 class Parts:
-    """The folder `<out>.parts` beside a set of embeddings that is being made."""
+    """The folder `<out>.parts` of an unfinished set of embeddings."""
 
     def __init__(self, out: Path) -> None:
         self.folder = out.with_name(out.name + ".parts")
 
     @contextmanager
     def claimed(self) -> Iterator[None]:
-        """Keep the parts to this process; raises WriteError where another one is making them."""
+        """Lock the parts for this process; raises WriteError if another process has them."""
         with writing(self.folder):
             self.folder.mkdir(parents=True, exist_ok=True)
             handle = (self.folder / IN_USE).open("a")
@@ -74,12 +74,12 @@ class Parts:
         return self.folder / f"part-{chunk.index:07d}.safetensors"
 
     def write(self, chunk: Chunk, content: bytes) -> None:
-        """Write the part of a chunk, whole or not at all."""
+        """Write the part of a chunk, completely or not at all."""
         with replacing(self._file(chunk)) as temporary:
             temporary.write_bytes(content)
 
     def read(self, chunk: Chunk) -> Part | None:
-        """Return the part of a chunk, or None when it is missing, damaged or of other files."""
+        """Return the part of a chunk, or None if it is missing, damaged or of other files."""
         file = self._file(chunk)
         try:
             arrays, metadata = read_arrays(file)
@@ -116,7 +116,7 @@ def merge(
     dtype: str,
     manifest: str,
 ) -> Header:
-    """Write the parts as one set of embeddings, holding one part's vectors at a time."""
+    """Write the parts as one set of embeddings, with one part in memory at a time."""
     found = PairSet(pairs=tuple(pair for part in parts for pair in part.pairs))
     header = Header(
         encoder=encoder.name,
@@ -178,9 +178,9 @@ def _files(pairs: Sequence[Pair]) -> list[Path]:
 
 
 def _shared_folder(files: Sequence[Path]) -> str:
-    """Return the folder that all files share, two levels above a file or higher.
+    """Return the common folder of all files, at least two levels above a file.
 
-    So a short name still has the domain and the class, `<domain>/<class>/<name>`.
+    Short names then keep domain and class, `<domain>/<class>/<name>`.
     """
     try:
         return os.path.commonpath(
@@ -195,5 +195,5 @@ def _short(file: Path, root: str) -> str:
 
 
 def _text(name: str) -> str:
-    """Return a file's name as text that UTF-8 can hold, whatever bytes the disk has."""
+    """Return a file's name as valid UTF-8 text."""
     return os.fsencode(name).decode("utf-8", "backslashreplace")

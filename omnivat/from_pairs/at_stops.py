@@ -1,7 +1,8 @@
-"""A head of its own at each order: many trainings with p held, in processes, resumable.
+"""A separate head at each order: many trainings with p fixed, in parallel processes, resumable.
 
-`<folder>/p0.3500/seed0` is a head folder like any other. Its metrics.json also holds "measures",
-the gaps and accuracies of `EpochReport`. A head that is there already is not trained again.
+`<folder>/p0.3500/seed0` is an ordinary head folder. Its metrics.json also has "measures", the gaps
+and
+accuracies of `EpochReport`. A finished head is not trained again.
 """
 
 import json
@@ -36,14 +37,14 @@ def heads_at_stops(
     on_step: OnStep = ignore,
     cancelled: Callable[[], bool] = never,
 ) -> int:
-    """Train a head for every order and seed and write each to its own folder.
+    """Train a head for every order and seed; write each to its own folder.
 
-    plan       everything but order and seed; p is held, so the gradient does not move it
-    jobs       processes side by side, one thread each; 1 trains in this process
-    cancelled  stops the work once it returns True; finished heads stay for the next call
-    return     how many heads were trained now
+    plan       all settings but order and seed; p is fixed
+    jobs       parallel processes, one thread each; 1 trains in this process
+    cancelled  stops the work when it returns True; finished heads stay for the next call
+    return     number of newly trained heads
 
-    Raises SettingsError for no order or no seed, TrainingCancelled when it was stopped.
+    Raises SettingsError for no order or no seed, TrainingCancelled if it was stopped.
     """
     if not orders or not seeds or jobs < 1:
         raise SettingsError("Heads at stops need one order, one seed and one process or more.")
@@ -59,7 +60,7 @@ def heads_at_stops(
 
 
 def stop_folder(folder: Path, order: float, seed: int) -> Path:
-    """Return where the head of an order and a seed lies."""
+    """Return the folder of the head for an order and a seed."""
     return folder / f"p{order:.4f}" / f"seed{seed}"
 
 
@@ -68,7 +69,7 @@ def _name(plan: TrainingPlan) -> str:
 
 
 def _is_done(plan: TrainingPlan, stop: Stop, folder: Path) -> bool:
-    """Tell whether the head of a stop is there, from the same pairs and settings."""
+    """True if the head of a stop exists, with the same pairs and settings."""
     file = stop_folder(folder, *stop) / SETTINGS
     try:
         record = json.loads(file.read_text(encoding="utf-8"))

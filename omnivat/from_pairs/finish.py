@@ -1,4 +1,4 @@
-"""Train a head from pairs and finish it: calibration, familiarity, scores on every domain."""
+"""Train and finish a head: calibration, familiarity, scores on every domain."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -48,13 +48,13 @@ def head_from_pairs(
     embeddings, source, part, head, training, bank, seed  as for `plan_training`
     repeat         train again with these seeds; their scores go into metrics["seeds"]
     calibrate      also fit temperatures to held-out source pairs (half as much time again)
-    on_step        gets every optimiser step of the first training
-    on_epoch       gets a report after every epoch of it
-    measure_every  epochs between reports that also measure; the last one always does
-    snapshot       measured reports also hold a map
-    cancelled      training stops once it returns True
+    on_step        called at every optimiser step of the first training
+    on_epoch       called with a report after every epoch of it
+    measure_every  epochs between reports with measures; the last one always has them
+    snapshot       reports with measures also have a map
+    cancelled      training stops when it returns True
 
-    Raises what `plan_training` raises, and TrainingCancelled.
+    Raises the errors of `plan_training`, and TrainingCancelled.
     """
     plan = plan_training(
         embeddings, source, part=part, head=head, training=training, bank=bank, seed=seed
@@ -74,7 +74,7 @@ def trained_head(
     resume: Path | None = None,
     watch: Watch | None = None,
 ) -> Head:
-    """Carry out a plan; `head_from_pairs` says what the arguments mean.
+    """Carry out a plan; arguments as in `head_from_pairs`.
 
     resume  file for the state after each epoch, from which a stopped training resumes
     """
@@ -123,7 +123,7 @@ class _Reports:
         self.meter = Meter(plan.embeddings, plan.settings.classes, plan.source)
 
     def take(self, record: dict[str, float], model: OmniVaT) -> None:
-        """Report one epoch, measured where it is due."""
+        """Report one epoch, with measures if due."""
         epoch = int(record["epoch"]) + 1
         report = EpochReport(
             epoch=epoch,
@@ -139,7 +139,7 @@ class _Reports:
 
 
 def _calibration(plan: TrainingPlan, order: float) -> tuple[Calibration | None, str]:
-    """Fit temperatures at the order that was found; say how, or why that was not possible."""
+    """Fit temperatures at the final order; return them with their origin or the reason of a failure."""
     settings = replace(plan.settings, order=order)
     training = replace(plan.training, order_search=False)
     try:
@@ -150,7 +150,7 @@ def _calibration(plan: TrainingPlan, order: float) -> tuple[Calibration | None, 
 
 
 def _familiarity(source: Embeddings) -> Familiarity | None:
-    """Return what the head keeps of its training images; None where they are of one object."""
+    """Return the head's familiarity; None if all training images are of one object."""
     vis, tac = (torch.from_numpy(rows) for rows in (source.vis, source.tac))
     try:
         return familiarity_of(vis, tac, source.rows["object"])
@@ -159,7 +159,7 @@ def _familiarity(source: Embeddings) -> Familiarity | None:
 
 
 def _metrics(plan: TrainingPlan, head: Head, trained: Trained) -> dict[str, Any]:
-    """Return what metrics.json holds of one training."""
+    """Return the contents of metrics.json for one training."""
     records = evaluate(head, plan.embeddings)
     found = {
         "selection": plan.training.selection,
@@ -175,7 +175,7 @@ def _metrics(plan: TrainingPlan, head: Head, trained: Trained) -> dict[str, Any]
 
 
 def _summary(seed: int, head: Head, records: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """Return the scores of one seed: means over targets, and every domain's."""
+    """Return the scores of one seed: means over targets, and of each domain."""
     return {
         "seed": seed,
         "order": head.model.order,

@@ -1,4 +1,4 @@
-"""What a training is made of, settled and checked before its first step."""
+"""The plan of a training, checked before its first step."""
 
 import platform
 from collections.abc import Mapping
@@ -21,7 +21,7 @@ from omnivat.train.batches import held_out, labels_of
 class TrainingPlan:
     """Pairs, settings, text and seed of one training."""
 
-    embeddings: Embeddings  # the whole set; only `pairs` are trained on
+    embeddings: Embeddings  # the whole set; only `pairs` are used for training
     source: str
     part: str
     pairs: Embeddings  # training pairs of the source
@@ -31,14 +31,14 @@ class TrainingPlan:
     seed: int = 0
 
     def at(self, order: float, seed: int) -> "TrainingPlan":
-        """Return the same plan with p held at `order`, and another seed."""
+        """Return the same plan with p fixed at `order`, and another seed."""
         settings = replace(self.settings, order=order, learn_order=False)
         training = replace(self.training, order_search=False, order_draw="none")
         return replace(self, settings=settings, training=training, seed=seed)
 
     @property
     def encoder(self) -> dict[str, str]:
-        """What made the embeddings, as a head folder states it."""
+        """The encoder of the embeddings, for the head folder."""
         header = self.embeddings.header
         return {
             "name": header.encoder,
@@ -47,7 +47,7 @@ class TrainingPlan:
         }
 
     def provenance(self) -> dict[str, Any]:
-        """Return where a head of this plan comes from, as a head folder states it."""
+        """Return the provenance of a head of this plan, for the head folder."""
         header, bank = self.embeddings.header, self.bank
         return {
             "source": self.source,
@@ -72,17 +72,16 @@ def plan_training(
     bank: LangBank | Path | None = None,
     seed: int = 0,
 ) -> TrainingPlan:
-    """Settle a training on the pairs of one domain; nothing is trained yet.
+    """Plan a training on the pairs of one domain, without training.
 
-    source    name of the domain; pairs of its split "train", or all where it states no split
+    source    name of the domain; its split "train" is used, or all pairs without a split
     part      only this part of it, such as "outdoor"
     head      settings of the head by name; classes and widths follow from the data
-    training  default settings where None
-    bank      LANG or its file; the project's own where None. Not read where training.lang is off
+    training  None: default settings
+    bank      LANG or its file; None: the project's own. Not read if training.lang is off
 
-    Raises DataError when there is nothing to learn, when the selection needs held-out objects and
-    there are none, or when the bank lacks a class; SettingsError for
-    settings that cannot be.
+    Raises DataError if there is nothing to learn, if the selection needs held-out objects and there
+    are none, or if the bank lacks a class; SettingsError for invalid settings.
     """
     training = training or TrainSettings()
     pairs = embeddings.in_domain(source, split="train", part=part)
@@ -99,7 +98,7 @@ def plan_training(
         **(head or {}),
     }
     settings = settings_from(HeadSettings, values)
-    labels = labels_of(pairs, settings)  # refuses one class alone before anything is computed
+    labels = labels_of(pairs, settings)  # raises an error for a single class before any work
     if training.selection != "last" and not len(held_out(pairs, labels, training, seed)[1]):
         raise DataError(
             f"No object of '{source}' can be held out for selection={training.selection}: every "
@@ -120,11 +119,11 @@ def plan_training(
 def plan_like(
     head: Head, embeddings: Embeddings, *, source: str = "", bank: LangBank | Path | None = None
 ) -> TrainingPlan:
-    """Settle a training with the settings of a trained head.
+    """Plan a training with the settings of a trained head.
 
-    source  another domain to train on; the head's own where ""
+    source  another domain to train on; "": the head's own
 
-    Raises DataError where the embeddings are of another encoder or lack the domain.
+    Raises DataError if the embeddings have another encoder or lack the domain.
     """
     head.require_embeddings(embeddings)
     own = source in ("", head.source)

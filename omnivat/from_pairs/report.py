@@ -1,4 +1,4 @@
-"""What a head does after an epoch: losses, gaps, accuracies and a map, for a page that watches."""
+"""Report of an epoch: losses, gaps, accuracies and a map, for the page."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -31,9 +31,9 @@ class EpochReport:
     losses    means over the epoch: "loss", "mma", "nod", "cross_entropy"
     order     the learned p after the epoch
     measures  "modality_gap/f_hat", "domain_gap/f_hat", "margin/f_hat" of all pairs;
-              "accuracy/source_test", "accuracy/unseen" (fused, and with ":vis" or ":tac" for one
-              modality alone) of pairs that are not trained on. Empty where nothing was measured
-    map       (2N, 2) PCA of F̂, VIS rows first, turned to lie nearest to the map before it; or None
+              "accuracy/source_test", "accuracy/unseen" (both images; ":vis" or ":tac" for one
+                        modality alone) of test pairs. Empty if not measured
+              map       (2N, 2) PCA of F̂, VIS rows first, aligned with the previous map; or None
     """
 
     epoch: int
@@ -45,7 +45,7 @@ class EpochReport:
 
 
 class Meter:
-    """Measures one set of pairs with heads of one list of classes."""
+    """Measures one set of pairs with heads of the same classes."""
 
     def __init__(self, embeddings: Embeddings, classes: tuple[str, ...], source: str) -> None:
         self.embeddings, self.source = embeddings, source
@@ -55,7 +55,7 @@ class Meter:
         self._before: Tensor | None = None
 
     def at(self, model: OmniVaT, order: float) -> AtOrder:
-        """Return features and predictions of all pairs at one order; the model's mode is kept."""
+        """Return features and predictions of all pairs at one order, without changing the model's mode."""
         training = model.training
         model.eval()
         with torch.no_grad():
@@ -64,7 +64,7 @@ class Meter:
         return found
 
     def measures(self, found: AtOrder) -> dict[str, float]:
-        """Return the measures that `EpochReport` lists; those without a value are left out."""
+        """Return the measures of `EpochReport`, without undefined ones."""
         gaps = {name: value for _, name, value in measured(found, self.facts, GAPS)}
         kept = {f"{name}/{STAGE}": gaps[f"{name}/{STAGE}"] for name in GAPS}
         for reading, suffix in (("fused", ""), ("vis", ":vis"), ("tac", ":tac")):
@@ -83,7 +83,7 @@ class Meter:
         return self.embeddings.header.domains.index(self.source)
 
     def map(self, found: AtOrder) -> NDArray[Any]:
-        """Return a map (2N, 2) of F̂ that follows the map before it."""
+        """Return a map (2N, 2) of F̂, aligned with the previous map."""
         features = found.features[STAGE]
         flat = pca.project(torch.cat([unit(features["vis"]), unit(features["tac"])]))
         self._before = flat if self._before is None else aligned(flat, self._before)

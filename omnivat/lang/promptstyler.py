@@ -1,4 +1,4 @@
-"""PromptStyler, stage 1: word vectors of styles that differ and leave the class readable."""
+"""PromptStyler, stage 1: word vectors of distinct styles that keep the class readable."""
 
 from collections.abc import Sequence
 from typing import Protocol
@@ -11,12 +11,12 @@ from omnivat.lang.bank import LangBank
 from omnivat.progress import OnStep, Step, ignore
 from omnivat.seeding import derive_seed
 
-WORD = "x"  # stands in a prompt for the word vector that is put in its place
+WORD = "x"  # placeholder of the word vector in a prompt
 STYLE = f"a {WORD} style of a"
 
 
 class WordTower(Protocol):
-    """A text encoder whose word embeddings are open."""
+    """A text encoder that accepts a word vector."""
 
     @property
     def origin(self) -> str:
@@ -31,20 +31,21 @@ class WordTower(Protocol):
     def embed_with_word(self, texts: Sequence[str], word: Tensor | None = None) -> Tensor:
         """Return embeddings (N, D) of texts, differentiable in `word`.
 
-        word  (W,) takes the place of the first `WORD` of every text; None leaves texts as they are
+        word  (W,) replaces the first `WORD` of every text; None changes nothing
         """
         ...
 
 
 def style_loss(style: Tensor, earlier: Tensor) -> Tensor:
-    """Return the mean |cosine| of a style's embedding (D,) to those before it (S, D); 0 for S = 0."""
+    """Return the mean |cosine| of a style's embedding (D,) with earlier ones (S, D); 0 for S =
+    0."""
     if not len(earlier):
         return style.new_zeros(())
     return (normalize(earlier, dim=-1) @ normalize(style, dim=-1)).abs().mean()
 
 
 def content_loss(styled: Tensor, contents: Tensor) -> Tensor:
-    """Return the cross-entropy of telling classes in a style by their plain names.
+    """Return the cross-entropy of classifying styled classes by their plain names.
 
     styled, contents  (K, D) embeddings of "a S style of a CLASS" and of "CLASS"
     """
@@ -66,7 +67,7 @@ def learn_styles(
     """Return word vectors (styles, W), learned one after the other.
 
     Each starts at random (standard deviation 0.02) and takes `steps` steps of SGD on the sum of
-    `style_loss`, against the styles before it, and `content_loss`. Only the word vector moves.
+    `style_loss`, against earlier styles, and `content_loss`. Only the word vector is trained.
     Source: Cho et al., PromptStyler, ICCV 2023, stage 1.
     """
     with torch.no_grad():
@@ -104,7 +105,7 @@ def styled_bank(
 
 
 def styled_texts(classes: Sequence[str]) -> list[str]:
-    """Return the prompt of each class in the style that a word vector will name.
+    """Return the prompt of each class, with a placeholder for the style.
 
     >>> styled_texts(["wood"])
     ['a x style of a wood']

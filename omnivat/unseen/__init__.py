@@ -1,4 +1,4 @@
-"""How a head does in domains that it never saw."""
+"""Results of a head in unseen domains."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Which pairs count when a head is judged: those it was not trained on."""
+"""Masks of the test pairs of a head."""
 
 from typing import Any
 
@@ -11,10 +11,10 @@ Mask = NDArray[np.bool_]
 
 
 def counted(embeddings: Embeddings, source: str) -> Mask:
-    """Return a mask (N,) of the pairs on which a head trained on `source` can be judged.
+    """Return a mask (N,) of the test pairs of a head trained on `source`.
 
-    Where a domain states a split, its test part counts; elsewhere all its pairs do. Of a source
-    without a split no pair counts, as the head may have been trained on all of them.
+    If a domain has a split, its test part counts; otherwise all its pairs do. A source without a
+    split has no test pairs, because the head may have been trained on all of them.
     """
     split = np.array(embeddings.rows.get("split") or [""] * len(embeddings), dtype=object)
     keep = np.zeros(len(embeddings), dtype=bool)
@@ -26,7 +26,7 @@ def counted(embeddings: Embeddings, source: str) -> Mask:
 
 
 def unseen_domains(embeddings: Embeddings, source: str) -> tuple[str, ...]:
-    """Return the domains that a head trained on `source` never saw."""
+    """Return the unseen domains of a head trained on `source`."""
     return tuple(name for name in embeddings.header.domains if name != source)
 
 
@@ -35,7 +35,7 @@ def mean_over_domains(
 ) -> float | None:
     """Return the mean over unseen domains of each domain's share of `right` (N,) among `keep`.
 
-    None where the source is not among the domains or no unseen domain has a pair that counts.
+    None if the source is not among the domains or no unseen domain has a test pair.
     """
     if source not in embeddings.header.domains:
         return None

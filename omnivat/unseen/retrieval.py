@@ -1,4 +1,4 @@
-"""From a photo to the touches of its domain: is the nearest one of the same class?"""
+"""Retrieval: is the touch nearest to a photo, in its domain, of the same class?"""
 
 from typing import Any
 
@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 Rows = NDArray[np.floating[Any]]
-BLOCK = 1024  # photos compared at once: memory stays bounded for any set
-MOST = 2000  # photos of a domain that are judged; of more, an evenly spread part
+BLOCK = 1024  # photos compared at once; bounds the memory
+MOST = 2000  # photos of a domain; a larger one is thinned evenly
 
 
 def judged(keep: NDArray[np.bool_], domain: NDArray[Any], most: int = MOST) -> NDArray[np.int64]:
-    """Return the rows that retrieval is judged on: at most `most` a domain, evenly spread, ascending."""
+    """Return the rows for retrieval: at most `most` for each domain, evenly spaced, ascending."""
     chosen = []
     for name in np.unique(domain):
         own = np.flatnonzero(keep & (domain == name))
@@ -26,8 +26,9 @@ def nearest_touch(
 ) -> NDArray[np.int64]:
     """Return for each of `rows` the row of the touch with the largest cosine in its domain.
 
-    vis     (len(rows), W), photos of `rows`; tac  (N, W); all of any length. A photo's own touch may
-            be found, too
+    vis     (len(rows), W), photos of `rows`; tac  (N, W); all of any length. A photo's own touch
+    may
+            be the nearest
     domain  (N,)
     """
     found = np.zeros(len(rows), dtype=np.int64)

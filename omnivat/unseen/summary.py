@@ -1,4 +1,4 @@
-"""What a head does in domains that it never saw, in one record: shares, intervals, confusion, retrieval."""
+"""Results of a head in unseen domains in one record: accuracy, intervals, confusion, retrieval."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -24,21 +24,21 @@ Array = NDArray[Any]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Facts:
-    """What the record is made from, by pair."""
+    """The data of the record, by pair."""
 
     source: str
     domains: tuple[str, ...]
     domain: Array  # (N,)
-    label: Array  # (N,) index among the head's classes, -1 where the head lacks the class
-    counts: Array  # (N,) bool: not trained on, and of a class that the head knows
+    label: Array  # (N,) index among the head's classes, or -1
+    counts: Array  # (N,) bool: test pairs of the head's classes
 
     def members(self) -> list[tuple[str, Array]]:
-        """Return each domain and all unseen ones together, with a mask (N,) of pairs that count."""
+        """Return each domain, and all unseen ones together, with a mask (N,) of test pairs."""
         found = [(name, self.counts & (self.domain == i)) for i, name in enumerate(self.domains)]
         return [*found, (UNSEEN, self.counts & self._strange())]
 
     def unseen(self) -> list[Array]:
-        """Return the mask of each unseen domain that has pairs."""
+        """Return the mask of each unseen domain with pairs."""
         return [mask for name, mask in self.members()[:-1] if name != self.source and mask.any()]
 
     def _strange(self) -> Array:
@@ -48,13 +48,14 @@ class _Facts:
 
 
 def unseen_summary(head: Head, embeddings: Embeddings) -> dict[str, Any]:
-    """Return the record that the page shows; its keys are described in docs/page.md.
+    """Return the page's record; docs/page.md describes its keys.
 
-    Every share is of pairs that the head was not trained on, at exactly its learned order.
-    `readings` are "fused" (both images), "vis" and "tac" (one image, the other one absent). What is
-    known of each pair stands under "pairs" as arrays (N,).
+    Every share is computed on test pairs, at exactly the learned order. `readings` are "fused"
+    (both
+    images), "vis" and "tac" (one image, the other one absent). "pairs" has values of each pair as
+    arrays (N,).
 
-    Raises DataError when the embeddings are of another encoder or hold no pairs.
+    Raises DataError if the embeddings have another encoder or no pairs.
     """
     head.require_embeddings(embeddings)
     classes = head.settings.classes
@@ -92,9 +93,9 @@ def unseen_summary(head: Head, embeddings: Embeddings) -> dict[str, Any]:
 
 
 def _retrieved(facts: _Facts, vis: Array, tac: Array, rows: NDArray[np.int64]) -> Array:
-    """Return (N,) 1 where a photo's nearest touch is of its class, 0 where not, NaN where not judged.
+    """Return (N,): 1 if a photo's nearest touch has its class, else 0; NaN if not tested.
 
-    vis   (len(rows), W), of the judged photos; tac  (N, W)
+    vis   (len(rows), W), of the tested photos; tac  (N, W)
     """
     nearest = nearest_touch(vis, tac, facts.domain, rows)
     right = np.full(len(facts.domain), np.nan)
@@ -115,7 +116,7 @@ def _by_domain(facts: _Facts, shares: Mapping[str, Array]) -> list[dict[str, Any
 
 
 def _share(right: Array) -> dict[str, float] | None:
-    """Return a share with its interval, or None of no pairs. NaN is not judged."""
+    """Return a share with its interval, or None without pairs. NaN values are skipped."""
     right = right[~np.isnan(right)]
     if not len(right):
         return None
@@ -124,7 +125,7 @@ def _share(right: Array) -> dict[str, float] | None:
 
 
 def _over_domains(facts: _Facts, right: Array) -> dict[str, float] | None:
-    """Return the mean over unseen domains with its interval, or None where there is none."""
+    """Return the mean over unseen domains with its interval, or None without any."""
     known = ~np.isnan(right)
     counts = [(int(right[m & known].sum()), int((m & known).sum())) for m in facts.unseen()]
     if not counts:
@@ -136,7 +137,7 @@ def _over_domains(facts: _Facts, right: Array) -> dict[str, float] | None:
 def _look_alikes(
     facts: _Facts, shares: Mapping[str, Array], looks_like: Sequence[str]
 ) -> dict[str, Any] | None:
-    """Return the shares of unseen pairs that look like another class, or None where none is named."""
+    """Return the shares of unseen pairs that look like another class, or None without any."""
     alike = np.array([bool(name) for name in looks_like] or [False] * len(facts.domain))
     mask = alike & facts.members()[-1][1]
     if not mask.any():
@@ -145,7 +146,7 @@ def _look_alikes(
 
 
 def _confusions(facts: _Facts, answer: Array, classes: int) -> dict[str, list[list[int]]]:
-    """Return counts (K, K), true class by answer, of each domain and of all unseen ones."""
+    """Return counts (K, K), true class by predicted class, of each domain and all unseen ones."""
     found = {}
     for name, mask in facts.members():
         cells = facts.label[mask] * classes + answer[mask]
