@@ -103,8 +103,8 @@ def _pairs(options: argparse.Namespace) -> list[tuple[Path | None, Path | None, 
         return [(pair.vis, pair.tac, pair.tac_crop) for pair in read_pairs(options.pairs).pairs]
     if not options.images or len(options.images) % 2:
         raise SettingsError(
-            f"Got {len(options.images)} images; give VIS and TAC for each pair, with '-' in the "
-            "place of one that is missing."
+            f"Got {len(options.images)} images; give VIS and TAC for each pair, with '-' for a "
+                        "missing one."
         )
     paths = [None if name == MISSING else Path(name) for name in options.images]
     return [(vis, tac, 0) for vis, tac in zip(paths[::2], paths[1::2], strict=True)]

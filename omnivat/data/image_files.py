@@ -33,7 +33,7 @@ STARTS: tuple[tuple[str, bytes], ...] = (  # kind, start of its files; a dot is 
 COSTS = {
     "JPEG2000": 20,
     "AVIF": 10,
-}  # bytes for each pixel while decoding, measured; others up to 6
+}  # bytes per pixel while decoding; others up to 6
 
 
 class OddFileError(ValueError):

@@ -1,4 +1,4 @@
-"""Embed every pair of a set into one file: resumable, in bounded memory, skipping unreadable images."""
+"""Embed every pair of a set into one file: resumable, in bounded memory."""
 
 import logging
 import os
@@ -109,7 +109,7 @@ def _require_sound(
     if not pairs.pairs:
         raise DataError(
             f"There are no pairs to embed in {pairs.origin or 'what was given'}; "
-            "see what the reader left out and why."
+            "check the items that the reader skipped."
         )
 
 

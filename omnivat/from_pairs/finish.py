@@ -139,7 +139,7 @@ class _Reports:
 
 
 def _calibration(plan: TrainingPlan, order: float) -> tuple[Calibration | None, str]:
-    """Fit temperatures at the final order; return them with their origin or the reason of a failure."""
+    """Fit temperatures at the final order; return them with a note on their origin."""
     settings = replace(plan.settings, order=order)
     training = replace(plan.training, order_search=False)
     try:

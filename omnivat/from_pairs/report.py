@@ -55,7 +55,7 @@ class Meter:
         self._before: Tensor | None = None
 
     def at(self, model: OmniVaT, order: float) -> AtOrder:
-        """Return features and predictions of all pairs at one order, without changing the model's mode."""
+        """Return features and predictions of all pairs at one order; keep the model's mode."""
         training = model.training
         model.eval()
         with torch.no_grad():

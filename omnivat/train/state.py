@@ -30,9 +30,7 @@ FORMAT = "omnivat-training-1"
 class Progress:
     """The state of training after an epoch, apart from the weights."""
 
-    epochs: list[dict[str, float]] = field(
-        default_factory=list
-    )  # one record for each finished epoch
+    epochs: list[dict[str, float]] = field(default_factory=list)  # one for each finished epoch
     best_score: float = -1.0  # on the held-out part of the source
     best_epoch: int = -1
     best: dict[str, Tensor] = field(default_factory=dict)  # weights of that epoch

@@ -12,7 +12,7 @@ class Tally:
         self._counts: Counter[tuple[str, str]] = Counter()
 
     def add(self, what: str, why: str, count: int = 1) -> None:
-        """Count `count` pairs of `what`, left out because of `why`."""
+        """Count `count` pairs of `what`, skipped because of `why`."""
         self._counts[what, why] += count
 
     def skipped(self) -> tuple[Skipped, ...]:

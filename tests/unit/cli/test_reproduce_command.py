@@ -148,5 +148,5 @@ def test_one_command_writes_the_papers_tables_and_goes_on_from_where_it_stopped(
     runs = (out / "protocol" / "runs.jsonl").read_text()
     assert main(command) == 0
     again = capsys.readouterr().out
-    assert again.count("not made again") == 2 and "0 runs done" in again
+    assert again.count("; kept") == 2 and "0 runs done" in again
     assert (out / "protocol" / "runs.jsonl").read_text() == runs
