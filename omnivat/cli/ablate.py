@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from omnivat.cli.arguments import listed, numbers, split_settings
 from omnivat.cli.protocol import RUNS, add_running, work
+from omnivat.files import require_writable
 
 if TYPE_CHECKING:
     from omnivat.ablations import Ablation
@@ -36,6 +37,7 @@ def run(options: argparse.Namespace) -> None:
     from omnivat.reports.ablation_report import write_ablations
     from omnivat.train import TrainSettings
 
+    require_writable(options.out / RUNS)
     tables = chosen(listed(options.only))
     if not options.tables_only:
         head, training = split_settings(options.set, HeadSettings, TrainSettings)

@@ -101,10 +101,11 @@ def _pairs(options: argparse.Namespace) -> list[tuple[Path | None, Path | None, 
         from omnivat.data.readers import read_pairs
 
         return [(pair.vis, pair.tac, pair.tac_crop) for pair in read_pairs(options.pairs).pairs]
-    if not options.images or len(options.images) % 2:
+    given = len(options.images)
+    if not given or given % 2:
         raise SettingsError(
-            f"Got {len(options.images)} images; give VIS and TAC for each pair, with '-' for a "
-                        "missing one."
+            f"Got {given} image{'' if given == 1 else 's'}; give VIS and TAC for each pair, with '-' for a "
+            "missing one."
         )
     paths = [None if name == MISSING else Path(name) for name in options.images]
     return [(vis, tac, 0) for vis, tac in zip(paths[::2], paths[1::2], strict=True)]

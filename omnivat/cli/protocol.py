@@ -11,6 +11,7 @@ from omnivat.cli.arguments import add_embeddings, listed, numbers, split_setting
 from omnivat.cli.bar import progress_bar
 from omnivat.cli.computing import add_device
 from omnivat.errors import DataError, SettingsError
+from omnivat.files import require_writable
 
 if TYPE_CHECKING:
     from omnivat.data.store import Embeddings
@@ -93,6 +94,7 @@ def run(options: argparse.Namespace) -> None:
     from omnivat.reports.protocol_report import write_report
     from omnivat.train import TrainSettings
 
+    require_writable(options.out / RUNS)
     if not options.tables_only:
         set_of_pairs = load_embeddings(options.embeddings)
         if options.images:

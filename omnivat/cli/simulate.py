@@ -3,7 +3,7 @@
 python -m omnivat simulate --out DIR [--pairs-per-class 60] [--seed 0] [--examples DIR]
 python -m omnivat simulate --set chirps --out DIR [--order 0.35] [--strength 2] [--shift 1]
 
-Chirps are made-up signals whose class can be read at one fractional order only (docs/order.md).
+Chirps are synthetic signals whose class shows at one fractional order only (docs/order.md).
 """
 
 import argparse
@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from omnivat.cli.arguments import add_seed, whole
 from omnivat.cli.bar import progress_bar
 from omnivat.errors import SettingsError
+from omnivat.files import require_writable
 
 if TYPE_CHECKING:
     from omnivat.data.pairs import PairSet
@@ -28,27 +29,27 @@ def add(parser: argparse.ArgumentParser) -> None:
         "--set",
         choices=["sensors", "chirps"],
         default="sensors",
-        help="which set to make; sensors if left out",
+        help="the set to make; default: sensors",
     )
-    parser.add_argument("--domains", help="only these, with commas")
+    parser.add_argument("--domains", help="only these, separated by commas")
     parser.add_argument("--pairs-per-class", type=int, help="60 for sensors, 40 for chirps")
     add_seed(parser)
     parser.add_argument("--examples", type=Path, help="copy a few test pairs here, as JPEG")
     parser.add_argument(
         "--examples-per-class",
-        type=int,
+        type=whole(1),
         default=2,
         metavar="N",
         help="pairs of each class and domain to copy to --examples",
     )
-    parser.add_argument("--workers", type=whole(1), help="processes; all cores if left out")
+    parser.add_argument("--workers", type=whole(1), help="processes; default: all cores")
     parser.add_argument("--order", type=float, help="chirps: p*, the order of the signal; 0.35")
     parser.add_argument("--strength", type=float, help="chirps: interference over signal; 2")
     parser.add_argument("--shift", type=float, help="chirps: difference between domains, 0 to 1")
 
 
 def run(options: argparse.Namespace) -> None:
-    """Write a set of pairs; rendered files that are there already are kept."""
+    """Write a set of pairs; existing rendered files are kept."""
     from omnivat.data.pairs import summary_table
     from omnivat.simulate.examples import write_examples
 
@@ -56,6 +57,8 @@ def run(options: argparse.Namespace) -> None:
     for name in others:
         if getattr(options, name) is not None:
             raise SettingsError(f"--{name} does not apply to --set {options.set}; leave it out.")
+    if options.examples:
+        require_writable(options.examples / "pairs")
     made = _chirps(options) if options.set == "chirps" else _sensors(options)
     print(summary_table(made))
     if options.examples:

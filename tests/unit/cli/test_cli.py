@@ -44,6 +44,7 @@ def test_every_argument_has_a_help_text(command):
         (["gaps", "--order", "7"], "from -4 to 4. The transform has period 4, so use 3."),
         (["simulate", "--out", "x", "--workers", "-1"], "-1; give a whole number, 1 or more"),
         (["protocol", "--out", "x", "--folds", "-1"], "-1; give a whole number, 0 or more"),
+        (["simulate", "--out", "x", "--examples-per-class", "0"], "0; give a whole number, 1 or"),
         (["protocol", "--out", "x", "--jobs", "two"], "'two'; give a whole number, 1 or more"),
     ],
 )
@@ -58,7 +59,7 @@ def test_an_argument_out_of_range_is_refused_with_the_range(arguments, sentence,
     ("arguments", "sentence"),
     [
         (["predict"], "Got 0 images; give VIS and TAC for each pair"),
-        (["predict", "one.png"], "Got 1 images; give VIS and TAC"),
+        (["predict", "one.png"], "Got 1 image; give VIS and TAC"),
         (["predict", "a", "b", "--pairs", "c"], "Give either images or --pairs, not both"),
         (["predict", "a", "b", "--head", "nowhere"], "No head at 'nowhere'. Train one with"),
         (["evaluate", "--head", "nowhere"], "No head at 'nowhere'"),
@@ -76,6 +77,25 @@ def test_what_a_person_can_put_right_is_one_sentence_and_exit_1(
     assert "Traceback" not in captured.err
     assert captured.err.count("\n") == 1
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["protocol", "--out", "file", "--methods", "nearest_mean"],
+        ["ablate", "--out", "file", "--only", "order"],
+        ["simulate", "--set", "chirps", "--out", "new", "--examples", "file"],
+    ],
+    ids=lambda arguments: arguments[0],
+)
+def test_a_file_in_the_place_of_an_output_folder_is_refused_before_any_work(
+    arguments, capsys, tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "file").write_text("mine")
+    assert main(arguments) == 1
+    assert f"'{tmp_path / 'file'}' is a file; choose a folder." in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
 
 
 @pytest.mark.parametrize(
