@@ -15,6 +15,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
+from benchmarks._attack_costly import FOUR_MB, MOST_MB, MOST_S, measured
 from benchmarks._attack_files import heads, images, questions, sets
 
 SLOW_S = 5.0  # an answer that takes longer has fallen
@@ -96,6 +97,24 @@ def attack(client: Any, resources: Any, seed: int, count: int) -> dict[str, Coun
     return found
 
 
+def costs(decoder: Any) -> tuple[Counts, dict[str, Any]]:
+    """Decode images that cost far more than their bytes; what is over the limits has fallen."""
+    counts, record = Counts(), {}
+
+    def take(name: str, found: dict[str, Any]) -> None:
+        record[name] = found
+        counts.slowest_s = max(counts.slowest_s, found["processor_s"])
+        if found["processor_s"] > MOST_S or found["mb"] > MOST_MB:
+            counts.fell.append(f"{name}: {found}")
+        else:
+            counts.held += 1
+
+    four = measured(decoder, take)
+    if four["mb"] > FOUR_MB:
+        counts.fell.append(f"four at once: {four}")
+    return counts, {"files": record, "four_at_once": four}
+
+
 def load(client: Any, parts: dict[str, bytes]) -> dict[str, str]:
     """Send the files of a head or set; return what each is called."""
     return {
@@ -157,6 +176,7 @@ def main(arguments: list[str] | None = None) -> int:
     application = Starlette(routes=routes(resources), middleware=guarded)
     with TestClient(application, base_url="http://127.0.0.1") as client:
         found = attack(client, resources, chosen.seed, chosen.count)
+    found["costly"], costly = costs(resources.shared.decoder)
     resources.shared.close()
     record: dict[str, dict[str, Any]] = {
         name: {
@@ -167,7 +187,13 @@ def main(arguments: list[str] | None = None) -> int:
         }
         for name, counts in found.items()
     }
-    write_json(chosen.out, {"seed": chosen.seed, "count": chosen.count, "attacks": record})
+    write_json(
+        chosen.out,
+        {"seed": chosen.seed, "count": chosen.count, "attacks": record, "costly": costly},
+    )
+    for name, one in costly["files"].items():
+        print(f"{name:34} {one['processor_s']:5.2f} s {one['mb']:4} MB  {one['said']:.90}")
+    print(f"four at once: {costly['four_at_once']}")
     for name, one in record.items():
         print(f"{name:10} held {one['held']:5}  fell {len(one['fell'])}  {one['statuses']}")
         for line in one["fell"][:10]:

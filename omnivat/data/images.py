@@ -58,7 +58,7 @@ class Limits:
 
 
 OWN = Limits()  # the user's own files, on the command line
-VISITORS = Limits(kinds=COMMON, cost=50_000_000, pixels=24_000_000, variants=False)  # uploads
+VISITORS = Limits(kinds=COMMON, cost=64_000_000, pixels=24_000_000, variants=False)  # uploads
 
 
 def read_image(
