@@ -1,1 +1,1 @@
-"""Simulated pairs: one surface, photographed by a renderer and pressed by a sensor model."""
+"""Simulated pairs: a renderer photographs a surface, and a sensor model presses it."""

@@ -1,4 +1,4 @@
-"""Build a simulated set of pairs on disk, from a seed; a stopped build goes on where it was."""
+"""Build a simulated set of pairs on disk from a seed; an interrupted build resumes."""
 
 import csv
 import io
@@ -44,22 +44,22 @@ def simulate(
 
     domains          paper's names or their simulated ones; None means all eight
     pairs_per_class  of each class of each domain
-    size             pixels of a side
+    size             side of an image in pixels
     workers          processes; None means one for each core
-    renderer         "mitsuba", or "plain" for the built-in shader that needs nothing installed
+    renderer         "mitsuba", or "plain" for the built-in shader without dependencies
 
-    The same arguments give the same bytes. Images that are there and whole are kept, so a build
-    that was stopped goes on; delete the folder to begin afresh (with another seed, for instance).
+    The same arguments give the same bytes. Complete images are kept, so an interrupted build
+    resumes. Delete the folder to start again, for instance with another seed.
 
-    Raises DataError for an unknown domain or a size or number that makes no pair,
-    MissingPackageError when the renderer or Taxim is not installed.
+    Raises DataError for an unknown domain or an invalid size or number, MissingPackageError if the
+    renderer or Taxim is not installed.
     """
     plan = list(_plan(domains, pairs_per_class=pairs_per_class))
     if size < 32:
         raise DataError(
             f"Images of {size} pixels are too small to show a touch; ask for 32 or more."
         )
-    # Round the classes, not one after another: a build that is stopped leaves a fair sample.
+    # Alternate between classes, so that an interrupted build has a mixed sample.
     todo = sorted(
         (pair for pair in plan if not _is_done(out, pair, size)),
         key=lambda pair: int(pair.object.rsplit("-", 1)[1]),
@@ -79,7 +79,7 @@ def simulate(
 
 
 def draw_to(pair: Planned, *, out: Path, seed: int, size: int, renderer: str) -> Planned:
-    """Draw one pair and write its two images, each whole or not at all."""
+    """Draw one pair and write its two images, each completely or not at all."""
     from omnivat.simulate.drawing import drawn
 
     both = drawn(pair, seed=seed, size=size, renderer=load(RENDERERS, renderer, kind="renderer"))
@@ -91,7 +91,7 @@ def draw_to(pair: Planned, *, out: Path, seed: int, size: int, renderer: str) ->
 def _carried_out(
     work: "partial[Planned]", todo: Sequence[Planned], *, workers: int
 ) -> Iterator[Planned]:
-    """Yield each pair when it is drawn; in this process when one worker is enough."""
+    """Yield each finished pair; with one worker, draw in this process."""
     if workers == 1 or len(todo) < 2:
         yield from map(work, todo)
         return
@@ -128,7 +128,7 @@ def _is_done(out: Path, pair: Planned, size: int) -> bool:
 
 
 def _is_whole(path: Path, size: int) -> bool:
-    """Tell whether a file is there and decodes to an image of the right size."""
+    """True if a file decodes to an image of the right size."""
     try:
         with Image.open(path) as image:
             image.load()
@@ -154,7 +154,7 @@ def _pair(out: Path, pair: Planned) -> Pair:
 
 
 def _table(plan: Sequence[Planned]) -> str:
-    """Return pairs.csv: paths relative to the set."""
+    """Return the text of pairs.csv, with paths relative to the set."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(COLUMNS)

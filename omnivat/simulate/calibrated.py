@@ -17,7 +17,7 @@ from omnivat.simulate.things import Thing
 CALIBRATIONS = {"Taxim GelSight": "CALIB_GELSIGHT", "Taxim GelSight Mini": "CALIB_GELSIGHT_MINI"}
 DEPTH = (0.7, 1.4)  # mm
 _PIXEL = 0.0295 * 2  # mm, half of the calibrated resolution of 640 × 480
-_HEIGHT = 240  # pixels: the square cut from the middle of 320 × 240
+_HEIGHT = 240  # pixels: central square of 320 × 240
 _WIDTH = 320
 
 
@@ -38,7 +38,7 @@ def calibrated(thing: Thing, press: Press, name: str, *, size: int) -> Array:
     edge = (_WIDTH - _HEIGHT) // 2
     height = square[edge : edge + _HEIGHT]
     depth = DEPTH[0] + press.depth * (DEPTH[1] - DEPTH[0])
-    # Taxim counts distance from the gel: the highest point of the object is the least.
+    # Taxim measures distance from the gel: the highest point has the smallest.
     seen = _simulator(name).render(
         (-height).astype(np.float32), with_shadow=False, press_depth=depth
     )

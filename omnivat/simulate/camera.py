@@ -6,7 +6,7 @@ from scipy.ndimage import gaussian_filter
 from omnivat.simulate.noise import Array
 from omnivat.simulate.scenes import Scene
 
-_GAIN = 2.0  # a dark picture is brightened no further
+_GAIN = 2.0  # largest gain for dark pictures
 
 
 def exposed(radiance: Array, scene: Scene, *, seed: int) -> Array:
@@ -16,7 +16,7 @@ def exposed(radiance: Array, scene: Scene, *, seed: int) -> Array:
     image = image * np.asarray(scene.balance) * (1.0 + scene.drift * rng.normal(size=3))
     bright = float(np.quantile(image.mean(-1), 0.9))
     goal = float(np.clip(scene.goal * rng.uniform(0.85, 1.2), 0.3, 0.9))
-    # Automatic exposure goes half-way: dark things stay darker than bright ones.
+    # Automatic exposure is partial: dark things stay darker than bright ones.
     image = image * min((goal / max(bright, 1e-3)) ** 0.8, _GAIN)
     toned = np.clip(image, 0.0, 1.6) / (1.0 + 0.25 * np.clip(image, 0.0, 1.6) ** 2)
     shown = np.clip(toned, 0.0, 1.0) ** (1 / 2.2)

@@ -1,4 +1,4 @@
-"""Press an object into a gel: where they touch, and how the gel then lies."""
+"""Press an object into a gel: contact and deformation."""
 
 from dataclasses import dataclass
 
@@ -12,7 +12,7 @@ from omnivat.simulate.things import Thing
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Press:
-    """How a sensor meets an object at its touched spot."""
+    """Pose and depth of a sensor at the touched spot."""
 
     turn: float  # rad about the normal, from the spot's tangent
     lean: tuple[float, float]  # slope of the sensor against the surface, mm a mm
@@ -28,9 +28,9 @@ def plane(field: float, size: int) -> tuple[Array, Array]:
 
 
 def pressed_height(thing: Thing, press: Press, *, field: float, size: int) -> Array:
-    """Return the object's height (size, size) in mm as the sensor meets it, highest towards it.
+    """Return the object's height (size, size) in mm, positive towards the sensor.
 
-    That is the solid's own geometry (curves, edges, rims) and the relief of its touch surface.
+    It includes the solid's geometry (curves, edges, rims) and the relief of its touch surface.
     """
     x, y = plane(field, size)
     u, v = turned(x, y, -press.turn)
@@ -40,17 +40,18 @@ def pressed_height(thing: Thing, press: Press, *, field: float, size: int) -> Ar
 
 
 def indentation(height: Array, *, field: float, depth: float, dome: float) -> Array:
-    """Return how far (mm) the object goes into the undeformed gel; 0 where it does not touch."""
+    """Return the indentation (mm) of the undeformed gel; 0 without contact."""
     x, y = plane(field, len(height))
     meeting = height + dome * (1.0 - 2.0 * (x**2 + y**2) / field**2)
     return np.asarray(np.maximum(meeting - np.quantile(meeting, 0.998) + depth, 0.0))
 
 
 def draped(indent: Array, *, field: float, give: float, skin: float) -> Array:
-    """Return the gel's displacement (mm): on the object in contact, drawn down around it.
+    """Return the gel's displacement (mm): it follows the object in contact and is drawn down
+    nearby.
 
-    Wide to narrow, the sheet is smoothed and then pushed off the object again, so that it hangs
-    from the contact as an elastic skin does; last, its own thickness `skin` smooths it.
+    From coarse to fine, the sheet is smoothed and pushed out of the object again, like an elastic
+    skin. Finally it is smoothed by its own thickness `skin`.
     """
     pixel = field / len(indent)
     sheet = indent

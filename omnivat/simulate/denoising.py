@@ -1,7 +1,7 @@
-"""Grain out of a render of few paths: light is averaged between neighbours that look alike.
+"""Denoise a render of few paths: average light between similar neighbours.
 
-An edge-avoiding à-trous filter (Dammertz and others, 2010) on light divided by the surface's own
-colour, so that textures stay sharp.
+This is an edge-avoiding à-trous filter (Dammertz et al., 2010) on light divided by the surface's
+colour, which keeps textures sharp.
 """
 
 import numpy as np
@@ -10,13 +10,13 @@ from scipy.ndimage import uniform_filter
 from omnivat.simulate.noise import Array
 
 _STEPS = (1, 2, 4)  # pixels between the taps of each pass
-_COLOUR, _NORMAL = 0.06, 0.25  # differences at which two pixels cease to be alike
+_COLOUR, _NORMAL = 0.06, 0.25  # differences above which two pixels count as different
 _LIGHT = (0.9, 0.5, 0.3)  # the same for the logarithm of light, at each pass
-_FLOOR = 0.03  # reflectance below which light is not told from colour
+_FLOOR = 0.03  # smallest reflectance for dividing light by colour
 
 
 def denoised(radiance: Array, colour: Array, normal: Array) -> Array:
-    """Return radiance (H, W, 3) without its grain.
+    """Return radiance (H, W, 3) without grain.
 
     colour  (H, W, 3) reflectance of what each pixel shows
     normal  (H, W, 3) of what each pixel shows
@@ -29,7 +29,7 @@ def denoised(radiance: Array, colour: Array, normal: Array) -> Array:
 
 
 def _smoothed(light: Array, colour: Array, normal: Array, step: int, spread: float) -> Array:
-    # Means of nine pixels are compared: a single dark or bright path is no edge.
+    # Compare means of nine pixels: a single dark or bright path is not an edge.
     tone = np.log(uniform_filter(light.mean(-1), 3, mode="nearest") + 0.02)
     features = np.concatenate([colour / _COLOUR, normal / _NORMAL, tone[..., None] / spread], -1)
     total, weights = np.zeros_like(light), np.zeros(light.shape[:2])

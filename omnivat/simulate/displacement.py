@@ -1,7 +1,8 @@
 """Tac3D: 20 × 20 markers with three-dimensional displacements, shown as a colour image.
 
-The picture is drawn as the reader of real Tac3D files draws it (`omnivat.data.tac3d`): (dx, dy, dz)
-become (red, green, blue) about mid-grey, on one scale for the whole domain.
+The picture is drawn as for real Tac3D files (`omnivat.data.tac3d`): (dx, dy, dz) become (red,
+green,
+blue) around mid-grey, on one scale for the whole domain.
 """
 
 import numpy as np
@@ -14,12 +15,13 @@ from omnivat.simulate.things import Thing
 
 FIELD = 16.0  # mm across the markers
 DEPTH = (0.4, 0.85)  # mm
-_BULGE = 0.45  # mm sideways for a slope of 1: the gel gives way to what is pressed in
-_DRAG = 0.5  # of the drag reaches the markers
-# mm that reach full colour: what `robust_scale` gives for 60 pairs of the shipped set, written
-# down so that an image does not depend on how many others are made.
+_BULGE = 0.45  # mm sideways for a slope of 1: the gel moves aside
+_DRAG = 0.5  # share of the drag that reaches the markers
+# mm for full colour: `robust_scale` of 60 pairs of the shipped set, fixed here so that an image
+# does
+# not depend on the number of others.
 SCALE = np.array([0.14, 0.14, 0.74])
-_GRID = 160  # points on which the gel is draped before it is read at the markers
+_GRID = 160  # resolution of the gel before sampling at the markers
 
 
 def displacements(thing: Thing, press: Press, *, seed: int) -> Array:

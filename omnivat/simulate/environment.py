@@ -1,4 +1,4 @@
-"""The light all round a scene, as a small panorama of radiance: sky or room, and the key light."""
+"""Environment light of a scene, as a small panorama of radiance: sky or room, and the key light."""
 
 import numpy as np
 
@@ -11,8 +11,8 @@ _ROWS, _COLUMNS = 64, 128
 def panorama(framing: Framing, *, least_softness: float = 0.0) -> Array:
     """Return radiance (64, 128, 3) by polar angle from straight up, and azimuth.
 
-    Shiny things show what they mirror, so the sky is not even: it has a horizon, and walls or
-    clouds. The key light's total power does not depend on its size.
+    Shiny objects mirror their surroundings, so the sky has a horizon and walls or clouds. The key
+    light's total power does not depend on its size.
     """
     polar, azimuth = np.meshgrid(
         (np.arange(_ROWS) + 0.5) / _ROWS * np.pi,
@@ -36,7 +36,7 @@ def panorama(framing: Framing, *, least_softness: float = 0.0) -> Array:
 
 
 def _surroundings(way: Array, polar: Array, seed: int) -> Array:
-    """Return the uneven brightness of what is round the scene, about 1."""
+    """Return the uneven brightness of the surroundings, about 1."""
     above = smoothstep(np.cos(polar), -0.05, 0.25)
     blocks = octaves(
         3.0 * way[..., 0] + way[..., 2], 3.0 * way[..., 1], wavelength=1.5, finest=0.4, seed=seed

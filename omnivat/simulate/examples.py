@@ -1,4 +1,4 @@
-"""Copy a few pairs of a simulated set, small enough to be kept beside the code."""
+"""Copy a few pairs of a simulated set as small examples."""
 
 from collections import defaultdict
 from pathlib import Path
@@ -9,18 +9,16 @@ from omnivat.errors import DataError
 from omnivat.files import replacing
 
 QUALITY = 94  # of JPEG: over a quarter of the PNG
-FULL_COLOUR = 0  # no subsampling: what a gel shows is in its colours
+FULL_COLOUR = 0  # no subsampling: a gel's information is in its colours
 
 
 def write_examples(made: PairSet, folder: Path, *, each: int = 2) -> list[Path]:
     """Write `<folder>/<domain>/<class>/<name>_{vis,tac}.jpg`; return the files.
 
     made  a simulated set on disk
-    each  pairs of each class of each domain, of objects that nothing was trained on; all there are
-          where there are fewer
+    each  pairs of each class of each domain, of test objects; fewer if there are not enough
 
-    Every pixel is kept at full size, its value within what JPEG loses. Raises DataError when the
-    set has no pairs for testing.
+    Images keep their full size, with JPEG's loss. Raises DataError if the set has no test pairs.
     """
     classes: dict[tuple[str, str], list[Pair]] = defaultdict(list)
     for pair in made.pairs:
@@ -42,7 +40,7 @@ def write_examples(made: PairSet, folder: Path, *, each: int = 2) -> list[Path]:
 
 
 def chosen(things: list[Pair], count: int) -> list[Pair]:
-    """Return `count` of `things`, half of them (rounded down) imitators by sight if there are."""
+    """Return `count` of `things`, half of them (rounded down) visual imitators if possible."""
     alike = [pair for pair in things if pair.looks_like]
     plain = [pair for pair in things if not pair.looks_like]
     few = max(min(count // 2, len(alike)), count - len(plain))
@@ -50,7 +48,7 @@ def chosen(things: list[Pair], count: int) -> list[Pair]:
 
 
 def spread(things: list[Pair], count: int) -> list[Pair]:
-    """Return `count` of `things`, evenly over the list, or all of them."""
+    """Return `count` of `things`, evenly spaced, or all of them."""
     count = min(count, len(things))
     return [things[(2 * index + 1) * len(things) // (2 * count)] for index in range(count)]
 

@@ -1,4 +1,4 @@
-"""Draw one photograph's circumstances from its domain's row, before any renderer is chosen."""
+"""Draw the camera and light of one photograph from its domain's row, for any renderer."""
 
 from dataclasses import dataclass
 
@@ -9,15 +9,19 @@ from omnivat.simulate.scenes import OUTDOORS, Colour, Scene
 from omnivat.simulate.shapes import Spot, blocked
 from omnivat.simulate.things import Thing
 
-_TRIED = 14  # places of the camera, before one is taken that does not see the contact
+_TRIED = 14  # tries for a camera position that sees the contact
 _FACING = 0.2  # least cosine between the line of sight and the contact's normal
-_LEAST = {"hand": 260.0, "rig": 150.0, "": 120.0}  # mm in view: the sensor hides no object
+_LEAST = {
+    "hand": 260.0,
+    "rig": 150.0,
+    "": 120.0,
+}  # mm in view, so that the sensor does not hide the object
 _DAY = (1.25, 1.3, 1.45)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Framing:
-    """Where the camera and the light stand for one photograph; angles in rad, lengths in mm."""
+    """Camera and light of one photograph; angles in rad, lengths in mm."""
 
     scene: Scene
     spot: Spot  # the contact, which the camera sees
@@ -30,15 +34,15 @@ class Framing:
     sun: Colour
     sky: Colour
     ground: str
-    behind: str  # what stands beyond, or ""
-    away: float  # how far beyond the target it stands
-    held: bool  # whether the sensor stands on the contact while the picture is taken
+    behind: str  # background object, or ""
+    away: float  # its distance behind the target
+    held: bool  # True if the sensor is in the picture
     clutter: int  # other things on the ground
     seed: int
 
 
 def framed(scene: Scene, thing: Thing, *, outdoors: bool, seed: int) -> Framing:
-    """Return the framing of one photograph. Outdoors is brighter and bluer."""
+    """Return the framing of one photograph; outdoors is brighter and bluer."""
     rng = np.random.default_rng(seed)
     low, high = thing.solid.vertices.min(0), thing.solid.vertices.max(0)
     middle, extent = (low + high) / 2, float(np.linalg.norm(high - low))
@@ -76,7 +80,7 @@ def framed(scene: Scene, thing: Thing, *, outdoors: bool, seed: int) -> Framing:
 def _camera(
     scene: Scene, thing: Thing, target: Array, distance: float, rng: np.random.Generator
 ) -> Array:
-    """Return a place of the camera from which the contact is seen, if one is found."""
+    """Return a camera position that sees the contact, if one is found."""
     spot, best, most = thing.spot, target + np.array([0.0, -distance, distance]), -2.0
     steep = np.hypot(spot.normal[0], spot.normal[1]) > 0.4
     ahead = float(np.arctan2(spot.normal[1], spot.normal[0]))

@@ -1,4 +1,4 @@
-"""What an object stands on and what is seen beyond it: colours of a plane, (..., 3) linear."""
+"""Ground and background of an object: colours of a plane, (..., 3) linear."""
 
 from collections.abc import Callable
 
@@ -15,7 +15,7 @@ def ground(name: str, x: Array, y: Array, *, seed: int) -> Array:
 
 
 def beyond(name: str, x: Array, z: Array, *, seed: int) -> Array:
-    """Return the colour of what stands behind, called `name`, at (x, z) mm, z upwards."""
+    """Return the colour of the background called `name` at (x, z) mm, z upwards."""
     return np.asarray(_BEYOND[name](x, z, seed))
 
 

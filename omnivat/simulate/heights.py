@@ -1,4 +1,4 @@
-"""The shape of a solid as a tactile sensor meets it: an orthographic height map of its mesh."""
+"""The shape of a solid for a tactile sensor: an orthographic height map of its mesh."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -7,23 +7,23 @@ from scipy.ndimage import gaussian_filter, zoom
 from omnivat.simulate.noise import Array
 from omnivat.simulate.shapes import Solid, Spot
 
-BELOW = -6.0  # mm: what lies deeper is out of reach of every sensor
-_ABOVE = 6.0  # mm: what stands higher over the touched place is passed by
+BELOW = -6.0  # mm: deeper parts are out of reach of every sensor
+_ABOVE = 6.0  # mm: higher parts above the touched spot are ignored
 _FINEST = 144  # pixels of a side that are drawn; larger maps are resampled
-_BULGE = 0.6  # mm: the most that a curved face stands out from its flat triangle
-_CREASE = 0.7  # cosine of the angle at which two faces meet in an edge and not in a curve
+_BULGE = 0.6  # mm: largest bulge of a curved face over its flat triangle
+_CREASE = 0.7  # cosine of the angle between faces that form an edge
 
 
 def contact_height(
     solid: Solid, spot: Spot, *, field: float, size: int, turn: float = 0.0
 ) -> Array:
-    """Return the height (size, size) in mm of the solid over the touched place, seen along its normal.
+    """Return the height (size, size) in mm of the solid around the touched spot, along its normal.
 
     field  mm across the square map; x grows to the right and y upwards
     turn   rad about the normal, from the spot's tangent to the map's x
 
     Curved parts are smooth: heights follow the normals of the vertices, not the flat triangles.
-    The touched place has the height 0; nothing is deeper than `BELOW`.
+    The touched spot has height 0; nothing is deeper than `BELOW`.
     """
     side = min(size, _FINEST)
     corner, normal = _nearby(solid, _axes(spot, turn), spot.point, field)
@@ -45,7 +45,7 @@ def _axes(spot: Spot, turn: float) -> Array:
 
 
 def _nearby(solid: Solid, axes: Array, point: Array, field: float) -> tuple[Array, Array]:
-    """Return corners and corner normals (F, 3, 3), in the map's axes, of the faces that matter."""
+    """Return corners and corner normals (F, 3, 3), in the map's axes, of the faces in reach."""
     local = (solid.vertices - point) @ axes.T
     corner = local[solid.faces]
     low, high = corner.min(1), corner.max(1)
@@ -79,7 +79,7 @@ def _drawn(corner: Array, normal: Array, *, field: float, side: int) -> Array:
 def _covered(
     corner: Array, *, field: float, side: int
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
-    """Return (face, row, column) of every pixel in the box about every face."""
+    """Return (face, row, column) of every pixel in each face's bounding box."""
     scale, middle = side / field, side / 2
     places = corner[:, :, :2] * [scale, -scale] + middle - 0.5
     low = np.clip(np.ceil(places.min(1)), 0, side).astype(np.int64)
@@ -106,9 +106,9 @@ def _shares(corner: Array, face: NDArray[np.int64], x: Array, y: Array) -> Array
 def _curved(
     corner: Array, normal: Array, face: NDArray[np.int64], share: Array, x: Array, y: Array
 ) -> Array:
-    """Return heights (N,): half-way from the flat face to the blended planes of its corners.
+    """Return heights (N,): the mean of the flat face and the blended planes of its corners.
 
-    That is exact where the surface is a parabola between its vertices.
+    This is exact for a parabolic surface.
     """
     slope = -normal[..., :2] / np.maximum(normal[..., 2:], 0.25)
     flat, lift = np.zeros(len(face)), np.zeros(len(face))

@@ -1,6 +1,6 @@
-"""Which classes each class imitates by sight, and what such an object looks like.
+"""Visual imitations: the imitated classes of each class, and their appearance.
 
-An imitation wears the picture of the other class: its colours, its gloss, most of its shapes.
+An imitation has the colours, gloss and usually the shape of the other class.
 """
 
 IMITATIONS: dict[str, tuple[str, ...]] = {
@@ -10,5 +10,5 @@ IMITATIONS: dict[str, tuple[str, ...]] = {
     "ceramic": ("wood", "plastic", "steel"),  # wood-look tile; matt glaze; metallic glaze
     "glass": ("plastic", "ceramic", "steel"),  # dyed and opaque; milk glass; silvered
 }
-EMBOSSED = 0.3  # how much of the imitated relief shows in an imitation
-OTHER_SHAPE = 0.7  # of the imitations come in a shape of the imitated class
+EMBOSSED = 0.3  # share of the imitated relief in an imitation
+OTHER_SHAPE = 0.7  # share of the imitations with a shape of the imitated class

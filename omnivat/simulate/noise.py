@@ -1,7 +1,7 @@
 """Random fields over the plane: smooth noise, its octaves, and cells. All in millimetres.
 
-Every field is a function of coordinates, not of a grid, so a camera and a tactile sensor can look
-at one surface at their own resolution and place.
+Every field is a function of coordinates, so a camera and a tactile sensor can sample one surface at
+their own resolution and position.
 """
 
 from functools import lru_cache
@@ -12,7 +12,7 @@ from scipy.ndimage import map_coordinates, spline_filter
 
 Array = NDArray[np.float64]
 
-_CELLS = 512  # the noise repeats after so many wavelengths
+_CELLS = 512  # period of the noise in wavelengths
 
 
 @lru_cache(maxsize=1)
@@ -55,7 +55,7 @@ def cells(
 ) -> tuple[Array, Array]:
     """Return distance (mm) to the nearest scattered point and to the border of its cell.
 
-    Points lie one in each square of `size` mm, moved by `jitter` of the square.
+    Each square of `size` mm has one point, moved by `jitter` of the square.
     """
     rng = np.random.default_rng(seed)
     offsets = 0.5 + jitter * (rng.random((64, 64, 2)) - 0.5)

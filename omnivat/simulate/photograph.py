@@ -1,4 +1,4 @@
-"""VIS: a thing, framed by its domain's row, rendered and then taken by its domain's camera."""
+"""VIS: frame, render and photograph a thing with its domain's camera."""
 
 from collections.abc import Callable
 

@@ -1,4 +1,4 @@
-"""Which pairs a simulated set has: names, objects, splits and imitations, before anything is drawn."""
+"""The plan of a simulated set: names, objects, splits and imitations."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ PAIRS = 60  # of each class of each domain in the shipped set
 TEST_EVERY = 3  # one object of three is a test object
 LOOK_ALIKES = 0.25  # of the objects imitate another class by sight
 FEEL_ALIKES = 0.10  # of the objects of the classes below imitate another class by touch
-# What is smooth feels alike: polished glass, glazed ceramic, polished steel, glossy plastic.
+# Smooth surfaces feel alike: polished glass, glazed ceramic, polished steel, glossy plastic.
 SMOOTH = ("steel", "plastic", "ceramic", "glass")
 _STEPS = (0.7548776662, 0.4142135624, 0.5698402910)  # of rotations: sight, touch, which class
 
@@ -30,15 +30,15 @@ class Planned:
     feels_like: str = ""  # the class that it imitates by touch
 
     def folder(self) -> str:
-        """Return where the pair goes, relative to the set."""
+        """Return the pair's folder, relative to the set."""
         return f"{simulated(self.domain)}/{self.material}"
 
 
 def planned(domain: Domain, material: str, *, pairs: int) -> list[Planned]:
-    """Return the pairs of one class of one domain, each of an object of its own.
+    """Return the pairs of one class of one domain, each of a different object.
 
-    Neighbouring numbers hold a fair mixture of surfaces and imitations. Each split of each part
-    gets a run of numbers, so train and test objects have the same mixture.
+    Consecutive numbers have a balanced mixture of surfaces and imitations. Each split of each part
+    has consecutive numbers, so training and test objects have the same mixture.
     """
     parts = domain.series or ("",)
     places = [
@@ -70,9 +70,10 @@ def _pair(domain: Domain, material: str, place: tuple[str, str, int], number: in
 def imitated(domain: Domain, material: str, number: int) -> tuple[str, str]:
     """Return the classes that an object imitates by sight and by touch, "" for none.
 
-    No object imitates by both: one modality always tells its class. Only classes of the same
-    domain are imitated. The choice depends on the number alone, along rotations whose steps are
-    unrelated to the one that draws the recipe.
+    No object imitates in both ways, so one modality always shows its class. Only classes of the
+    same
+    domain are imitated. The choice depends on the number only, by rotations with steps unrelated to
+    those of the recipes.
     """
     here = classes(domain)
     looks = [name for name in IMITATIONS.get(material, ()) if name in here]
@@ -92,5 +93,5 @@ def _is_test(turn: int) -> bool:
 
 
 def classes(domain: Domain) -> tuple[str, ...]:
-    """Return the materials that a domain has."""
+    """Return the materials of a domain."""
     return tuple(name for name in MATERIALS if domain.ceramic or name != "ceramic")

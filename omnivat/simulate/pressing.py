@@ -16,7 +16,7 @@ _TAXIM = {"OF 2.0 A": "Taxim GelSight", "OF 2.0 B": "Taxim GelSight Mini"}
 
 
 def tactile(thing: Thing, domain: str, stream: int, *, size: int) -> Array:
-    """Return TAC (size, size, 3), 0 to 1: the touched spot, as the domain's sensor feels it."""
+    """Return TAC (size, size, 3), 0 to 1: the touched spot, imaged by the domain's sensor."""
     press = pressing(np.random.default_rng(derive_seed(stream, "press")))
     noise = derive_seed(stream, "sensor")
     if domain in _TAXIM:
@@ -28,7 +28,7 @@ def tactile(thing: Thing, domain: str, stream: int, *, size: int) -> Array:
 
 
 def pressing(rng: np.random.Generator) -> Press:
-    """Draw pose, depth and drag of a press; people line a sensor up with what they touch."""
+    """Draw pose, depth and drag of a press; the sensor is roughly aligned with the object."""
     lean, shear = rng.normal(0, 0.012, 2), rng.normal(0, 0.08, 2)
     return Press(
         turn=float(rng.normal(0, 0.35)),

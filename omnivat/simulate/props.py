@@ -1,4 +1,4 @@
-"""What else is in the picture: the sensor with what holds it, and other things on the ground."""
+"""Other things in the picture: the sensor with its holder, and objects on the ground."""
 
 from typing import Any
 
@@ -17,7 +17,7 @@ _X, _Y, _Z = np.eye(3)
 
 
 def props(mi: Any, framing: Framing) -> dict[str, Any]:
-    """Return Mitsuba shapes for what stands on the contact, or nothing."""
+    """Return Mitsuba shapes of the sensor on the contact, or nothing."""
     if not framing.held:
         return {}
     rng = np.random.default_rng(framing.seed + 1)
@@ -58,7 +58,7 @@ def _rig(mi: Any, framing: Framing, rng: np.random.Generator) -> dict[str, Any]:
 
 
 def _arm(framing: Framing, rng: np.random.Generator, *, lift: float) -> Array:
-    """Return the unit direction in which an arm leaves the sensor: sideways as the camera sees it."""
+    """Return the unit direction of the arm from the sensor: sideways for the camera."""
     up = framing.spot.normal
     sight = framing.eye - framing.spot.point
     sight = sight / np.linalg.norm(sight)

@@ -1,4 +1,4 @@
-"""What Mitsuba needs to know of an object: its triangles, its picture, the way it reflects."""
+"""An object for Mitsuba: mesh, texture and BSDF."""
 
 from typing import Any
 
@@ -30,7 +30,7 @@ def mesh(mi: Any, solid: Solid, uv: Array, material: dict[str, Any]) -> Any:
 
 
 def material(mi: Any, thing: Thing, texture: Texture) -> dict[str, Any]:
-    """Return the BSDF: its highlight is as wide as the skin and the unresolved relief make it."""
+    """Return the BSDF; skin and unresolved relief widen its highlight."""
     sight = thing.sight
     along, across = (
         float(np.clip(np.hypot(sight.roughness, slope), 0.015, 0.6)) for slope in texture.slopes

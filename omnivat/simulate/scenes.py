@@ -1,4 +1,4 @@
-"""One row for each domain: camera, light, place and camera faults of its photographs.
+"""One row for each domain: camera, light, place and camera errors of its photographs.
 
 The eight rows follow how each data set was collected: by hand, indoors and outdoors (Touch-and-Go),
 on a white turntable (OF Real), rendered on a plain ground (OF 2.0), at a desk with the sensor's rig
@@ -12,29 +12,29 @@ Colour = tuple[float, float, float]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Scene:
-    """How a domain's camera sees an object. Pairs in brackets are ranges."""
+    """Camera settings of a domain. Pairs in brackets are ranges."""
 
-    whole: bool  # whether the whole object is in the picture
-    view: tuple[float, float]  # width of the picture: of the object's, or mm where not whole
+    whole: bool  # True if the whole object is in the picture
+    view: tuple[float, float]  # width of the picture: relative to the object, or mm if not whole
     rise: tuple[float, float]  # degrees of the camera over the horizon
     lens: float  # degrees of the field of view
-    ground: tuple[str, ...]  # what it stands on
-    behind: tuple[str, ...]  # what is seen beyond
+    ground: tuple[str, ...]  # ground
+    behind: tuple[str, ...]  # background
     sun: Colour  # key light, radiance
     sky: Colour  # light from everywhere
     height: tuple[float, float]  # degrees of the key light over the horizon
     softness: float  # size of the key light: 0.05 a bulb, 0.6 a window or a light box
     noise: float
-    goal: float  # brightness that the camera's exposure aims at
+    goal: float  # target brightness of the exposure
     blur: float = 0.0  # pixels of 224
-    balance: Colour = (1.0, 1.0, 1.0)  # the camera's error of white
-    drift: float = 0.04  # how much the balance changes between pictures
+    balance: Colour = (1.0, 1.0, 1.0)  # white balance error
+    drift: float = 0.04  # variation of the white balance
     contrast: float = 1.0
-    prop: str = ""  # what holds the sensor: "hand", "rig" or nothing in view
+    prop: str = ""  # holder of the sensor: "hand", "rig" or none
     seen: float = 0.0  # share of pictures with the sensor in view
     clutter: float = 0.0  # other things on the ground, on average
     parts: float = 0.0  # share of objects that are parts of rooms and buildings
-    outdoors: float = 0.0  # share of pictures taken outdoors, where the domain has no series
+    outdoors: float = 0.0  # share of outdoor pictures, in domains without series
 
 
 SCENES = {

@@ -1,7 +1,7 @@
-"""One row of parameters for each tactile sensor that the photometric model stands in for.
+"""Parameters of each tactile sensor in the photometric model.
 
-The rows are drawn from published pictures and descriptions of the sensors, not measured on devices:
-they fix what tells the sensors apart (lamps, tint, markers, softness, field), not calibrated colour.
+They come from published pictures and descriptions of the sensors, not from measurements on devices.
+They set the visible differences (lamps, tint, markers, softness, field), not calibrated colour.
 """
 
 from dataclasses import dataclass
@@ -14,8 +14,8 @@ class Lamp:
     """A row of LEDs at one side of the gel."""
 
     azimuth: float  # degrees: 0 lights from the right, 90 from the top
-    colour: Colour  # what it adds on a slope of 45 degrees that faces it
-    spill: float = 0.3  # how unevenly it lights the flat gel, 0 evenly
+    colour: Colour  # added light on a 45-degree slope towards it
+    spill: float = 0.3  # unevenness on the flat gel; 0 is even
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -32,16 +32,16 @@ class Markers:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sensor:
-    """How one sensor feels and looks."""
+    """Mechanics and appearance of one sensor."""
 
     field: float  # mm across the square image
     depth: tuple[float, float]  # press depth, mm
-    skin: float  # mm: relief narrower than this is smoothed away by the gel's coat
-    give: float  # mm: how far the gel is drawn down around a contact
+    skin: float  # mm: the gel's coat smooths narrower relief
+    give: float  # mm: reach of the gel's deformation around a contact
     dome: float  # mm: height of the gel's middle over its rim
     base: Colour  # mean colour of the untouched gel
     lamps: tuple[Lamp, ...]
-    gain: float = 1.0  # how strongly slopes colour
+    gain: float = 1.0  # strength of the colour of slopes
     markers: Markers | None = None
     plain_gels: float = 0.0  # share of its gels that have no markers
     vignette: float = 0.15

@@ -1,7 +1,7 @@
 """The built-in shader: VIS without a renderer, in numpy.
 
-Points spread over the object are projected, shaded by one key light and a two-tone sky, and the
-nearest in each pixel is kept. It needs nothing installed; Mitsuba (vision.py) makes the real set.
+Points on the object are projected and shaded by one key light and a two-tone sky; each pixel keeps
+the nearest. It has no dependencies; Mitsuba (vision.py) makes the shipped set.
 """
 
 import numpy as np
@@ -42,7 +42,7 @@ def _axes(framing: Framing) -> Array:
 
 
 def _scattered(thing: Thing, count: int, seed: int) -> tuple[Array, Array, Array]:
-    """Return points (N, 3), their normals and their uv, even over the solid."""
+    """Return points (N, 3), evenly over the solid, with normals and uv."""
     solid, rng = thing.solid, np.random.default_rng(seed)
     corner = solid.vertices[solid.faces]
     across = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
@@ -71,7 +71,7 @@ def _projected(points: Array, framing: Framing, axes: Array, size: int) -> tuple
 
 
 def _around(framing: Framing, axes: Array, size: int) -> Array:
-    """Return the picture (size, size, 3) without the object: ground below, what is beyond above."""
+    """Return the picture (size, size, 3) without the object: ground below, background above."""
     axis = ((np.arange(size) + 0.5) / size * 2 - 1) * np.tan(framing.lens / 2)
     right, up = np.meshgrid(axis, -axis)
     way = right[..., None] * axes[0] + up[..., None] * axes[1] + axes[2]
@@ -92,7 +92,7 @@ def _around(framing: Framing, axes: Array, size: int) -> Array:
 def _reflected(
     surface: Surface, framing: Framing, points: Array, normal: Array, uv: Array
 ) -> Array:
-    """Return what leaves points (N, 3) of the surface towards the eye, (N, 3)."""
+    """Return the radiance (N, 3) of surface points (N, 3) towards the eye."""
     base = surface.colour(uv[:, 0], uv[:, 1])
     eye = framing.eye - points
     eye = eye / np.linalg.norm(eye, axis=1, keepdims=True)
@@ -121,7 +121,7 @@ def _reflected(
 
 
 def _closed(image: Array, hit: NDArray[np.bool_]) -> Array:
-    """Return the picture with pixels that points missed filled from a neighbour on the object."""
+    """Return the picture with empty pixels filled from neighbours on the object."""
     near = distance_transform_edt(~hit, return_distances=True, return_indices=True)
     away, (row, column) = near
     holes = (~hit) & (away < 1.5) & (_neighbours(hit) >= 5)
@@ -129,7 +129,7 @@ def _closed(image: Array, hit: NDArray[np.bool_]) -> Array:
 
 
 def _neighbours(hit: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """Return how many of each pixel's nine, itself included, were hit."""
+    """Return the number of filled pixels in each 3 × 3 neighbourhood."""
     padded = np.pad(hit.astype(np.int64), 1)
     shifted = [
         padded[1 + i : padded.shape[0] - 1 + i, 1 + j : padded.shape[1] - 1 + j]

@@ -1,4 +1,4 @@
-"""Where an object is photographed: the ground, what stands beyond it, other things."""
+"""The set of a photograph: ground, background, other things."""
 
 from typing import Any
 
@@ -19,7 +19,7 @@ _STEP_DOWN = 14.0  # mm from the turntable to the cloth
 
 
 def place(mi: Any, thing: Thing, framing: Framing) -> dict[str, Any]:
-    """Return the ground, what stands beyond it, and the turntable where there is one."""
+    """Return the ground, the background, and the turntable if there is one."""
     clear = thing.sight.gloss == "glass"
     half = (_SIDE if framing.behind else _PLAIN) * max(framing.view, 300.0) / 2
     middle = np.array([framing.target[0], framing.target[1], -0.3])
@@ -62,9 +62,9 @@ def _backdrop(mi: Any, framing: Framing, clear: bool) -> dict[str, Any]:
 
 
 def _shown(mi: Any, colour: Array, framing: Framing, clear: bool) -> dict[str, Any]:
-    """Return the material of a ground. Behind clear glass it gives light of its own.
+    """Return the material of a ground; behind clear glass it emits light.
 
-    Under glass, light from the lamp is found too seldom.
+    Under glass, few paths reach the lamp.
     """
     if clear:
         lit = colour * (np.asarray(framing.sky) + 0.35 * np.asarray(framing.sun)) * 0.8

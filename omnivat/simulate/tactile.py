@@ -1,7 +1,7 @@
 """A camera behind a gel lit by coloured lamps: from the gel's displacement to a tactile image.
 
-A photometric-stereo model in four steps: slopes of the gel; each lamp brightens the slopes that
-face it; what the untouched gel looks like; markers, and the camera's faults.
+A photometric-stereo model in four steps: slopes of the gel; light of each lamp on the slopes facing
+it; appearance of the untouched gel; markers and camera errors.
 """
 
 import numpy as np
@@ -18,7 +18,7 @@ from omnivat.simulate.wear import blotted, used
 def touch(thing: Thing, press: Press, sensor: Sensor, *, size: int, seed: int) -> Array:
     """Return the tactile image (size, size, 3), 0 to 1, of one press.
 
-    `seed` fixes the gel that is on the sensor, its wear, and the noise.
+    `seed` fixes the gel, its wear, and the noise.
     """
     sensor = used(sensor, np.random.default_rng(derive_seed(seed, "gel")))
     height = pressed_height(thing, press, field=sensor.field, size=size)
@@ -34,7 +34,7 @@ def touch(thing: Thing, press: Press, sensor: Sensor, *, size: int, seed: int) -
 
 
 def untouched(sensor: Sensor, *, size: int) -> Array:
-    """Return the image (size, size, 3) of the gel with nothing on it: tint, spill, dark corners."""
+    """Return the image (size, size, 3) of the untouched gel: tint, spill, dark corners."""
     x, y = (axis * 2 / sensor.field for axis in plane(sensor.field, size))
     image = np.ones((size, size, 3)) * np.asarray(sensor.base)
     for lamp in sensor.lamps:
@@ -43,7 +43,7 @@ def untouched(sensor: Sensor, *, size: int) -> Array:
 
 
 def lit(sheet: Array, sensor: Sensor) -> Array:
-    """Return what the slopes of the gel (size, size; mm) add to its picture, (size, size, 3)."""
+    """Return the light of the gel's slopes (size, size; mm) in its picture, (size, size, 3)."""
     pixel = sensor.field / len(sheet)
     down, right = np.gradient(sheet, pixel)
     tilt = np.sqrt(1.0 + right**2 + down**2)
@@ -62,9 +62,9 @@ def _toward(lamp: Lamp, x: Array, y: Array) -> Array:
 
 
 def marker_shade(sheet: Array, markers: Markers, field: float, shear: tuple[float, float]) -> Array:
-    """Return how dark (0 to 1) the printed dots make each pixel, (size, size).
+    """Return the darkness (0 to 1) of each pixel from printed dots, (size, size).
 
-    Dots ride on the gel: they spread away from where it is pushed in, and follow its shear.
+    Dots move with the gel: they spread away from the indentation and follow its shear.
     """
     size = len(sheet)
     x, y = plane(field, size)
@@ -88,7 +88,7 @@ def marker_shade(sheet: Array, markers: Markers, field: float, shear: tuple[floa
 
 
 def photographed(image: Array, *, blur: float, noise_level: float, seed: int) -> Array:
-    """Return `image` (H, W, 3) as a small camera gives it: soft, grainy, clipped to 0 to 1."""
+    """Return `image` (H, W, 3) as taken by a small camera: soft, grainy, clipped to 0 to 1."""
     if blur:
         image = gaussian_filter(image, (blur, blur, 0.0), mode="nearest")
     rng = np.random.default_rng(seed)

@@ -1,4 +1,4 @@
-"""A surface laid over a solid: pictures of its colour and bumps, and what is finer than they are."""
+"""A surface on a solid: pictures of colour and bumps, and the unresolved slopes."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ from omnivat.simulate.things import Thing
 
 _TEXELS = 28_000
 _FINER = 2  # samples along each side of a texel
-_MARGIN = 1.3  # of the view, about the contact: what lies further away is not in the picture
+_MARGIN = 1.3  # of the view, around the contact; parts farther away are not in the picture
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -21,7 +21,7 @@ class Texture:
     uv         (V, 2) of each vertex, 0 to 1 over the pictures
     colour     (H, W, 3) linear
     bumps      (H, W) mm
-    slopes     root-mean-square slopes along u and v that the pictures are too coarse for
+    slopes     root-mean-square slopes along u and v, too fine for the pictures
     """
 
     uv: Array
@@ -31,7 +31,7 @@ class Texture:
 
 
 def textured(thing: Thing, framing: Framing) -> Texture:
-    """Return the thing's sight on its solid, as finely as a photograph needs."""
+    """Return the thing's appearance on its solid, at the resolution of a photograph."""
     uv = thing.solid.uv
     reach = _MARGIN * framing.view
     low = np.maximum(uv.min(0), thing.spot.uv - reach)
@@ -55,7 +55,7 @@ def textured(thing: Thing, framing: Framing) -> Texture:
 def unresolved_slopes(surface: Surface, at: Array, *, spacing: float) -> tuple[float, float]:
     """Return root-mean-square slopes along and across the axis that texels of `spacing` mm lose.
 
-    They widen the highlight, as they do in nature: a brushed sheet seen from afar is a rough mirror.
+    They widen the highlight, as in nature: from a distance, a brushed sheet is a rough mirror.
     """
     axis = np.arange(-48, 48) * (spacing / 6)
     along, across = np.meshgrid(axis, axis)

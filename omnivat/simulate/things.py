@@ -1,4 +1,4 @@
-"""A thing: one object's solid, what it looks like, what it feels like, and where it is touched."""
+"""A thing: one object's solid, appearance, touch surface and touched spot."""
 
 from dataclasses import dataclass, replace
 
@@ -14,9 +14,9 @@ from omnivat.simulate.shapes import KINDS, OBJECTS, PARTS, Solid, Spot, kind_of,
 from omnivat.simulate.surfaces import Surface, surface
 from omnivat.simulate.touches import touch_surface, touched_spot
 
-_IMITATOR = 5_000  # added to the number, so that an imitation copies no object of its own domain
+_IMITATOR = 5_000  # added to the number, so that an imitation does not copy an object of its domain
 
-_WIDE = ("floor",)  # nobody presses their edges
+_WIDE = ("floor",)  # their edges are never pressed
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,7 +52,7 @@ def thing(pair: Planned, *, seed: int) -> Thing:
 
 
 def printed(original: Surface) -> Surface:
-    """Return a surface as a print or a coat shows it: the same picture, flatter."""
+    """Return a surface as a print or a coat: the same picture, with less relief."""
 
     def relief(x: Array, y: Array) -> Array:
         return EMBOSSED * original.relief(x, y)
@@ -70,7 +70,7 @@ def _shape(pair: Planned, rng: np.random.Generator) -> Solid:
 
 
 def is_outdoors(pair: Planned, rng: np.random.Generator) -> bool:
-    """Tell whether the photograph is taken outdoors, where the domain has both."""
+    """True if the photograph is taken outdoors, for domains with both."""
     if DOMAINS[pair.domain].series:
         return pair.part == "outdoor"
     return bool(rng.random() < SCENES[pair.domain].outdoors)

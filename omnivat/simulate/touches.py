@@ -1,4 +1,4 @@
-"""Where an object is pressed, and what its surface feels like."""
+"""The pressed spot of an object, and its touch surface."""
 
 import numpy as np
 
@@ -10,16 +10,16 @@ from omnivat.simulate.surfaces import Surface, recipe, surface
 from omnivat.simulate.surfaces.skins import SMOOTH, skinned
 
 _TRIES = 8
-_FIELD = 14.0  # mm: what every sensor sees at least
+_FIELD = 14.0  # mm: smallest field of all sensors
 _NEAR = 3.5  # mm from the middle of the sensor to the highest point of the object
 _PIXELS = 36
 
 
 def touch_surface(pair: Planned, *, seed: int) -> Surface:
-    """Return the surface that a sensor meets; the same seed and pair give the same surface.
+    """Return the touch surface; the same seed and pair give the same surface.
 
     An object that feels like another class has a smooth surface of that class: gloss, glaze or
-    polish. Every surface has the micro-relief of the material that it is, or feels like.
+    polish. Every surface has the micro-relief of its own material, or of the one it feels like.
     """
     rng = np.random.default_rng(derive_seed(seed, "skin", pair.material, pair.number))
     if pair.feels_like:
@@ -31,12 +31,13 @@ def touch_surface(pair: Planned, *, seed: int) -> Surface:
 
 
 def touched_spot(solid: Solid, rng: np.random.Generator, *, edges: bool = True) -> Spot:
-    """Return a spot where a sensor meets the object first in the middle of its gel.
+    """Return a spot where the sensor touches the object first at the middle of its gel.
 
-    edges  whether edges and rims are pressed, too
+    edges  True to press edges and rims, too
 
-    People move a sensor until it sits on what they touch. Of several spots the first such one is
-    taken, or the best where none is.
+    Several spots are tried, because people also adjust a sensor. The first such spot is used, or
+    the
+    best one.
     """
     drawn, worst = [], []
     for _ in range(_TRIES):
@@ -48,7 +49,7 @@ def touched_spot(solid: Solid, rng: np.random.Generator, *, edges: bool = True) 
 
 
 def _beside(solid: Solid, place: Spot) -> float:
-    """Return how far (mm) the object stands out beside the middle of the gel over the middle."""
+    """Return the height (mm) of the object beside the middle of the gel, over the middle."""
     height = contact_height(solid, place, field=_FIELD, size=_PIXELS)
     axis = (np.arange(_PIXELS) + 0.5) / _PIXELS * _FIELD - _FIELD / 2
     near = np.hypot(*np.meshgrid(axis, axis)) <= _NEAR

@@ -17,14 +17,14 @@ from omnivat.simulate.staging import clutter, place
 from omnivat.simulate.texture import textured
 from omnivat.simulate.things import Thing
 
-SAMPLES = 4  # paths a pixel; the grain that they leave is taken out
+SAMPLES = 4  # paths for each pixel; their grain is filtered
 SAMPLES_GLASS = 8
-_GUIDES = 2  # rays a pixel for its colour and normal
+_GUIDES = 2  # rays for each pixel for its colour and normal
 
 
 @lru_cache(maxsize=1)
 def _mitsuba() -> Any:
-    """Return Mitsuba in its scalar mode: no compiler needed, the same image on every run."""
+    """Return Mitsuba in scalar mode: without a compiler, with identical images in every run."""
     mitsuba = need("mitsuba", purpose="rendering VIS images")
     mitsuba.set_variant("scalar_rgb")
     mitsuba.set_log_level(mitsuba.LogLevel.Error)
@@ -55,7 +55,7 @@ def rendered(thing: Thing, framing: Framing, *, size: int) -> Array:
     seed = framing.seed % 2**31
     image = mi.render(scene, spp=samples, seed=seed)
     radiance = np.clip(_pixels(image)[..., :3], 0.0, 5.0)
-    if clear:  # each path is mirrored or let through: single pixels stand out
+    if clear:  # each path is reflected or transmitted, so single pixels stand out
         radiance = np.asarray(median_filter(radiance, size=(3, 3, 1), mode="nearest"))
     guides = mi.load_dict({"type": "aov", "aovs": "colour:albedo,normal:sh_normal"})
     guide = _pixels(mi.render(scene, spp=_GUIDES, seed=seed, integrator=guides))
@@ -63,7 +63,7 @@ def rendered(thing: Thing, framing: Framing, *, size: int) -> Array:
 
 
 def _pixels(image: Any) -> Array:
-    """Return an image's numbers; a path that met a degenerate triangle counts as dark."""
+    """Return an image's values; a path through a degenerate triangle counts as dark."""
     return np.nan_to_num(np.asarray(image, dtype=np.float64), nan=0.0, posinf=5.0, neginf=0.0)
 
 
@@ -84,7 +84,7 @@ def _camera(mi: Any, framing: Framing, size: int, samples: int) -> dict[str, Any
 
 
 def _light(mi: Any, framing: Framing, *, clear: bool) -> dict[str, Any]:
-    # Light that reaches the eye through clear glass is found by chance: a small lamp would sparkle.
+    # Light through clear glass is found by chance, so a small lamp would sparkle.
     sky = panorama(framing, least_softness=0.6 if clear else 0.0).astype(np.float32)
     upright = mi.ScalarTransform4f().rotate([1, 0, 0], 90)
     return {"type": "envmap", "bitmap": mi.Bitmap(sky), "to_world": upright}

@@ -1,4 +1,4 @@
-"""What differs between two gels and two days of one sensor: tint, lamps, gain, markers, wear."""
+"""Variation between gels and days of one sensor: tint, lamps, gain, markers, wear."""
 
 from dataclasses import replace
 
@@ -15,7 +15,7 @@ _AIM = 4.0  # degrees of spread in a lamp's direction
 
 
 def used(sensor: Sensor, rng: np.random.Generator) -> Sensor:
-    """Return the sensor with one gel of its own, on one day."""
+    """Return the sensor with one particular gel, on one day."""
     lamps = tuple(
         Lamp(
             azimuth=lamp.azimuth + float(rng.normal(0, _AIM)),
@@ -42,7 +42,7 @@ def _varied(colour: Colour, spread: float, rng: np.random.Generator) -> Colour:
 
 
 def _printed(sensor: Sensor, rng: np.random.Generator) -> Markers | None:
-    """Return the markers of one gel: moved, worn, or none where gels are sold without."""
+    """Return the markers of one gel: shifted, worn, or missing."""
     plain, worn, print_ = rng.random(), float(rng.uniform(0.6, 1.05)), rng.uniform(-1, 1, 3)
     if sensor.markers is None or plain < sensor.plain_gels:
         return None
@@ -56,7 +56,7 @@ def _printed(sensor: Sensor, rng: np.random.Generator) -> Markers | None:
 
 
 def blotted(image: Array, sensor: Sensor, *, seed: int) -> Array:
-    """Return the picture (size, size, 3) through a gel with stains, and specks that stick to it."""
+    """Return the picture (size, size, 3) through a gel with stains and specks."""
     size = len(image)
     x, y = plane(sensor.field, size)
     rng = np.random.default_rng(seed)

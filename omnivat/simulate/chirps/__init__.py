@@ -1,4 +1,4 @@
-"""Chirps: made-up pairs whose class can be read at one fractional order only."""
+"""Chirps: synthetic pairs whose class shows at one fractional order only."""
 
 from omnivat.simulate.chirps.settings import ChirpSettings
 from omnivat.simulate.chirps.signals import chirp_embeddings, interference_orders

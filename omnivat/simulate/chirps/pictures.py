@@ -1,4 +1,4 @@
-"""A set of chirps on disk: two pictures of stripes a pair, and pairs.csv."""
+"""A set of chirps on disk: two pictures of stripes for each pair, and pairs.csv."""
 
 import csv
 import io
@@ -26,8 +26,8 @@ def write_chirps(
     The same settings give the same bytes. `omnivat embed OUT --encoder strip --no-flips` reads
     the signals back.
 
-    Raises SettingsError for a width that a picture cannot show, WriteError when nothing can be
-    written.
+    Raises SettingsError for a width that does not fit a picture, WriteError if the folder is not
+    writable.
     """
     if settings.width != STRIPES:
         raise SettingsError(

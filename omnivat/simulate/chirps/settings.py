@@ -1,4 +1,4 @@
-"""What a set of chirps is made of, frozen and flat."""
+"""Settings of a set of chirps, frozen and flat."""
 
 from dataclasses import dataclass
 from typing import Annotated
@@ -17,16 +17,16 @@ Size = Annotated[float, Within(0.0, 1000.0)]
 class ChirpSettings:
     """A set of chirps; docs/order.md has the recipe.
 
-    The defaults make the shipped set.
+    The defaults give the shipped set.
     """
 
     width: Annotated[int, Within(8, 8192)] = 64  # D, samples of a signal
     order: Share = 0.35  # p*, where the signal of a class is a single spike, in [0, 1]
     strength: Size = 2.0  # norm of the interference over that of the signal
     noise: Size = 0.05  # standard deviation of white noise on every sample
-    shift: Share = 1.0  # 0: interference of every domain has the source's orders; 1: its own
-    spikes: Annotated[int, Within(1, 64)] = 3  # of interference, each at a random place
-    domains: Annotated[int, Within(1, MOST_DOMAINS)] = 4  # the first is meant as the source
+    shift: Share = 1.0  # 0: all domains share the source's interference orders; 1: each has its own
+    spikes: Annotated[int, Within(1, 64)] = 3  # of interference, at random positions
+    domains: Annotated[int, Within(1, MOST_DOMAINS)] = 4  # the first is the source
     classes: Annotated[int, Within(2, 16)] = 5
     pairs_per_class: Annotated[int, Within(2, 100_000)] = 40  # of each domain
     test_share: Annotated[float, Within(0.0, 0.9)] = 0.5  # of each class of each domain, rounded

@@ -14,10 +14,11 @@ from omnivat.simulate.chirps.settings import CLEARANCE, ChirpSettings
 
 
 def chirp_embeddings(settings: ChirpSettings) -> Embeddings:
-    """Return the whole set in memory, without pictures: VIS and TAC are signals (N, D).
+    """Return the whole set in memory: VIS and TAC are signals (N, D).
 
-    The same settings give the same numbers. A signal's largest magnitude is 1, as it is after a
-    picture of it is read back.
+    The same settings give the same numbers. The largest magnitude of a signal is 1, as after
+    reading
+    its picture.
     """
     count, domains = settings.pairs_per_class, settings.domains
     label = np.tile(np.repeat(np.arange(settings.classes), count), domains)
@@ -42,7 +43,7 @@ def chirp_embeddings(settings: ChirpSettings) -> Embeddings:
 
 
 def origin(settings: ChirpSettings) -> str:
-    """Return one line for people about how the set was made."""
+    """Return one line on the origin of the set."""
     return (
         f"made-up chirps: a class is a spike at order {settings.order:g}, interference of "
         f"{settings.strength:g} times its norm at other orders, seed {settings.seed}"
@@ -52,7 +53,7 @@ def origin(settings: ChirpSettings) -> str:
 def domain_signals(
     settings: ChirpSettings, domain: int
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Return VIS and TAC (N, D) of one domain, class by class; no other domain enters."""
+    """Return VIS and TAC (N, D) of one domain, class by class, independent of other domains."""
     label = np.repeat(np.arange(settings.classes), settings.pairs_per_class)
     orders = interference_orders(settings)[domain]
     made = []
@@ -63,10 +64,10 @@ def domain_signals(
 
 
 def interference_orders(settings: ChirpSettings) -> list[tuple[float, float]]:
-    """Return for each domain the orders at which interference of VIS and of TAC is sparse.
+    """Return each domain's interference orders of VIS and of TAC.
 
     They are spread evenly over [0, 1] outside p* ± 0.25 and then shuffled, so no two are equal.
-    With shift < 1 those of later domains lie that much of the way from the source's.
+    With shift < 1, later domains' orders lie between the source's and their own.
     """
     low, high = settings.order - CLEARANCE, settings.order + CLEARANCE
     below, above = max(low, 0.0), max(1.0 - high, 0.0)
@@ -81,9 +82,9 @@ def interference_orders(settings: ChirpSettings) -> list[tuple[float, float]]:
 
 
 def places(settings: ChirpSettings) -> NDArray[np.int64]:
-    """Return the place (K,) of each class's spike: spread over the first half of the axis.
+    """Return the position (K,) of each class's spike, in the first half of the axis.
 
-    The mirror image of a signal has its spike at D - place, which is then no other class's.
+    A mirrored signal has its spike at D - position, which belongs to no other class.
     """
     room = (settings.width // 2 - 1) / settings.classes  # entries for each class
     random = np.random.default_rng(derive_seed(settings.seed, "places"))
@@ -127,7 +128,7 @@ def _unit(rows: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def pair_names(settings: ChirpSettings) -> dict[str, list[str]]:
-    """Return the columns of the set's table, a text a pair, in the order of `chirp_embeddings`."""
+    """Return the columns of the set's table, one text for each pair, in the order of `chirp_embeddings`."""
     test = round(settings.test_share * settings.pairs_per_class)
     columns: dict[str, list[str]] = {name: [] for name in ROW_NAMES}
     for domain in settings.domain_names:

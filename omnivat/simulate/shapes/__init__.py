@@ -1,6 +1,6 @@
-"""Procedural solids at true scale, and which of them each material comes as.
+"""Procedural solids at true scale, and the shapes of each material.
 
-Shapes overlap between materials as they do in kitchens: a bowl may be of any of the five.
+Materials share shapes, as in a kitchen: a bowl may be any of the five.
 """
 
 from collections.abc import Callable

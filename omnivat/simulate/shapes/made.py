@@ -1,4 +1,4 @@
-"""How thick a material's walls are and how round its edges: what every tactile sensor feels."""
+"""Wall thickness and edge radius of each material."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Where an object is touched: a place that people press, with room for a sensor."""
+"""The touched spot of an object, with room for a sensor."""
 
 from dataclasses import dataclass
 
@@ -54,7 +54,7 @@ def _bends(normal: Array, corner: Array) -> Array:
 
 
 def _first_free(solid: Solid, points: Array, normals: Array) -> int:
-    """Return the first place that is not underneath and has room above it, or the best there is."""
+    """Return the first spot that is not underneath and has room above it, or the best one."""
     above = (normals[:, 2] > -0.3) & ((points[:, 2] > 3.0) | (normals[:, 2] > 0.5))
     order = np.argsort(~above, kind="stable")
     for index in order:
@@ -65,7 +65,7 @@ def _first_free(solid: Solid, points: Array, normals: Array) -> int:
 
 
 def blocked(solid: Solid, start: Array, end: Array) -> bool:
-    """Tell whether the solid lies between two points, (3,) mm."""
+    """True if the solid lies between two points, (3,) mm."""
     corner = solid.vertices[solid.faces]
     ray, one, two = end - start, corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
     cross = np.cross(ray, two)
@@ -80,7 +80,7 @@ def blocked(solid: Solid, start: Array, end: Array) -> bool:
 
 
 def _along(corner: Array, uv: Array, normal: Array) -> Array:
-    """Return the unit direction in the face along which u grows; any where the pattern is torn."""
+    """Return the unit direction in the face along which u grows; any direction if the pattern is discontinuous."""
     edges, steps = corner[1:] - corner[0], uv[1:] - uv[0]
     if abs(np.linalg.det(steps)) > 1e-6:
         way = np.linalg.solve(steps, edges)[0]

@@ -1,8 +1,9 @@
 """Procedural surfaces of the five materials: many distinct objects of each, from a seed.
 
-A recipe is a function from a random generator to a `Surface`. Recipes of different materials
-overlap on purpose (ribbed glass and ribbed plastic, cast steel and moulded plastic), so that neither
-sight nor touch alone settles every case.
+A recipe is a function from a random generator to a `Surface`. Recipes of different materials are
+similar on purpose (ribbed glass and ribbed plastic, cast steel and moulded plastic), so that
+neither
+sight nor touch alone is always enough.
 """
 
 from collections.abc import Callable
@@ -33,10 +34,9 @@ def surface(material: str, number: int, *, seed: int) -> Surface:
 
 
 def recipe(material: str, number: int, *, seed: int) -> Recipe:
-    """Return how that object is made.
+    """Return the recipe of that object.
 
-    Recipes are drawn by their weights in a fixed rotation, so that any run of neighbouring numbers
-    holds a fair mixture.
+    Recipes follow a fixed rotation by weight, so that consecutive numbers have a balanced mixture.
     """
     recipes = RECIPES[material]
     weights = np.cumsum(list(recipes.values()))

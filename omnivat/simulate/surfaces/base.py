@@ -1,4 +1,4 @@
-"""What a surface is: relief, colour and the way it reflects, as functions of place."""
+"""A surface: relief, colour and reflection as functions of position."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -51,7 +51,7 @@ class Surface:
 
     @property
     def axis(self) -> float:
-        """Return the direction an object is lined up by: of its cylinder, or of its grain; rad."""
+        """Return the direction of the object's cylinder or grain, rad."""
         return self.form.angle if self.form.across else self.angle
 
     def height(self, x: Array, y: Array) -> Array:

@@ -1,4 +1,4 @@
-"""Micro-relief that is typical of a material, whatever the recipe of its surface, in mm.
+"""Micro-relief typical of a material, for all its recipes, in mm.
 
 Wood has fibres and open pores, steel has tool marks and scratches, plastic has mould texture,
 parting lines and sink marks, ceramic has wavy glaze with grit and pinholes. Glass is smooth: its
@@ -27,7 +27,7 @@ from omnivat.simulate.surfaces.patterns import (
     streaks,
 )
 
-FAINT = 0.7  # of the skin is left on a smooth or coated surface
+FAINT = 0.7  # share of the skin left on a smooth or coated surface
 Maker = Callable[[np.random.Generator], Surface]
 SMOOTH: dict[str, tuple[Maker, ...]] = {
     "wood": (wood_recipes.varnished,),
