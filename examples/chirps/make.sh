@@ -15,7 +15,17 @@ python -m omnivat train --embeddings "$set" --source "Chirps A-sim" --out "$here
     $settings --set epochs=40 --set order_search=true
 # shellcheck disable=SC2086
 python -m omnivat train --embeddings "$set" --source "Chirps A-sim" --out "$here/every" \
-    $settings --set epochs=2500 --set batch=100 --set order_draw=row
-python -m omnivat sweep --head "$here/head" --embeddings "$set" --out "$here/frames.bin"
+    $settings --no-calibration --set epochs=600 --set batch=32 --set lr=0.1 \
+    --set order_draw=row --set order_low=-0.1 --set order_high=1.1
+rm "$here/every/familiarity.safetensors"
+# Fifty-one stops and the learned order: a set of a few MB
+orders=$(python - "$here/head" <<'END'
+import sys
+from omnivat.checkpoint import load_head
+from omnivat.frames.stops import with_learned
+print(*with_learned([k / 50 for k in range(51)], load_head(sys.argv[1]).model.order), sep=",")
+END
+)
+python -m omnivat sweep --head "$here/head" --embeddings "$set" --orders "$orders" --out "$here/frames.bin"
 python -m omnivat sweep --head "$here/every" --embeddings "$set" --stops 21 --out "$here/every.bin"
 python -m omnivat sweep --head "$here/head" --embeddings "$set" --retrain 21 --seeds 0 --out "$here/trained.bin"
