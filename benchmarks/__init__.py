@@ -1,1 +1,1 @@
-"""Measured speed and accuracy; each module writes what docs/ show."""
+"""Benchmarks of speed and accuracy; each module writes a page or table of docs/."""

@@ -1,4 +1,4 @@
-"""Image files that cost far more than their bytes, and what decoding each one takes."""
+"""Image files with a decoding cost far above their size, and its measurement."""
 
 import os
 import struct
@@ -16,13 +16,13 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-MOST_S, MOST_MB, FOUR_MB = 1.0, 150, 400  # processor seconds and memory of one, memory of four
-REST_S = 3.0  # after which memory is expected back
+MOST_S, MOST_MB, FOUR_MB = 1.0, 150, 400  # limits: CPU seconds and memory of one, memory of four
+REST_S = 3.0  # seconds after which memory must be released
 OWN = Path("/proc/self/cmdline").read_bytes() if Path("/proc/self/cmdline").exists() else b""
 
 
 def costly() -> Iterator[tuple[str, bytes]]:
-    """Give names and files of 20 MB or less; the largest that are taken, and some beyond."""
+    """Yield names and files of at most 20 MB: the largest accepted ones, and larger ones."""
     random = np.random.default_rng(0)
     noise = Image.fromarray(random.integers(0, 256, (1990, 2000, 3), dtype=np.uint8))
     slope = np.add.outer(np.arange(3400), np.arange(3600)).astype(np.uint8)
@@ -78,7 +78,7 @@ def interlaced(width: int, height: int) -> bytes:
 def measured(decoder: Any, on_file: Callable[[str, dict[str, Any]], None]) -> dict[str, Any]:
     """Decode each costly file alone, then four at once; return the memory of the four.
 
-    on_file  told the name and processor seconds, memory (MB beyond that before) and answer of each
+    on_file  called with the name, CPU seconds, added memory (MB) and result of each
     """
     from omnivat.errors import DataError
 
@@ -108,7 +108,7 @@ def measured(decoder: Any, on_file: Callable[[str, dict[str, Any]], None]) -> di
 
 @contextmanager
 def watched() -> Iterator[list[int]]:
-    """Give a list that then holds by how many MB this process and its children grew, and from what."""
+    """Yield a list; afterwards it has the growth (MB) of this process and its children, and the start."""
     base, peak, ended = _tree_mb(), [0.0], Event()
 
     def watch() -> None:
@@ -124,7 +124,7 @@ def watched() -> Iterator[list[int]]:
 
 
 def _tree_mb() -> float:
-    """Return the memory of this process and its children that is theirs alone, in MB."""
+    """Return the private memory of this process and its children, in MB."""
     ours = [os.getpid()]
     for task in Path("/proc/self/task").iterdir():
         try:
@@ -135,7 +135,7 @@ def _tree_mb() -> float:
 
 
 def _own_mb(process: int) -> float:
-    """Return the memory of one process; 0 for one that is being started and still shares ours."""
+    """Return the private memory of one process; 0 if it is starting."""
     try:
         folder = Path(f"/proc/{process}")
         if process != os.getpid() and (folder / "cmdline").read_bytes() == OWN:

@@ -1,4 +1,4 @@
-"""Hostile files and questions, drawn from a seed: images, heads, sets and JSON."""
+"""Hostile files and requests from a seed: images, heads, sets and JSON."""
 
 import json
 import random
@@ -20,7 +20,7 @@ TYPES = ("F32", "F16", "I64", "U8", "C64", "BOOL", "F8", 3, None, ["F32"])
 
 
 def images(chance: random.Random, count: int) -> Iterator[bytes]:
-    """Give damaged and oversized image files."""
+    """Yield damaged and oversized image files."""
     for k in range(count):
         kind = KINDS[k % len(KINDS)]
         mode = chance.choice(["RGB", "L", "P", "RGBA", "1"] if kind != "JPEG" else ["RGB", "L"])
@@ -50,7 +50,7 @@ def spoilt(value: Any, chance: random.Random) -> Any:
 
 
 def heads(folder: Path, chance: random.Random, count: int) -> Iterator[dict[str, bytes]]:
-    """Give the files of heads of which one part is spoilt."""
+    """Yield the files of heads with one damaged part."""
     good = {
         name: (folder / name).read_bytes()
         for name in ("weights.safetensors", "settings.json", "metrics.json")
@@ -67,7 +67,7 @@ def heads(folder: Path, chance: random.Random, count: int) -> Iterator[dict[str,
 
 
 def sets(file: Path, chance: random.Random, count: int) -> Iterator[dict[str, bytes]]:
-    """Give embeddings files of which one part is spoilt."""
+    """Yield embeddings files with one damaged part."""
     good = file.read_bytes()
     for k in range(count):
         changed = spoilt_rows(good, chance) if k % 3 == 0 else spoilt_tensors(good, chance)
@@ -86,7 +86,7 @@ def _joined(table: Any, body: bytes) -> bytes:
 
 
 def spoilt_tensors(content: bytes, chance: random.Random) -> bytes:
-    """Return a safetensors file whose header, types, metadata or numbers are spoilt."""
+    """Return a safetensors file with damaged header, types, metadata or numbers."""
     table, body = _parts(content)
     way = chance.randrange(6)
     name = chance.choice([n for n in table if n != "__metadata__"])
@@ -109,7 +109,7 @@ def spoilt_tensors(content: bytes, chance: random.Random) -> bytes:
 
 
 def spoilt_rows(content: bytes, chance: random.Random) -> bytes:
-    """Return an embeddings file whose names are spoilt."""
+    """Return an embeddings file with damaged names."""
     table, body = _parts(content)
     start, end = table["rows"]["data_offsets"]
     rows = json.loads(body[start:end])
@@ -119,7 +119,7 @@ def spoilt_rows(content: bytes, chance: random.Random) -> bytes:
 
 
 def questions(chance: random.Random, count: int) -> Iterator[dict[str, Any]]:
-    """Give questions with good and hostile values under the names that the page uses."""
+    """Yield requests with valid and hostile values under the page's names."""
     names = ("vis", "tac", "order", "stage", "map", "point", "nodes", "method", "head", "lessons",
              "reading", "modality", "row", "rows", "class", "domain", "pair", "k", "label")  # fmt: skip
     for _ in range(count):

@@ -1,4 +1,4 @@
-"""The ways to run an encoder that `benchmarks.encoders` compares: precision, order, batch, runtime."""
+"""Ways to run an encoder, for `benchmarks.encoders`: precision, memory order, batch, runtime."""
 
 from collections.abc import Callable, Iterator
 from copy import deepcopy
@@ -20,7 +20,7 @@ CPU = torch.device("cpu")
 
 
 def networks(folder: Path, batches: tuple[int, ...]) -> Iterator[tuple[str, dict[str, Run]]]:
-    """Give each network with the ways to run it; the first way is the reference and the default."""
+    """Yield each network with the ways to run it; the first is the reference and the default."""
     lite: Any = load_encoder("efficientnet-lite0")
     yield "EfficientNet-Lite0", ways(lite._network, batches) | onnx_ways(lite._network, folder)
     yield "CLIP RN50 (random)", ways(rn50(), batches)
@@ -30,7 +30,7 @@ def networks(folder: Path, batches: tuple[int, ...]) -> Iterator[tuple[str, dict
 
 
 def ways(network: torch.nn.Module, batches: tuple[int, ...]) -> dict[str, Run]:
-    """Return a network in each precision this CPU has: image by image as we run it, and batched."""
+    """Return a network in each precision of this CPU: image by image, and batched."""
     found: dict[str, Run] = {}
     for kind in ("fp32", "bf16") if cpu_has_bf16() else ("fp32",):
         dtype = PRECISIONS[kind]
@@ -45,14 +45,14 @@ def ways(network: torch.nn.Module, batches: tuple[int, ...]) -> dict[str, Run]:
 
 
 def alone(network: torch.nn.Module, dtype: torch.dtype) -> Run:
-    """Return the way the encoders run: each image by itself, channels last."""
+    """Return the default way: each image alone, channels last."""
     return lambda images: one_by_one(network, images.to(dtype))
 
 
 def batched(
     network: torch.nn.Module, dtype: torch.dtype, size: int, order: torch.memory_format
 ) -> Run:
-    """Return a way that runs `size` images at a time, in an order of the numbers in memory."""
+    """Return a way with `size` images at a time, in a given memory order."""
 
     def run(images: Tensor) -> Tensor:
         parts = [part.to(dtype).contiguous(memory_format=order) for part in images.split(size)]
@@ -62,9 +62,9 @@ def batched(
 
 
 def onnx_ways(network: torch.nn.Module, folder: Path) -> dict[str, Run]:
-    """Return a network in ONNX Runtime, in fp32 and, where it is convolutional, in int8.
+    """Return a network in ONNX Runtime, in fp32 and, if convolutional, in int8.
 
-    int8 is calibrated on other pictures. None of both without the packages.
+    int8 is calibrated on other pictures. Without the packages, neither.
     """
     if any(find_spec(name) is None for name in onnx_runtime.PACKAGES):
         return {}
@@ -169,7 +169,7 @@ def rn50(width: int = 64, blocks: tuple[int, ...] = (3, 4, 6, 3)) -> torch.nn.Mo
             conv(f"{name}.conv1", f"{name}.bn1", middle, into, 1)
             conv(f"{name}.conv2", f"{name}.bn2", middle, middle, 3)
             conv(f"{name}.conv3", f"{name}.bn3", 4 * middle, middle, 1)
-            state[f"{name}.bn3.weight"] *= 0.3  # or the sums of the blocks grow without end
+            state[f"{name}.bn3.weight"] *= 0.3  # otherwise the sums of the blocks diverge
             if block == 0:
                 conv(f"{name}.downsample.0", f"{name}.downsample.1", 4 * middle, into, 1)
             into = 4 * middle

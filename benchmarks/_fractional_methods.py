@@ -1,4 +1,4 @@
-"""Ways to a fractional transform, ours and others', behind one shape for the benchmark."""
+"""Implementations of a fractional transform, ours and others', with one interface."""
 
 from __future__ import annotations
 
@@ -20,8 +20,10 @@ Transform = Callable[[Tensor, float | Tensor], Tensor]
 class Method:
     """One implementation.
 
-    build: N -> what does not depend on x and the order, made anew. transform: (x, order) -> F_p x,
-    complex or planar. keep: x -> (order -> F_p x), with all that a caller can keep while p moves.
+    build: N -> a new precomputation, independent of x and the order. transform: (x, order) -> F_p
+    x,
+    complex or planar. keep: x -> (order -> F_p x), with everything cached that does not depend on
+    p.
     """
 
     transform: Transform
@@ -52,7 +54,7 @@ def _ours(planar: bool, dtype: torch.dtype, reuse: bool = False) -> Method:
 
 
 def _on_cuda() -> Method:
-    """Vectors that lie on the accelerator and stay there; a call ends when its work has."""
+    """Vectors that stay on the accelerator; a call ends when its work is done."""
 
     def finished(y: Tensor) -> Tensor:
         torch.cuda.synchronize()
@@ -127,7 +129,7 @@ def _torch_frft2d() -> dict[str, Method]:
 
 
 def methods() -> dict[str, Method]:
-    """All that are installed, ours first."""
+    """All installed methods, ours first."""
     found = {
         "omnivat float32": _ours(False, torch.float32),
         "omnivat float32, planar": _ours(True, torch.float32),

@@ -72,7 +72,7 @@ def table(record: dict[str, Any]) -> str:
 
 
 def pareto(points: list[tuple[float, float]]) -> list[tuple[float, float]]:
-    """The points that no other beats in both coordinates, by rising first coordinate."""
+    """The Pareto front, by increasing first coordinate."""
     front: list[tuple[float, float]] = []
     for point in sorted(points):
         if not front or point[1] < front[-1][1]:

@@ -1,4 +1,4 @@
-"""Compare calls fairly on a shared machine: interleaved rounds, medians, the machine's own rate."""
+"""Compare calls fairly on a shared machine: interleaved rounds, medians, the machine's rate."""
 
 from __future__ import annotations
 
@@ -40,12 +40,12 @@ def threads(count: int) -> Iterator[None]:
 def interleaved(
     calls: Mapping[str, Callable[[], Any]], rounds: int, cpu: bool = False
 ) -> dict[str, Spread]:
-    """Time each call in every round, in a new order each time, after one call to warm up.
+    """Time each call in every round, in a new random order, after one warm-up call.
 
-    What disturbs the machine, or what the call before left in the caches, so falls on all alike.
-    A call is repeated until SHORTEST has passed, and the mean counts: a call of half a millisecond
-    would else mostly measure how cold the caches are. cpu: count this process's seconds on the
-    processor, right for one thread; else those of the wall clock.
+    Other load and the state of the caches then affect all calls equally. A call is repeated for at
+    least SHORTEST seconds and the mean counts, because a single call of half a millisecond would
+    measure cold caches. cpu: use this process's CPU seconds, correct for one thread; else wall
+    time.
     """
     clock = time.process_time if cpu else time.perf_counter
     taken: dict[str, list[float]] = {name: [] for name in calls}
@@ -69,7 +69,7 @@ def interleaved(
 def product_call(
     width: int = 1024, dtype: torch.dtype = torch.float32
 ) -> tuple[Callable[[], Tensor], float]:
-    """A square matrix product to time among others, and its number of operations."""
+    """A square matrix product as a reference, and its number of operations."""
     a, b = torch.randn(width, width, dtype=dtype), torch.randn(width, width, dtype=dtype)
     out = torch.empty_like(a)
     return (lambda: torch.mm(a, b, out=out)), 2.0 * width**3

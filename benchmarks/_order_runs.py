@@ -19,14 +19,14 @@ from omnivat.unseen.masks import counted, mean_over_domains
 
 CHIRP_HEAD = {"theta_init": "signed"}  # a spike of any phase must reach a token
 SENSORS = TrainSettings(epochs=60)
-# few large steps: a third of the time, and many heads are needed
+# few large steps: a third of the time for many heads
 QUICK_SENSORS = TrainSettings(epochs=40, batch=32, lr=0.1)
 CHIRP_TRAINING = TrainSettings(epochs=30, batch=32, lr=0.1, lang=False)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Score:
-    """Accuracy (%) of one head on pairs that it was not trained on."""
+    """Accuracy (%) of one head on test pairs."""
 
     source_test: float
     unseen: float  # mean over unseen domains
@@ -64,7 +64,7 @@ def head_at(
     training: TrainSettings,
     head: dict[str, Any],
 ) -> OmniVaT:
-    """Train a head with p held at `order`."""
+    """Train a head with p fixed at `order`."""
     plan = plan_training(embeddings, source, head=head, training=training).at(order, seed)
     return train(plan.pairs, plan.settings, plan.training, bank=plan.bank, seed=seed).model
 
@@ -77,7 +77,7 @@ def chirp_head(settings: ChirpSettings, embeddings: Embeddings, order: float) ->
 
 
 def other_seed(settings: ChirpSettings, seed: int) -> ChirpSettings:
-    """Return chirps of another seed, p* drawn anew from [0.15, 0.85]."""
+    """Return chirps of another seed, with a new p* from [0.15, 0.85]."""
     drawn = float(np.random.default_rng([2026, seed]).uniform(0.15, 0.85))
     return replace(settings, seed=seed, order=drawn)
 
@@ -85,7 +85,7 @@ def other_seed(settings: ChirpSettings, seed: int) -> ChirpSettings:
 def carried_out(
     work: Callable[..., Any], jobs: Sequence[tuple[Any, ...]], processes: int
 ) -> Iterable[Any]:
-    """Return the results of `work(*job)` in the order of the jobs, one thread a process."""
+    """Return the results of `work(*job)` in the order of the jobs, one thread for each process."""
     if processes == 1:
         torch.set_num_threads(1)
         return (work(*job) for job in jobs)

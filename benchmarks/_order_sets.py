@@ -21,7 +21,7 @@ def permuted(embeddings: Embeddings, seed: int = 0) -> Embeddings:
 
 
 def some_channels(embeddings: Embeddings, seed: int = 0) -> Embeddings:
-    """Return 64 channels of the set, drawn at random and kept in their order."""
+    """Return 64 random channels of the set, in their original order."""
     chosen = np.random.default_rng(seed).permutation(embeddings.width)[:WIDTH]
     chosen.sort()
     return _with(embeddings, embeddings.vis[:, chosen], embeddings.tac[:, chosen])
@@ -30,8 +30,8 @@ def some_channels(embeddings: Embeddings, seed: int = 0) -> Embeddings:
 def picture_rows(file: Path) -> Embeddings:
     """Return the middle rows of the set's thumbnails as signals of 64 samples.
 
-    The grey of the middle eight rows of each picture is averaged and resampled to 64 samples, less
-    its mean. VIS is the photo's row, TAC that of the tactile image.
+    The middle eight rows of each picture are converted to grey, averaged, resampled to 64 samples
+    and centred. VIS is the photo's row, TAC that of the tactile image.
     """
     embeddings = load_embeddings(file)
     sheet = Image.open(sheet_of(file)).convert("L")

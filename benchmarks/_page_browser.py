@@ -1,4 +1,4 @@
-"""What is measured inside Chromium: a dragged mouse, memory, a camera answered live."""
+"""Measurements inside Chromium: a dragged mouse, memory, live camera."""
 
 import json
 import statistics
@@ -29,11 +29,11 @@ FLAGS = [
 ]
 MAP = ".explore .map[data-order]"
 VIEWS = ("explore", "pair", "tree", "compare", "data")
-KEPT_MAPS = ("pca/raw", "pca/frft", "pca/f_hat")  # the others would only make the file larger
+KEPT_MAPS = ("pca/raw", "pca/frft", "pca/f_hat")  # others would only enlarge the file
 SLOT = '.pair .slot[data-modality="tac"]'
 
-# From an input event to the second animation frame after it: the first draws, and when the second
-# begins, what was drawn has been presented. One frame of a 60 Hz display, 16.7 ms, is the least.
+# Time from an input event to the second animation frame after it: the first frame draws, and at the
+# start of the second the result is on screen. The minimum is one frame at 60 Hz, 16.7 ms.
 WATCH = """() => {
   const map = document.querySelector('.explore .map');
   const slider = document.querySelector('.explore .order');
@@ -60,7 +60,7 @@ HEAP = "() => { gc(); return performance.memory.usedJSHeapSize / 1e6; }"
 def frames_of(pairs: int, to: Path) -> Path:
     """Write a frames file of `pairs` pairs: those of the examples, repeated with a little noise.
 
-    Positions beyond the examples' own 1,440 pairs are made up; drawing them costs the same.
+    Positions beyond the examples' 1,440 pairs are random; they cost the same to draw.
     """
     frames = read_frames(EXAMPLES / "frames.bin")
     rows = np.arange(pairs) % frames.pairs
@@ -88,7 +88,7 @@ def frames_of(pairs: int, to: Path) -> Path:
 
 
 def opened(browser: Any, address: str, query: str = "", frames: Path | None = None) -> Any:
-    """Return a page with a profile of its own whose map is drawn."""
+    """Return a page with a new profile, after its map is drawn."""
     page = browser.new_page(viewport={"width": 1440, "height": 900}, permissions=["camera"])
     page.set_default_timeout(120_000)
     if frames:
@@ -102,7 +102,7 @@ def opened(browser: Any, address: str, query: str = "", frames: Path | None = No
 
 
 def drag(page: Any, moves: int) -> dict[str, float]:
-    """Drag the slider to both ends twice, one move an animation frame; return what was seen."""
+    """Drag the slider to both ends twice, one move for each animation frame; return the timings."""
     box = page.locator(".explore .order").bounding_box()
     middle, left, right = box["y"] + box["height"] / 2, box["x"] + 12, box["x"] + box["width"] - 12
     page.mouse.move(left, middle)
@@ -132,7 +132,7 @@ def quantiles(name: str, values: Any) -> dict[str, float]:
 
 
 def settled(page: Any, times: int) -> dict[str, float]:
-    """Ask for the exact answer of a pair at one p after the other; return milliseconds."""
+    """Request the predictions of a pair at several p in turn; return milliseconds."""
     waits = page.evaluate(
         """async (times) => {
           const waits = [];
@@ -150,7 +150,7 @@ def settled(page: Any, times: int) -> dict[str, float]:
 
 
 def every_tab(page: Any) -> None:
-    """Open each tab and wait until it shows what it has."""
+    """Open each tab and wait until it is complete."""
     for view in VIEWS[1:]:
         page.evaluate("id => document.getElementById(id).click()", f"view-{view}-button")
         page.wait_for_selector(f".ov.{view}:visible")
@@ -177,7 +177,7 @@ def resident_mb(pid: int) -> float:
 
 
 def live(page: Any, pictures: int) -> dict[str, float]:
-    """Answer Chromium's own camera, a moving test picture, and return how fast."""
+    """Predict Chromium's test camera, a moving picture, and return the rate."""
     page.evaluate("document.getElementById('view-pair-button').click()")
     page.wait_for_selector(".pair .reading")
     answered: list[dict[str, Any]] = []
@@ -246,7 +246,8 @@ def measured(
 
 
 def fifty(address: str, pid: int, visitors: int = 50) -> dict[str, float]:
-    """Let fifty visitors come at once, each for the page, the map and a pair's 101 answers."""
+    """Simulate fifty visitors at once; each loads the page, the map and a pair's 101
+    predictions."""
     before = resident_mb(pid)
 
     def visit(number: int) -> float:

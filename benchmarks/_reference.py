@@ -1,6 +1,6 @@
-"""The transform in 80-bit arithmetic, written apart from the library: what errors are measured by.
+"""The transform in 80-bit arithmetic, independent of the library, as the reference for errors.
 
-Good to about 1e-18; checked against 40-digit mpmath by tests/golden/make_fractional.py.
+Accurate to about 1e-18; checked against 40-digit mpmath by tests/golden/make_fractional.py.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class ReferenceBasis:
 
 
 def _polished(diagonal: Long, beside: Long) -> Long:
-    """Eigenvectors of a tridiagonal matrix, by falling eigenvalue, to 80 bits."""
+    """Eigenvectors of a tridiagonal matrix, by decreasing eigenvalue, in 80 bits."""
     size = len(diagonal)
     dense = np.diag(diagonal.astype(float))
     for i in range(size - 1):

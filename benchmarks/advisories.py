@@ -1,7 +1,7 @@
 """Compare the locked packages with known advisories, without a network: `python -m benchmarks.advisories FILE`.
 
-FILE holds advisories in the OSV format, one JSON object or a list of them, as advisory databases
-publish them. Exits with 1 where a locked version is affected, or a package is not locked.
+FILE has advisories in the OSV format, one JSON object or a list of them. Exits with 1 if a locked
+version is affected, or a package is not locked.
 """
 
 import argparse
@@ -24,14 +24,14 @@ def locked(text: str) -> dict[str, Version]:
 
 
 def plain(name: str) -> str:
-    """Return a package's name as registries compare it."""
+    """Return a package's normalized name."""
     return re.sub(r"[-_.]+", "-", name).lower()
 
 
 def affected(
     packages: Mapping[str, Version], advisories: list[Mapping[str, Any]]
 ) -> Iterator[tuple[str, str]]:
-    """Give the package and the advisory's name where a locked version is affected."""
+    """Yield package and advisory for each affected locked version."""
     for advisory in advisories:
         if advisory.get("withdrawn"):
             continue
@@ -44,7 +44,7 @@ def affected(
 
 
 def hit(version: Version, entry: Mapping[str, Any]) -> bool:
-    """Whether an advisory's entry names this version, itself or by a range."""
+    """True if an advisory's entry includes this version, by name or by range."""
     if any(_version(text) == version for text in entry.get("versions", [])):
         return True
     return any(
@@ -61,7 +61,7 @@ def within(version: Version, events: list[Mapping[str, str]]) -> bool:
         (what, text), *_ = event.items()
         at = _version(text)
         if at is None:
-            return True  # not to be read: rather one warning too many
+            return True  # unreadable: prefer a false warning
         if what == "introduced" and version >= at:
             inside = True
         if (what == "fixed" and version >= at) or (what == "last_affected" and version > at):

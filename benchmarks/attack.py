@@ -1,8 +1,10 @@
-"""Attack the page and say what happened, by count: `python -m benchmarks.attack`.
+"""Attack the page and count the results: `python -m benchmarks.attack`.
 
-Hostile images, heads, sets, questions and callers are sent to the page's own routes. What counts as
-held: an answer below 500 within the time, one sentence where it is a refusal, no folder of the
-server in any sentence. What fell is written out with its seed.
+Hostile images, heads, sets, requests and callers are sent to the page's routes. A case passes if
+the
+status is below 500 within the time limit, an error is one sentence, and no sentence contains a
+folder of
+the server. Failures are printed with their seed.
 """
 
 import argparse
@@ -18,13 +20,13 @@ from typing import Any
 from benchmarks._attack_costly import FOUR_MB, MOST_MB, MOST_S, measured
 from benchmarks._attack_files import heads, images, questions, sets
 
-SLOW_S = 5.0  # an answer that takes longer has fallen
+SLOW_S = 5.0  # seconds; a slower reply is a failure
 OUT = Path("docs/benchmarks/attack.json")
 
 
 @dataclass(slots=True)
 class Counts:
-    """What came of one kind of attack."""
+    """The results of one kind of attack."""
 
     held: int = 0
     statuses: Counter[int] = field(default_factory=Counter)
@@ -32,7 +34,7 @@ class Counts:
     fell: list[str] = field(default_factory=list)
 
     def take(self, response: Any, seconds: float, what: str) -> None:
-        """Judge one answer."""
+        """Check one reply."""
         self.statuses[response.status_code] += 1
         self.slowest_s = max(self.slowest_s, seconds)
         problem = judged(response, seconds)
@@ -43,7 +45,7 @@ class Counts:
 
 
 def judged(response: Any, seconds: float) -> str:
-    """Return what is wrong with an answer; "" where it held."""
+    """Return the fault of a reply; "" if it passes."""
     if response.status_code >= 500 and response.status_code != 503:
         return f"status {response.status_code}"
     if seconds > SLOW_S:
@@ -61,7 +63,7 @@ def judged(response: Any, seconds: float) -> str:
 
 
 def attack(client: Any, resources: Any, seed: int, count: int) -> dict[str, Counts]:
-    """Send `count` hostile things of each kind; return what came of them."""
+    """Send `count` hostile inputs of each kind; return the results."""
     from app.routes import QUESTIONS
 
     found = {name: Counts() for name in ("images", "questions", "heads", "sets", "callers")}
@@ -98,7 +100,7 @@ def attack(client: Any, resources: Any, seed: int, count: int) -> dict[str, Coun
 
 
 def costs(decoder: Any) -> tuple[Counts, dict[str, Any]]:
-    """Decode images that cost far more than their bytes; what is over the limits has fallen."""
+    """Decode costly images; exceeding the limits is a failure."""
     counts, record = Counts(), {}
 
     def take(name: str, found: dict[str, Any]) -> None:
@@ -116,7 +118,7 @@ def costs(decoder: Any) -> tuple[Counts, dict[str, Any]]:
 
 
 def load(client: Any, parts: dict[str, bytes]) -> dict[str, str]:
-    """Send the files of a head or set; return what each is called."""
+    """Upload the files of a head or set; return their names."""
     return {
         name: client.post(f"/omnivat/part?name={name}", content=content).json().get("part", "")
         for name, content in parts.items()
@@ -124,7 +126,7 @@ def load(client: Any, parts: dict[str, bytes]) -> dict[str, str]:
 
 
 def used(client: Any, name: str, counts: Counts, what: str) -> None:
-    """Use a head or set that was taken: what it says of itself, and one pair."""
+    """Use an accepted head or set: its facts and one pair."""
     for address in ("about", "heads", "matrix"):
         began = perf_counter()
         response = client.get(f"/omnivat/{address}?set={name}")
@@ -137,7 +139,7 @@ def used(client: Any, name: str, counts: Counts, what: str) -> None:
 
 
 def callers(chance: random.Random, count: int) -> list[dict[str, str]]:
-    """Return headers of pages of other sites and of names that are not this server's."""
+    """Return headers of other sites and of foreign host names."""
     sites = ["https://evil.example", "null", "http://127.0.0.1.evil.example", "file://", "http://["]
     names = ["evil.example", "127.0.0.1.evil.example", "10.0.0.1", "localhost.evil.example", "x@y"]
     made = []

@@ -1,11 +1,15 @@
-"""What each method costs on one source: size, seconds an epoch, peak memory, predictions a second.
+"""Cost of each method on one source: size, seconds for each epoch, peak memory, predictions per
+second.
 
     python -m benchmarks.cost [--source TAG] [--methods a,b,c] [--out docs/benchmarks]
 
-Every method runs in a process of its own on one thread, so that its peak memory is its own. A fit is
-the whole fit, choice of settings included; an epoch is a pass over the training pairs where a method
-has epochs. Predictions are of single pairs, one after another: from embeddings, and with the default
-encoder in front, whose time is measured once on one thread.
+Every method runs in a separate process on one thread, so its peak memory is separate. A fit
+includes
+the choice of settings. An epoch is a pass over the training pairs, for methods with epochs.
+Predictions
+are of single pairs: from embeddings, and with the default encoder, whose time is measured once on
+one
+thread.
 """
 
 import argparse
@@ -40,7 +44,7 @@ HEAD_EPOCHS = 3
 
 
 def run() -> None:
-    """Measure every method in its own process, then write JSON and a table."""
+    """Measure every method in a separate process, then write JSON and a table."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--source", default="TAG")
     parser.add_argument("--methods", default=";".join(METHODS))
@@ -68,7 +72,7 @@ def run() -> None:
 
 
 def measured(name: str, source: str) -> dict[str, Any]:
-    """Return what one method costs, in CPU seconds of one thread."""
+    """Return the cost of one method, in CPU seconds of one thread."""
     import torch
 
     from omnivat.data.store import load_embeddings
@@ -159,7 +163,7 @@ def table(found: dict[str, Any]) -> str:
 
 
 def printed() -> str:
-    """Return the paper's table beneath: another machine (an RTX 3090), encoder and data."""
+    """Return the paper's table: another machine (an RTX 3090), encoder and data."""
     from omnivat.reports.paper import paper
 
     names = list(next(iter(paper()["cost"].values())))

@@ -1,16 +1,17 @@
-"""Embed 10,000 generated JPEGs: memory held, killed half-way, resumed to the same bytes.
+"""Embed 10,000 generated JPEGs: peak memory, and identical bytes after a kill and resume.
 
     python -m benchmarks.embed_scale [--images 10000] [--out docs/benchmarks]
 
 Writes the images (640 x 480, all different, and one that cannot be read), then runs
-`python -m omnivat embed` on them as a person would, in processes of their own:
+`python -m omnivat embed` on them in separate processes:
 
-1. without a break;
+1. without interruption;
 2. again to another file, killed without warning (SIGKILL) when half of the part files are there;
-3. the same command once more, which goes on from the parts.
+3. the same command again, which resumes from the parts.
 
-Fails when a process held more than 2 GB, when a pair is missing or embedded anew, or when the two
-files differ in one byte. Linux only: memory is read from /proc.
+It fails if a process uses more than 2 GB, if a pair is missing or embedded again, or if the two
+files
+differ. Linux only: memory is read from /proc.
 """
 
 import argparse
@@ -36,7 +37,7 @@ MATERIALS = ("wood", "steel", "plastic", "ceramic", "glass")
 
 
 def main() -> None:
-    """Run the measurement, print it as JSON, and write the page of figures where asked."""
+    """Run the measurement, print it as JSON, and write the page if requested."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--images", type=int, default=10_000)
     parser.add_argument("--out", type=Path, help="folder for embed_scale.md")
@@ -85,13 +86,13 @@ def measured(folder: Path, count: int) -> dict[str, Any]:
 
 
 def require(said: str, sentence: str) -> None:
-    """Refuse a run that did not say what was to be seen."""
+    """Raise an error for an unexpected run."""
     if sentence not in said:
         raise SystemExit(f"The command said '{said}', not '{sentence}'.")
 
 
 def digest(file: Path) -> str:
-    """Return what tells two files apart."""
+    """Return a hash of a file."""
     return blake2b(file.read_bytes(), digest_size=16).hexdigest()
 
 
@@ -114,7 +115,7 @@ def write_images(folder: Path, count: int) -> None:
 
 
 def watched(images: Path, out: Path, stop_at: int | None) -> dict[str, Any]:
-    """Run the command; kill it when that many part files are there. Return what it took."""
+    """Run the command; kill it at a given number of part files. Return its cost."""
     command = [sys.executable, "-m", "omnivat", "embed", str(images), "--out", str(out)]
     began, memory, clock = time.perf_counter(), 0.0, 0.0
     process = subprocess.Popen([*command, "--no-flips"], stdout=subprocess.PIPE, text=True)

@@ -3,14 +3,17 @@
     python -m benchmarks.encoders [--rounds 5] [--pictures 16] [--batches 4,16] [--out docs/benchmarks]
 
 With --out it writes encoders.json, encoders.md and, with matplotlib installed, encoders.png. All
-ways run on one thread, as the embedding engine's workers do, and take turns, so that a busy moment
-of the machine meets all of them. Processor time is the figure to compare on a shared machine. The
+ways run on one thread, like the embedding engine's workers, and alternate, so that other load
+affects
+all of them. On a shared machine, compare CPU time. The
 error is 1 - cosine to fp32, image by image, over generated pictures.
 
-bf16 joins in where the processor has instructions for it (`omnivat.encoders.running.cpu_has_bf16`),
-ONNX Runtime where `onnx`, `onnxscript` and `onnxruntime` are installed. EfficientNet-Lite0 has its
-published weights. CLIP's towers have random weights of the published sizes: their times are those
-of the real ones, their errors only a hint.
+bf16 is included if the CPU has instructions for it (`omnivat.encoders.running.cpu_has_bf16`), ONNX
+Runtime if `onnx`, `onnxscript` and `onnxruntime` are installed. EfficientNet-Lite0 has its
+published
+weights. CLIP's towers have random weights of the published sizes: their times are valid, their
+errors
+approximate.
 """
 
 import argparse
@@ -33,7 +36,7 @@ from omnivat.encoders.running import cpu_has_bf16
 
 
 def main() -> None:
-    """Measure every way, print the page of figures, and write it where asked."""
+    """Measure every way, print the page of figures, and write it if requested."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--out", type=Path, help="folder for the three files")
     parser.add_argument("--rounds", type=int, default=5)
@@ -66,14 +69,14 @@ def main() -> None:
 
 
 def cpu_name() -> str:
-    """Return what the processor calls itself."""
+    """Return the name of the processor."""
     return str(torch.cpu.get_capabilities().get("cpu_name", "unknown"))
 
 
 def measured(
     network: str, ways: dict[str, Run], images: Tensor, rounds: int
 ) -> list[dict[str, Any]]:
-    """Return a row for each way: milliseconds an image and the error against the first way."""
+    """Return a row for each way: milliseconds for each image, and error against the first way."""
     embedded = {name: way(images) for name, way in ways.items()}  # also warms up
     times: dict[str, list[tuple[float, float]]] = {name: [] for name in ways}
     for _ in range(rounds):
@@ -90,7 +93,7 @@ def measured(
 
 
 def timed(way: Run, images: Tensor) -> tuple[float, float]:
-    """Return processor and wall milliseconds an image."""
+    """Return CPU and wall milliseconds for each image."""
     cpu, wall = time.process_time(), time.perf_counter()
     way(images)
     return (

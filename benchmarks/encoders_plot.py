@@ -13,11 +13,11 @@ CAPTION = (
     "Circles have the same bits as the default way, fp32 image by image; squares have not. "
     "Errors below 1e-13 are drawn there. The dashed line is the error that the list above allows."
 )
-ALLOWED = 1e-3  # 1 - cosine that a precision may cost and still be offered
+ALLOWED = 1e-3  # largest 1 - cosine of an offered precision
 
 
 def page(found: dict[str, Any]) -> str:
-    """Return the rows as Markdown, with what they were measured on and what they say."""
+    """Return the rows as Markdown, with the machine and the conclusions."""
     place = found["machine"]
     lines = [
         "# Time and error of the encoders",
@@ -51,7 +51,7 @@ def page(found: dict[str, Any]) -> str:
 
 
 def verdict(rows: Sequence[dict[str, Any]]) -> str:
-    """Say of one network which way is fastest with the same bits, and within the allowed error."""
+    """Return the fastest way of a network with equal bits, and within the allowed error."""
     exact = max((r for r in rows if r["same_bits"]), key=lambda r: r["speed"])
     near = max((r for r in rows if r["error_worst"] <= ALLOWED), key=lambda r: r["speed"])
     return (
@@ -62,7 +62,7 @@ def verdict(rows: Sequence[dict[str, Any]]) -> str:
 
 
 def plot(rows: Sequence[dict[str, Any]], path: Path) -> None:
-    """Draw worst error over processor time an image, a panel for each network."""
+    """Draw worst error against CPU time for each image, one panel for each network."""
     try:
         matplotlib = need("matplotlib", purpose="the plot of the benchmark")
         pyplot = need("matplotlib.pyplot", purpose="the plot of the benchmark")

@@ -25,7 +25,7 @@ from benchmarks._reference import reference
 from benchmarks.measure import machine
 
 SIZES = ((1, 1024), (16, 512), (2000, 512), (20000, 768))
-HUGE = 10**7  # samples; above, slow peers and gradients are left out
+HUGE = 10**7  # samples; above, slow methods and gradients are left out
 CHECKED = 3  # rows compared with the reference
 ORDERS = (0.3, 1.7, 1000.3)
 
@@ -78,7 +78,7 @@ def backward_call(method: Method, x: Tensor, orders: Callable[[], float]) -> Cal
 def calls_for(
     task: str, found: dict[str, Method], x: Tensor, orders: Callable[[], float]
 ) -> dict[str, Callable[[], object]]:
-    """What to time for a task; methods that do not offer it are left out."""
+    """The calls for a task; methods without it are left out."""
     calls: dict[str, Callable[[], object]] = {}
     for name, method in found.items():
         mine = x.to(method.device, method.dtype)
@@ -122,7 +122,7 @@ def measure(rows: int, size: int, count: int, rounds: int) -> list[Row]:
 
 
 def main() -> None:
-    """Measure, then write what was found."""
+    """Measure, then write the results."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="small sizes and few rounds")
     parser.add_argument("--out", type=Path, default=Path("docs/benchmarks"))
@@ -139,7 +139,7 @@ def main() -> None:
 
 
 def write(rows: list[Row], folder: Path) -> None:
-    """All that was measured so far, so that a long run can be stopped."""
+    """Write all results so far, so that a long run can be interrupted."""
     folder.mkdir(parents=True, exist_ok=True)
     record = {"machine": machine(), "rows": [asdict(row) for row in rows]}
     (folder / "fractional.json").write_text(json.dumps(record, indent=1) + "\n")

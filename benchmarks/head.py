@@ -1,9 +1,9 @@
-"""The head on this machine: one pair, 2,000 pairs, an epoch of training, against what it must cost.
+"""The head on this machine: one pair, 2,000 pairs, an epoch of training, against a lower bound.
 
     python -m benchmarks.head [--runs 7] [--steps 30] [--threads N] [--out docs/benchmarks/head]
 
-Embeddings are random and 512 wide (times do not depend on their values), the head is fresh, the
-flip is drawn from two cached copies. The floor counts the operations of docs/method.md, "Folding",
+Embeddings are random with width 512 (times do not depend on their values), the head is untrained,
+and flips come from two cached copies. The floor counts the operations of docs/method.md, "Folding",
 at the best rate of a large float32 matrix product, by the wall clock and with the same threads,
 measured right before and after. An epoch of 5,520 samples is
 345 steps; `--steps` of them are timed one by one, and the median is scaled.
@@ -44,8 +44,9 @@ TARGETS = {  # seconds
 def wall_rate(width: int = 512, rows: int = 4096, runs: int = 15) -> float:
     """Return the best rate of (rows, width) @ (width, width), operations a second of wall time.
 
-    With the threads that the timed calls have: a rate per CPU second is that of one core, and
-    would make floors for two cores twice too high.
+    It uses the threads of the timed calls: a rate per CPU second belongs to one core, and floors
+    for
+    two cores would be twice too high.
     """
     a, b, out = torch.randn(rows, width), torch.randn(width, width), torch.empty(rows, width)
     torch.mm(a, b, out=out)
@@ -54,14 +55,14 @@ def wall_rate(width: int = 512, rows: int = 4096, runs: int = 15) -> float:
 
 
 class Seconds(NamedTuple):
-    """What repeated calls took."""
+    """Seconds of repeated calls."""
 
     wall: list[float]
     cpu: list[float]
 
 
 def prediction_operations(model: OmniVaT) -> int:
-    """Count the operations of one pair, raw embeddings to classes, that folding leaves over.
+    """Count the operations of one folded pair, from raw embeddings to classes.
 
     For each modality: projection, into the eigenbasis and out of it (a quarter split halves both:
     D² each and D² more for two parts), scores of two base vectors, values with the first layer,
@@ -75,7 +76,7 @@ def prediction_operations(model: OmniVaT) -> int:
 
 
 def training_operations(model: OmniVaT) -> int:
-    """Count the operations of one sample: forward, and twice that backward where weights learn.
+    """Count the operations of one sample: forward, and twice that backward for trained weights.
 
     For LANG, VIS and TAC: projection, transform (no weights), keys and queries of two base
     vectors, values, both layers; LANG as a query; every matrix of the tree.

@@ -1,4 +1,4 @@
-"""Time a call, describe the machine, and write both down: shared by the benchmarks."""
+"""Time a call and describe the machine: shared by the benchmarks."""
 
 import os
 import platform
@@ -32,7 +32,7 @@ class Timing:
 
 
 def timed(call: Callable[[], Any], runs: int) -> Timing:
-    """Run `call` a few times and keep the seconds. The caller warms up first where that is due."""
+    """Run `call` a few times and return the seconds. The caller warms up first if needed."""
     cpu, wall = [], []
     for _ in range(runs):
         cpu_before, wall_before = time.process_time(), time.perf_counter()
@@ -51,7 +51,7 @@ def timed(call: Callable[[], Any], runs: int) -> Timing:
 
 
 def machine() -> dict[str, Any]:
-    """Return what a figure means nothing without."""
+    """Return a description of the machine and the versions."""
     return {
         "machine": f"{os.cpu_count()}-core {platform.machine()} CPU",
         "load": round(os.getloadavg()[0], 2),
@@ -64,7 +64,7 @@ def machine() -> dict[str, Any]:
 def product_rate(width: int, rows: int = 4096, runs: int = 7) -> float:
     """Return the best rate of (rows, width) @ (width, width) in float32, operations per CPU second.
 
-    By CPU time, so that other work on the machine does not look like a slower processor.
+    It uses CPU time, so that other load does not look like a slower processor.
     """
     a, b = torch.randn(rows, width), torch.randn(width, width)
     count = max(1, int(2e9 / (2 * rows * width**2)))

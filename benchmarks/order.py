@@ -1,13 +1,13 @@
-"""When does a fractional order help? The measurements behind docs/order.md, one a subcommand.
+"""When does a fractional order help? The studies of docs/order.md, one for each subcommand.
 
     python -m benchmarks.order STUDY [--jobs N] [--seeds N] [--out DIR]
 
     basin     loss against p around a trained head's own p, for D = 16 to 512, and its width
-    strength  chirps: what the right order gains over p = 0 and p = 1, by strength and domain shift
-    search    chirps: where the search ends, p* drawn anew for every seed, and what it costs
+    strength  chirps: gain of the right order over p = 0 and p = 1, by strength and domain shift
+        search    chirps: result and cost of the search, with a new p* for every seed
     channels  channels in their order against permuted ones, projected or not, and rows of pictures
-    sensors   search against p held at 0.5, on every source of the simulated sensors
-    power     how many runs a difference of one point needs, from the spread over seeds
+    sensors   search against p fixed at 0.5, on every source of the simulated sensors
+        power     number of runs that shows a difference of one point, from the spread over seeds
 
 Each writes DIR/order_STUDY.json; `python -m benchmarks.order_figures` draws the figures.
 """
@@ -81,7 +81,8 @@ def basin_of(width: int, away: float) -> dict[str, Any]:
 
 
 def half_width(offsets: np.ndarray[Any, Any], losses: list[float]) -> float:
-    """Return how far from the middle the loss has risen half way to its median, the mean side."""
+    """Return the half width of the valley: the loss is half-way to its median; mean of both
+    sides."""
     middle, level = len(losses) // 2, np.array(losses)
     half = (level[middle] + np.median(level)) / 2
     sides = []
@@ -129,7 +130,7 @@ def strength_of(value: float, shift: float, seed: int) -> dict[str, Any]:
 
 
 def search(options: argparse.Namespace) -> list[dict[str, Any]]:
-    """Search for p* from a random start, a new p* for every seed; the gradient alone beside it."""
+    """Search for p* from a random start, with a new p* for every seed; also the gradient alone."""
     return list(carried_out(search_of, [(seed,) for seed in range(options.seeds)], options.jobs))
 
 
@@ -202,14 +203,14 @@ def _some(file: Path) -> Embeddings:
 
 
 def sensors(options: argparse.Namespace) -> list[dict[str, Any]]:
-    """Search for p on the simulated sensors; p held at 0.5 beside it."""
+    """Search for p on the simulated sensors, against p fixed at 0.5."""
     domains = load_embeddings(default_embeddings()).header.domains
     jobs = [(source, seed) for seed in range(options.seeds) for source in domains]
     return list(carried_out(sensors_of, jobs, options.jobs))
 
 
 def sensors_of(source: str, seed: int) -> dict[str, Any]:
-    """Score one head whose p was searched for and one whose p was held."""
+    """Score one head with a searched p and one with a fixed p."""
     made = signals_of("projected", False)
     found: dict[str, Any] = {"source": source, "seed": seed}
     for name, asked in (("search", True), ("fixed", False)):
@@ -229,7 +230,7 @@ def sensors_of(source: str, seed: int) -> dict[str, Any]:
 
 
 def power(options: argparse.Namespace) -> list[dict[str, Any]]:
-    """Runs that a difference of one point needs: two-sided 5 %, power 80 %."""
+    """Number of runs for a difference of one point: two-sided 5 %, power 80 %."""
     frames = read_frames(options.frames)
     deviations = [100 * (s or 0.0) for s in frames.curves["seeds:accuracy/unseen/std"]]
     means = [100 * (m or 0.0) for m in frames.curves["seeds:accuracy/unseen/mean"]]

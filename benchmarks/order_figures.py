@@ -42,7 +42,7 @@ def widths(rows: Rows) -> str:
 
 
 def gains(rows: Rows) -> str:
-    """Accuracy at p* less the better of p = 0 and p = 1, against strength."""
+    """Accuracy at p* minus the better of p = 0 and p = 1, against strength."""
     strengths = sorted({row["strength"] for row in rows})
     shifts = sorted({row["shift"] for row in rows})
     return line_plot(
@@ -94,7 +94,7 @@ def _scores(rows: Rows, orders: Sequence[float], shuffled: bool) -> list[Spread]
 
 
 def searched(head: Path) -> str:
-    """Held-out log loss of the short trainings of a search, as the head's folder holds it."""
+    """Held-out log loss of the short trainings of a search, from the head's folder."""
     record = json.loads((head / "metrics.json").read_text(encoding="utf-8"))["order_search"]
     found = list(zip(record["orders"], record["score"], record["round"], strict=True))
     names = {"coarse": "21 orders", "fine": "7 around the best"}
@@ -149,7 +149,7 @@ FIGURES: dict[str, tuple[str, Callable[[Rows], str]]] = {
 
 
 def main() -> None:
-    """Draw every figure whose record is there."""
+    """Draw every figure with a record."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--records", type=Path, default=Path("docs/benchmarks"))
     parser.add_argument("--out", type=Path, default=Path("docs/benchmarks"))

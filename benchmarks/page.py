@@ -2,8 +2,9 @@
 
     python -m benchmarks.page [--repeat 3] [--out docs/benchmarks/page]
 
-Each round starts a server and takes one whole visit; figures are medians of the rounds with the
-least and the most. Writes a page and a JSON. `--picture FILE` only saves a picture of Explore.
+Each round starts a server and makes one whole visit. Figures are medians of the rounds, with
+minimum
+and maximum. Writes a page and a JSON. `--picture FILE` only saves a picture of Explore.
 """
 
 import argparse
@@ -27,7 +28,7 @@ from benchmarks._page_browser import FLAGS, measured, opened
 ROOT = Path(__file__).resolve().parent.parent
 CHROMIUM = ("chromium", "chromium-browser", "google-chrome")
 
-# figure -> what it is, its unit, and the target it has to keep below (or above where "≥")
+# figure -> description, unit, and target (an upper limit, or a lower one with "≥")
 FIGURES: dict[str, tuple[str, str]] = {
     "http_200_s": ("process start to first page answered, s", "≤ 4"),
     "map_drawn_s": ("process start to first map drawn, s", ""),
@@ -70,14 +71,14 @@ moving test picture, 640 × 480; each answer takes the encoder and the whole hea
 
 
 def free_port() -> int:
-    """Return a port that nothing listens on."""
+    """Return a free port."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         return int(probe.getsockname()[1])
 
 
 def started() -> tuple[subprocess.Popen[bytes], str, float]:
-    """Start the page; return the process, its address, and seconds until it answered."""
+    """Start the page; return the process, its address, and the seconds until its first reply."""
     port = free_port()
     began = time.perf_counter()
     process = subprocess.Popen(
@@ -110,7 +111,7 @@ def picture(browser: Any, to: Path) -> None:
 
 
 def report(rounds: list[dict[str, float]], browser: str) -> dict[str, Any]:
-    """Return the figures: median, least and most of each, with the machine."""
+    """Return the figures: median, minimum and maximum of each, with the machine."""
     return {
         "machine": f"{os.cpu_count()}-core {platform.machine()} CPU",
         "load": round(os.getloadavg()[0], 2),
@@ -131,7 +132,7 @@ def report(rounds: list[dict[str, float]], browser: str) -> dict[str, Any]:
 
 
 def kept(target: str, median: float) -> str:
-    """Say whether a target is kept."""
+    """Return "yes" or "no" for a target."""
     if not target:
         return ""
     sign, _, limit = target.partition(" ")

@@ -2,7 +2,7 @@
 
     python -m benchmarks.pictures [--out docs]
 
-Needs Chromium. The drag steps through exact frames; nothing is tweened.
+Needs Chromium. The drag steps through exact frames without interpolation.
 """
 
 import argparse
@@ -52,7 +52,7 @@ def strangers(page: Any, to: Path) -> None:
 
 
 def own_picture(page: Any, photo: Path, touch: Path, to: Path) -> None:
-    """Write what the page shows of a pair that a visitor brings."""
+    """Write the page's results for a visitor's pair."""
     page.click("#view-pair-button, button[role=tab]:has-text('Try a pair')")
     for modality, file in (("vis", photo), ("tac", touch)):
         page.set_input_files(f'.pair .slot[data-modality="{modality}"] input[type=file]', file)

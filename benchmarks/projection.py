@@ -1,10 +1,11 @@
-"""Maps of 2,000 points: our UMAP against umap-learn and PCA, and one map per order as a chain.
+"""Maps of 2,000 points: our UMAP against umap-learn and PCA, and a chain of maps over p.
 
     python -m benchmarks.projection [--points 2000] [--width 512] [--runs 5] [--threads 1] [--out FILE]
 
-Each method runs in a process of its own, so that its first call pays for what it compiles or
-warms. Quality is measured on the same points for all, in the same run. One thread by default: with
-more, threads that wait for one another are counted as CPU time.
+Each method runs in a separate process, so that its first call includes compilation and warm-up. All
+methods use the same points for quality. One thread by default: with more, waiting threads count as
+CPU
+time.
 """
 
 import argparse
@@ -34,8 +35,8 @@ CHAIN_STOPS = 11
 def made_points(count: int, width: int) -> Tensor:
     """Return rows with the shape of visual-tactile embeddings: (count, width), unit length.
 
-    Two modalities, eight domains and five classes, each a direction of its own; an object's rows
-    lie on a curved sheet of two dimensions; a little noise everywhere.
+    Each modality, domain and class has a direction; the rows of an object lie on a curved
+    two-dimensional sheet, with a little noise.
     """
     rng = np.random.default_rng(0)
     modality = np.arange(count) % 2
@@ -54,7 +55,7 @@ def made_points(count: int, width: int) -> Tensor:
 
 
 def method_report(name: str, points: Tensor, runs: int) -> dict[str, Any]:
-    """Time a method's first call in this process, then more calls, and judge its map."""
+    """Time a method's first call in this process and later calls, and measure its map."""
     begun = time.process_time()
     project: Callable[[Tensor], Tensor] = load(PROJECTIONS, name, kind="projection")
     if name == "umap-learn":
@@ -73,7 +74,7 @@ def method_report(name: str, points: Tensor, runs: int) -> dict[str, Any]:
 
 
 def chain_report(points: Tensor) -> list[dict[str, Any]]:
-    """One map for each of 11 orders of ReLU(Re, Im) of the transform: apart, and as a chain."""
+    """One map for each of 11 orders of ReLU(Re, Im): independent, and as a chain."""
     from omnivat.fractional import coefficients, synthesise
     from omnivat.projection import torch_umap
     from omnivat.projection.chain import chain
@@ -142,7 +143,7 @@ def show(report: dict[str, Any]) -> None:
 
 
 def main() -> None:
-    """Read the arguments, measure, print, and write the JSON where asked."""
+    """Read the arguments, measure, print, and write the JSON if requested."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--points", type=int, default=2000)
     parser.add_argument("--width", type=int, default=512)

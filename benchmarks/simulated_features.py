@@ -1,4 +1,4 @@
-"""Embeddings of a simulated set as the benchmark reads them: unit length, with their columns."""
+"""Unit-length embeddings of a simulated set, with their columns."""
 
 import csv
 from dataclasses import dataclass
@@ -32,7 +32,7 @@ class Features:
 
 
 def features_in(file: Path) -> Features:
-    """Return what a file of embeddings holds."""
+    """Return the content of an embeddings file."""
     kept = load_embeddings(file)
     if not kept.header.encoder == DEFAULT_ENCODER:
         raise DataError(f"'{file}' holds {kept.header.encoder}; wanted {DEFAULT_ENCODER}.")

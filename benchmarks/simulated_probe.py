@@ -21,20 +21,20 @@ _SCARCE = "ceramic"  # a class that TacQuad lacks
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Accuracy:
-    """How many were right, of how many."""
+    """Correct predictions and their total."""
 
     right: int
     of: int
 
     @property
     def share(self) -> float:
-        """Return the share that was right, 0 to 1."""
+        """Return the share of correct predictions, 0 to 1."""
         return self.right / self.of
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Judged:
-    """What probes predict, each trained on the training pairs of one source domain.
+    """Predictions of probes, each trained on one source domain.
 
     sources      the S domains
     predictions  reading -> (S, N) class names, "" for pairs that the source is not tested on
@@ -47,7 +47,7 @@ class Judged:
 def fitted(values: Array, materials: Names) -> tuple[Probabilities, Names]:
     """Return a linear probe of (N, D) training values, and its classes in order.
 
-    Logistic regression of scikit-learn with C = 1, on the values as they are.
+    Logistic regression of scikit-learn with C = 1, without scaling.
     """
     linear = need("sklearn.linear_model", purpose="the linear probe", install="scikit-learn")
     probe = linear.LogisticRegression(C=1.0, max_iter=3000)
@@ -58,7 +58,7 @@ def fitted(values: Array, materials: Names) -> tuple[Probabilities, Names]:
 def read_all(
     vis: Array, tac: Array, train: NDArray[np.bool_], materials: Names
 ) -> dict[str, Names]:
-    """Return what probes of every reading predict for all N pairs: reading -> (N,) class names.
+    """Return the predictions of probes of every reading for all N pairs: reading -> (N,) classes.
 
     vis, tac   (N, D) unit-length embeddings
     train      (N,) the pairs that the probes are trained on
@@ -81,8 +81,9 @@ def read_all(
 def judged(features: Features) -> Judged:
     """Return the predictions of probes trained on each domain, for its test pairs and other domains.
 
-    Within a domain the test pairs are predicted; in another domain all its pairs, none of which
-    was seen. Ceramic is left out where the source or the target has none, as in the paper.
+    Within a domain, its test pairs are predicted; in another domain, all its pairs, which are
+    unseen.
+    Ceramic is left out if the source or the target has none, as in the paper.
     """
     domains, materials = features.column("domain"), features.column("material")
     split = features.column("split")
@@ -106,7 +107,7 @@ def judged(features: Features) -> Judged:
 
 
 def sensor_accuracy(tac: Array, *, domains: Names, splits: Names) -> dict[str, Accuracy]:
-    """Return, by domain, how often the nearest training image of a test image is of its domain."""
+    """Return, by domain, how often the nearest training image of a test image has its domain."""
     train, test = splits == "train", splits == "test"
     nearest = domains[train][(tac[test] @ tac[train].T).argmax(1)]
     return {

@@ -1,6 +1,6 @@
 """Labelled real pairs, predicted by probes trained on all domains of a set and by a trained head.
 
-The folder holds `labels.csv` with the columns folder, vis, tac and material; images lie at
+The folder holds `labels.csv` with the columns folder, vis, tac and material; images are at
 <folder>/<vis> and <folder>/<tac>. Pairs of other materials than the five are left out.
 """
 
@@ -32,7 +32,7 @@ class Real:
 
 
 def real_pairs(folder: Path) -> Real:
-    """Return the labelled pairs of a folder. Raises DataError where there are none."""
+    """Return the labelled pairs of a folder. Raises DataError if there are none."""
     table = folder / "labels.csv"
     if not table.is_file():
         raise DataError(f"'{table}' is not there; wanted columns folder, vis, tac, material.")
@@ -53,7 +53,7 @@ def real_pairs(folder: Path) -> Real:
 
 
 def print_real(features: Features, real: Real, head: Path = HEAD) -> None:
-    """Print what the probes and the head get right, and where real touches lie."""
+    """Print the accuracy of the probes and the head, and the position of real touches."""
     count = Counter(map(str, real.materials))
     print(f"## Real pairs: {len(real.materials)} ({_counts(count)})\n")
     print(
@@ -70,7 +70,7 @@ def print_real(features: Features, real: Real, head: Path = HEAD) -> None:
 
 
 def predictions(features: Features, real: Real) -> dict[str, Names]:
-    """Return what probes trained on every pair of the set predict: reading -> (N,) class names."""
+    """Return the predictions of probes trained on the whole set: reading -> (N,) class names."""
     known = features.column("material")
     train = np.arange(len(known) + len(real.materials)) < len(known)
     found = read_all(
@@ -83,7 +83,7 @@ def predictions(features: Features, real: Real) -> dict[str, Names]:
 
 
 def _head_predictions(folder: Path, features: Features, real: Real) -> dict[str, Names]:
-    """Return the head's predictions, or nothing where it takes other embeddings or is missing."""
+    """Return the head's predictions, or nothing if it is missing or needs other embeddings."""
     import torch
 
     from omnivat.checkpoint import load_head

@@ -1,10 +1,12 @@
-"""Draw the contact sheet of the simulated domains: two rows a domain, VIS and TAC of each class.
+"""Draw the contact sheet of the simulated domains: two rows for each domain, VIS and TAC of each
+class.
 
     python -m benchmarks.simulated_sheet [--pairs DIR] [--out docs/simulated.webp]
 
 The upper row shows the first test pair of each class that imitates no other, the lower one the
-first that imitates a class by sight, with that class's name; nobody chose them for their looks.
-Where the folder has no table, imitations are not known, and the first two pairs are shown.
+first visual imitator, with the imitated class's name; the examples are not selected. Without a
+table in
+the folder, imitations are unknown, and the first two pairs are shown.
 """
 
 import argparse
@@ -67,7 +69,7 @@ def _by_class(folder: Path) -> dict[tuple[str, str], list[Pair]]:
 def two_of(pairs: list[Pair]) -> list[Pair]:
     """Return the first pair that imitates nothing and the first that looks like another class.
 
-    The first two are returned where imitations are not known.
+    If imitations are unknown, return the first two.
     """
     plain = [pair for pair in pairs if not pair.looks_like and not pair.feels_like]
     alike = [pair for pair in pairs if pair.looks_like]

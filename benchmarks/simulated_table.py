@@ -1,4 +1,4 @@
-"""Tables of what the probes of a simulated set get right, with intervals over the sources."""
+"""Tables of the accuracy of probes on a simulated set, with intervals over the sources."""
 
 from dataclasses import dataclass
 
@@ -15,7 +15,7 @@ Shares = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Question:
-    """One row of the table: which pairs are counted, and whether inside the source or outside."""
+    """One row of the table: its pairs, within the source or in other domains."""
 
     name: str
     within: bool
@@ -41,7 +41,7 @@ def questions(features: Features) -> list[Question]:
 
 
 def matrix(found: Judged, features: Features, reading: str, chosen: NDArray[np.bool_]) -> Shares:
-    """Return (S, S) shares of right predictions from each source to each domain, NaN where none."""
+    """Return the accuracy (S, S) from each source to each domain; NaN without pairs."""
     domains, materials = features.column("domain"), features.column("material")
     predicted = found.predictions[reading]
     shares = np.full((len(found.sources),) * 2, np.nan)
@@ -60,7 +60,7 @@ def by_source(shares: Shares, *, within: bool) -> Shares:
 
 
 def chance(found: Judged, features: Features, *, within: bool) -> float:
-    """Return what guessing one of a target's classes gets right, averaged as the table is."""
+    """Return the chance level of guessing a target's classes, averaged like the table."""
     domains, materials = features.column("domain"), features.column("material")
     shares = np.full((len(found.sources),) * 2, np.nan)
     for row in range(len(found.sources)):
@@ -72,7 +72,7 @@ def chance(found: Judged, features: Features, *, within: bool) -> float:
 
 
 def print_table(found: Judged, features: Features) -> None:
-    """Print the main table, and by how much fusing beats each modality alone."""
+    """Print the main table, and the gain of fusion over each modality."""
     print("## Linear probes: means over the eight sources, %\n")
     print("| pairs | number | VIS | TAC | " + " | ".join(FUSIONS.values()) + " |")
     print("| --- | ---: |" + " ---: |" * len(READINGS))
@@ -95,7 +95,7 @@ def print_table(found: Judged, features: Features) -> None:
 
 
 def _counted(found: Judged, features: Features, question: Question) -> int:
-    """Return how many predictions stand behind a row."""
+    """Return the number of predictions of a row."""
     own = features.column("domain")[None, :] == np.array(found.sources)[:, None]
     tested = (found.predictions["VIS"] != "") & question.chosen & (own == question.within)
     return int(tested.sum())
@@ -135,7 +135,7 @@ def print_matrix(found: Judged, features: Features, reading: str) -> None:
 
 
 def print_imitations(found: Judged, features: Features) -> None:
-    """Print which class look-alikes and feel-alikes are taken for by each modality alone."""
+    """Print the predicted classes of look-alikes and feel-alikes by each modality alone."""
     print("## Imitators: predicted as what they are, and as what they imitate (all sources, %)\n")
     print("| pairs | reading | own class | imitated class |\n| --- | --- | ---: | ---: |")
     materials = features.column("material")

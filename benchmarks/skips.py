@@ -1,4 +1,4 @@
-"""What each rule of "compute nothing that the scene does not need" saves, and what it costs.
+"""Time saved and error added by each rule that avoids work.
 
     python -m benchmarks.skips [--rounds 9] [--out docs/benchmarks/skips.md]
 
@@ -39,7 +39,7 @@ ORDERS = tuple(step / 10 for step in range(11))
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """The same answer with and without skipping; `error` says how far the two lie apart."""
+    """The same result with and without a rule; `error` is the difference of the two."""
 
     name: str
     without: Callable[[], Any]
@@ -57,7 +57,7 @@ def _special(embedded: Tensor, kept: Coefficients, order: float) -> str:
 
 
 def numeric(model: OmniVaT, vis: Tensor, tac: Tensor) -> Iterator[Rule]:
-    """Give the rules that skip products."""
+    """Yield the rules that skip products."""
     embedded = model.embedded({"vis": vis, "tac": tac})
     kept = coefficients(embedded)
     yield Rule(
@@ -116,7 +116,7 @@ def numeric(model: OmniVaT, vis: Tensor, tac: Tensor) -> Iterator[Rule]:
 
 
 def maps(model: OmniVaT, vis: Tensor, tac: Tensor) -> Rule:
-    """Return the rule of the warm chain: six orders, each map from its neighbour's."""
+    """Return the rule of the warm chain: six orders, each map started from the previous one."""
     pairs = model.coefficients(vis[::3], tac[::3])
     orders = [model.order + 0.005 * step for step in range(6)]
     rows = [

@@ -43,7 +43,7 @@ STEPS = 1000
 
 @dataclass(frozen=True)
 class Cell:
-    """The worst relative error of one check, with what it must not exceed."""
+    """The worst relative error of one check, with its limit."""
 
     check: str
     size: int
@@ -69,7 +69,7 @@ def against_reference(size: int, dtype: torch.dtype) -> list[Cell]:
     x, name = samples(size), str(dtype).removeprefix("torch.")
     cells = []
     for group, orders in ORDERS.items():
-        # long arithmetic is slow: for the longest vectors a few orders of each group stand for all
+        # long arithmetic is slow: the longest vectors use a few orders of each group
         chosen = orders if size < 600 else orders[:2]
         worst = 0.0
         for order in chosen:
@@ -185,7 +185,7 @@ def measure(sizes: tuple[int, ...], on_size: Callable[[int], None]) -> list[Cell
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Measure, write, and say whether every target is met: 0, or 1 when one is missed."""
+    """Measure and write; return 0 if every target is met, else 1."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="lengths up to 512 only")
     parser.add_argument("--out", type=Path, default=Path("docs/benchmarks"))

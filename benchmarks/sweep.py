@@ -1,10 +1,11 @@
-"""A sweep of 101 orders over 2,000 pairs, against the operations that it cannot do without.
+"""A sweep of 101 orders over 2,000 pairs, against a lower bound of operations.
 
     python -m benchmarks.sweep [--widths 64,512] [--pairs 2000] [--orders 101] [--runs 3]
                               [--threads N] [--out FILE]
 
-Embeddings are random, 512 wide (times do not depend on their values); the head is fresh. Checks
-that the swept answers are the head's own before it times anything.
+Embeddings are random with width 512 (times do not depend on their values); the head is untrained.
+The
+predictions of the sweep are compared with the head's before timing.
 """
 
 import argparse
@@ -48,7 +49,7 @@ def made_embeddings(pairs: int) -> Embeddings:
 
 
 def floor_operations(model: OmniVaT) -> int:
-    """Count the operations of one pair at one order that no algebra known to us removes.
+    """Count the operations of one pair at one order that remain after all known simplifications.
 
     With D the width: the transform of a real vector D² (cached coefficients, quarter split);
     scores between the distinct rectified parts, two for each sign among θ_e, through one D×D
@@ -91,7 +92,7 @@ def report_width(width: int, arguments: argparse.Namespace) -> dict[str, Any]:
 
 @torch.no_grad()
 def require_right(model: OmniVaT, embeddings: Embeddings, orders: list[float]) -> None:
-    """Refuse to time a sweep whose answers are not the head's."""
+    """Raise an error if the sweep's predictions differ from the head's."""
     found = sweep(model, embeddings, orders)
     for place, order in enumerate(orders):
         direct = model(torch.tensor(embeddings.vis), torch.tensor(embeddings.tac), order=order)

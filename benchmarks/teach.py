@@ -1,8 +1,8 @@
-"""What teaching a head a few pairs of a domain that it never saw brings on that domain's other pairs.
+"""Gain from teaching a head a few pairs of an unseen domain, on other pairs of that domain.
 
     python -m benchmarks.teach [--head DIR] [--embeddings FILE] [--draws 10] [--out docs/benchmarks/teach.md]
 
-For each unseen domain and draw, K pairs of each class teach the head; it is then judged on the
+For each unseen domain and draw, K pairs of each class teach the head; it is then tested on the
 domain's pairs of other objects. The interval is over domains and draws (normal, 95 %).
 """
 
@@ -26,7 +26,7 @@ COUNTS = (1, 2, 3, 5)  # pairs of each class
 
 
 def gains(head: Head, pairs: Embeddings, count: int, draws: int) -> Iterator[tuple[float, float]]:
-    """Give the accuracy before and after for each draw in one domain."""
+    """Yield the accuracy before and after for each draw in one domain."""
     labels = label_map(head.settings.classes, pairs.header.classes)[pairs.label]
     objects = np.array(pairs.rows["object"])
     for draw in range(draws):

@@ -3,9 +3,10 @@
     python -m benchmarks.training_stability [--pairs 60] [--out docs/benchmarks/training_stability]
 
 Short trainings of the light head (2 epochs, the warm-up and the full rate): every λ with every R,
-rate, shipped source and two seeds, then embeddings, batches and orders at extremes, made up. A run holds
-when every weight, loss and prediction is finite; a run that stops with the sentence that says why
-counts as refused, not as held. "Held back" counts steps on which a gradient met its limit.
+rate, shipped source and two seeds, then synthetic extremes of embeddings, batches and orders. A run
+passes if every weight, loss and prediction is finite. A run that stops with an explanation counts
+as
+refused. "Held back" counts steps with a clipped gradient.
 """
 
 import argparse
@@ -49,7 +50,7 @@ P_EXPLAINED = (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Run:
-    """One short training: a name for its row, and what is not the default."""
+    """One short training: the name of its row, and its settings that differ from the defaults."""
 
     group: str
     source: str = "clusters"
@@ -59,7 +60,7 @@ class Run:
 
 
 def made_source(kind: str, pairs: int, seed: int) -> Embeddings:
-    """Return made-up training pairs: well-behaved clusters, or an extreme named by `kind`."""
+    """Return synthetic training pairs: regular clusters, or an extreme named by `kind`."""
     random = np.random.default_rng(seed)
     label = np.arange(pairs) % len(MATERIALS)
     centres = 2 * random.normal(size=(len(MATERIALS), WIDTH))
@@ -142,7 +143,7 @@ def runs(domains: Sequence[str]) -> list[Run]:
 
 
 def attempt(run: Run, pairs: int, bank: LangBank, shipped: Embeddings) -> dict[str, Any]:
-    """Train once; return whether it held, and what was held back."""
+    """Train once; return whether it passed, and the number of clipped steps."""
     if run.source in shipped.header.domains:
         source = shipped.in_domain(run.source, split="train")
     else:
@@ -178,7 +179,7 @@ def attempt(run: Run, pairs: int, bank: LangBank, shipped: Embeddings) -> dict[s
 
 
 def table(records: list[dict[str, Any]]) -> str:
-    """Return the report's table: one row a group."""
+    """Return the report's table: one row for each group."""
     lines = [
         "| what | runs | held | refused | steps clipped | p clamped | p at the end | mod 4 | CE |",
         "| --- | --- | --- | --- | --- | --- | --- | --- | --- |",

@@ -15,7 +15,7 @@ _LEAST = {
     "hand": 260.0,
     "rig": 150.0,
     "": 120.0,
-}  # mm in view, so that the sensor does not hide the object
+}  # least mm in view
 _DAY = (1.25, 1.3, 1.45)
 
 

@@ -128,7 +128,7 @@ def _unit(rows: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def pair_names(settings: ChirpSettings) -> dict[str, list[str]]:
-    """Return the columns of the set's table, one text for each pair, in the order of `chirp_embeddings`."""
+    """Return the columns of the set's table, in the order of `chirp_embeddings`."""
     test = round(settings.test_share * settings.pairs_per_class)
     columns: dict[str, list[str]] = {name: [] for name in ROW_NAMES}
     for domain in settings.domain_names:

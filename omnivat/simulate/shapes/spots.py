@@ -80,7 +80,7 @@ def blocked(solid: Solid, start: Array, end: Array) -> bool:
 
 
 def _along(corner: Array, uv: Array, normal: Array) -> Array:
-    """Return the unit direction in the face along which u grows; any direction if the pattern is discontinuous."""
+    """Return the unit direction in the face along which u grows; any if undefined."""
     edges, steps = corner[1:] - corner[0], uv[1:] - uv[0]
     if abs(np.linalg.det(steps)) > 1e-6:
         way = np.linalg.solve(steps, edges)[0]
