@@ -8,9 +8,11 @@ them also load, with temperature 1 and familiarity None.
 import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from glob import escape
 from hashlib import sha256
 from pathlib import Path
 from tempfile import mkdtemp
+from time import time
 from typing import Any
 
 import torch
@@ -22,7 +24,7 @@ from omnivat.config import settings_dict, settings_from
 from omnivat.data.store import Embeddings
 from omnivat.devices import current
 from omnivat.errors import DataError, SettingsError
-from omnivat.files import require_writable, write_json, writing
+from omnivat.files import UNFINISHED_S, require_writable, write_json, writing
 from omnivat.modalities import IMAGES
 from omnivat.model.fusion import Calibration, plain
 from omnivat.model.head import OmniVaT
@@ -86,6 +88,7 @@ def save_head(folder: str | Path, head: Head) -> Path:
     require_head_folder(target)
     with writing(target):
         target.parent.mkdir(parents=True, exist_ok=True)
+        _sweep(target)
         temporary = Path(mkdtemp(dir=target.parent, prefix=f".{target.name}."))
         _fill(temporary, target, head)
     return target
@@ -136,6 +139,17 @@ def require_head_folder(folder: str | Path, *, also: Sequence[str] = ()) -> None
             "name a new folder, or move that file away."
         )
     require_writable(target / SETTINGS)
+
+
+def _sweep(target: Path) -> None:
+    """Remove the folders that killed writers of `target` left; an older head among them returns."""
+    for left in target.parent.glob(f".{escape(target.name)}.*"):
+        if not left.is_dir() or time() - left.stat().st_mtime < UNFINISHED_S:
+            continue
+        if left.name.endswith(".old") and not target.exists():
+            left.rename(target)
+        else:
+            shutil.rmtree(left, ignore_errors=True)
 
 
 def _swap(new: Path, target: Path) -> None:
