@@ -1,0 +1,36 @@
+"""Every p, the third mode, in a real Chromium: its curves follow the shipped frames."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from omnivat.frames import read_frames
+
+from .gestures import MAP
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+
+
+@pytest.mark.parametrize(
+    ("query", "folder"), [("", EXAMPLES), ("&set=chirps", EXAMPLES / "chirps")]
+)
+def test_one_head_for_every_order_is_the_third_mode_and_its_curves_follow_p(
+    open_page: Callable[..., Any], query: str, folder: Path
+) -> None:
+    frames = read_frames(folder / "every.bin")
+    for order in (0.2, 0.8):
+        page = open_page(f"?mode=every&p={order}{query}")
+        page.wait_for_selector(".explore[data-kind=every]")
+        page.wait_for_selector(f'{MAP}[data-order="{order}"]')
+        modes = page.locator(".explore .modes [data-key]")
+        assert modes.evaluate_all("all => all.map((one) => one.dataset.key)") == [
+            "trained",
+            "moved",
+            "every",
+        ]
+        shown = page.locator(".explore .curves [data-name=accuracy] output").first.inner_text()
+        value = frames.curves["accuracy/unseen"][frames.orders.index(order)]
+        assert shown.replace("\xa0", " ") == f"{100 * value:.1f} %"
+        assert "One head for every p" in page.locator(".explore .mode-words").inner_text()
