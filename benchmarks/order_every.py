@@ -1,13 +1,16 @@
-"""One head for every order beside heads trained at each stop alone.
+"""One head for every order, against separate heads trained at each stop.
 
     python -m benchmarks.order_every [--sources TAG-sim,...] [--widths 64] [--seeds 1]
                                      [--steps 3000] [--draw row] [--only every|alone]
                                      [--stops 0,0.25,...] [--jobs N] [--out FILE] [--table]
 
-The head for every order draws p anew (`order_draw`) and takes `--steps` steps of the settings EVERY;
-heads at a stop take 60 epochs of the usual ones. Averages are over 11 orders from 0 to 1. One row of a
-JSON lines file is one seed of one source and width; a row that is there is not made again. --table
-prints what is there.
+The head for every order draws a random p (`order_draw`) and trains for `--steps` steps with the
+settings
+EVERY; heads at a stop train for 60 epochs with the usual settings. Averages are over 11 orders from
+0 to
+1. A row of the JSON lines file is one seed of one source and width; finished rows are kept. --table
+prints
+them.
 """
 
 import argparse
@@ -31,18 +34,18 @@ from omnivat.model.head import OmniVaT
 from omnivat.train import TrainSettings, train
 from omnivat.unseen.masks import counted, mean_over_domains
 
-# what helped, in docs/order.md: noise, no LANG, large steps, orders drawn a little beyond [0, 1]
+# helpful settings (docs/order.md): noise, no LANG, large steps, orders slightly beyond [0, 1]
 EVERY = TrainSettings(batch=64, lr=0.1, lang=False, noise=2.0, order_low=-0.1, order_high=1.1)
 AVERAGED = tuple(float(p) for p in np.linspace(0, 1, 11))
 STOPS = "0,0.25,0.5,0.75,1"
 Row = dict[str, Any]
-NAMED = ("kind", "source", "width", "seed", "steps", "draw", "stops")  # what tells two rows apart
+NAMED = ("kind", "source", "width", "seed", "steps", "draw", "stops")  # key of a row
 
 
 def alone(
     file: Path, source: str, width: int, seed: int, steps: int, draw: str, stops: Sequence[float]
 ) -> Row:
-    """Train a head at each stop; return their accuracies (%). Steps and draw are not theirs."""
+    """Train a head at each stop; return their accuracies (%). Steps and draw do not apply."""
     embeddings = load_embeddings(file)
     began = time.process_time()
     heads = [head_at(embeddings, source, p, seed, SENSORS, {"width": width}) for p in stops]
@@ -91,7 +94,7 @@ def averaged(model: OmniVaT, embeddings: Embeddings, source: str) -> float:
 def made(
     file: Path, kind: str, source: str, width: int, seed: int, steps: int, draw: str, stops: str
 ) -> Row:
-    """Return a whole row: what it is of, and what was measured."""
+    """Return a complete row: its key and its results."""
     places = tuple(map(float, stops.split(",")))
     known = dict(zip(NAMED, (kind, source, width, seed, steps, draw, stops), strict=True))
     return known | KINDS[kind](file, source, width, seed, steps, draw, places)
@@ -139,7 +142,7 @@ def table(rows: Sequence[Row]) -> str:
 
 
 def main() -> None:
-    """Make the rows that are not there yet, or print those that are."""
+    """Make the missing rows, or print the existing ones."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--embeddings", type=Path, default=default_embeddings())
     parser.add_argument("--sources", help="with commas; all domains if left out")
@@ -181,7 +184,7 @@ def _job(
 
 
 def rows_of(file: Path) -> list[Row]:
-    """Return the rows of a JSON lines file; none where it is not there."""
+    """Return the rows of a JSON lines file; none if it is missing."""
     if not file.is_file():
         return []
     return [json.loads(line) for line in file.read_text(encoding="utf-8").splitlines()]

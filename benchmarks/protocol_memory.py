@@ -1,4 +1,5 @@
-"""Peak memory of `omnivat protocol` over made embeddings of CLIP's width, as many pairs as the paper has.
+"""Peak memory of `omnivat protocol` on random embeddings of CLIP's width, with the paper's number
+of pairs.
 
 python -m benchmarks.protocol_memory [--width 512] [--source "OF 2.0 B"] [--methods omnivat] [--epochs 1]
 """
@@ -16,7 +17,7 @@ import numpy as np
 from omnivat.data.store import Embeddings, Header, save_embeddings
 
 CLASSES = ("wood", "steel", "plastic", "ceramic", "glass")
-# Domain -> training and test pairs by part, as the paper prints them.
+# Domain -> the paper's training and test pairs by part.
 OUTDOOR, INDOOR = ("outdoor", 779, 285), ("indoor", 0, 525)
 SIZES = {
     "TAG": (("", 5520, 1770),),
@@ -81,7 +82,7 @@ def made(width: int) -> Embeddings:
 
 
 def main() -> None:
-    """Write the embeddings, run the command in a process of its own, print its peak memory."""
+    """Write the embeddings, run the command in a separate process, print its peak memory."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--width", type=int, default=512)
     parser.add_argument("--source", default="OF 2.0 B")

@@ -1,9 +1,12 @@
 """How time and memory grow with the set: `python -m benchmarks.scale --out docs/benchmarks/scale.json`.
 
-Sets of 1,000 to 500,000 made pairs (random numbers about a class mean; nothing is learned from them)
-and a head of the shipped settings. Each task runs in a process of its own, so that its peak memory
-is its own. Seconds are by the clock; on a shared machine processor seconds say more. The exponent is
-the slope of log processor seconds over log pairs, of the two largest sizes.
+The sets have 1,000 to 500,000 synthetic pairs (random numbers around a class mean; nothing is
+learned from
+them); the head has the shipped settings. Each task runs in a separate process with its own peak
+memory.
+Seconds are wall time; on a shared machine, use CPU seconds. The exponent is the slope of log CPU
+seconds
+over log pairs, from the two largest sizes.
 """
 
 import argparse
@@ -28,7 +31,7 @@ OUT = Path("docs/benchmarks/scale.json")
 
 
 def make_set(folder: Path, pairs: int) -> Path:
-    """Write a set of made pairs, block by block; return its file."""
+    """Write a set of synthetic pairs, block by block; return its file."""
     import numpy as np
 
     from omnivat.data.arrays import Column
@@ -64,7 +67,7 @@ def make_set(folder: Path, pairs: int) -> Path:
 
 
 def make_head(folder: Path) -> Path:
-    """Write a head that fits the made sets; it was not trained."""
+    """Write an untrained head that fits the synthetic sets."""
     import torch
 
     from omnivat.checkpoint import Head, save_head
@@ -163,11 +166,11 @@ def once(task: str, head: Path, file: Path) -> None:
     found = {"seconds": seconds, "processor_s": used.ru_utime + used.ru_stime}
     rounded = {name: round(value, 2) for name, value in found.items()}
     print(json.dumps({**rounded, "peak_mb": round(peak / 1e6)}), flush=True)
-    os._exit(0)  # the page's server may still be at the next map
+    os._exit(0)  # the page's server may still compute the next map
 
 
 def run_apart(task: str, head: Path, file: Path, limit_s: float) -> dict[str, Any]:
-    """Run one task in a process of its own; say what stopped it where it did not end."""
+    """Run one task in a separate process; return the reason if it fails."""
     words = ["--once", task, "--head", str(head), "--embeddings", str(file)]
     call = [sys.executable, "-m", "benchmarks.scale", *words]
     try:
@@ -181,7 +184,7 @@ def run_apart(task: str, head: Path, file: Path, limit_s: float) -> dict[str, An
 
 
 def exponent(rows: dict[str, dict[str, Any]]) -> float | None:
-    """Return the slope of log time over log pairs between the two largest sizes that ended."""
+    """Return the slope of log time over log pairs between the two largest finished sizes."""
     ended = [(int(n), row["processor_s"]) for n, row in rows.items() if row.get("processor_s")]
     if len(ended) < 2:
         return None
@@ -218,7 +221,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def write(out: Path, found: dict[str, dict[str, Any]]) -> None:
-    """Write what is known so far."""
+    """Write the results so far."""
     from omnivat.files import write_json
 
     tasks = {task: {"sizes": rows, "exponent": exponent(rows)} for task, rows in found.items()}

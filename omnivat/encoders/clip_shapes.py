@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from omnivat.encoders.clip_names import RESNET, VIT, ClipState, State
 from omnivat.errors import DataError
 
-ANY = "clip"  # the name under which CLIP of any size loads
+ANY = "clip"  # name for CLIP of any size
 HEAD = 64  # channels of one attention head in every published CLIP
 
 
@@ -14,7 +14,7 @@ class ImageShape:
     """Sizes of an image tower.
 
     kind    "ViT" or "ResNet"
-    patch   side of a patch, pixels; 32 for a ResNet, whose last map has one value per 32 pixels
+    patch   side of a patch in pixels; 32 for a ResNet, the stride of its last map
     width   channels: of a ViT's tokens, of a ResNet's first stage
     layers  of a ViT; blocks of each stage of a ResNet
     embed   D, the length of an embedding
@@ -49,7 +49,7 @@ PUBLISHED = {
 
 
 def image_shape(clip: ClipState) -> ImageShape:
-    """Read the sizes of an image tower off its weights. Raises KeyError naming a missing weight."""
+    """Return the sizes of an image tower from its weights. Raises KeyError for a missing weight."""
     return _resnet_shape(clip.image) if clip.kind == RESNET else _vit_shape(clip.image)
 
 
@@ -79,7 +79,7 @@ def _resnet_shape(state: State) -> ImageShape:
 
 
 def count(state: State, prefix: str) -> int:
-    """Return how many numbered parts begin with `prefix`."""
+    """Return the number of numbered parts with this prefix."""
     return len({key.removeprefix(prefix).split(".")[0] for key in state if key.startswith(prefix)})
 
 
@@ -89,7 +89,7 @@ def name_of(shape: ImageShape) -> str:
 
 
 def require_name(name: str, shape: ImageShape, place: object) -> str:
-    """Return the name to record; raises DataError where the weights are not what `name` says."""
+    """Return the name to record; raises DataError if the weights are not of `name`."""
     found = name_of(shape)
     if name in (ANY, found):
         return found
@@ -102,7 +102,7 @@ def require_name(name: str, shape: ImageShape, place: object) -> str:
 def heads(width: int, stated: int | None, place: object) -> int:
     """Return the number of attention heads: as stated, else one for every 64 channels.
 
-    Raises DataError where neither gives a number that divides the width.
+    Raises DataError if neither number divides the width.
     """
     number = stated or width // HEAD
     if number < 1 or width % number or (stated is None and width % HEAD):

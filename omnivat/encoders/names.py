@@ -13,7 +13,7 @@ from typing import Any
 from omnivat.errors import DataError, MissingNameError, SettingsError
 from omnivat.tables import load, suggestion
 
-GROUP = "omnivat.encoders"  # of the entry points that other packages declare
+GROUP = "omnivat.encoders"  # group of entry points of other packages
 IMPORTED = "imported:"  # prefix of an encoder that is not available here
 HUB = "hf:"  # prefix of a folder or hub name of a transformers model
 
@@ -105,9 +105,9 @@ def _attribute(name: str) -> Any:
 
 
 def _look_in(folder: Path) -> None:
-    """Let imports find what lies in a folder, after all else, as `python -m` does with this one.
+    """Append a folder to the import path, as `python -m` does with the current one.
 
-    The installed command does not, and code beside an encoder's file would be found nowhere.
+    The installed command does not, so code next to an encoder's file would not be found.
     """
     place = str(folder.resolve())
     if place not in sys.path:

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
     from omnivat.encoders.base import Encoder
 
-JOINED = " | "  # between the names of the two, VIS first
+JOINED = " | "  # separator of the two names, VIS first
 
 
 class PairEncoder:

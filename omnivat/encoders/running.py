@@ -100,12 +100,11 @@ def placed(network: M, device: torch.device, dtype: torch.dtype) -> M:
 def one_by_one(
     network: Callable[[torch.Tensor], torch.Tensor], images: torch.Tensor
 ) -> torch.Tensor:
-    """Return float32 (B, D): `network` run on each image of (B, 3, H, W) by itself.
+    """Return float32 (B, D): `network` run on each image of (B, 3, H, W) separately.
 
-    A batched product is split in another way than that of one image, and one on two threads in
-    another way than on one; the last digits then differ, and they do with the order of the numbers
-    in memory too. Each image is therefore copied to one order and run by itself on one thread: its
-    embedding knows neither what stood beside it nor how many cores there are.
+    The last digits of a product depend on the batch size, the number of threads and the memory
+    order. Each image is therefore copied to one memory order and run alone on one thread, so its
+    embedding depends neither on its batch nor on the number of cores.
     """
     require_shapes(images=(images, "B C H W"))
     with torch.inference_mode(), one_thread():
@@ -118,9 +117,9 @@ def _alone(image: torch.Tensor) -> torch.Tensor:
 
 @contextmanager
 def pinned_workers(count: int) -> Iterator[ThreadPoolExecutor]:
-    """Give a pool of `count` threads that compute on one thread each.
+    """Yield a pool of `count` threads with one torch thread each.
 
-    When the block is left early, work that has not begun is dropped.
+    Leaving the block early cancels work that has not started.
     """
     pool = ThreadPoolExecutor(count, "embed", initializer=pin_thread)
     try:

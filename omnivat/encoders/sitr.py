@@ -1,8 +1,9 @@
 """SITR's transformer from its published weights: `--tac-encoder sitr --tac-weights FILE`.
 
-A ViT sees a press as its difference to the sensor at rest, beside the differences of up to 18 presses
-that calibrate the sensor: 9 of a ball, 9 of a cube's corner. They lie in `calibration/` beside the
-weights: `0000.png` at rest, then `0001.png` to `0018.png`. The embedding is the class token after the
+The input of the ViT is the difference of a press to the sensor at rest, with the differences of up
+to 18
+calibration presses: 9 of a ball, 9 of a cube's corner. `calibration/` next to the weights has them:
+`0000.png` at rest, then `0001.png` to `0018.png`. The embedding is the class token after the
 last norm. Source: Gupta et al., ICLR 2025; names of weights, order of presses and the pixels' statistics
 are those of its code. The decoder of normal maps and the contrastive head are left out.
 """
@@ -22,9 +23,13 @@ from omnivat.encoders.weights import read_weights, weights_file
 from omnivat.encoders.wrapping import TorchEncoder
 from omnivat.errors import DataError
 
-NAME, HEAD, INSIDE = "sitr", 64, "base_model."  # channels of a head; before names in a classifier
+NAME, HEAD, INSIDE = (
+    "sitr",
+    64,
+    "base_model.",
+)  # channels of a head; prefix of names in a classifier
 MEAN, STD = (-1.2223, -1.8114, -1.7090), (11.7932, 12.7956, 13.6452)  # of differences, 0 to 255
-# How many presses a checkpoint takes -> which of the 18.
+# Number of presses in a checkpoint -> indices among the 18.
 PRESSES = {
     0: (),
     4: (1, 3, 7, 9),
@@ -60,8 +65,9 @@ class Block(nn.Module):
 class Sitr(nn.Module):
     """Differences (B, 3, side, side) to the sensor at rest -> class tokens (B, W).
 
-    rest     (3, side, side) the sensor at rest, 0 to 255; kept here, so that the hash tells sensors apart
-    presses  (1, 3 P, side, side) normalised differences of the sensor's own calibration; P may be 0
+    rest     (3, side, side) the sensor at rest, 0 to 255; stored here, so that the hash depends on
+    it
+    presses  (1, 3 P, side, side) normalised differences of the sensor's calibration; P may be 0
     """
 
     def __init__(
@@ -108,11 +114,11 @@ class Sitr(nn.Module):
 def load(
     weights: Path | None = None, device: torch.device | str = "cpu", precision: str = "fp32"
 ) -> TorchEncoder:
-    """Load SITR from its weights, with the calibration that lies beside them.
+    """Load SITR from its weights, with the calibration next to them.
 
     weights  a PyTorch or safetensors file, of the base model or of a classifier over it, or its folder
 
-    Raises DataError when the file or a picture of the calibration is missing, or a shape is another.
+    Raises DataError if the file or a calibration picture is missing, or a shape differs.
     """
     if weights is None:
         raise DataError(
@@ -143,7 +149,7 @@ def load(
 
 
 def _sizes(state: Mapping[str, Tensor], file: Path) -> tuple[int, dict[str, int]]:
-    """Return the side of the image, and the sizes of the network that the shapes tell."""
+    """Return the side of the image, and the sizes of the network, from the shapes."""
     try:
         width, _, patch, _ = state["patch_embed.proj.weight"].shape
         places = state["pos_embed"].shape[1] - 1
@@ -170,7 +176,7 @@ def _sizes(state: Mapping[str, Tensor], file: Path) -> tuple[int, dict[str, int]
 
 
 def _channels(state: Mapping[str, Tensor], file: Path) -> int:
-    """Return how many presses the checkpoint takes."""
+    """Return the number of presses of the checkpoint."""
     weight = state.get("c_patch_embed.proj.weight")
     channels = 0 if weight is None or weight.ndim != 4 else weight.shape[1]
     if channels % 3 or channels // 3 not in PRESSES:
@@ -204,7 +210,7 @@ def _normalised(difference: Tensor) -> Tensor:
 
 
 def _fill(network: Sitr, state: Mapping[str, Tensor], file: Path) -> None:
-    """Put the weights in. Raises DataError when one is missing or of another shape."""
+    """Load the weights. Raises DataError if one is missing or has another shape."""
     for name, own in network.named_parameters():
         given = state.get(name)
         if given is None or given.shape != own.shape:

@@ -1,4 +1,4 @@
-"""An encoder without weights that reads a picture of stripes back as its signal."""
+"""An encoder without weights that reads the signal of a picture of stripes."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,7 +13,7 @@ from omnivat.shapes import require_shapes
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StripReader:
-    """Reads 64 numbers off a picture of upright stripes; see `omnivat.data.strips`."""
+    """Reads 64 numbers from a picture of vertical stripes; see `omnivat.data.strips`."""
 
     name: str = ENCODER
     width: int = STRIPES
@@ -32,7 +32,7 @@ class StripReader:
 
 
 def load_strip(*, weights: Path | None, device: torch.device, precision: str) -> StripReader:
-    """Return the reader. It has no weights and computes in fp32 wherever its input lies.
+    """Return the reader. It has no weights and uses fp32 on the device of its input.
 
     Raises SettingsError for a checkpoint or another precision.
     """

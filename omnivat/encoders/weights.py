@@ -1,4 +1,4 @@
-"""Read weights from any file that people keep them in, without running its code."""
+"""Read weights from any common file, without running its code."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -32,8 +32,8 @@ class Weights:
     """The floating-point weights of one file, as float32.
 
     state      name -> weight
-    file       where they were read
-    training   what a training checkpoint calls its run; None for a file of weights alone
+    file       their file
+    training   the run's name in a training checkpoint; None for plain weights
     """
 
     state: dict[str, Tensor]
@@ -46,21 +46,21 @@ def read_weights(place: Path, name: str) -> Weights:
 
     place   a `.safetensors`, a PyTorch file (read with `weights_only`), a TorchScript archive
             (whose code is not run), or a folder with one; a training checkpoint may nest its weights
-    name    what the weights are of, for errors
+    name    name of the model, for errors
 
-    Raises DataError when there is none or it cannot be read.
+    Raises DataError if there is no file or it cannot be read.
     """
     file = weights_file(place, name)
     try:
         found = _content(file)
         state, training = _unwrapped(found)
-    except Exception as error:  # a damaged file may raise anything in three readers
+    except Exception as error:  # a damaged file may raise any error in three readers
         raise DataError(
             f"'{file}' cannot be read as weights of {name} ({_short(error)}); fetch it again, or "
             "save its state dict as a .safetensors file."
         ) from error
-    # Copied, because a mapped file need not lie where fast products want their numbers to begin,
-    # and the last digits of a product depend on it.
+    # Copied, because numbers in a mapped file may be unaligned, and the last digits of a product
+    # depend on alignment.
     floats = {
         key: value.to(torch.float32, copy=True)
         for key, value in state.items()
@@ -70,10 +70,10 @@ def read_weights(place: Path, name: str) -> Weights:
 
 
 def weights_file(place: Path, name: str) -> Path:
-    """Return the file of weights that `place`, a file or a folder, means.
+    """Return the weights file of `place`, a file or a folder.
 
-    A folder without a known name may hold one `.safetensors`, `.pt`, `.pth` or `.bin` file.
-    Raises DataError where there is none.
+    A folder without a known name may have one `.safetensors`, `.pt`, `.pth` or `.bin` file.
+    Raises DataError if there is none.
     """
     if place.is_file():
         return place
@@ -115,7 +115,7 @@ def _unwrapped(found: Any) -> tuple[Mapping[str, Tensor], str | None]:
 
 
 def _without_prefix(state: dict[str, Tensor]) -> dict[str, Tensor]:
-    """Drop what a wrapper put before every name: `module.`, `_orig_mod.`, `model.`."""
+    """Remove the prefix of a wrapper from every name: `module.`, `_orig_mod.`, `model.`."""
     for prefix in ("module.", "_orig_mod.", "model."):
         if state and all(key.startswith(prefix) for key in state):
             return _without_prefix({key.removeprefix(prefix): v for key, v in state.items()})

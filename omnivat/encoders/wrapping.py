@@ -1,4 +1,4 @@
-"""Wrap any torch network as an encoder: what a few lines of someone's own code need.
+"""Wrap any torch network as an encoder, in a few lines of code.
 
     from omnivat.encoders import TorchEncoder
 
@@ -25,17 +25,17 @@ IMAGENET_MEAN, IMAGENET_STD = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)
 class TorchEncoder:
     """A torch network as an `Encoder`.
 
-    network     takes (B, C, H, W), gives (B, D), or anything that `pool` turns into (B, D)
-    side        pixels an image is resized to, directly
+    network     (B, C, H, W) -> (B, D), or any output that `pool` converts to (B, D)
+    side        side in pixels after resizing
     mean, std   of red, green and blue, for values in 0 to 1
-    prepare     Image -> (C, H, W) float32, in place of resizing and normalising
+    prepare     Image -> (C, H, W) float32, instead of resizing and normalising
     pool        output of the network -> (B, D), such as `lambda tokens: tokens[:, 0]`
     about       one line on `prepare` and `pool`, for the header of a file
-    device      where it computes
+    device      device of the computation
     precision   "fp32" or "bf16"
-    name        how it is called; load_encoder puts the name that loads it in its place
+    name        its name; load_encoder replaces it by the name used for loading
 
-    Raises DataError when the network does not give one finite vector an image.
+    Raises DataError if the network does not return one finite vector for each image.
     """
 
     def __init__(
@@ -65,7 +65,7 @@ class TorchEncoder:
         self.width = self._probed()
 
     def preprocess(self, image: Image.Image) -> Tensor:
-        """Return an RGB image as the tensor (C, H, W) that `embed` takes."""
+        """Convert an RGB image to the tensor (C, H, W) for `embed`."""
         if self._prepare is not None:
             return self._prepare(image).to(torch.float32)
         return pixels(image, self.mean, self.std, self.side)
@@ -80,7 +80,7 @@ class TorchEncoder:
         return vectors
 
     def _probed(self) -> int:
-        """Return D, after two grey images: one finite vector each, the same both times."""
+        """Return D, after checking that two runs on a grey image give the same finite vector."""
         grey = self.preprocess(Image.new("RGB", (64, 64), (128, 120, 110)))
         if self._device.type == "meta":
             return int(self._forward(grey[None].to("meta", self._type)).shape[-1])

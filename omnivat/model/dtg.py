@@ -123,7 +123,7 @@ class DTG(nn.Module):
 
 
 def grow(tree: DTG, settings: HeadSettings, found: Tensor, root: Tensor) -> Grown | None:
-    """Return all nodes of features (M, B, D) with the root (B, D), or None where none grow."""
+    """Return all nodes of features (M, B, D) with the root (B, D), or None without generation."""
     if settings.generation == "none":
         return None
     if settings.generation == "interpolation":

@@ -39,7 +39,7 @@ def fit_baseline(
         for pairs in (found.train, found.source_test, *found.targets.values()):
             require_own_images(pairs)
     late, choice = is_late_fusion(fitted, found.train), prior or Choice()
-    # Temperatures are fitted under imitated sensors, too, which move embeddings and no images.
+    # Temperatures also use imitated sensors, which shift embeddings, not images.
     wanted = calibrate and prior is None and fitted.images is None
     fold = fold_of(found, seed) if wanted else None
     if fold is not None:
@@ -82,6 +82,6 @@ def _baseline_logs(fitted: Fitted, pairs: Embeddings) -> dict[str, Tensor]:
 
 
 def _joined(parts: Iterable[dict[str, Tensor]]) -> dict[str, Tensor]:
-    """Return arrays whose rows came in parts as one each."""
+    """Concatenate the parts of each array."""
     found = list(parts)
     return {name: torch.cat([part[name] for part in found]) for name in found[0]}

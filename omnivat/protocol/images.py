@@ -1,7 +1,8 @@
 """The images behind embeddings, for methods that learn inside the image tower.
 
-A set of embeddings keeps the names of its images, not the folder they start from, so that it can be
-moved. `omnivat embed` notes that folder in the cache folder of this machine; `--images` notes another.
+A set of embeddings stores image names relative to a folder, so that it can be moved. `omnivat
+embed`
+stores that folder in this machine's cache; `--images` sets another.
 """
 
 from collections.abc import Iterator
@@ -21,14 +22,14 @@ from omnivat.encoders.clip_live import LiveClip, load_live
 from omnivat.encoders.places import images_key, recall
 from omnivat.errors import DataError
 
-TOGETHER = 32  # pairs whose images are in memory at once
-MOST = 0.02  # of its length: how far an embedding, made again, may lie from the one in the file (bf16: 0.011)
+TOGETHER = 32  # pairs with images in memory at once
+MOST = 0.02  # largest relative difference of a recomputed embedding (bf16: 0.011)
 
 
 def live_of(pairs: Embeddings) -> Live:
-    """Return the images of pairs and how to load their CLIP.
+    """Return the images of pairs, and a loader of their CLIP.
 
-    Raises DataError when nobody noted on this machine where the images lie.
+    Raises DataError if the image folder is unknown on this machine.
     """
     root = recall(images_key(pairs.header))
     if root is None:
@@ -47,10 +48,10 @@ def _read(pairs: Embeddings, root: Path, name: str, row: int) -> Image.Image:
 
 
 def require_own_images(pairs: Embeddings) -> None:
-    """Refuse pairs whose embeddings are not those of the images found for them; the first pair tells.
+    """Check that the images belong to the embeddings, on the first pair.
 
-    Raises DataError for images that are missing or others, and for embeddings that were moved, as those
-    under imitated sensors are.
+    Raises DataError for missing or different images, and for shifted embeddings, such as those of
+    imitated sensors.
     """
     if not len(pairs):
         return
@@ -72,7 +73,7 @@ def require_own_images(pairs: Embeddings) -> None:
 
 
 def inputs(fitted: Fitted, pairs: Embeddings) -> Iterator[tuple[Tensor, Tensor]]:
-    """Give what a method takes of pairs: all embeddings, or images, some at a time."""
+    """Yield a method's input: all embeddings, or images, some at a time."""
     if fitted.images is None:
         yield _tensor(pairs.vis), _tensor(pairs.tac)
         return

@@ -1,4 +1,4 @@
-"""A small set and head for the page's tests: learnable numbers made on the spot, not examples."""
+"""A small learnable set and head for the page's tests."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -13,7 +13,7 @@ from app.resources import Places, Resources
 
 @pytest.fixture(scope="session")
 def small_places(head_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Places:
-    """Return where a small head, its set and two example pairs lie; frames are not made yet."""
+    """Return the locations of a small head, its set and two example pairs; there are no frames yet."""
     pairs = tmp_path_factory.mktemp("pairs")
     random = np.random.default_rng(0)
     for name in ("TAG-sim/wood/0", "OF Real-sim/steel/new"):
@@ -31,7 +31,7 @@ def small_places(head_folder: Path, tmp_path_factory: pytest.TempPathFactory) ->
 
 
 class PixelMeans:
-    """An encoder for tests: colours of an image on a grid, as wide as the small head wants."""
+    """An encoder for tests: colours of an image on a grid, with the width of the small head."""
 
     name, weights_hash, preprocessing, precision = "test-encoder", "0" * 16, "none", "fp32"
     width = 24
@@ -56,7 +56,7 @@ def encoder() -> PixelMeans:
 def resources(
     small_places: Places, encoder: PixelMeans, monkeypatch: pytest.MonkeyPatch
 ) -> Resources:
-    """Return fresh resources over the small places, with an encoder that needs no weights."""
+    """Return new resources for the small set, with an encoder without weights."""
     monkeypatch.setattr("omnivat.encoders.base.load_encoder", lambda name, **_: encoder)
     return Resources(small_places)
 

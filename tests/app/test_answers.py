@@ -1,4 +1,4 @@
-"""Smaller answers: attention, a camera's picture, a measurement, heads trained anew."""
+"""Smaller results: attention, a camera's picture, a measurement, retrained heads."""
 
 import base64
 

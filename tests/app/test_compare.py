@@ -1,4 +1,4 @@
-"""The Compare tab: which heads there are, who answers, and scores from source to target."""
+"""The Compare tab: heads, methods, and scores from source to target."""
 
 from dataclasses import replace
 
@@ -56,7 +56,7 @@ def test_a_method_is_fitted_on_the_source_and_answers_every_pair(resources):
 
 
 def test_a_class_that_a_method_lacks_is_left_out_of_its_score(make_embeddings):
-    """As it is for a head: else a class that neither knows would count against one of them."""
+    """As for a head; otherwise a class that both lack would count against one of them."""
     embeddings = make_embeddings()
     known = embeddings.header.classes[:3]
     said = np.where(embeddings.label < 3, embeddings.label, 0)

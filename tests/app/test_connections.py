@@ -1,4 +1,4 @@
-"""Connections that send nothing, or too slowly, are closed; slow answers are not."""
+"""Connections that send nothing, or too slowly, are closed; slow replies are not."""
 
 import socket
 import time

@@ -1,4 +1,4 @@
-"""Decoding what visitors send: the same pixels, in bounds, killed when it takes too long."""
+"""Decoding uploads: the same pixels, within limits, killed if too slow."""
 
 import subprocess
 import sys

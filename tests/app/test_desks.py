@@ -1,4 +1,4 @@
-"""Heads and sets loaded through the page: taken with care, seen by their visitor alone."""
+"""Heads and sets loaded through the page: checked, and visible to their visitor only."""
 
 import asyncio
 from collections.abc import AsyncIterator
@@ -21,7 +21,7 @@ def client(resources) -> TestClient:
 
 
 def send(client: TestClient, files: dict[str, Path]) -> dict[str, str]:
-    """Send files; return what each is called."""
+    """Upload files; return their names."""
     return {
         name: client.post(f"/omnivat/part?name={name}", content=file.read_bytes()).json()["part"]
         for name, file in files.items()

@@ -1,4 +1,4 @@
-"""A set too large for the page: a part of it is drawn at random, and the page says so."""
+"""A set too large for the page: it is sampled at random, and the page shows that."""
 
 from base64 import b64decode
 from dataclasses import replace

@@ -22,7 +22,7 @@ def test_raw_neighbours_do_not_depend_on_the_order(resources):
 def test_the_map_of_the_transform_has_the_neighbours_of_its_input_when_nothing_is_projected(
     resources,
 ):
-    """The head of this test projects, so the two differ; the transform itself turns nothing."""
+    """The head of this test projects, so the two differ; the transform itself keeps distances."""
     at = [
         neighbours(resources, {"point": 4, "stage": "frft", "order": order}) for order in (0.1, 0.9)
     ]

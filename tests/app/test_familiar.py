@@ -1,4 +1,4 @@
-"""How familiar an image is, and its nearest training pairs."""
+"""Familiarity of an image, and its nearest training pairs."""
 
 from dataclasses import replace
 
@@ -12,7 +12,7 @@ from omnivat.calibration import familiarity_of
 
 @pytest.fixture
 def knowing(resources):
-    """Return resources whose head knows how near its training images lie to one another."""
+    """Return resources with a head that has its training embeddings."""
     embeddings, head = resources.embeddings(), resources.head()
     own = embeddings.in_domain(head.source)
     known = familiarity_of(torch.from_numpy(own.vis), torch.from_numpy(own.tac), own.rows["object"])

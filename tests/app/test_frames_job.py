@@ -1,4 +1,4 @@
-"""The map's frames as a job: shown as soon as they are made, kept, tried again, and stopped."""
+"""The map's frames as a job: shown early, cached, retried and cancelled."""
 
 from pathlib import Path
 from threading import Event

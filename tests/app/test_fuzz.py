@@ -1,4 +1,4 @@
-"""A small attack on every run: hostile images, heads, sets, questions and callers, all held."""
+"""A small attack on every run: hostile images, heads, sets, requests and callers."""
 
 import pytest
 from starlette.applications import Starlette
@@ -25,7 +25,7 @@ def test_a_small_attack_is_held_with_a_sentence_for_every_refusal(resources, see
 
 
 class Answer:
-    """An answer of a server, for the judge."""
+    """A server's reply, for the check."""
 
     def __init__(self, status_code, said="It is refused."):
         self.status_code, self.text, self._said = status_code, str(said), said

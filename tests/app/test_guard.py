@@ -1,4 +1,4 @@
-"""Who may talk to the server: names, origins, and what its page is allowed to do."""
+"""Access to the server: host names, origins, and the page's content policy."""
 
 import pytest
 from starlette.applications import Starlette

@@ -76,7 +76,7 @@ def test_a_port_that_is_none_is_refused(capsys):
 
 
 class Demo:
-    """`python app.py` as a service starts it, watched for what it writes."""
+    """`python app.py` started by a service, with its writes recorded."""
 
     def __init__(self, place: Path) -> None:
         self.tmp, self.told = place / "tmp", place / "writes"
@@ -103,18 +103,18 @@ class Demo:
         )
 
     def ask(self, path: str, question: object = None) -> bytes:
-        """Return the answer to a request that comes by the service's name."""
+        """Return the reply to a request with the service's host name."""
         return self.send(path, None if question is None else json.dumps(question).encode())
 
     def send(self, path: str, content: bytes | None) -> bytes:
-        """Return the answer to some bytes."""
+        """Return the reply to raw bytes."""
         headers = {"Host": "me-demo.example", "Content-Type": "application/octet-stream"}
         request = Request(f"http://127.0.0.1:{self.port}/{path}", data=content, headers=headers)
         with urlopen(request, timeout=120) as answer:
             return bytes(answer.read())
 
     def until_up(self) -> bytes:
-        """Return the page once the server gives it."""
+        """Return the page once the server is ready."""
         until = time.monotonic() + 300
         while time.monotonic() < until:
             try:
@@ -129,12 +129,12 @@ class Demo:
         raise AssertionError(self.log.read())
 
     def peak_bytes(self) -> int:
-        """Return the largest memory that the process has held."""
+        """Return the peak memory of the process."""
         status = Path(f"/proc/{self.process.pid}/status").read_text(encoding="utf-8")
         return int(status.split("VmHWM:")[1].split()[0]) * 1024
 
     def outside(self) -> list[str]:
-        """Return what it has written elsewhere; Gradio keeps one seed where it is installed, if it can."""
+        """Return the files written elsewhere; Gradio may write one seed where it is installed."""
         told = self.told.read_text(encoding="utf-8").splitlines()
         return [line for line in told if not line.endswith("/gradio/hash_seed.txt")]
 

@@ -1,4 +1,4 @@
-"""Jobs: who goes first, who is stopped, and that every job ends in a state and a sentence."""
+"""Jobs: priority, cancellation, and a final state and sentence for every job."""
 
 from threading import Event, active_count
 from time import monotonic, sleep
@@ -19,7 +19,7 @@ def jobs():
 
 
 def held(jobs, **more):
-    """Start a job that runs until it is let go; return it and the event that lets it go."""
+    """Start a job that runs until an event; return the job and the event."""
     go, there = Event(), Event()
 
     def work(job):

@@ -1,4 +1,4 @@
-"""Which frames and sets a visitor may choose, and what Explore is told of the set."""
+"""The frames and sets a visitor may choose, and Explore's facts about the set."""
 
 import json
 from base64 import b64decode
@@ -21,7 +21,7 @@ from omnivat.frames.file import frames_header
 
 @pytest.fixture(scope="module")
 def trained(head_folder, tmp_path_factory) -> Path:
-    """Return a folder with the small set and frames beside it that pass for retrained ones."""
+    """Return a folder with the small set and frames that imitate retrained ones."""
     from omnivat.checkpoint import load_head
     from omnivat.data.store import load_embeddings
     from omnivat.frames import build_frames

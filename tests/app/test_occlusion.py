@@ -1,4 +1,4 @@
-"""Where an answer comes from."""
+"""Occlusion: the parts of an image that a prediction depends on."""
 
 from io import BytesIO
 

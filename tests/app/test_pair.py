@@ -1,4 +1,4 @@
-"""The Pair tab's answer, without Gradio and without a server."""
+"""The Pair tab's predictions, without Gradio and without a server."""
 
 import base64
 from dataclasses import replace

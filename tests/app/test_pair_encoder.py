@@ -1,4 +1,4 @@
-"""A head whose photos and touches have an encoder each: an image that is sent has a vector for both."""
+"""A head with separate encoders for photos and touches: an uploaded image has a vector for each."""
 
 from collections.abc import Callable
 from typing import Any

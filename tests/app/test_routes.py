@@ -1,4 +1,4 @@
-"""The page's routes over HTTP: what they serve, and that every refusal is one sentence."""
+"""The page's routes over HTTP: their replies, and one sentence for every error."""
 
 import json
 import logging
@@ -22,7 +22,7 @@ def client(resources):
 
 
 def sentence(response, status=400):
-    """Return the one sentence that a refusal holds."""
+    """Return the sentence of an error."""
     assert response.status_code == status, response.text
     assert set(response.json()) == {"error"}
     text = response.json()["error"]

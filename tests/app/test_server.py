@@ -1,4 +1,4 @@
-"""Starting the page: what it loads, what it listens to, what Gradio is told."""
+"""Starting the page: loaded modules, address, Gradio's settings."""
 
 import subprocess
 import sys
@@ -34,7 +34,7 @@ page.close()
 
 @pytest.fixture(scope="module")
 def loaded() -> list[set[str]]:
-    """Return what the first page has loaded, and what is loaded once torch is imported, too."""
+    """Return the modules loaded by the first page, and those after importing torch."""
     done = subprocess.run(
         [sys.executable, "-c", FIRST_PAGE],
         cwd=ROOT,
@@ -132,7 +132,7 @@ raise SystemExit(main(["--desktop"]))
 
 @pytest.mark.slow
 def test_the_desktop_window_shows_the_page_while_it_is_open():
-    """In a process of its own: a stopped server leaves an event loop behind."""
+    """In a separate process, because a stopped server leaves an event loop."""
     done = subprocess.run(
         [sys.executable, "-c", WINDOW],
         cwd=ROOT,

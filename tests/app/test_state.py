@@ -1,4 +1,4 @@
-"""What a request may name, and what the server remembers."""
+"""References in requests, and the server's memory of images."""
 
 import pytest
 from hypothesis import given

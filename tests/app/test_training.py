@@ -1,4 +1,4 @@
-"""Train here: plans, one training at a time, what there is to watch, the finished head."""
+"""Train here: plans, one training at a time, progress, the finished head."""
 
 import base64
 import io

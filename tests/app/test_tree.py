@@ -1,4 +1,4 @@
-"""The Tree tab's answer."""
+"""The Tree tab's results."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What an import may not load, and that every module and table entry loads at all."""
+"""Forbidden imports, and loading of every module and table entry."""
 
 import importlib
 import pkgutil

@@ -1,4 +1,4 @@
-"""A real Chromium and a real server, one of each for all journeys."""
+"""One real Chromium and one real server for all journeys."""
 
 import os
 import shutil
@@ -29,7 +29,7 @@ DESK = {"viewport": {"width": 1440, "height": 900}}
 
 
 def missing(what: str) -> None:
-    """Skip where a person has no browser; fail in CI, where one has to be."""
+    """Skip without a browser; in CI, fail."""
     if os.environ.get("CI"):
         pytest.fail(f"{what}; CI has to run the browser tests.")
     pytest.skip(f"{what}; install it with `apt-get install chromium`.")
@@ -100,7 +100,7 @@ class Server:
 
 @pytest.fixture(scope="session")
 def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
-    """Start one server for all journeys; whatever they do, it may log no traceback."""
+    """Start one server for all journeys; it must not log a traceback."""
     server = Server(tmp_path_factory.mktemp("server"))
     try:
         server.start()
@@ -117,7 +117,7 @@ def address(server: Server) -> str:
 
 
 def note(problems: list[str], said: Any) -> None:
-    """Keep what a script reports as an error; a refused request is one too, and expected."""
+    """Record script errors; a refused request also counts as one, and is expected."""
     if said.type == "error" and not said.text.startswith("Failed to load resource"):
         problems.append(f"console: {said.text}")
 

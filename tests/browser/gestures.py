@@ -1,4 +1,4 @@
-"""What journeys share: gestures, pictures to send, and what the map shows now."""
+"""Shared by journeys: gestures, pictures to upload, and the state of the map."""
 
 from io import BytesIO
 from typing import Any
@@ -36,7 +36,7 @@ def pixels(page: Any, of: str = ".explore .map") -> str:
 
 
 def place_of_a_point(page: Any) -> tuple[float, float]:
-    """Return where on the page some point is drawn: hover until the card shows a pair."""
+    """Return the position of some point on the page: hover until the card shows a pair."""
     box = page.locator(".explore .map").bounding_box()
     for share in np.linspace(0.3, 0.7, 9):
         for height in np.linspace(0.3, 0.7, 9):
@@ -61,7 +61,7 @@ def pull(page: Any, box: dict[str, float], share: float, steps: int = 8) -> None
 
 
 def open_tab(page: Any, view: str) -> None:
-    """Open a tab of the page, wherever its button stands at this width."""
+    """Open a tab of the page at any width."""
     page.evaluate("id => document.getElementById(id).click()", f"view-{view}-button")
     page.wait_for_selector(f".ov.{view}:visible")
 

@@ -1,4 +1,4 @@
-"""Try a pair, Tree, Compare and Data: one journey for each thing that a visitor does there."""
+"""Try a pair, Tree, Compare and Data: one journey for each action."""
 
 import re
 from collections.abc import Callable

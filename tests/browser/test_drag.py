@@ -1,4 +1,4 @@
-"""Dragging p: answered in the browser, exact at every stop, whatever else happens meanwhile."""
+"""Dragging p: handled in the browser, exact at every stop, during any other activity."""
 
 import re
 from collections.abc import Callable
@@ -107,7 +107,7 @@ def test_the_figures_beside_the_map_are_those_of_the_stop(open_page: Callable[..
 
 
 def thinned(frames: FrameSet, every: int) -> FrameSet:
-    """Return the same set at fewer stops, as the first, coarse frames are."""
+    """Return the same set at fewer stops, like the first, coarse frames."""
     kept = list(range(0, len(frames.orders), every))
     maps = {}
     for name, one in frames.maps.items():

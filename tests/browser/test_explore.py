@@ -20,7 +20,7 @@ PHONE = {"viewport": {"width": 400, "height": 800}, "has_touch": True, "is_mobil
 
 @pytest.fixture(scope="module")
 def trained(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return frames that pass for those of heads trained at three stops."""
+    """Return frames that imitate heads trained at three stops."""
     frames = read_frames(EXAMPLES / "frames.bin")
     stops = [0, len(frames.orders) // 2, len(frames.orders) - 1]
     maps = {
@@ -48,7 +48,7 @@ def trained(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def two_modes(new_page: Callable[..., Any], address: str, trained: Path) -> Any:
-    """Return the page where heads trained at each stop lie beside the set."""
+    """Return the page of a set with frames of heads trained at each stop."""
     page = new_page()
     listed = {"modes": ["trained", "moved"], "sets": []}
     page.route("**/omnivat/modes*", lambda route: route.fulfill(json=listed))

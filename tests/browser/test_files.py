@@ -1,4 +1,4 @@
-"""Files of every kind through the real page: taken as what they show, or refused in a sentence."""
+"""Files of every kind through the real page: read correctly, or refused in a sentence."""
 
 import json
 from collections.abc import Callable, Iterator
@@ -35,14 +35,14 @@ def opened(content: bytes) -> Image.Image:
 
 
 def picture(seed: int = 1, size: tuple[int, int] = (96, 64)) -> Image.Image:
-    """Return a colourful picture that no turn or mirror leaves alike."""
+    """Return a colourful picture without any symmetry."""
     random = np.random.default_rng(seed)
     small = random.integers(0, 255, (size[1] // 8, size[0] // 8, 3), dtype=np.uint8)
     return Image.fromarray(small).resize(size)
 
 
 def turned() -> tuple[bytes, Image.Image]:
-    """Return a photo held sideways, and how it looks upright."""
+    """Return a rotated photo, and the upright one."""
     exif = Image.Exif()
     exif[0x0112] = 6
     content = saved(picture(), "PNG", exif=exif)
@@ -50,7 +50,7 @@ def turned() -> tuple[bytes, Image.Image]:
 
 
 def sixteen() -> tuple[bytes, Image.Image]:
-    """Return a 16-bit grey picture and the 8-bit one that it stands for."""
+    """Return a 16-bit grey picture and the matching 8-bit one."""
     grey = np.asarray(picture().convert("L"))
     return saved(Image.fromarray(grey.astype(np.uint16) * 256 + 77)), Image.fromarray(grey)
 

@@ -1,4 +1,4 @@
-"""The page under its own content policy, and a foreign page that tries to use the server."""
+"""The page under its content policy, and a page of another site that tries to use the server."""
 
 import threading
 from http.server import BaseHTTPRequestHandler, HTTPServer

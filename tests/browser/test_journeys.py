@@ -1,4 +1,4 @@
-"""What a visitor does, in a real Chromium: one journey a tab, by mouse and by keyboard."""
+"""A visitor's actions in a real Chromium: one journey for each tab, by mouse and by keyboard."""
 
 import re
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""For all people: keys alone, screen readers, phones, large letters, light and dark."""
+"""Accessibility: keyboard only, screen readers, phones, large text, light and dark."""
 
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -17,7 +17,7 @@ COLOURS = {"runOnly": ["color-contrast"]}  # what alone differs between light an
 
 
 def faults(page: Any, options: dict[str, Any] | None = None) -> list[str]:
-    """Return what the axe audit finds wrong with the page as it is now."""
+    """Return the axe audit's findings for the current page."""
     found = page.evaluate("options => axe.run(document, options)", options or {})
     return [
         f"{fault['id']}: {fault['help']}: {node['target']}"
@@ -78,7 +78,7 @@ PASSED = """() => {
 
 @pytest.fixture(scope="module")
 def walked(desktop: Any, address: str) -> Iterator[Any]:
-    """Return one page whose tabs are walked through by keys, one after the other."""
+    """Return one page for visiting all tabs by keyboard."""
     problems: list[str] = []
     page = watched(desktop.new_page(), address, problems)
     page.goto(address + PAIR, wait_until="commit")

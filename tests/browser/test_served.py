@@ -1,4 +1,4 @@
-"""What the server gives away and what it takes, asked past the page: plain HTTP, real process."""
+"""What the server serves and accepts, over plain HTTP, in a real process."""
 
 import json
 from collections.abc import Iterator
@@ -64,7 +64,7 @@ JUNK = [
 def asked(
     address: str, method: str, path: str, body: bytes | None = None, kind: str = ""
 ) -> tuple[int, bytes]:
-    """Return status and body; the path goes out as it is, dots and all."""
+    """Return status and body; the path is sent unchanged, with dots."""
     parts = urlsplit(address)
     connection = HTTPConnection(str(parts.hostname), parts.port, timeout=30)
     try:
@@ -76,7 +76,7 @@ def asked(
 
 
 def ways(file: Path) -> Iterator[str]:
-    """Give the paths by which somebody might try to get a file."""
+    """Yield paths that an attacker might try."""
     for door in DOORS:
         for up in UPWARDS:
             for name in (str(file).lstrip("/"), file.name, f"{file.parent.name}/{file.name}"):
@@ -104,7 +104,7 @@ def test_the_search_for_leaks_would_see_one(address: str) -> None:
 
 
 def own_posts() -> list[str]:
-    """Return every route of ours that takes a question, as the server lists them."""
+    """Return all our routes with requests, from the server's list."""
     from app.resources import Resources, places
     from app.routes import routes
 

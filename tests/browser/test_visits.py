@@ -1,4 +1,4 @@
-"""Links, going back, other visitors, no network, and a server that dies and comes back."""
+"""Links, history, several visitors, no network, and a server that crashes and restarts."""
 
 from collections.abc import Callable
 from typing import Any

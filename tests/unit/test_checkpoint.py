@@ -1,4 +1,4 @@
-"""A head on disk: what was saved comes back, and anything else is refused by name."""
+"""A head on disk: a saved head loads unchanged, and errors name the file."""
 
 import json
 import shutil
@@ -14,7 +14,7 @@ from omnivat.model.fusion import Calibration, plain
 
 @pytest.fixture
 def folder(head_folder, tmp_path):
-    """A copy of the trained head that a test may spoil."""
+    """A copy of the trained head for tests to damage."""
     return shutil.copytree(head_folder, tmp_path / "copy")
 
 

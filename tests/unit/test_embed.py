@@ -1,4 +1,4 @@
-"""Embedding a set of pairs: past bad images, resumed after any stop, whole or not at all."""
+"""Embedding a set of pairs: bad images are skipped, interrupted runs resume, files are complete."""
 
 import os
 import subprocess

@@ -1,4 +1,4 @@
-"""The scripts in examples/ run as they stand and print what they promise."""
+"""The scripts in examples/ run unchanged and print the promised output."""
 
 import runpy
 from pathlib import Path

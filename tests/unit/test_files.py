@@ -1,4 +1,4 @@
-"""Files are written whole or not at all, and a place that cannot be written is named."""
+"""Files are written completely or not at all, and errors name an unwritable folder."""
 
 import os
 

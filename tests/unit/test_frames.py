@@ -1,4 +1,4 @@
-"""The frames file: every frame is the library's answer within the u16 error, and damage is seen."""
+"""The frames file: every frame equals the library's result within the u16 error, and damage is detected."""
 
 import json
 import subprocess
@@ -66,7 +66,7 @@ def written(frames, tmp_path):
 
 @torch.no_grad()
 def features(stage):
-    """Unit rows of a stage at every order, through the head's own front door."""
+    """Unit rows of a stage at every order, through the head's public functions."""
     data, model = pairs(), head()
     for order in ORDERS:
         out = model(torch.from_numpy(data.vis), torch.from_numpy(data.tac), order=order)

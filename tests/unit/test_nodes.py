@@ -1,4 +1,4 @@
-"""What the nodes of a tree are."""
+"""Facts about the nodes of a tree."""
 
 import pytest
 import torch
@@ -8,7 +8,7 @@ from omnivat.nodes import tree_facts
 
 
 class Stub:
-    """A classifier over two directions, in the place of a head."""
+    """A classifier over two directions, instead of a head."""
 
     class settings:
         generation = "none"

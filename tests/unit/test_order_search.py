@@ -1,4 +1,4 @@
-"""The search for p: it finds the order of chirps from any start, and sees the source alone."""
+"""The search for p: it finds the order of chirps from any start, and uses the source only."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Runs: what a record says, resuming, processes, and what cannot run."""
+"""Runs: records, resuming, processes, and methods that cannot run."""
 
 import json
 import sys
@@ -89,7 +89,7 @@ def test_figures_can_be_recomputed_from_the_predictions_in_the_record(file):
 
 @pytest.mark.parametrize("name", ["omnivat", "dtg_alone", "cosine_head", "linear_probe_sum"])
 def test_photo_only_in_a_record_is_the_method_given_the_photo_alone(file, name):
-    """Other touches leave "vis" as it is and change "fused": no branch is passed off as alone."""
+    """Other touches do not change "vis" but change "fused": no branch is used as "alone"."""
     pairs = load_embeddings(file)
     (method,) = methods_named([name], QUICK["head"], QUICK["train"])
     run = Run(method=method, source="TAG", seed=0)

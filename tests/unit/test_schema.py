@@ -1,4 +1,4 @@
-"""What is taken from other people's files: hostile values are one sentence, and nothing else."""
+"""Untrusted files: hostile values give one sentence and nothing else."""
 
 import json
 import struct

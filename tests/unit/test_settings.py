@@ -1,4 +1,4 @@
-"""Settings: every field declares what it takes, and refuses anything else in one sentence."""
+"""Settings: every field declares its range, and other values give one sentence."""
 
 from typing import Any, get_type_hints
 

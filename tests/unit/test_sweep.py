@@ -1,4 +1,4 @@
-"""The sweep over orders: its curves are the library's answers, and it does no needless work."""
+"""The sweep over orders: its curves equal the library's results, without needless work."""
 
 import numpy as np
 import pytest
@@ -45,7 +45,7 @@ def head(width=12, input_width=12, classes=CLASSES):
 
 
 class Counting:
-    """A head that counts the pairs it is asked about, and at which orders."""
+    """A head that counts its predicted pairs and orders."""
 
     def __init__(self, model, monkeypatch):
         self.calls, self.pairs, self.prepared = [], 0, 0

@@ -1,4 +1,4 @@
-"""Training: it learns, repeats itself, and never leans on what prediction lacks."""
+"""Training: it learns, is reproducible, and does not depend on text."""
 
 import itertools
 from dataclasses import replace
@@ -51,7 +51,7 @@ def test_same_seed_gives_the_same_weights_to_the_bit(source):
 
 
 def test_lang_leaks_less_than_five_points_into_training(source):
-    """With LANG always on a head reads the class off the text and fails without it."""
+    """With LANG always on, a head reads the class from the text and fails without it."""
     trained = train(source, head(), TrainSettings(epochs=8), bank=load_bank())
     with_text = guided_accuracy(trained.model, source)
     assert with_text - accuracy(trained.model, source) < 0.05
@@ -172,7 +172,7 @@ def test_an_order_a_modality_is_learned_apart_and_logged(source):
 
 
 class Stop(Exception):
-    """What a test raises in the middle of training."""
+    """An error raised in the middle of training."""
 
 
 @pytest.mark.parametrize("selection", ["last", "source-val"])

@@ -1,4 +1,4 @@
-"""What a head does in unseen domains: which pairs count, the shares, their intervals, retrieval."""
+"""Results in unseen domains: test pairs, shares, their intervals, retrieval."""
 
 from dataclasses import replace
 

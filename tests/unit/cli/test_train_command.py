@@ -1,4 +1,4 @@
-"""`omnivat train`: what it leaves on disk, and how a stopped one goes on."""
+"""`omnivat train`: its files, and resuming."""
 
 import json
 
@@ -24,7 +24,7 @@ def command(file, out, *more):
 
 
 def stopped_in_the_second_epoch(monkeypatch):
-    """Let the next training end as if its process had been interrupted."""
+    """Make the next training stop as if its process was interrupted."""
     from omnivat.train import loop
 
     learn, calls = loop.learn, []

@@ -1,4 +1,4 @@
-"""The eight domains and the names they carry."""
+"""The eight domains and their names."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Every kind of file a person may hand over: read rightly, or refused in one sentence."""
+"""All kinds of image files: read correctly, or refused in one sentence."""
 
 import struct
 import zlib

@@ -1,4 +1,4 @@
-"""Sets of pairs and their summary for people."""
+"""Sets of pairs and their summary."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""A set of embeddings on disk: what goes in comes out, and damage is named."""
+"""A set of embeddings on disk: it loads unchanged, and errors name damage."""
 
 import csv
 import json

@@ -1,4 +1,4 @@
-"""EfficientNet-Lite0: the published network, an embedding that does not know its neighbours."""
+"""EfficientNet-Lite0: the published network, and embeddings independent of the batch."""
 
 import sys
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""Transforms that the tests compare with: exact ones, and wrong ones that must be noticed."""
+"""Reference transforms: exact ones, and wrong ones that tests must reject."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""What is refused, and with which sentence."""
+"""Invalid arguments and their error sentences."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""What is kept between calls: splits by length, and large blocks of memory."""
+"""Caches between calls: splits by length, and large blocks of memory."""
 
 import gc
 import threading

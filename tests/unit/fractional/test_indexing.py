@@ -1,4 +1,4 @@
-"""Coefficients are indexed as the batch they stand for, wherever the transformed axis lies."""
+"""Coefficients are indexed like their batch, for any position of the transformed axis."""
 
 import numpy as np
 import pytest

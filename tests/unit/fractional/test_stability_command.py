@@ -1,4 +1,4 @@
-"""`python -m benchmarks.stability` says by its exit code whether every target is met."""
+"""The exit code of `python -m benchmarks.stability` shows whether every target is met."""
 
 from pathlib import Path
 

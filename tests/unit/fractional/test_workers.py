@@ -1,4 +1,4 @@
-"""Pieces side by side: the same bits as one after the other, and nothing left hanging."""
+"""Parallel pieces: the same bits as in sequence, and no thread left waiting."""
 
 import os
 import sys

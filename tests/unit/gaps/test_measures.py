@@ -1,4 +1,4 @@
-"""Known answers of each gap measure, and what each refuses."""
+"""Known results of each gap measure, and their errors."""
 
 import math
 
@@ -97,7 +97,7 @@ def test_proxy_a_is_two_for_sets_that_a_line_parts_and_small_for_one_cloud():
 
 
 def test_proxy_a_counts_rows_that_the_classifier_has_not_seen():
-    """With more columns than rows any labelling can be learnt; unseen rows still tell nothing."""
+    """With more columns than rows any labelling can be learnt, but not on unseen rows."""
     a, b = cloud(0, 40, 200), cloud(1, 40, 200)
     assert proxy_a(a, b, ridge=1e-6) < 0.7
 

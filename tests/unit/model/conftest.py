@@ -13,7 +13,7 @@ CLASSES = ("wood", "steel", "plastic", "ceramic", "glass")
 
 @pytest.fixture(scope="session")
 def make_head() -> Callable[..., OmniVaT]:
-    """Return a maker of heads with random class tokens, biases and, where asked, signed θ_e."""
+    """Return a maker of heads with random class tokens, biases and, optionally, signed θ_e."""
 
     def make(*, theta: str = "ones", dtype: torch.dtype = torch.float64, **changes) -> OmniVaT:
         values = {"classes": CLASSES, "input_width": 24, "width": 16, "lang_width": 8} | changes

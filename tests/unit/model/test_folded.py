@@ -1,4 +1,4 @@
-"""The fast path against the unfolded form, token by token: the same head, only sooner."""
+"""The fast path against the unfolded form, token by token: the same head, but faster."""
 
 import pytest
 import torch
@@ -121,7 +121,7 @@ def test_no_pairs_give_empty_answers(make_head):
     ],
 )
 def test_a_weight_changed_in_place_changes_the_next_answer(make_head, make_pairs, name):
-    """What was folded must not outlive the weights it was folded from."""
+    """Folded weights must not outlive the original weights."""
     model, given = make_head(), make_pairs(3)
     with torch.no_grad():
         before = model(*given).probabilities

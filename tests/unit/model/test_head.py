@@ -1,4 +1,4 @@
-"""The head: stages, counts, folding, and what a prediction may not depend on."""
+"""The head: stages, counts, folding, and independence of predictions."""
 
 import pytest
 import torch
@@ -246,7 +246,7 @@ def test_the_size_of_embeddings_does_not_matter_even_where_squares_overflow(fact
 
 
 def test_class_token_in_prediction_needs_no_label(head):
-    """It is the mean over the bank, so changing one class's row moves every prediction."""
+    """It is the mean over the bank, so changing one class's row changes every prediction."""
     vis, tac = pairs(2)
     with torch.no_grad():
         before = head(vis, tac).probabilities

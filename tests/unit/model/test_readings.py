@@ -1,4 +1,4 @@
-"""Readings: one modality alone is not a branch of the pair, and fusion does what its name says."""
+"""Readings: one modality alone is not a branch of the pair, and each fusion has the effect of its name."""
 
 import pytest
 import torch
@@ -37,7 +37,7 @@ def test_one_modality_alone_is_the_head_called_without_the_other(
 def test_a_modality_alone_does_not_see_the_other_image_and_a_branch_does(
     make_head, make_pairs, name
 ):
-    """The check on "alone" fails for a branch, so it would find one that is passed off as alone."""
+    """The check of "alone" fails for a branch, so it would detect a branch used as "alone"."""
     model, pairs = make_head(), make_pairs(7)
     assert not depends_on_the_other_image(lambda *p: model(*p).readings[name], pairs, name)
     assert depends_on_the_other_image(lambda *p: model(*p).readings[f"{name}_branch"], pairs, name)

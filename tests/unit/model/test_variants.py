@@ -1,4 +1,4 @@
-"""The settings of the paper's ablations: each does what its name says."""
+"""The settings of the paper's ablations: each has the effect of its name."""
 
 import pytest
 import torch
@@ -254,7 +254,7 @@ def test_settings_saved_before_these_existed_mean_the_defaults():
 
 @pytest.mark.parametrize("init", ["orthogonal", "default", "identity"])
 def test_a_tree_starts_as_its_name_says(init):
-    """Orthogonal keeps lengths, identity leaves nodes nearly alike, torch's default shrinks them."""
+    """Orthogonal keeps lengths, identity keeps nodes almost equal, torch's default shrinks them."""
     torch.manual_seed(0)
     nodes = DTG(64, init=init).double().nodes(torch.randn(20, 64, dtype=torch.float64))
     shares = (nodes[:, 1:].norm(dim=-1) / nodes[:, :1].norm(dim=-1)).mean(0)

@@ -1,4 +1,4 @@
-"""Maps in two dimensions: exactness, faithfulness, sameness of answers, odd sets."""
+"""Maps in two dimensions: exactness, faithfulness, reproducibility, unusual sets."""
 
 import sys
 from itertools import pairwise

@@ -1,4 +1,4 @@
-"""Building a set: the same bytes for the same seed, goes on where it stopped, refuses nonsense."""
+"""Building a set: the same bytes for the same seed, resuming, and errors."""
 
 import csv
 from hashlib import sha256

@@ -1,4 +1,4 @@
-"""The plan: which pairs there are, before anything is drawn."""
+"""The plan of a set, before anything is drawn."""
 
 from collections import Counter, defaultdict
 

@@ -1,4 +1,4 @@
-"""A thing is one object; a look-alike wears the sight of another class and keeps its touch."""
+"""A thing is one object; a look-alike looks like another class and keeps its touch."""
 
 import numpy as np
 

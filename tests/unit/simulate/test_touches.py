@@ -1,4 +1,4 @@
-"""What is pressed: spots in the middle of the gel, and surfaces of the class that a thing feels like."""
+"""Presses: spots in the middle of the gel, and surfaces of the class that a thing feels like."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Whatever lies in a data set's own files, a reader answers with pairs or with one sentence."""
+"""For any content of a data set's files, a reader returns pairs or raises one sentence."""
 
 import json
 import shutil
@@ -51,7 +51,7 @@ values = st.recursive(
 
 
 def answer(root: Path, **options: object) -> None:
-    """Read, and check that the answer is either whole pairs or a printable sentence."""
+    """Read, and check that the result is either complete pairs or a printable sentence."""
     try:
         found = read_pairs(root, **options)
     except DataError as error:

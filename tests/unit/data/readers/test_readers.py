@@ -1,4 +1,4 @@
-"""The one door to all readers."""
+"""The common entry point of all readers."""
 
 import pytest
 
