@@ -108,7 +108,7 @@ def measured(decoder: Any, on_file: Callable[[str, dict[str, Any]], None]) -> di
 
 @contextmanager
 def watched() -> Iterator[list[int]]:
-    """Yield a list; afterwards it has the growth (MB) of this process and its children, and the start."""
+    """Yield a list that then has the memory growth (MB) of this process and its children."""
     base, peak, ended = _tree_mb(), [0.0], Event()
 
     def watch() -> None:

@@ -27,7 +27,7 @@ NAME, HEAD, INSIDE = (
     "sitr",
     64,
     "base_model.",
-)  # channels of a head; prefix of names in a classifier
+)  # head width; classifier prefix
 MEAN, STD = (-1.2223, -1.8114, -1.7090), (11.7932, 12.7956, 13.6452)  # of differences, 0 to 255
 # Number of presses in a checkpoint -> indices among the 18.
 PRESSES = {

@@ -32,9 +32,7 @@ RENAMED = {
 }  # list -> folder
 ARRAYS = frozenset({".npy"})
 TRAIN, TEST = 41, 15  # frames of an item: 779 = 19 * 41, 285 = 19 * 15, 525 = 35 * 15
-T3D_TEST_SHARE = 682 / (
-    1_196 + 682
-)  # of the paper's counts
+T3D_TEST_SHARE = 682 / (1_196 + 682)  # of the paper's counts
 
 
 @dataclass(frozen=True, slots=True)
