@@ -1,4 +1,4 @@
-"""Is the simulated set any good? Probes on sight, touch and both; look-alikes; sensors; real pairs.
+"""Quality of the simulated set: probes on sight, touch and both; look-alikes; sensors; real pairs.
 
     python -m benchmarks.simulated                      # of the shipped embeddings
     python -m benchmarks.simulated --pairs DIR          # of a set on disk, embedded first
@@ -55,11 +55,13 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def print_sensors(features: Features) -> None:
-    """Print how well the nearest neighbour of a TAC image tells its sensor."""
+    """Print how often the nearest TAC neighbour has the same sensor."""
     shares = sensor_accuracy(
         features.tac, domains=features.column("domain"), splits=features.column("split")
     )
-    print("## Sensor identified by the nearest TAC neighbour (test pairs against training pairs, %)\n")
+    print(
+        "## Sensor identified by the nearest TAC neighbour (test pairs against training pairs, %)\n"
+    )
     print("| domain | sensor | right |\n| --- | --- | ---: |")
     for domain, cell in shares.items():
         sensor = DOMAINS[paper_name(domain)].sensor
@@ -70,7 +72,7 @@ def print_sensors(features: Features) -> None:
 
 
 def print_gaps(features: Features) -> None:
-    """Print the distance between the VIS and TAC centroids, and the spread round each."""
+    """Print the distance between the VIS and TAC centroids, and the spread around each."""
     print("## Modality gap (unit vectors)\n")
     print(
         "| domain | between centroids | spread of VIS | spread of TAC |\n| --- | ---: | ---: | ---: |"
@@ -85,9 +87,9 @@ def print_gaps(features: Features) -> None:
 
 
 def print_examples(features: Features, folder: Path) -> None:
-    """Print how near the embeddings of lossy example images are to those of the images themselves.
+    """Print the similarity between embeddings of lossy example images and of the originals.
 
-    Beside the cosine, whether probes of all training pairs give the same predictions for both.
+    It has the cosine, and the agreement of probes trained on all training pairs.
     """
     place = {(row["domain"], Path(row["vis"]).stem): i for i, row in enumerate(features.rows)}
     files = sorted(folder.glob("*/*/*_vis.jpg"))
