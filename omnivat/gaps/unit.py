@@ -3,6 +3,7 @@
 import torch
 from torch import Tensor
 
+from omnivat import lengths
 from omnivat.errors import ShapeError
 
 BLOCK = 4096  # rows scaled at once, so that temporaries stay in the cache
@@ -17,17 +18,9 @@ def unit(x: Tensor) -> Tensor:
     if x.ndim == 2 and len(x) > BLOCK and not x.requires_grad:
         out = torch.empty_like(x)
         for rows, into in zip(x.split(BLOCK), out.split(BLOCK), strict=True):
-            into.copy_(_unit(rows))
+            into.copy_(lengths.unit(rows))
         return out
-    return _unit(x)
-
-
-def _unit(x: Tensor) -> Tensor:
-    largest = x.abs().amax(-1, keepdim=True)
-    # dividing twice keeps the squares of huge and tiny rows in the floating-point range
-    x = x / largest.where(largest > 0, 1)
-    length: Tensor = x.norm(dim=-1, keepdim=True)
-    return x / length.where(length > 0, 1)
+    return lengths.unit(x)
 
 
 def require_rows(least: int, **sets: Tensor) -> None:

@@ -7,10 +7,10 @@ from torch import Tensor, nn
 from torch.nn.functional import linear, normalize
 
 from omnivat.errors import DataError, ShapeError
+from omnivat.lengths import unit
 from omnivat.modalities import IMAGES, MODALITIES
 from omnivat.model.dtg import DTG
 from omnivat.model.fusion import Calibration
-from omnivat.model.lengths import unit
 from omnivat.model.mffa import MFFA
 from omnivat.model.settings import HeadSettings
 

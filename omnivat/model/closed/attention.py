@@ -12,7 +12,7 @@ import torch
 from torch import Tensor
 from torch.nn.functional import gelu, linear
 
-from omnivat.model.lengths import unit_rows, unit_rows_back
+from omnivat.lengths import unit_rows, unit_rows_back
 
 
 class Weights(NamedTuple):

@@ -4,12 +4,12 @@ import pytest
 import torch
 
 from omnivat.fractional import dfrft
+from omnivat.lengths import unit
 from omnivat.losses.total import joint_loss
 from omnivat.model.closed import Pass, closed_features
 from omnivat.model.closed.turning import turn_of, turned
 from omnivat.model.dtg import parents
 from omnivat.model.growing import grown_nodes
-from omnivat.model.lengths import unit
 
 KEY_BIAS = "mffa.fratt.key.bias"  # a softmax ignores it: its gradient is zero, or left out
 

@@ -37,7 +37,7 @@ def unit(x: Tensor) -> Tensor:
 def _largest(x: Tensor) -> Tensor:
     """Return the largest modulus of each row (..., 1), never zero."""
     longest: Tensor = torch.linalg.vector_norm(x, float("inf"), dim=-1, keepdim=True)
-    return longest.clamp_min_(torch.finfo(x.dtype).tiny)
+    return longest.where(longest > 0, 1)
 
 
 class _Unit(torch.autograd.Function):
