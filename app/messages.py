@@ -15,7 +15,7 @@ log = logging.getLogger(__name__)
 Handler = Callable[[Request], Awaitable[Response]]
 
 UNEXPECTED = (
-    "Something went wrong on our side; the server's log says what. "
+    "Something went wrong on the server; its log has the details. "
     "The page still works: try again, or choose another pair."
 )
 

@@ -15,7 +15,9 @@ MOST_PAIRS = 50_000  # 100,000 points: what the map draws smoothly
 def port_number(text: str) -> int:
     """Return a port from the command line; raises ArgumentTypeError for anything else."""
     if not text.isascii() or not text.isdigit() or not 1 <= int(text[:6]) <= 65535:
-        raise argparse.ArgumentTypeError(f"'{text:.20}' is no port; give a number from 1 to 65535")
+        raise argparse.ArgumentTypeError(
+            f"'{text:.20}' is not a port; give a number from 1 to 65535"
+        )
     return int(text)
 
 
@@ -23,7 +25,7 @@ def pair_count(text: str) -> int:
     """Return a number of pairs from the command line; raises ArgumentTypeError for anything else."""
     if not text.isascii() or not text.isdigit() or not 1 <= int(text[:9]) <= MOST_PAIRS:
         raise argparse.ArgumentTypeError(
-            f"'{text:.20}' is no number of pairs; give one from 1 to {MOST_PAIRS:,}"
+            f"'{text:.20}' is not a number of pairs; give one from 1 to {MOST_PAIRS:,}"
         )
     return int(text)
 

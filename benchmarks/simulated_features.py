@@ -35,7 +35,7 @@ def features_in(file: Path) -> Features:
     """Return the content of an embeddings file."""
     kept = load_embeddings(file)
     if not kept.header.encoder == DEFAULT_ENCODER:
-        raise DataError(f"'{file}' holds {kept.header.encoder}; wanted {DEFAULT_ENCODER}.")
+        raise DataError(f"'{file}' holds {kept.header.encoder}; expected {DEFAULT_ENCODER}.")
     rows = [
         {
             "domain": kept.header.domains[kept.domain[index]],

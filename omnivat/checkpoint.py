@@ -135,7 +135,7 @@ def require_head_folder(folder: str | Path, *, also: Sequence[str] = ()) -> None
     )
     if foreign:
         raise DataError(
-            f"'{target}' holds '{foreign[0]}', which is no part of a head and would be lost; "
+            f"'{target}' holds '{foreign[0]}', which is not part of a head and would be lost; "
             "name a new folder, or move that file away."
         )
     require_writable(target / SETTINGS)
@@ -287,10 +287,10 @@ def _check_tensors(given: Mapping[str, torch.Tensor], wanted: Mapping[str, torch
             raise ValueError(f"{name} is missing")
         if given[name].shape != tensor.shape:
             raise ValueError(
-                f"{name} has shape {tuple(given[name].shape)}, wanted {tuple(tensor.shape)}"
+                f"{name} has shape {tuple(given[name].shape)}, expected {tuple(tensor.shape)}"
             )
         if given[name].is_floating_point() != tensor.is_floating_point():
-            raise ValueError(f"{name} is of type {given[name].dtype}, wanted {tensor.dtype}")
+            raise ValueError(f"{name} is of type {given[name].dtype}, expected {tensor.dtype}")
         if not given[name].isfinite().all():
             raise ValueError(f"{name} holds NaN or infinite values")
         if name.endswith("order") and (given[name].abs() > LIMIT).any():

@@ -35,14 +35,14 @@ def device_from(name: str) -> "torch.device":
         raise SettingsError(f"No device is called '{name}'; use auto, cpu or cuda.") from error
     if device.type == "cuda":
         if not torch.cuda.is_available():
-            raise SettingsError(f"Device '{name}' is wanted and no GPU is usable here; use cpu.")
+            raise SettingsError(f"Device '{name}' needs a GPU, and none is usable here; use cpu.")
         if device.index is not None and device.index >= torch.cuda.device_count():
             raise SettingsError(
-                f"Device '{name}' is wanted and there are {torch.cuda.device_count()} GPUs, counted "
+                f"Device '{name}' does not exist; there are {torch.cuda.device_count()} GPUs, counted "
                 "from cuda:0."
             )
     if device.type == "mps" and not torch.backends.mps.is_available():
-        raise SettingsError(f"Device '{name}' is wanted and no such GPU is usable here; use cpu.")
+        raise SettingsError(f"Device '{name}' is not usable here; use cpu.")
     return device
 
 

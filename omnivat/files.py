@@ -129,7 +129,7 @@ def read_whole(path: str | Path, most: int, name: str = "") -> bytes:
         with open(path, "rb", opener=_without_waiting) as handle:
             found = os.fstat(handle.fileno())
             if not stat.S_ISREG(found.st_mode):
-                raise DataError(f"'{name}' is no regular file but a pipe or device; name a file.")
+                raise DataError(f"'{name}' is a pipe or device; name a file.")
             content = handle.read(min(most, found.st_size) + 1)
     except (OSError, ValueError) as error:  # a name from a table may hold a zero byte
         if isinstance(error, DataError):

@@ -178,7 +178,7 @@ def _vectors(array: NDArray[Any], name: str, count: int, place: Path) -> Array:
             f"'{place}' has {name} of shape {array.shape}, expected ({count}, D): a row for each pair."
         )
     if array.dtype.kind not in "fiu":
-        raise DataError(f"'{place}' has {name} of type {array.dtype}; numbers are wanted.")
+        raise DataError(f"'{place}' has {name} of type {array.dtype}; expected numbers.")
     with np.errstate(over="ignore"):
         values = array.astype(np.float32)
     bad = ~np.isfinite(values).all(axis=1)

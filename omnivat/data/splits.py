@@ -39,7 +39,7 @@ def hold_out(
         raise DataError(f"The fraction to hold out is {fraction}; choose 0 or more and below 1.")
     if len(objects) != len(labels):
         raise DataError(
-            f"There are {len(objects)} objects but {len(labels)} labels; wanted as many."
+            f"There are {len(objects)} objects but {len(labels)} labels; expected as many."
         )
     names: list[Hashable] = [name or number for number, name in enumerate(objects)]
     classes: dict[Hashable, Counter[Hashable]] = defaultdict(Counter)

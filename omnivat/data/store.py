@@ -182,7 +182,7 @@ def load_embeddings(path: str | Path) -> Embeddings:
         if metadata.get("format") != FORMAT:
             raise DataError(
                 f"'{file}' is not a set of embeddings (format '{metadata.get('format', 'none')}', "
-                f"wanted '{FORMAT}'). Make one with `python -m omnivat embed`."
+                f"expected '{FORMAT}'). Make one with `python -m omnivat embed`."
             )
         rows = columns_in(_bytes(arrays["rows"]), f"{file} (rows)", MOST_COLUMNS)
         vectors = {name: _single(arrays[name]) for name in VECTORS if name in arrays}
@@ -212,7 +212,7 @@ def _bytes(array: NDArray[Any]) -> bytes:
 
 def _single(array: NDArray[Any]) -> Array:
     if array.dtype not in (np.float32, np.float16):
-        raise DataError(f"The embeddings are of type {array.dtype}, wanted float32 or float16.")
+        raise DataError(f"The embeddings are of type {array.dtype}, expected float32 or float16.")
     return array if array.dtype == np.float32 else array.astype(np.float32)
 
 

@@ -38,7 +38,7 @@ def load_field(file: Path) -> Field:
     wanted = (MARKERS, MARKERS, 3)
     if field.shape not in (wanted, (MARKERS**2, 3)):
         raise DataError(
-            f"'{printable(str(file))}' has shape {field.shape}, wanted {wanted} displacements."
+            f"'{printable(str(file))}' has shape {field.shape}, expected {wanted} displacements."
         )
     if field.dtype.kind not in "fiu" or not np.isfinite(field).all():
         raise DataError(f"'{printable(str(file))}' holds values that are not finite numbers.")

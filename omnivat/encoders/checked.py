@@ -26,7 +26,7 @@ def checked(encoder: Any, name: str) -> "NamedEncoder":
         )
     for part in TEXTS:
         if not isinstance(getattr(encoder, part), str) or not getattr(encoder, part):
-            raise DataError(f"'{name}' has no text in {part}; it tells two encoders apart.")
+            raise DataError(f"'{name}' has no text in {part}; it identifies the weights.")
     found = NamedEncoder(encoder, name)
     pixels = found.preprocess(Image.new("RGB", (64, 64), (128, 120, 110)))
     if not isinstance(pixels, Tensor) or pixels.ndim != 3:

@@ -106,7 +106,7 @@ def filled(network: Any, state: State, clip: "Clip") -> Any:
     for key, tensor in wanted.items():
         if state[key].shape != tensor.shape:
             raise DataError(
-                f"'{clip.file}' has {key} of shape {tuple(state[key].shape)}, wanted "
+                f"'{clip.file}' has {key} of shape {tuple(state[key].shape)}, expected "
                 f"{tuple(tensor.shape)}; fetch it again."
             )
     network.load_state_dict({key: state[key] for key in wanted}, assign=True)

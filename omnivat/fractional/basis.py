@@ -31,7 +31,7 @@ def basis(
     """
     if size < 1 or dtype not in (torch.float32, torch.float64):
         raise ShapeError(
-            f"A basis of size {size} in {dtype} was asked for, expected a size of 1 or more "
+            f"A basis of size {size} in {dtype} was requested, expected a size of 1 or more "
             "in torch.float32 or torch.float64."
         )
     split = splits.get(size, dtype, torch.device(device))

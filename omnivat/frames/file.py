@@ -135,7 +135,7 @@ def _record(file: Path, content: bytes) -> tuple[dict[str, Any], int]:
     version = record.get("version") if isinstance(record, dict) else None
     if version != VERSION or start % ALIGN:
         raise DataError(
-            f"'{file}' has frames of version {version}, wanted {VERSION}; build it again."
+            f"'{file}' has frames of version {version}, expected {VERSION}; build it again."
         )
     return record, start
 

@@ -77,7 +77,7 @@ def require_fit(frames: FrameSet) -> None:
         ("confidence", (stops, pairs)),
     ):
         if getattr(frames, name).shape != wanted:
-            raise ValueError(f"{name} has shape {getattr(frames, name).shape}, wanted {wanted}")
+            raise ValueError(f"{name} has shape {getattr(frames, name).shape}, expected {wanted}")
     for name, index, names in (
         ("domain", frames.domain, frames.domains),
         ("label", frames.label, frames.classes),
@@ -91,7 +91,7 @@ def require_fit(frames: FrameSet) -> None:
     for name, frame in frames.maps.items():
         wanted_shape = (len(frame.orders), 2 * pairs, 2)
         if frame.points.shape != wanted_shape or frame.points.dtype.itemsize != 2:
-            raise ValueError(f"map {name} has shape {frame.points.shape}, wanted {wanted_shape}")
+            raise ValueError(f"map {name} has shape {frame.points.shape}, expected {wanted_shape}")
         if not all(0 <= stop < stops for stop in frame.orders) or not frame.orders:
             raise ValueError(f"map {name} has a frame for a stop that does not exist")
         if not all(math.isfinite(x) for x in (*frame.low, *frame.high, frame.max_error)):

@@ -93,7 +93,9 @@ class Body(nn.Module):
                     "Use embeddings of the encoder that the head was trained with."
                 )
         if len({len(raw) for raw in given.values()}) > 1:
-            raise ShapeError("vis and tac hold different numbers of pairs; give one each per pair.")
+            raise ShapeError(
+                "vis and tac have different numbers of pairs; give one of each for every pair."
+            )
         raw = torch.stack([raw.to(self.dtype) for raw in given.values()])
         projected: Tensor
         if self.settings.projects_apart and not lang:

@@ -35,7 +35,7 @@ def nearest(points: Tensor, k: int, *, queries: Tensor | None = None) -> Neighbo
     require_shapes(points=(points, "N D"), queries=(queries, "M D"))
     others = len(points) - own
     if not 1 <= k <= others:
-        raise SettingsError(f"{k} neighbours were asked for among {others}; ask for 1 to {others}.")
+        raise SettingsError(f"{k} neighbours were requested among {others}; choose 1 to {others}.")
     # distances do not depend on the origin; a near one keeps the squares small and exact
     middle = points.mean(0)
     points, queries = points - middle, queries - middle

@@ -113,7 +113,7 @@ def _plan(domains: Sequence[str] | None, *, pairs_per_class: int) -> Iterator[Pl
         known = ", ".join(map(simulated, DOMAINS))
         raise DataError(f"No domain is called '{unknown[0]}'; there are {known}.")
     if pairs_per_class < 1:
-        raise DataError(f"{pairs_per_class} pairs of a class were asked for; ask for 1 or more.")
+        raise DataError(f"{pairs_per_class} pairs of a class were requested; choose 1 or more.")
     for name in names:
         for material in classes(DOMAINS[name]):
             yield from planned(DOMAINS[name], material, pairs=pairs_per_class)

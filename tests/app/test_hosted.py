@@ -72,7 +72,7 @@ def test_without_a_service_nothing_is_open():
 def test_a_port_that_is_none_is_refused(capsys):
     with pytest.raises(SystemExit):
         parser({**SPACE, "GRADIO_SERVER_PORT": "many"}).parse_args([])
-    assert "'many' is no port" in capsys.readouterr().err
+    assert "'many' is not a port" in capsys.readouterr().err
 
 
 class Demo:

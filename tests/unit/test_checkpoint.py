@@ -50,7 +50,7 @@ def test_saving_replaces_an_older_head_and_nothing_else(folder, tmp_path):
     other = tmp_path / "thesis"
     other.mkdir()
     (other / "chapter.txt").write_text("years of work")
-    with pytest.raises(DataError, match=r"holds 'chapter.txt', which is no part of a head"):
+    with pytest.raises(DataError, match=r"holds 'chapter.txt', which is not part of a head"):
         save_head(other, head)
     assert (other / "chapter.txt").read_text() == "years of work"
     assert sorted(p.name for p in tmp_path.iterdir()) == ["copy", "thesis"]

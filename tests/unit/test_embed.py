@@ -253,7 +253,7 @@ def test_settings_are_checked_before_any_work(
     ("device", "sentence"),
     [
         ("gpu", "No device is called 'gpu'; use auto, cpu or cuda."),
-        ("cuda", "Device 'cuda' is wanted and no GPU is usable here; use cpu."),
+        ("cuda", "Device 'cuda' needs a GPU, and none is usable here; use cpu."),
     ],
 )
 def test_a_device_that_is_not_there_is_refused(

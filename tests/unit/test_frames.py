@@ -217,7 +217,7 @@ def test_a_file_that_is_cut_short_is_refused(written, kept):
 @pytest.mark.parametrize(
     ("change", "sentence"),
     [
-        (lambda r: r.update(version=9), "version 9, wanted 1"),
+        (lambda r: r.update(version=9), "version 9, expected 1"),
         (lambda r: r["arrays"]["label"].update(offset=10**9), "array 'label' does not fit"),
         (lambda r: r["arrays"]["label"].update(offset=-8), "array 'label' does not fit"),
         (lambda r: r["arrays"]["label"].update(shape=[-1]), "array 'label' does not fit"),

@@ -39,7 +39,7 @@ def read(source: Path, *, strict: bool = False, seed: int = 0) -> PairSet:
     Raises DataError without pairs, or for two classes or domains of the same name.
     """
     if not source.is_dir():
-        raise DataError(f"'{show(source)}' is not a folder; wanted a folder of {LAYOUT}.")
+        raise DataError(f"'{show(source)}' is not a folder; expected a folder of {LAYOUT}.")
     walk = _Walk(source, strict)
     for domain in _of_one_name(folders_in(source), "domains"):
         if walk.is_new(domain):
@@ -163,7 +163,7 @@ def _of_one_name(folders: list[Path], kind: str) -> list[Path]:
 
 
 def _no_pairs(source: Path, skipped: list[Skipped]) -> str:
-    message = f"No pairs in '{show(source)}'; wanted {LAYOUT}."
+    message = f"No pairs in '{show(source)}'; expected {LAYOUT}."
     for place in (source, *folders_in(source)):
         if _holds_halves(place):
             return (

@@ -32,7 +32,7 @@ def read_json(file: Path, kind: type) -> Any:
         raise DataError(f"'{show(file)}' is not JSON ({error}). Download it again.") from error
     if not isinstance(value, kind):
         raise DataError(
-            f"'{show(file)}' holds a {type(value).__name__}, wanted a {kind.__name__}. "
+            f"'{show(file)}' holds a {type(value).__name__}, expected a {kind.__name__}. "
             "It may be another file of the same name."
         )
     return value
@@ -57,7 +57,7 @@ def read_names(file: Path, key: str, value: str) -> dict[str, str]:
     for name in (key, value):
         if name not in header:
             raise DataError(
-                f"'{show(file)}' has no column '{name}'; wanted a first row with {key}, {value}."
+                f"'{show(file)}' has no column '{name}'; expected a first row with {key}, {value}."
                 f"{suggestion(name, header)}"
             )
     named: dict[str, str] = {}

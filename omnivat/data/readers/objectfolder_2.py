@@ -175,7 +175,7 @@ def _released(source: Path, pairs: list[Pair]) -> tuple[list[Pair], tuple[Skippe
         if isinstance(error, DataError):
             raise
         raise DataError(
-            f"'{show(file)}' is no split ({error}); wanted [object, instance] under train, val, test."
+            f"'{show(file)}' is no split ({error}); expected [object, instance] under train, val, test."
         ) from error
     placed = [(pair, where.get((pair.object, number_of(pair.tac) or 0))) for pair in pairs]
     lost = sum(name is None for _, name in placed)

@@ -68,7 +68,7 @@ def read(
     ]
     if not pairs:
         raise DataError(
-            f"No pairs of ObjectFolder Real in '{show(source)}'; wanted "
+            f"No pairs of ObjectFolder Real in '{show(source)}'; expected "
             f"<object>/tactile_data/<contact>/0/gelsight and a camera beside it.{left_out.reasons()}"
         )
     return PairSet(

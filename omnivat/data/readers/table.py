@@ -104,7 +104,7 @@ def _check_header(file: Path, header: list[str]) -> None:
     if missing:
         there = show(", ".join(filter(None, header)) or "no names")
         raise DataError(
-            f"'{show(file)}' has no column '{missing[0]}'; its first row has {there}, wanted "
+            f"'{show(file)}' has no column '{missing[0]}'; its first row has {there}, expected "
             f"{', '.join(NEEDED)} and perhaps {', '.join(OPTIONAL)}."
             + suggestion(missing[0], [name for name in header if name not in NEEDED])
         )
@@ -128,7 +128,7 @@ def _why_not(file: Path, number: int, row: Row, strict: bool) -> str:
     if split and split not in SPLITS:
         raise DataError(
             f"'{show(file)}', row {number}: there is no split '{show(row['split'])}'; "
-            f"wanted {', '.join(SPLITS)} or nothing.{suggestion(split, SPLITS)}"
+            f"expected {', '.join(SPLITS)} or nothing.{suggestion(split, SPLITS)}"
         )
     return ""
 

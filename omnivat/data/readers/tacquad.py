@@ -125,7 +125,7 @@ def _contacts(
             folder = source / f"data_{part}" / item
             material, why = material_of(item, " ".join(cells[7:]), overrides, strict=strict)
             if not item or "/" in item or item in (".", "..") or not folder.is_dir():
-                left_out.add(f"{part}/{show(item)}", "listed, but there is no such folder")
+                left_out.add(f"{part}/{show(item)}", "listed, but the folder is missing")
             elif why:
                 left_out.add(f"{part}/{show(item)}", why)
             else:
@@ -143,7 +143,7 @@ def _overrides(file: Path, *, required: bool) -> dict[str, str]:
     for item, material in overrides.items():
         if material and material not in MATERIALS:
             raise DataError(
-                f"'{show(file)}' calls '{show(item)}' {show(material)}; wanted {', '.join(MATERIALS)} "
+                f"'{show(file)}' calls '{show(item)}' {show(material)}; expected {', '.join(MATERIALS)} "
                 f"or nothing.{suggestion(material, MATERIALS)}"
             )
     return overrides
@@ -166,7 +166,7 @@ def material_of(
         if found:
             why = why_left_out(found[0], found[0].named, strict=strict)
             return ("", why) if why else (found[0].material, "")
-    return "", "neither name nor caption says a material"
+    return "", "neither name nor caption has a material"
 
 
 def _touches(contact: Contact, sensor: Sensor, left_out: Tally) -> Iterator[Pair]:

@@ -143,7 +143,7 @@ def _label_names(places: tuple[Path, ...]) -> dict[str, str]:
     for label, rule in rules("touch_and_go").items():
         if file and label in names and rule.named not in names[label]:
             raise DataError(
-                f"'{show(file)}' calls label {label} '{show(names[label])}', wanted '{rule.named}'. "
+                f"'{show(file)}' calls label {label} '{show(names[label])}', expected '{rule.named}'. "
                 "This is another numbering; correct the lists or the file."
             )
     return names

@@ -103,7 +103,7 @@ def test_a_folder_that_holds_something_else_is_refused_before_the_first_step(
     (tmp_path / "head" / "thesis.txt").write_text("years of work")
     monkeypatch.setattr(loop, "learn", None)  # any step would fail otherwise
     assert main(command(file, tmp_path / "head")) == 1
-    assert "holds 'thesis.txt', which is no part of a head" in capsys.readouterr().err
+    assert "holds 'thesis.txt', which is not part of a head" in capsys.readouterr().err
     assert (tmp_path / "head" / "thesis.txt").read_text() == "years of work"
 
 

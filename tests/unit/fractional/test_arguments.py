@@ -61,5 +61,5 @@ def test_a_buffer_is_for_the_last_axis_without_centring() -> None:
 
 @pytest.mark.parametrize(("size", "dtype"), [(0, torch.float64), (8, torch.float16)])
 def test_a_basis_that_cannot_be_is_refused(size: int, dtype: torch.dtype) -> None:
-    with pytest.raises(ShapeError, match=f"size {size} in {dtype} was asked for"):
+    with pytest.raises(ShapeError, match=f"size {size} in {dtype} was requested"):
         basis(size, dtype=dtype)

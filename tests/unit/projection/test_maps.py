@@ -47,7 +47,7 @@ def test_neighbours_are_those_of_the_full_distance_matrix(shape):
 
 
 def test_too_many_neighbours_are_refused():
-    with pytest.raises(SettingsError, match="5 neighbours were asked for among 4; ask for 1 to 4"):
+    with pytest.raises(SettingsError, match="5 neighbours were requested among 4; choose 1 to 4"):
         nearest(noise(5, 3), 5)
 
 

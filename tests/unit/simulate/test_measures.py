@@ -141,7 +141,7 @@ def test_shipped_features_are_read_with_their_names_at_unit_length(tmp_path) -> 
 def test_features_of_another_encoder_are_refused(tmp_path) -> None:
     file = tmp_path / "set.safetensors"
     save_embeddings(file, kept("clip-vit-b16"))
-    with pytest.raises(DataError, match="holds clip-vit-b16; wanted efficientnet-lite0"):
+    with pytest.raises(DataError, match="holds clip-vit-b16; expected efficientnet-lite0"):
         features_in(file)
 
 

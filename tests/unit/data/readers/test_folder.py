@@ -131,7 +131,7 @@ def test_a_folder_too_near_to_the_top_is_named(tmp_path, pair, depth):
 
 def test_an_empty_folder_says_what_was_wanted(tmp_path):
     with pytest.raises(
-        DataError, match=r"No pairs in '.*'; wanted <domain>/<class>/<name>_vis.png"
+        DataError, match=r"No pairs in '.*'; expected <domain>/<class>/<name>_vis.png"
     ):
         read(tmp_path)
 

@@ -140,8 +140,8 @@ def test_what_is_listed_but_not_there_is_counted(tree):
         (tree / f"data_indoor/galss_cup/gelsight/{number}.png").unlink()
     (tree / "contact_outdoor.csv").write_text("steel_rail,0,69,9,4,x,69\n")
     whys = {s.what: (s.why, s.count) for s in read_pairs(tree).skipped}
-    assert whys["indoor/ghost_glass"] == ("listed, but there is no such folder", 1)
-    assert whys["indoor/../../glass"] == ("listed, but there is no such folder", 1)
+    assert whys["indoor/ghost_glass"] == ("listed, but the folder is missing", 1)
+    assert whys["indoor/../../glass"] == ("listed, but the folder is missing", 1)
     assert whys["indoor/galss_cup, TQ-GelMini"] == ("frames of the range that are not there", 2)
     assert whys["outdoor/steel_rail, TQ-DIGIT"][0] == "no range of frames in contact_outdoor.csv"
     assert whys["outdoor/steel_rail, TQ-DuraGel"][0] == "no range of frames in contact_outdoor.csv"
@@ -192,5 +192,5 @@ def test_fields_are_drawn_once(tree, put, tmp_path):
 def test_a_tree_without_a_known_material_says_so(tree):
     for part in ("indoor", "outdoor"):
         (tree / f"contact_{part}.csv").write_text("stone,0,5,0,5,0,5\n")
-    with pytest.raises(DataError, match=r"No pairs of TacQuad .* there is no such folder \(2\)"):
+    with pytest.raises(DataError, match=r"No pairs of TacQuad .* the folder is missing \(2\)"):
         read_pairs(tree)

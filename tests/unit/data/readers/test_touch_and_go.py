@@ -135,7 +135,7 @@ def test_other_materials_keep_their_names_on_request(tree):
 def test_another_numbering_is_refused(tree):
     root = tree([(1, 0, WOOD)])
     (root / "category_reference.txt").write_text("Brick: 3\n")
-    with pytest.raises(DataError, match="calls label 3 'brick', wanted 'wood'"):
+    with pytest.raises(DataError, match="calls label 3 'brick', expected 'wood'"):
         read_pairs(root)
 
 
