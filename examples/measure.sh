@@ -32,7 +32,8 @@ python -m benchmarks.cost
 for width in full light; do
     name=protocol$([ "$width" = full ] && echo _full || true)
     cp "$out/$width/report.md" "docs/benchmarks/$name.md"
-    cp "$out/$width/runs.jsonl" "examples/records/$name.jsonl"
 done
+gzip -9nc "$out/full/runs.jsonl" >examples/records/protocol_full.jsonl.gz
+grep '"base": "omnivat"' "$out/light/runs.jsonl" | gzip -9n >examples/records/protocol.jsonl.gz
 cp "$out/ablations/ablations.md" "$out"/ablations/*.svg docs/benchmarks/
 cp "$out/ablations/runs.jsonl" docs/benchmarks/ablations.jsonl

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 TITLE = "Compare"
 METHODS = {"nearest_mean": "nearest class mean"}  # fast to fit; slower ones are in the matrix
 _MEASURED = EXAMPLES / "records"
-RECORDS = (_MEASURED / "protocol_full.jsonl", _MEASURED / "protocol.jsonl")
+RECORDS = (_MEASURED / "protocol_full.jsonl.gz", _MEASURED / "protocol.jsonl.gz")
 
 
 def heads(resources: Resources) -> list[dict[str, Any]]:

@@ -1,5 +1,6 @@
 """Records of runs as JSON lines. The key of a line hashes everything that affects its figures."""
 
+import gzip
 import json
 import os
 import platform
@@ -72,7 +73,7 @@ def append(path: Path, record: Mapping[str, Any]) -> None:
 
 
 def read(path: Path) -> list[dict[str, Any]]:
-    """Return the records of a file; an incomplete last line is ignored.
+    """Return the records of a file, which may be compressed (.gz); an incomplete last line is ignored.
 
     Raises DataError with the line number for any other invalid line.
     """
@@ -82,7 +83,9 @@ def read(path: Path) -> list[dict[str, Any]]:
 
 
 def _records(path: Path) -> Iterator[dict[str, Any]]:
-    lines = path.read_text(encoding="utf-8").split("\n")
+    content = path.read_bytes()
+    text = (gzip.decompress(content) if path.suffix == ".gz" else content).decode()
+    lines = text.split("\n")
     for number, line in enumerate(lines, start=1):
         if not line.strip():
             continue

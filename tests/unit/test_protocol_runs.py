@@ -1,5 +1,6 @@
 """Runs: records, resuming, processes, and methods that cannot run."""
 
+import gzip
 import json
 import sys
 import types
@@ -272,3 +273,9 @@ def test_the_ray_engine_gives_the_same_records(file, runs, tmp_path, monkeypatch
     done(file, runs[:2], tmp_path / "local.jsonl")
     ray, local = (records.read(tmp_path / f"{name}.jsonl") for name in ("ray", "local"))
     assert without_times(ray) == without_times(local)
+
+
+def test_records_may_be_compressed(tmp_path):
+    line = '{"format": "omnivat-run-1", "seed": 0}\n'
+    (tmp_path / "runs.jsonl.gz").write_bytes(gzip.compress(line.encode()))
+    assert records.read(tmp_path / "runs.jsonl.gz") == [json.loads(line)]
