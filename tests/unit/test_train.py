@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 import torch
 
-from omnivat.errors import DataError, OmniVatError, SettingsError
+from omnivat.errors import DataError, OmniVatError
 from omnivat.evaluate import predicted_probabilities
-from omnivat.lang.bank import LangBank, load_bank
+from omnivat.lang.bank import load_bank
 from omnivat.model.settings import HeadSettings
 from omnivat.train import TrainSettings, train
 from omnivat.train.batches import batches
@@ -171,88 +171,6 @@ def test_an_order_a_modality_is_learned_apart_and_logged(source):
     assert trained.epochs[-1]["order_vis"] == trained.model.orders["vis"]
 
 
-class Stop(Exception):
-    """An error raised in the middle of training."""
-
-
-@pytest.mark.parametrize("selection", ["last", "source-val"])
-def test_resumed_training_equals_uninterrupted_training_to_the_bit(source, tmp_path, selection):
-    settings = TrainSettings(epochs=4, selection=selection)
-    whole = train(source, head(), settings, bank=load_bank(), seed=3)
-    state = tmp_path / "training.safetensors"
-
-    def stop_in_the_third_epoch(step):
-        if step.done > 0.6 * step.total:
-            raise Stop
-
-    with pytest.raises(Stop):
-        train(
-            source,
-            head(),
-            settings,
-            bank=load_bank(),
-            seed=3,
-            resume=state,
-            on_step=stop_in_the_third_epoch,
-        )
-    assert state.is_file()
-    steps = []
-    resumed = train(
-        source, head(), settings, bank=load_bank(), seed=3, resume=state, on_step=steps.append
-    )
-    assert steps[0].done == steps[0].total // 2 + 1  # two of four epochs were not done again
-    assert equal_weights(whole.model, resumed.model)
-    assert whole.epochs == resumed.epochs
-    assert whole.chosen_epoch == resumed.chosen_epoch
-    assert not state.exists()
-
-
-def test_the_resume_check_can_fail(source, tmp_path, monkeypatch):
-    """Without the optimiser's momentum the weights differ."""
-    monkeypatch.setattr("omnivat.train.state._parameters", lambda optimiser: [])
-    settings, state = TrainSettings(epochs=2), tmp_path / "training.safetensors"
-    whole = train(source, head(), settings, bank=load_bank())
-
-    def stop_in_the_second_epoch(step):
-        if step.done > step.total // 2:
-            raise Stop
-
-    with pytest.raises(Stop):
-        train(
-            source,
-            head(),
-            settings,
-            bank=load_bank(),
-            resume=state,
-            on_step=stop_in_the_second_epoch,
-        )
-    resumed = train(source, head(), settings, bank=load_bank(), resume=state)
-    assert not equal_weights(whole.model, resumed.model)
-
-
-def test_the_state_of_another_training_is_refused(source, tmp_path):
-    state = tmp_path / "training.safetensors"
-
-    def stop_in_the_second_epoch(step):
-        if step.done > step.total // 2:
-            raise Stop
-
-    with pytest.raises(Stop):
-        train(
-            source,
-            head(),
-            TrainSettings(epochs=2),
-            bank=load_bank(),
-            resume=state,
-            on_step=stop_in_the_second_epoch,
-        )
-    with pytest.raises(DataError, match="state of another training"):
-        train(source, head(), TrainSettings(epochs=2), bank=load_bank(), seed=9, resume=state)
-    state.write_bytes(b"cut short")
-    with pytest.raises(DataError, match="cannot be read .*remove it to start again"):
-        train(source, head(), TrainSettings(epochs=2), bank=load_bank(), resume=state)
-
-
 def equal_weights(first, second) -> bool:
     one, two = first.state_dict(), second.state_dict()
     return all(torch.equal(one[name], two[name]) for name in one)
@@ -288,34 +206,6 @@ def test_a_loss_that_is_not_finite_stops_with_a_sentence(source):
     )
     with pytest.raises(OmniVatError, match=r"Training stopped: the loss is .*Lower lr"):
         train(broken, head(), TrainSettings(epochs=1), bank=load_bank())
-
-
-@pytest.mark.parametrize(
-    ("change", "sentence"),
-    [
-        ({"selection": "target"}, "choose one of last, source-val"),
-        ({"modalities": "audio"}, r"choose one of vis\+tac, vis, tac"),
-        ({"lr": -1.0}, "lr is -1.0; choose 0 to 100"),
-    ],
-)
-def test_impossible_settings_are_refused(change, sentence):
-    with pytest.raises(SettingsError, match=sentence):
-        TrainSettings(**change)
-
-
-def test_a_bank_without_a_class_says_how_to_make_one():
-    with pytest.raises(
-        DataError, match="no text for rubber.*omnivat prompts --classes wood,rubber"
-    ):
-        load_bank().for_classes(("wood", "rubber"))
-
-
-def test_the_banks_rows_follow_the_classes_asked_for():
-    bank = load_bank()
-    part = bank.for_classes(("glass", "wood"))
-    assert isinstance(part, LangBank)
-    np.testing.assert_array_equal(part.embeddings[1], bank.embeddings[0])
-    assert part.hash != bank.hash
 
 
 def test_p_moves_by_a_tenth_of_the_rate_a_step_at_most(source):
@@ -358,13 +248,6 @@ def test_training_leaves_the_number_of_threads_as_it_was(source):
         assert torch.get_num_threads() == 2
     finally:
         torch.set_num_threads(before)
-
-
-def test_a_search_and_a_random_order_exclude_each_other():
-    with pytest.raises(SettingsError, match="order_search and order_draw exclude each other"):
-        TrainSettings(order_search=True, order_draw="batch")
-    with pytest.raises(SettingsError, match="give the smaller one first"):
-        TrainSettings(order_low=0.5, order_high=0.2)
 
 
 @pytest.mark.parametrize(("draw", "different"), [("batch", 1), ("row", 8)])

@@ -83,3 +83,18 @@ def test_the_command_records_the_tower_of_the_checkpoint(
     assert bank.embeddings.shape == (2, 80, 24) and bank.plain is not None
     wanted = clips.text_embeddings(clips.small_model(), [PLAIN.format("wood")])[0]
     np.testing.assert_allclose(bank.plain[0], wanted, atol=2e-3)  # kept in half precision
+
+
+def test_a_bank_without_a_class_says_how_to_make_one() -> None:
+    with pytest.raises(
+        DataError, match="no text for rubber.*omnivat prompts --classes wood,rubber"
+    ):
+        load_bank().for_classes(("wood", "rubber"))
+
+
+def test_the_banks_rows_follow_the_classes_asked_for() -> None:
+    bank = load_bank()
+    part = bank.for_classes(("glass", "wood"))
+    assert isinstance(part, LangBank)
+    np.testing.assert_array_equal(part.embeddings[1], bank.embeddings[0])
+    assert part.hash != bank.hash

@@ -1,0 +1,106 @@
+"""A stopped training resumes to the weights that it would have given."""
+
+import pytest
+import torch
+
+from omnivat.errors import DataError
+from omnivat.lang.bank import load_bank
+from omnivat.model.settings import HeadSettings
+from omnivat.train import TrainSettings, train
+
+
+@pytest.fixture(scope="module")
+def source(make_embeddings):
+    return make_embeddings(domains=("TAG-sim",), per_class=16)
+
+
+def head():
+    classes = ("wood", "steel", "plastic", "ceramic", "glass")
+    return HeadSettings(classes=classes, input_width=24, width=32, lang_width=384)
+
+
+def equal_weights(first, second) -> bool:
+    one, two = first.state_dict(), second.state_dict()
+    return all(torch.equal(one[name], two[name]) for name in one)
+
+
+class Stop(Exception):
+    """An error raised in the middle of training."""
+
+
+@pytest.mark.parametrize("selection", ["last", "source-val"])
+def test_resumed_training_equals_uninterrupted_training_to_the_bit(source, tmp_path, selection):
+    settings = TrainSettings(epochs=4, selection=selection)
+    whole = train(source, head(), settings, bank=load_bank(), seed=3)
+    state = tmp_path / "training.safetensors"
+
+    def stop_in_the_third_epoch(step):
+        if step.done > 0.6 * step.total:
+            raise Stop
+
+    with pytest.raises(Stop):
+        train(
+            source,
+            head(),
+            settings,
+            bank=load_bank(),
+            seed=3,
+            resume=state,
+            on_step=stop_in_the_third_epoch,
+        )
+    assert state.is_file()
+    steps = []
+    resumed = train(
+        source, head(), settings, bank=load_bank(), seed=3, resume=state, on_step=steps.append
+    )
+    assert steps[0].done == steps[0].total // 2 + 1  # two of four epochs were not done again
+    assert equal_weights(whole.model, resumed.model)
+    assert whole.epochs == resumed.epochs
+    assert whole.chosen_epoch == resumed.chosen_epoch
+    assert not state.exists()
+
+
+def test_the_resume_check_can_fail(source, tmp_path, monkeypatch):
+    """Without the optimiser's momentum the weights differ."""
+    monkeypatch.setattr("omnivat.train.state._parameters", lambda optimiser: [])
+    settings, state = TrainSettings(epochs=2), tmp_path / "training.safetensors"
+    whole = train(source, head(), settings, bank=load_bank())
+
+    def stop_in_the_second_epoch(step):
+        if step.done > step.total // 2:
+            raise Stop
+
+    with pytest.raises(Stop):
+        train(
+            source,
+            head(),
+            settings,
+            bank=load_bank(),
+            resume=state,
+            on_step=stop_in_the_second_epoch,
+        )
+    resumed = train(source, head(), settings, bank=load_bank(), resume=state)
+    assert not equal_weights(whole.model, resumed.model)
+
+
+def test_the_state_of_another_training_is_refused(source, tmp_path):
+    state = tmp_path / "training.safetensors"
+
+    def stop_in_the_second_epoch(step):
+        if step.done > step.total // 2:
+            raise Stop
+
+    with pytest.raises(Stop):
+        train(
+            source,
+            head(),
+            TrainSettings(epochs=2),
+            bank=load_bank(),
+            resume=state,
+            on_step=stop_in_the_second_epoch,
+        )
+    with pytest.raises(DataError, match="state of another training"):
+        train(source, head(), TrainSettings(epochs=2), bank=load_bank(), seed=9, resume=state)
+    state.write_bytes(b"cut short")
+    with pytest.raises(DataError, match="cannot be read .*remove it to start again"):
+        train(source, head(), TrainSettings(epochs=2), bank=load_bank(), resume=state)
