@@ -194,6 +194,8 @@ def protocol_rows(content: str) -> list[dict[str, Any]]:
 
     grouped: dict[tuple[str, str], list[Mapping[str, Any]]] = {}
     for record in (record for file in RECORDS for record in read(file)):
+        if "targets" not in record:  # this method cannot learn from this source
+            continue
         if record["data"]["fingerprint"] == content and record["fold"] is None:
             label = record.get("label") or record["method"]
             width = record.get("settings", {}).get("head", {}).get("width")

@@ -96,14 +96,14 @@ def test_printed_figures_stand_beside_and_are_marked_not_comparable(resources):
     assert "simulated" in got["why"]
 
 
-def test_records_of_the_protocol_give_means_over_seeds(resources, tmp_path, monkeypatch):
-    from omnivat.protocol.records import append, fingerprint
+def test_records_of_the_protocol_give_means_over_seeds_and_skipped_runs_no_row(resources, tmp_path, monkeypatch):
+    from omnivat.protocol import records
 
-    shown = fingerprint(resources.embeddings())
+    shown = records.fingerprint(resources.embeddings())
     file = tmp_path / "protocol.jsonl"
     for seed, accuracy, content in ((0, 0.4, shown), (1, 0.6, shown), (2, 1.0, "another set")):
         scores = {"fused": {"accuracy": accuracy, "macro_f1": accuracy / 2}}
-        append(
+        records.append(
             file,
             {
                 "format": "omnivat-run-1",
@@ -117,7 +117,10 @@ def test_records_of_the_protocol_give_means_over_seeds(resources, tmp_path, monk
             },
         )
     monkeypatch.setattr(compare, "RECORDS", (file,))
-    (row, *_) = compare.matrix(resources)["rows"]
+    left_out = {k: v for k, v in records.read(file)[0].items() if k != "targets"}
+    records.append(file, {**left_out, "method": "late", "skipped": "It needs images."})
+    (row, *others) = compare.matrix(resources)["rows"]
+    assert "late" not in [other["method"] for other in others]
     assert row["seeds"] == 2
     assert row["cells"] == {"OF Real-sim": pytest.approx([0.5, 0.25])}
 
