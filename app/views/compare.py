@@ -196,7 +196,8 @@ def protocol_rows(content: str) -> list[dict[str, Any]]:
     for record in (record for file in RECORDS for record in read(file)):
         if "targets" not in record:  # this method cannot learn from this source
             continue
-        if record["data"]["fingerprint"] == content and record["fold"] is None:
+        of_this_set = record["data"]["fingerprint"] == content and record["fold"] is None
+        if of_this_set and "targets" in record:  # a skipped run has none
             label = record.get("label") or record["method"]
             width = record.get("settings", {}).get("head", {}).get("width")
             label += f", D = {width}" if width else ""

@@ -96,7 +96,9 @@ def test_printed_figures_stand_beside_and_are_marked_not_comparable(resources):
     assert "simulated" in got["why"]
 
 
-def test_records_of_the_protocol_give_means_over_seeds_and_skipped_runs_no_row(resources, tmp_path, monkeypatch):
+def test_records_of_the_protocol_give_means_over_seeds_and_skipped_runs_no_row(
+    resources, tmp_path, monkeypatch
+):
     from omnivat.protocol import records
 
     shown = records.fingerprint(resources.embeddings())
