@@ -51,6 +51,12 @@ def add(parser: argparse.ArgumentParser) -> None:
         "--measures",
         help="of docs/gaps.md, separated by commas, or 'all'; default: the fast ones",
     )
+    parser.add_argument(
+        "--engine",
+        default="local",
+        choices=("local", "ray"),
+        help="this machine, or a Ray cluster (curves alone: --json or --csv)",
+    )
     add_retrain(parser)
 
 
@@ -58,6 +64,8 @@ def run(options: argparse.Namespace) -> None:
     """Measure, write the outputs, print the ends of the curves."""
     require_outputs([path for path in (options.out, options.json, options.csv) if path])
     check_retrain(options)
+    if options.engine == "ray" and (options.out or options.retrain is not None):
+        raise SettingsError("--engine ray computes curves; give --json or --csv, without --out.")
     stops = options.retrain if options.retrain is not None else options.stops
     orders = orders_of(options.orders, stops)
     from omnivat.checkpoint import head_hash, load_head
@@ -92,7 +100,7 @@ def run(options: argparse.Namespace) -> None:
         write_frames(options.out, frames)
         curves = frames.curves
     else:
-        curves = _curves(head, embeddings, orders, stages, measures)
+        curves = _curves(options, head, embeddings, orders, stages, measures)
     if options.json:
         write_curves_json(options.json, orders, curves, provenance)
     if options.csv:
@@ -139,6 +147,7 @@ def _frames(
 
 
 def _curves(
+    options: argparse.Namespace,
     head: "Head",
     embeddings: "Embeddings",
     orders: Sequence[float],
@@ -146,12 +155,16 @@ def _curves(
     measures: Sequence[str],
 ) -> dict[str, list[float | None]]:
     from omnivat.sweep import sweep
+    from omnivat.sweep.cluster import curves_on_ray
 
+    wanted: dict[str, Any] = {"stages": stages, "measures": measures}
     with progress_bar("sweep") as show:
-        found = sweep(
-            head.model, embeddings, orders, stages=stages, measures=measures, on_step=show
-        )
-    return {name: values.tolist() for name, values in found.curves.items()}
+        if options.engine == "ray":
+            files = options.head, options.embeddings
+            found = curves_on_ray(*files, orders, on_step=show, **wanted)
+        else:
+            found = sweep(head.model, embeddings, orders, on_step=show, **wanted).curves
+    return {name: values.tolist() for name, values in found.items()}
 
 
 def orders_of(text: str | None, stops: int | None) -> list[float]:
