@@ -130,7 +130,7 @@ def test_an_error_of_the_system_is_one_sentence(monkeypatch, capsys):
     monkeypatch.setattr("omnivat.cli.evaluate.run", full)
     assert main(["evaluate"]) == 1
     assert capsys.readouterr().err == (
-        "omnivat evaluate: 'x.bin': No space left on device. Check the path, its rights and the "
+        "omnivat evaluate: 'x.bin': No space left on device. Check the path, its permissions and the "
         "free space.\n"
     )
 

@@ -80,7 +80,7 @@ def test_pairs_say_that_they_are_simulated(built: Path) -> None:
     ("change", "error", "sentence"),
     [
         ({"domains": ["TAGG"]}, DataError, "No domain is called 'TAGG'; there are TAG-sim"),
-        ({"pairs_per_class": 0}, DataError, "ask for 1 or more"),
+        ({"pairs_per_class": 0}, DataError, "choose 1 or more"),
         ({"size": 8}, DataError, "too small to show a touch"),
         ({"renderer": "cycles"}, MissingNameError, "No renderer is called 'cycles'"),
     ],
