@@ -292,15 +292,3 @@ def test_another_head_is_held_under_another_name(resources, tmp_path):
     copy = copytree(resources.where.head, tmp_path / "copy")
     assert Resources(resources.where).holds == resources.holds
     assert Resources(replace(resources.where, head=copy)).holds != resources.holds
-
-
-@pytest.mark.parametrize("path", ["web/shared/page.css", "frames"])
-def test_a_file_that_the_browser_holds_as_it_is_now_is_not_sent_again(client, resources, path):
-    assert resources.frames.wait().file
-    first = client.get(f"/omnivat/{path}")
-    held = {"If-None-Match": first.headers["etag"]}
-    again = client.get(f"/omnivat/{path}", headers=held)
-    assert (first.status_code, again.status_code, again.content) == (200, 304, b"")
-    for name in ("etag", "cache-control", "x-holds", "x-frames"):
-        assert again.headers.get(name) == first.headers.get(name)
-    assert client.get(f"/omnivat/{path}", headers={"If-None-Match": '"other"'}).status_code == 200
