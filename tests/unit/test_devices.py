@@ -57,7 +57,7 @@ def test_a_device_holds_inside_its_block_and_in_processes_started_there(
     ("name", "match"),
     [
         ("gpu", "No device is called 'gpu'; use auto, cpu or cuda"),
-        ("cuda:99", "no GPU is usable here|counted from cuda:0"),
+        ("cuda:99", "none is usable here|counted from cuda:0"),
     ],
 )
 def test_a_device_that_is_not_there_is_refused(name: str, match: str) -> None:

@@ -296,7 +296,7 @@ Damage = Callable[[Path], object]
         ),
         (lambda folder: without(folder, "visual_projection.weight"), "lacks the weight 'visual_pr"),
         (lambda folder: without(folder, "layers.1.mlp.fc2.bias"), "lacks 1 weights"),
-        (lambda folder: reshaped(folder, "layers.1.mlp.fc2.bias"), "wanted"),
+        (lambda folder: reshaped(folder, "layers.1.mlp.fc2.bias"), "expected"),
         (lambda folder: stated(folder, "hidden_size", 128), "states 128"),
         (lambda folder: stated(folder, "num_attention_heads", 7), "cannot be 7"),
     ],
