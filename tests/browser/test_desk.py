@@ -141,6 +141,17 @@ def test_a_second_click_while_the_camera_opens_leaves_it_off(
     page.wait_for_selector(ANSWERED)
 
 
+def test_buttons_stay_under_the_pointer_while_the_camera_runs(
+    open_page: Callable[..., Any],
+) -> None:
+    page = open_page(PAIR, permissions=["camera"], viewport={"width": 1280, "height": 720})
+    page.wait_for_selector(ANSWERED)
+    button = page.locator(f"{SLOT.format('vis')} .live")
+    button.dblclick()  # the second click arrives at the same place
+    assert button.get_attribute("aria-pressed") == "false"
+    page.wait_for_selector(ANSWERED)
+
+
 def test_where_tells_whether_any_part_matters(open_page: Callable[..., Any]) -> None:
     page = open_page("?view=pair&vis=row:0")
     page.wait_for_selector(ANSWERED)
@@ -244,6 +255,10 @@ def test_a_head_is_trained_scrubbed_used_and_saved(open_page: Callable[..., Any]
     page.click(".train .go")
     page.wait_for_selector(".train .status:has-text('Done: 6 epochs')", timeout=120_000)
     assert page.locator(".train .charts figure").count() == 6
+    assert page.evaluate(
+        "Math.min(...[...document.querySelectorAll('.train .charts text')].map((t) => "
+        "parseFloat(getComputedStyle(t).fontSize) * t.getScreenCTM().a)) >= 11"
+    )
     last = page.evaluate("document.querySelector('.train .map canvas').toDataURL()")
     page.focus(".train .scrubber input")
     for _ in range(4):
@@ -258,6 +273,7 @@ def test_a_head_is_trained_scrubbed_used_and_saved(open_page: Callable[..., Any]
     page.click(".train .use")
     page.wait_for_url("**/?set=*")
     page.wait_for_selector(".ov.explore:visible")
+    page.wait_for_selector(".explore .modes [data-key=moved][aria-checked=true]")
     open_tab(page, "data")
     page.wait_for_selector(".data .facts:has-text('D = 16')")
 

@@ -3,7 +3,7 @@
 import { asText, axis, MEASURES, spread, values } from "../shared/measures.js";
 
 const H = 108;
-const LEAST = 200; // CSS pixels; charts are drawn at the width of their box, so text keeps its size
+const LEAST = 150; // CSS pixels; charts are drawn at the width of their box, so text keeps its size
 const PAD = { left: 38, right: 10, top: 8, bottom: 22 };
 const CLOSE = 0.03; // a head works about this far from its learned p
 /** @type {(v: number, span: number[]) => number} */

@@ -107,7 +107,7 @@ export class Maps {
       : gap("modality_gap", "modality gap", "") + gap("domain_gap", "domain gap", "");
     const of =
       hides.length && !(domain && hides.length === 1)
-        ? `<span class="gap">${hides.map(escaped).join(" · ")}: gaps are of ${domain ? "the whole domain" : "all pairs"}</span>`
+        ? `<span>${hides.map(escaped).join(" · ")}: gaps are of ${domain ? "the whole domain" : "all pairs"}</span>`
         : "";
     return `<span class="where-at">${name} <small>${METHODS[kind] ?? kind}</small></span>${gaps}${of}`;
   }

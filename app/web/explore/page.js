@@ -1,5 +1,6 @@
 /** The parts of Explore, connected to one scene and to the address. */
 
+import { refused } from "../shared/api.js";
 import { card } from "../shared/card.js";
 import { pairNames, unseen } from "../shared/facts.js";
 import { showFilters } from "../shared/filters.js";
@@ -71,7 +72,10 @@ export class Page {
     );
     unseen().then(
       (found) => this.learn({ unseen: found }),
-      () => {},
+      (error) =>
+        refused(error, (sentence) => {
+          this.$(".strangers .hint").textContent = sentence;
+        }),
     );
   }
 

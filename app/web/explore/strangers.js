@@ -154,7 +154,7 @@ export class Strangers {
     this.showConfusion();
     this.onCell(this.cell && { ...this.cell, domain: this.domain, pairs: this.pairsOf(this.cell) });
     this.box.querySelector(".cell-words").textContent = this.cell
-      ? "The map shows these pairs; the table below lists them."
+      ? "These pairs are on the map and in the table below, which shows what is predicted at the current p."
       : "Choose a cell to see its pairs.";
   }
 

@@ -14,7 +14,7 @@ const ends = (all) => [Math.min(...all), Math.max(...all)];
 /**
  * `at` gives values from the screen: gap(measure, stage), order, unseen, toy, curve (accuracy over
  * stops), orders, kind. A step is {title, set, ask, options, right(at), reveal(at)}; options are
- * [key, words], `right` returns the key of the correct one.
+ * [key, words], `right` returns the key of the correct one, or several keys.
  */
 export const STEPS = [
   {
@@ -63,15 +63,19 @@ export const STEPS = [
     options: Object.entries(NAMES),
     right: (at) => smallest(at),
     reveal: (at) => {
-      const step = smallest(at);
-      const [gap, margin, last] = [
+      const steps = smallest(at);
+      const step = steps.at(-1);
+      const [gap, margin, before, last] = [
         at.gap("modality_gap", step),
-        at.gap("margin", step),
-        at.gap("margin", "f_hat"),
+        ...[step, "frft", "f_hat"].map((one) => at.gap("margin", one)),
       ];
-      const start = `At ${NAMES[step]}: ${b(gap.toFixed(2))}. Its cosine margin between classes is ${b(margin.toFixed(2))}`;
+      const start = `At ${steps.map((one) => NAMES[one]).join(" and ")}: ${b(gap.toFixed(2))}. The cosine margin between classes is ${b(margin.toFixed(2))} there`;
+      const together =
+        margin < before
+          ? "the classes have moved together, too, and the tree spreads them again"
+          : "the classes are still close together, and the tree spreads them";
       return step !== "f_hat" && margin < last
-        ? `${start}, against ${b(last.toFixed(2))} at F̂: the classes have moved together, too, and the tree spreads them again. So read a gap beside margin and accuracy.`
+        ? `${start}, against ${b(last.toFixed(2))} at F̂: ${together}. So read a gap beside margin and accuracy.`
         : `${start}. A gap alone means little: read it beside margin and accuracy.`;
     },
   },
@@ -115,16 +119,18 @@ export const STEPS = [
       const doubt = close.length
         ? ` The intervals of ${[first, ...close].map((key) => READINGS[key]).join(" and ")} overlap.`
         : "";
-      return `${shares.join(", ")}; guessing ${percent(unseen.chance)}.${doubt} The bars show each domain; the source, ${b(unseen.source)}, is marked. Where data are simulated, none of this is a result on real sensors.`;
+      return `Right: ${shares.join(", ")}; guessing ${percent(unseen.chance)}.${doubt} The bars show each domain; the source, ${b(unseen.source)}, is marked. Where data are simulated, none of this is a result on real sensors.`;
     },
   },
 ];
 
 const known = (curve) => curve.filter(Number.isFinite);
-const smallest = (at) =>
-  Object.keys(NAMES).reduce((least, step) =>
-    at.gap("modality_gap", step) < at.gap("modality_gap", least) ? step : least,
-  );
+/** The steps with the smallest modality gap, as it is written. */
+const smallest = (at) => {
+  const written = (step) => at.gap("modality_gap", step).toFixed(2);
+  const least = Object.keys(NAMES).map(written).sort()[0];
+  return Object.keys(NAMES).filter((step) => written(step) === least);
+};
 const best = (unseen) =>
   Object.keys(READINGS).reduce((most, key) =>
     unseen.unseen[`answers/${key}`].share > unseen.unseen[`answers/${most}`].share ? key : most,

@@ -75,12 +75,11 @@ class Tour {
   reveal(option) {
     const step = STEPS[this.at];
     const screen = this.screen();
-    const right = step.right(screen);
+    const right = [step.right(screen)].flat();
     const words = (key) => step.options.find(([own]) => own === key)[1];
-    const verdict =
-      option === right
-        ? '<b class="right">As you predicted.</b>'
-        : `<b class="wrong">Not so: ${words(right).toLowerCase()}.</b>`;
+    const verdict = right.includes(option)
+      ? '<b class="right">As you predicted.</b>'
+      : `<b class="wrong">Not so. Correct: “${right.map(words).join("”, “")}”.</b>`;
     this.lay(
       step,
       `<p>${verdict} ${step.reveal(screen)}</p>`,

@@ -25,9 +25,9 @@ const slotHtml = ([key, [name, what]]) => `
   <div class="slot panel" data-modality="${key}" tabindex="0" aria-label="${name}: ${what}. Drop or paste an image here.">
     <h3><span class="sign ${key}"></span>${name} <small>${what}</small></h3>
     <div class="picture"><span>Drop or paste an image</span></div>
-    <p class="what">&nbsp;</p>
     <div class="row"><label class="choose">Choose file<input type="file" accept="image/*,.tif,.tiff,.webp,.png,.jpg" aria-label="Choose a ${name.toLowerCase()}"></label>
     <button type="button" class="camera" title="Take one picture">Camera</button><button type="button" class="live" aria-pressed="false" title="Predict from the camera, picture after picture">Live</button><button type="button" class="where" title="Hide one part after the other and see how the prediction changes">Where?</button><button type="button" class="clear" aria-label="Remove the ${name.toLowerCase()}">Remove</button></div>
+    <p class="what">&nbsp;</p>
   </div>`;
 
 class Slot {

@@ -26,9 +26,13 @@ export function verdict(frames, pair, stop) {
     truth: frames.classes[frames.label[pair]],
     said: frames.classes[frames.prediction[at]],
     right: frames.prediction[at] === frames.label[pair],
-    confidence: frames.confidence[at] / 255,
+    confidence: frames.kind === "retrained" ? NaN : frames.confidence[at] / 255, // has no temperature there
   };
 }
+
+/** A verdict in words: its class, and its probability if that has a temperature. */
+export const saidHtml = ({ right, said, confidence }) =>
+  `${right ? "✓" : "✗"} ${escaped(said)}${Number.isFinite(confidence) ? `, ${Math.round(100 * confidence)} %` : ""}`;
 
 /** The class that a pair imitates, in words; "" if none. */
 export function imitation(pairs, pair) {
@@ -52,7 +56,7 @@ export function card(frames, sprite, pair, stop, pinned, sample = -1, pairs = nu
   return `<h3>Pair ${pair}${pinned ? ' <span class="tag">pinned</span>' : ""}</h3>
     ${thumbnailPair(frames, sprite, pair, 124)}
     <dl><dt>Domain</dt><dd>${escaped(v.domain)}${source}</dd><dt>Class</dt><dd>${escaped(v.truth)}${note ? ` <small>${escaped(note)}</small>` : ""}</dd>
-    <dt>Predicted</dt><dd class="${v.right ? "right" : "wrong"}">${v.right ? "✓" : "✗"} ${escaped(v.said)}, ${Math.round(100 * v.confidence)} %</dd></dl>
+    <dt>Predicted</dt><dd class="${v.right ? "right" : "wrong"}">${saidHtml(v)}</dd></dl>
     ${
       pinned
         ? `<div class="near"><h4>Nearest by cosine to <span><button type="button" class="find" data-of="0">VIS</button> <button type="button" class="find" data-of="1">TAC</button></span></h4><div class="found"></div></div>

@@ -1,6 +1,6 @@
 /** Small line charts over epochs. Values in, SVG text out. */
 
-const W = 300;
+const W = 300; // unless the width of the box is known; text keeps its size then
 const H = 120;
 const PAD = { left: 38, right: 8, top: 8, bottom: 18 };
 
@@ -15,15 +15,15 @@ export function niceTop(value) {
  * series: [{name, colour, points: [[epoch, value]], dashed}]; top: of the axis, computed by default;
  * low: its lower end; at: the epoch that is marked; total: epochs in all; unit: "%" shows shares.
  */
-export function chart({ title, series, total, at, top = null, low = 0, level = null, unit = "" }) {
+export function chart({ title, series, total, at, top = null, low = 0, level = null, unit = "", wide = W }) {
   const values = series.flatMap((one) => one.points.map(([, v]) => v)).filter(Number.isFinite);
   const high = top ?? niceTop(Math.max(0.001, ...values));
-  const X = (epoch) => PAD.left + ((epoch - 1) / Math.max(1, total - 1)) * (W - PAD.left - PAD.right);
+  const X = (epoch) => PAD.left + ((epoch - 1) / Math.max(1, total - 1)) * (wide - PAD.left - PAD.right);
   const Y = (v) => H - PAD.bottom - ((v - low) / (high - low)) * (H - PAD.top - PAD.bottom);
   const figure = (v) => (unit === "%" ? `${Math.round(100 * v)} %` : `${+v.toFixed(2)}`);
   const grid = [low, (low + high) / 2, high].map(
     (v) =>
-      `<line class="grid" x1="${PAD.left}" x2="${W - PAD.right}" y1="${Y(v)}" y2="${Y(v)}"/><text x="${PAD.left - 5}" y="${Y(v) + 4}" text-anchor="end">${figure(v)}</text>`,
+      `<line class="grid" x1="${PAD.left}" x2="${wide - PAD.right}" y1="${Y(v)}" y2="${Y(v)}"/><text x="${PAD.left - 5}" y="${Y(v) + 4}" text-anchor="end">${figure(v)}</text>`,
   );
   const lines = series.map(({ colour, points, dashed }) => {
     const d = points
@@ -34,16 +34,16 @@ export function chart({ title, series, total, at, top = null, low = 0, level = n
   const chance =
     level === null
       ? ""
-      : `<line class="chance" x1="${PAD.left}" x2="${W - PAD.right}" y1="${Y(level)}" y2="${Y(level)}"/>`;
+      : `<line class="chance" x1="${PAD.left}" x2="${wide - PAD.right}" y1="${Y(level)}" y2="${Y(level)}"/>`;
   const now = series.map(({ name, colour, points }) => {
     const last = points.findLast(([epoch]) => epoch <= at);
     return `<span><i style="background:${colour}"></i>${name} <b>${last ? (unit === "%" ? `${(100 * last[1]).toFixed(1)} %` : last[1].toFixed(3)) : "–"}</b></span>`;
   });
-  return `<figure><figcaption>${title}</figcaption><svg viewBox="0 0 ${W} ${H}" role="img" aria-label="${title} over epochs">${grid.join("")}${chance}${lines.join("")}<line class="now" x1="${X(at)}" x2="${X(at)}" y1="${PAD.top}" y2="${H - PAD.bottom}"/><text x="${PAD.left}" y="${H - 3}">1</text><text x="${W - PAD.right}" y="${H - 3}" text-anchor="end">${total}</text></svg><p class="now-values">${now.join("")}</p></figure>`;
+  return `<figure><figcaption>${title}</figcaption><svg viewBox="0 0 ${wide} ${H}" role="img" aria-label="${title} over epochs">${grid.join("")}${chance}${lines.join("")}<line class="now" x1="${X(at)}" x2="${X(at)}" y1="${PAD.top}" y2="${H - PAD.bottom}"/><text x="${PAD.left}" y="${H - 3}">1</text><text x="${wide - PAD.right}" y="${H - 3}" text-anchor="end">${total}</text></svg><p class="now-values">${now.join("")}</p></figure>`;
 }
 
-/** The charts of a run. learned: classes, for the chance line. */
-export function charts(epochs, total, at, classes) {
+/** The charts of a run. classes: for the chance line; wide: of a chart, in CSS pixels. */
+export function charts(epochs, total, at, classes, wide = W) {
   const of = (read) => epochs.map((one) => [one.epoch, read(one)]).filter(([, v]) => Number.isFinite(v));
   const measure = (name) => of((one) => one.measures[name]);
   const [blue, orange, green, grey] = ["#2f7fd1", "#d55e00", "#009e73", "#8c8c8c"];
@@ -52,6 +52,7 @@ export function charts(epochs, total, at, classes) {
       title: "Loss",
       total,
       at,
+      wide,
       series: [
         { name: "total", colour: blue, points: of((one) => one.loss) },
         { name: "cross-entropy", colour: orange, points: of((one) => one.cross_entropy) },
@@ -61,6 +62,7 @@ export function charts(epochs, total, at, classes) {
       title: "Accuracy",
       total,
       at,
+      wide,
       top: 1,
       unit: "%",
       level: 1 / classes,
@@ -73,6 +75,7 @@ export function charts(epochs, total, at, classes) {
       title: "Unseen domains, one image",
       total,
       at,
+      wide,
       top: 1,
       unit: "%",
       level: 1 / classes,
@@ -85,6 +88,7 @@ export function charts(epochs, total, at, classes) {
       title: "Gaps of F̂",
       total,
       at,
+      wide,
       series: [
         { name: "modality", colour: orange, points: measure("modality_gap/f_hat") },
         { name: "domain", colour: green, points: measure("domain_gap/f_hat") },
@@ -94,12 +98,14 @@ export function charts(epochs, total, at, classes) {
       title: "Cosine margin of F̂",
       total,
       at,
+      wide,
       series: [{ name: "margin", colour: green, points: measure("margin/f_hat") }],
     }),
     chart({
       title: "p",
       total,
       at,
+      wide,
       top: 1,
       series: [{ name: "p", colour: "#b91c1c", points: of((one) => one.order) }],
     }),

@@ -139,7 +139,13 @@ class TrainTab {
     slider.value = this.at;
     this.$(".scrubber output").textContent = `${this.at} of ${run.total}`;
     if (!done) return;
-    this.$(".charts").innerHTML = charts(run.epochs, run.total, Math.max(1, this.at), run.classes);
+    this.$(".charts").innerHTML = charts(
+      run.epochs,
+      run.total,
+      Math.max(1, this.at),
+      run.classes,
+      this.$(".charts svg")?.getBoundingClientRect().width || undefined,
+    );
     this.map.show(mapAt(run.epochs, this.at)?.map);
   }
 
@@ -168,6 +174,7 @@ class TrainTab {
     const address = new URL(location.href);
     address.search = "";
     address.searchParams.set("set", this.run.state.set);
+    address.searchParams.set("mode", "moved"); // its own frames; the other modes are other heads
     location.assign(address);
   }
 
