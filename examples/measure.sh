@@ -36,4 +36,4 @@ done
 gzip -9nc "$out/full/runs.jsonl" >examples/records/protocol_full.jsonl.gz
 grep '"base": "omnivat"' "$out/light/runs.jsonl" | gzip -9n >examples/records/protocol.jsonl.gz
 cp "$out/ablations/ablations.md" "$out"/ablations/*.svg docs/benchmarks/
-cp "$out/ablations/runs.jsonl" docs/benchmarks/ablations.jsonl
+gzip -9nc "$out/ablations/runs.jsonl" >docs/benchmarks/ablations.jsonl.gz
