@@ -1,10 +1,8 @@
 """Heads and sets loaded by visitors, each named by a hash of its content.
 
 A desk is the head and set that a visitor uses. The server starts with one. A loaded head or set
-makes
-another, which only those with its name can reach. Files are in the server's temporary folder;
-removing
-a desk removes its files and cancels its unfinished jobs.
+makes another, which only those with its name can reach. Files are in the server's temporary folder;
+removing a desk removes its files and cancels its unfinished jobs.
 """
 
 import os
@@ -98,8 +96,7 @@ class Desks:
         check    called between steps; an error it raises ends the work
 
         Two equal loads at the same time make one desk. Raises DataError, one sentence, if the files
-        are
-        not a head or set, or do not fit together.
+        are not a head or set, or do not fit together.
         """
         base = self.named(beside)
         key = _key(parts, beside, compare)

@@ -1,8 +1,7 @@
 """Access rules of the server and its page, checked before any route.
 
 Pages of other sites may not send requests. Host names that others bind to this machine (DNS
-rebinding)
-are not served. The page itself loads nothing from other hosts.
+rebinding) are not served. The page itself loads nothing from other hosts.
 """
 
 import json

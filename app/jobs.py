@@ -1,10 +1,8 @@
 """Long work: a queue with positions, and a state for each job.
 
 A job is a function that takes its `Job` and regularly calls `job.report(step)` or `job.check()`. In
-these
-calls it stops if its visitor is gone or its time is over, and waits while a job of higher priority
-runs.
-Every error becomes a sentence and a state.
+these calls it stops if its visitor is gone or its time is over, and waits while a job of higher
+priority runs. Every error becomes a sentence and a state.
 """
 
 import logging

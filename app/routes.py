@@ -1,8 +1,7 @@
 """The page's routes: scripts, data files, and JSON requests.
 
 Only listed files are served. Every error is one sentence. `?set=NAME` selects a head or set that
-was
-loaded through the page.
+was loaded through the page.
 """
 
 from collections.abc import Callable, Mapping
@@ -137,8 +136,7 @@ async def frames(desks: Desks, request: Request) -> Response:
     """Serve the frames of a head, or their progress (202), or the reason of a failure (404).
 
     A header marks frames of which finer ones will follow. Once a map is served, head and set load
-    in
-    the background, so that the first request is fast.
+    in the background, so that the first request is fast.
     """
     resources = desk_of(desks, request)
     mode = request.query_params.get("mode", "")

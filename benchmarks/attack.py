@@ -1,10 +1,8 @@
 """Attack the page and count the results: `python -m benchmarks.attack`.
 
 Hostile images, heads, sets, requests and callers are sent to the page's routes. A case passes if
-the
-status is below 500 within the time limit, an error is one sentence, and no sentence contains a
-folder of
-the server. Failures are printed with their seed.
+the status is below 500 within the time limit, an error is one sentence, and no sentence contains a
+folder of the server. Failures are printed with their seed.
 """
 
 import argparse

@@ -10,8 +10,7 @@ Writes the images (640 x 480, all different, and one that cannot be read), then 
 3. the same command again, which resumes from the parts.
 
 It fails if a process uses more than 2 GB, if a pair is missing or embedded again, or if the two
-files
-differ. Linux only: memory is read from /proc.
+files differ. Linux only: memory is read from /proc.
 """
 
 import argparse

@@ -4,16 +4,13 @@
 
 With --out it writes encoders.json, encoders.md and, with matplotlib installed, encoders.png. All
 ways run on one thread, like the embedding engine's workers, and alternate, so that other load
-affects
-all of them. On a shared machine, compare CPU time. The
-error is 1 - cosine to fp32, image by image, over generated pictures.
+affects all of them. On a shared machine, compare CPU time. The error is 1 - cosine to fp32, image
+by image, over generated pictures.
 
 bf16 is included if the CPU has instructions for it (`omnivat.encoders.running.cpu_has_bf16`), ONNX
 Runtime if `onnx`, `onnxscript` and `onnxruntime` are installed. EfficientNet-Lite0 has its
-published
-weights. CLIP's towers have random weights of the published sizes: their times are valid, their
-errors
-approximate.
+published weights. CLIP's towers have random weights of the published sizes: their times are valid,
+their errors approximate.
 """
 
 import argparse

@@ -5,8 +5,8 @@
 Embeddings are random with width 512 (times do not depend on their values), the head is untrained,
 and flips come from two cached copies. The floor counts the operations of docs/method.md, "Folding",
 at the best rate of a large float32 matrix product, by the wall clock and with the same threads,
-measured right before and after. An epoch of 5,520 samples is
-345 steps; `--steps` of them are timed one by one, and the median is scaled.
+measured right before and after. An epoch of 5,520 samples is 345 steps; `--steps` of them are timed
+one by one, and the median is scaled.
 """
 
 import argparse

@@ -3,8 +3,7 @@
     python -m benchmarks.page [--repeat 3] [--out docs/benchmarks/page]
 
 Each round starts a server and makes one whole visit. Figures are medians of the rounds, with
-minimum
-and maximum. Writes a page and a JSON. `--picture FILE` only saves a picture of Explore.
+minimum and maximum. Writes a page and a JSON. `--picture FILE` only saves a picture of Explore.
 """
 
 import argparse

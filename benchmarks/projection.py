@@ -4,8 +4,7 @@
 
 Each method runs in a separate process, so that its first call includes compilation and warm-up. All
 methods use the same points for quality. One thread by default: with more, waiting threads count as
-CPU
-time.
+CPU time.
 """
 
 import argparse

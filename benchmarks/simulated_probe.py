@@ -82,8 +82,7 @@ def judged(features: Features) -> Judged:
     """Return the predictions of probes trained on each domain, for its test pairs and other domains.
 
     Within a domain, its test pairs are predicted; in another domain, all its pairs, which are
-    unseen.
-    Ceramic is left out if the source or the target has none, as in the paper.
+    unseen. Ceramic is left out if the source or the target has none, as in the paper.
     """
     domains, materials = features.column("domain"), features.column("material")
     split = features.column("split")

@@ -5,8 +5,7 @@ class.
 
 The upper row shows the first test pair of each class that imitates no other, the lower one the
 first visual imitator, with the imitated class's name; the examples are not selected. Without a
-table in
-the folder, imitations are unknown, and the first two pairs are shown.
+table in the folder, imitations are unknown, and the first two pairs are shown.
 """
 
 import argparse

@@ -4,8 +4,7 @@
                               [--threads N] [--out FILE]
 
 Embeddings are random with width 512 (times do not depend on their values); the head is untrained.
-The
-predictions of the sweep are compared with the head's before timing.
+The predictions of the sweep are compared with the head's before timing.
 """
 
 import argparse

@@ -5,8 +5,7 @@
 Short trainings of the light head (2 epochs, the warm-up and the full rate): every λ with every R,
 rate, shipped source and two seeds, then synthetic extremes of embeddings, batches and orders. A run
 passes if every weight, loss and prediction is finite. A run that stops with an explanation counts
-as
-refused. "Held back" counts steps with a clipped gradient.
+as refused. "Held back" counts steps with a clipped gradient.
 """
 
 import argparse

@@ -2,8 +2,7 @@
 
 Commands accept --device; `computing_on` applies it to all work inside, including worker processes.
 Functions that load or train a head use `current()`; all others use the device of their input. Sets
-of
-embeddings stay in main memory, and single batches move to the device.
+of embeddings stay in main memory, and single batches move to the device.
 """
 
 import os

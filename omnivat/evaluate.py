@@ -100,8 +100,8 @@ def evaluate(
 
     If the data have a split, only the test part counts. "trained_on" is true when evaluated on
     training pairs. Pairs of classes that the head lacks are left out and counted. F1 averages the
-    classes present in the domain; the "union" variant also averages
-    classes that were only predicted.
+    classes present in the domain; the "union" variant also averages classes that were only
+    predicted.
 
     Raises DataError if the embeddings are from another encoder.
     """

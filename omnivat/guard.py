@@ -1,10 +1,9 @@
 """The LANG guard: how much a head depends on text, which prediction does not have.
 
 In training, F-bar of LANG guides half of the pairs. It is the text of their class, so a head can
-read
-the label from it. The guard predicts the source's test pairs with that text and without. The gap
-should
-be below five points; a larger one means that part of the training learned to read labels.
+read the label from it. The guard predicts the source's test pairs with that text and without. The
+gap should be below five points; a larger one means that part of the training learned to read
+labels.
 """
 
 import numpy as np

@@ -1,8 +1,7 @@
 """Check untrusted files before loading them.
 
 JSON must have limited depth, numbers of limited length and valid texts. A safetensors file must
-have a
-header of limited size, few names and expected types. Every error is one sentence.
+have a header of limited size, few names and expected types. Every error is one sentence.
 """
 
 import json

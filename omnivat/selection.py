@@ -2,9 +2,8 @@
 
 Targets are never used. Held-out objects alone measure how well a method fits its source, but a new
 sensor also shifts all embeddings of a modality. An imitated sensor applies one random offset and
-one
-random scale to all held-out pairs of a modality, drawn at the scale of the source's spread. Several
-draws imitate several unknown sensors, of two kinds:
+one random scale to all held-out pairs of a modality, drawn at the scale of the source's spread.
+Several draws imitate several unknown sensors, of two kinds:
 
 axes    each axis is shifted independently, including axes that hardly vary
 spread  the offset is drawn from the distribution of the source's pairs, along the directions in

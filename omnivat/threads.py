@@ -2,8 +2,7 @@
 
 `torch.set_num_threads` changes the calling thread, and also the default of threads started later. A
 thread started during a small job would then keep one torch thread for ever, so a helper thread
-resets
-the default at once.
+resets the default at once.
 """
 
 import os

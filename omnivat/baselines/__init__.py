@@ -2,9 +2,8 @@
 
 `BASELINES` maps names to fit functions: fit(Source) -> Fitted (see contract.py). `LABELS` has the
 name of each method in tables. A surrogate of a published method that cannot run on pooled
-embeddings
-has a suffix in its label and a note on what is missing. `omnivat.tables.load` imports a method on
-first use.
+embeddings has a suffix in its label and a note on what is missing. `omnivat.tables.load` imports a
+method on first use.
 """
 
 from typing import NamedTuple

@@ -3,8 +3,7 @@
 The published method (Gupta et al., ICLR 2025) trains a transformer of its own on simulated sensors,
 with calibration presses that the data sets here lack. Over frozen embeddings, only its supervised
 contrastive loss (τ = 0.07) and a linear probe remain. Its prediction for a pair uses the touch
-alone;
-"photo only" is the same head trained on photos, for comparison.
+alone; "photo only" is the same head trained on photos, for comparison.
 """
 
 import torch

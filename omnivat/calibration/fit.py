@@ -41,8 +41,7 @@ def fit_share(vis: Tensor, tac: Tensor, labels: Tensor) -> float:
     vis, tac  (N, K) logits;  labels  (N,)
 
     Every share is scored at its own best temperature, so that confidence does not affect the
-    choice.
-    Ties go to the share nearest to 0.5.
+    choice. Ties go to the share nearest to 0.5.
     """
 
     def loss(share: float) -> tuple[float, float]:

@@ -3,8 +3,7 @@
     python -m omnivat predict VIS TAC [VIS TAC ...] [--head DIR] [--order P] [--json]
 
 Write "-" for a missing VIS or TAC. Of --pairs, pairs with an unreadable image are named on stderr
-and
-left out.
+and left out.
 """
 
 import argparse

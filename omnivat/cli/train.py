@@ -3,9 +3,8 @@
 python -m omnivat train --embeddings FILE --source DOMAIN --out DIR [--set key=value ...]
 
 DIR holds the state after every epoch until the head is finished; --resume resumes a stopped
-training,
-with identical final weights. A second training on three quarters of the objects then fits the
-temperatures to the last quarter; --no-calibration skips it.
+training, with identical final weights. A second training on three quarters of the objects then fits
+the temperatures to the last quarter; --no-calibration skips it.
 """
 
 import argparse

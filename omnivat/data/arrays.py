@@ -1,8 +1,8 @@
 """Read and write `.safetensors` files that need not fit in memory.
 
 The safetensors package reads and writes whole arrays. Here, arrays are memory-mapped for reading
-and
-written block by block. The format: 8 bytes with the length of a JSON table, the table, the numbers.
+and written block by block. The format: 8 bytes with the length of a JSON table, the table, the
+numbers.
 """
 
 import json

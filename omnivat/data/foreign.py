@@ -1,12 +1,10 @@
 """Import embeddings from other programs: NPZ, Parquet, HDF5 or a CSV of vectors.
 
 Each file has the vectors `vis` and `tac`, one row for each pair, and each pair's `material`. In NPZ
-and
-HDF5 the vectors are arrays (N, D). In Parquet they are columns of lists, or numbered columns
-`vis_0`,
-`vis_1`, ... as in a CSV. Optional columns: `domain`, `object`, `split`, `part`, `looks_like`,
-`feels_like`, the file names `vis_file` and `tac_file`, and the mirrored vectors `vis_flip` and
-`tac_flip`.
+and HDF5 the vectors are arrays (N, D). In Parquet they are columns of lists, or numbered columns
+`vis_0`, `vis_1`, ... as in a CSV. Optional columns: `domain`, `object`, `split`, `part`,
+`looks_like`, `feels_like`, the file names `vis_file` and `tac_file`, and the mirrored vectors
+`vis_flip` and `tac_flip`.
 """
 
 import re

@@ -75,8 +75,7 @@ def read_image(
     reduced  True reduces a large picture; False keeps every pixel
 
     Raises DataError, with the file and the remedy, if it is missing, empty, truncated, not an
-    image,
-    over the limits, under 8 pixels on a side, or has values without a known range.
+    image, over the limits, under 8 pixels on a side, or has values without a known range.
     """
     if isinstance(source, Image.Image):
         return _rgb(source, name or "the image", reduced=reduced)
@@ -152,8 +151,7 @@ def _open(handle: BytesIO, found: ImageFile, name: str) -> Image.Image:
     """Read the header only.
 
     `Image.open` would warn about large images, and silencing a warning is not thread-safe. PIL's
-    table
-    of readers gives the size without the warning.
+    table of readers gives the size without the warning.
     """
     kind = found.kind
     try:

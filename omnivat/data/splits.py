@@ -1,8 +1,7 @@
 """Split pairs without dividing objects, and balance classes.
 
 Pairs with the same object name belong to one object, which may be a clip or an item. A pair without
-a
-name is a separate object.
+a name is a separate object.
 """
 
 from collections import Counter, defaultdict
@@ -55,8 +54,7 @@ def _choose(
     """Return objects that together hold about `fraction` of each class.
 
     Objects are visited in random order, and one is chosen if that brings its classes closer to
-    their
-    share. Then every class without one gets its smallest object, if it has another.
+    their share. Then every class without one gets its smallest object, if it has another.
     """
     total: Counter[Hashable] = Counter()
     owners: Counter[Hashable] = Counter()

@@ -1,9 +1,8 @@
 """The Ray engine: the same chunks over Ray Data, for a cluster and millions of images.
 
 All machines need the images under the same paths and the same weights, which are checked. If a
-machine
-fails, others repeat its chunks. Part files are named by their chunk, so a repeated chunk is stored
-once.
+machine fails, others repeat its chunks. Part files are named by their chunk, so a repeated chunk is
+stored once.
 """
 
 import pickle

@@ -2,8 +2,8 @@
 
 Radford et al., "Learning Transferable Visual Models From Natural Language Supervision", 2021,
 section 2.4: a ResNet with a stem of three convolutions, average pooling before each convolution
-that would have a stride, and attention instead of the last average.
-All sizes come from the weights, so towers of other depth or width work, too.
+that would have a stride, and attention instead of the last average. All sizes come from the
+weights, so towers of other depth or width work, too.
 """
 
 from typing import TYPE_CHECKING

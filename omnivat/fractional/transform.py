@@ -93,8 +93,7 @@ def dfrft(
     Unitary, additive in the order, differentiable in x and in the order any number of times. Orders
     0, 1, 2, 3 (mod 4) use the identity, the FFT, the reversal and the inverse FFT if no gradient is
     needed (the FFT only if no prime factor of N exceeds 13: beyond, libraries lose digits). For
-    many
-    orders of the same x, keep `coefficients(x)` and call `synthesise`.
+    many orders of the same x, keep `coefficients(x)` and call `synthesise`.
 
     Source: Candan, Kutay, Ozaktas, "The discrete fractional Fourier transform", 2000.
     """

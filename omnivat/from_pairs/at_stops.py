@@ -1,8 +1,7 @@
 """A separate head at each order: many trainings with p fixed, in parallel processes, resumable.
 
 `<folder>/p0.3500/seed0` is an ordinary head folder. Its metrics.json also has "measures", the gaps
-and
-accuracies of `EpochReport`. A finished head is not trained again.
+and accuracies of `EpochReport`. A finished head is not trained again.
 """
 
 import json

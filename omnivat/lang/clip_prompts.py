@@ -14,8 +14,7 @@ class ClipPrompts:
     """A `CLIPTextModelWithProjection` of transformers and its tokenizer, as a `PromptTower`.
 
     A prompt is CONTEXT CLASS and a full stop. The context vectors are given; everything else is
-    CLIP's
-    and frozen.
+    CLIP's and frozen.
     """
 
     def __init__(self, network: Any, tokenizer: Any) -> None:

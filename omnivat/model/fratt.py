@@ -65,8 +65,7 @@ class FrATT(nn.Module):
         return   feature (B, D) and the attention weights (B, Q, T)
 
         The mean over queries is applied to the weights, before the values. By linearity the result
-        is
-        the same, at 1/Q of the cost.
+        is the same, at 1/Q of the cost.
         """
         score_root, value_root = self.roots
         scores = self.query(queries) @ self.key(tokens).mT

@@ -1,8 +1,7 @@
 """Fit one method on one source: choose its settings, fit its temperatures, train it on all pairs.
 
 Choices and temperatures use held-out objects of the source, a quarter of each class. For one seed,
-the
-head and the baselines hold out the same objects (`omnivat.baselines.evidence.folds`).
+the head and the baselines hold out the same objects (`omnivat.baselines.evidence.folds`).
 """
 
 from omnivat.lang.bank import LangBank

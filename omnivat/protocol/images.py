@@ -1,8 +1,7 @@
 """The images behind embeddings, for methods that learn inside the image tower.
 
 A set of embeddings stores image names relative to a folder, so that it can be moved. `omnivat
-embed`
-stores that folder in this machine's cache; `--images` sets another.
+embed` stores that folder in this machine's cache; `--images` sets another.
 """
 
 from collections.abc import Iterator

@@ -2,13 +2,12 @@
 
 One draw takes all sources with replacement, all seeds of each with replacement, and for each target
 domain as many objects of each class as it has. All sources, seeds and methods share the objects
-drawn
-for a domain, so differences are paired and a reused test set counts once.
+drawn for a domain, so differences are paired and a reused test set counts once.
 
 Differences to many rows have simultaneous intervals d ± q s, where s is the bootstrap's standard
 deviation of d and q the 95 % quantile of the largest |d* - d| / s over all rows (single-step
-max-t).
-All intervals hold together in 95 % of repetitions, so the best row may be picked after the fact.
+max-t). All intervals hold together in 95 % of repetitions, so the best row may be picked after the
+fact.
 """
 
 from collections.abc import Iterable, Mapping, Sequence

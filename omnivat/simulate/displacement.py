@@ -1,8 +1,7 @@
 """Tac3D: 20 × 20 markers with three-dimensional displacements, shown as a colour image.
 
 The picture is drawn as for real Tac3D files (`omnivat.data.tac3d`): (dx, dy, dz) become (red,
-green,
-blue) around mid-grey, on one scale for the whole domain.
+green, blue) around mid-grey, on one scale for the whole domain.
 """
 
 import numpy as np

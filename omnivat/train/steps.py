@@ -45,8 +45,7 @@ def pairs_of(kind: str, batch: Batch) -> Tensor | None:
     """Return a mask (B,) of the pairs of a kind: "guided" by LANG, "unguided"; None for all.
 
     Without LANG, all pairs are unguided. If a batch has no pair of the kind, all of its pairs
-    count;
-    otherwise a training that guides every pair would never fill its bank.
+    count; otherwise a training that guides every pair would never fill its bank.
     """
     if kind == "all" or batch.lang is None:
         return None

@@ -17,8 +17,7 @@ def chirp_embeddings(settings: ChirpSettings) -> Embeddings:
     """Return the whole set in memory: VIS and TAC are signals (N, D).
 
     The same settings give the same numbers. The largest magnitude of a signal is 1, as after
-    reading
-    its picture.
+    reading its picture.
     """
     count, domains = settings.pairs_per_class, settings.domains
     label = np.tile(np.repeat(np.arange(settings.classes), count), domains)

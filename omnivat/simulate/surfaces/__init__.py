@@ -2,8 +2,7 @@
 
 A recipe is a function from a random generator to a `Surface`. Recipes of different materials are
 similar on purpose (ribbed glass and ribbed plastic, cast steel and moulded plastic), so that
-neither
-sight nor touch alone is always enough.
+neither sight nor touch alone is always enough.
 """
 
 from collections.abc import Callable
