@@ -139,8 +139,7 @@ def _name(host: str) -> str:
 
 
 def _place(origin: str) -> tuple[str, int | None]:
-    """Return name and port. Default ports are equal, because the scheme may differ behind a
-    proxy."""
+    """Return name and port; default ports are equal, as a proxy may change the scheme."""
     try:
         parts = urlsplit(origin)
         port = parts.port

@@ -20,6 +20,5 @@ def names(environ: Mapping[str, str]) -> list[str]:
 
 
 def keeps_nothing(environ: Mapping[str, str]) -> bool:
-    """True if computed maps go to the temporary folder, because a service's disk may be
-    read-only."""
+    """True if maps go to the temporary folder: a service's disk may be read-only."""
     return is_hosted(environ) and not environ.get(CACHE)

@@ -93,8 +93,7 @@ def desk_of(desks: Desks, request: Request) -> Resources:
 
 
 async def nothing_here(_: Request) -> Response:
-    """Refuse requests to Gradio itself: it only lays out the tabs, and the page sends it
-    nothing."""
+    """Refuse requests to Gradio itself, which only lays out the tabs."""
     return refusal("The page takes nothing here; its own routes are under omnivat/.", 404)
 
 

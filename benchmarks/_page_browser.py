@@ -246,8 +246,7 @@ def measured(
 
 
 def fifty(address: str, pid: int, visitors: int = 50) -> dict[str, float]:
-    """Simulate fifty visitors at once; each loads the page, the map and a pair's 101
-    predictions."""
+    """Simulate fifty visitors at once; each loads page, map and a pair's 101 predictions."""
     before = resident_mb(pid)
 
     def visit(number: int) -> float:

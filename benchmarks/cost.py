@@ -1,5 +1,4 @@
-"""Cost of each method on one source: size, seconds for each epoch, peak memory, predictions per
-second.
+"""Cost of each method on one source: size, seconds per epoch, peak memory, prediction rate.
 
     python -m benchmarks.cost [--source TAG] [--methods a,b,c] [--out docs/benchmarks]
 

@@ -81,8 +81,7 @@ def basin_of(width: int, away: float) -> dict[str, Any]:
 
 
 def half_width(offsets: np.ndarray[Any, Any], losses: list[float]) -> float:
-    """Return the half width of the valley: the loss is half-way to its median; mean of both
-    sides."""
+    """Return the half width of the valley at half height; mean of both sides."""
     middle, level = len(losses) // 2, np.array(losses)
     half = (level[middle] + np.median(level)) / 2
     sides = []

@@ -1,5 +1,4 @@
-"""Peak memory of `omnivat protocol` on random embeddings of CLIP's width, with the paper's number
-of pairs.
+"""Peak memory of `omnivat protocol` on random embeddings, as many as in the paper.
 
 python -m benchmarks.protocol_memory [--width 512] [--source "OF 2.0 B"] [--methods omnivat] [--epochs 1]
 """

@@ -1,5 +1,4 @@
-"""Draw the contact sheet of the simulated domains: two rows for each domain, VIS and TAC of each
-class.
+"""Draw the contact sheet of the simulated domains: two rows for each domain.
 
     python -m benchmarks.simulated_sheet [--pairs DIR] [--out docs/simulated.webp]
 

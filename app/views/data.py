@@ -66,8 +66,7 @@ def embedding_facts(resources: Resources) -> dict[str, Any]:
 
 
 def without_nan(value: Any) -> Any:
-    """Return a record with None for NaN, such as a mean without targets, because JSON has no
-    NaN."""
+    """Return a record with None for NaN, which JSON lacks."""
     if isinstance(value, dict):
         return {key: without_nan(one) for key, one in value.items()}
     if isinstance(value, list | tuple):

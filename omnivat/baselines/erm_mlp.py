@@ -45,8 +45,7 @@ class Perceptron(nn.Module):
 
 
 def fit(source: Source) -> Fitted:
-    """Train with AdamW; held-out objects, with both images, choose learning rate and weight
-    decay."""
+    """Train with AdamW; held-out objects choose learning rate and weight decay."""
     chosen = best(
         source,
         CANDIDATES,

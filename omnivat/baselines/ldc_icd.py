@@ -23,8 +23,7 @@ CANDIDATES = {
 
 
 class DeConfusion(nn.Module):
-    """Base logits, an MLP's logits, base logits minus their estimated confusion, and a gated
-    mix."""
+    """Base logits, an MLP's logits, base logits without estimated confusion, and a gated mix."""
 
     def __init__(self, width: int, classes: int) -> None:
         super().__init__()

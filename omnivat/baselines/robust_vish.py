@@ -64,8 +64,7 @@ class RobustVisH(nn.Module):
 
 
 def fit(source: Source, how: Descent = HOW) -> Fitted:
-    """Train with AdamW and a cosine rate instead of the published cyclic rate (its middle,
-    1e-3)."""
+    """Train with AdamW and a cosine rate from 1e-3, the middle of the published cyclic rate."""
     scale_vis, scale_tac = scaling(source.vis, "standard"), scaling(source.tac, "standard")
     with seeded(derive_seed(source.seed, "robust-vish")):
         model = RobustVisH(len(source.classes))

@@ -1,5 +1,4 @@
-"""VT CMC, head only: a contrastive loss pulls VIS and TAC of a contact together; then a linear
-probe.
+"""VT CMC, head only: a contrastive loss over VIS and TAC of a contact, then a linear probe.
 
 Photo only and touch only are probes of one modality's projection.
 

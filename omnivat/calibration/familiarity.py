@@ -109,8 +109,7 @@ def nearest_cosine(
 
 
 def quantile_of(values: Tensor, quantiles: Tensor) -> Tensor:
-    """Return the quantile of values (B,) among ascending quantiles (Q,): 0 below all, 1 above
-    all."""
+    """Return the quantiles of values (B,) among ascending ones (Q,): 0 below all, 1 above all."""
     last = len(quantiles) - 1
     upper = torch.searchsorted(quantiles, values, right=True).clamp(1, last)
     low, high = quantiles[upper - 1], quantiles[upper]

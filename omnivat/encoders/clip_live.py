@@ -56,8 +56,7 @@ class LiveClip:
         return found
 
     def image_tokens(self, images: Tensor) -> Tensor:
-        """Return the input of the first layer: tokens (B, 1 + N, W) of images (B, 3, side,
-        side)."""
+        """Return the first layer's input: tokens (B, 1 + N, W) of images (B, 3, side, side)."""
         tower = self.image.vision_model
         tokens: Tensor = tower.pre_layrnorm(tower.embeddings(images))
         return tokens

@@ -14,8 +14,7 @@ WEIGHTS = ("model.safetensors", "pytorch_model.bin", "open_clip_model.safetensor
 
 
 def fetch(repository: str, *, megabytes: int = 0, download: str = "ask") -> Path | str:
-    """Return the folder of a model, cached or downloaded; or a sentence with the reason for
-    failure.
+    """Return the folder of a model, cached or downloaded; or the reason of a failure.
 
     repository  "owner/name"
     megabytes   size shown in the prompt, if known

@@ -49,8 +49,7 @@ def translate(network: nn.Module, example: Tensor, file: Path) -> None:
 
 
 def running(file: Path) -> Callable[[Tensor], Tensor]:
-    """Return a function that runs the network in `file` on one image (1, 3, H, W), on one
-    thread."""
+    """Return a function that runs the network in `file` on one image, on one thread."""
     runtime = import_module("onnxruntime")
     settings = runtime.SessionOptions()
     settings.intra_op_num_threads = settings.inter_op_num_threads = 1

@@ -24,8 +24,7 @@ def working_precision(x: Tensor) -> Tensor:
 
 
 def axis_from_end(x: Tensor, dim: int) -> int:
-    """Return dim counted from the end (-1 is the last axis). The axis must exist and have
-    samples."""
+    """Return dim counted from the end (-1 is the last axis), after checking the axis."""
     shape = tuple(x.shape)
     if not -len(shape) <= dim < len(shape):
         raise ShapeError(f"x has shape {shape}, expected an axis {dim}: choose an existing axis.")

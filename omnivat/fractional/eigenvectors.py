@@ -98,8 +98,7 @@ def inverse_gaps(values: Array) -> Array:
 
 
 def refined_spectrum(block: Tridiagonal) -> Array:
-    """Return the eigenvectors (n, n) of a tridiagonal block by decreasing eigenvalue, to 1-2
-    ulp."""
+    """Return eigenvectors (n, n) of a tridiagonal block, by decreasing eigenvalue, to 1-2 ulp."""
     rough = lapack_spectrum(block)
     x = rough.vectors
     if len(block) < 2:

@@ -43,8 +43,7 @@ class BlockPool:
             self._idle.clear()
 
     def take(self, size: int) -> mmap.mmap:
-        """Return a block of `size` bytes, rounded up to whole megabytes; its content is
-        arbitrary."""
+        """Return a block of `size` bytes, rounded up to megabytes, with arbitrary content."""
         size = math.ceil(size / _GRAIN) * _GRAIN
         with self._lock:
             for block in list(self._idle):

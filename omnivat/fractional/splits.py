@@ -114,8 +114,7 @@ class _Parity:
         self._place(wide, narrow, width, like)
 
     def _place(self, wide: Array, narrow: Array, width: int, like: Tensor) -> None:
-        """Pad weights with zeros to M samples and M coefficients: odd widths multiply more
-        slowly."""
+        """Pad weights with zeros to M samples and M coefficients: odd widths are slower."""
         pairs, first = len(narrow), self.first
 
         def tensor(block: Array) -> Tensor:
@@ -155,8 +154,7 @@ class QuarterSplit:
         self._halves: HalfSplit | None = None
 
     def _for_few_rows(self, rows: int) -> HalfSplit | None:
-        """Return the half split, faster where calls cost more than products: 9 operations, not
-        30."""
+        """Return the half split, faster where calls dominate: 9 operations instead of 30."""
         if rows > _FEW_ROWS or self.quarter > _FEW_ROWS_UP_TO // 4:
             return None
         if self._halves is None:

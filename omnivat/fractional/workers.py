@@ -23,8 +23,7 @@ _lock = threading.Lock()
 
 
 def _forget() -> None:
-    """Reset after a fork: the child has the pools without their threads, and perhaps a held
-    lock."""
+    """Reset after a fork: the child has pools without threads, and perhaps a held lock."""
     global _lock
     _lock = threading.Lock()
     _pools.clear()

@@ -1,5 +1,4 @@
-"""Cosine-similarity margin: how much closer features of the same class are than of different
-classes.
+"""Cosine margin: how much closer features of one class are than those of different classes.
 
 Every variant is exact and deterministic in O(N D): for unit rows, the products of all pairs of a
 group add up to |S|², where S is the sum of the group. No pairs are sampled and no N×N matrix is

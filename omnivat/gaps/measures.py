@@ -97,8 +97,7 @@ def mean_pairwise(features: Mapping[str, Tensor], facts: Facts, *, gap: str) -> 
 
 
 def accuracies(probabilities: Mapping[str, Tensor], facts: Facts) -> Values:
-    """Yield the accuracy of the fused prediction (over all, by domain) and of each other
-    reading."""
+    """Yield the accuracy of the fused prediction (all, by domain) and of each other reading."""
     yield from _scores(probabilities, facts, lambda p, labels: accuracy(labels, p.argmax(1)))
 
 

@@ -37,8 +37,7 @@ class WordTower(Protocol):
 
 
 def style_loss(style: Tensor, earlier: Tensor) -> Tensor:
-    """Return the mean |cosine| of a style's embedding (D,) with earlier ones (S, D); 0 for S =
-    0."""
+    """Return the mean |cosine| of a style (D,) with earlier styles (S, D); 0 for S = 0."""
     if not len(earlier):
         return style.new_zeros(())
     return (normalize(earlier, dim=-1) @ normalize(style, dim=-1)).abs().mean()

@@ -85,8 +85,7 @@ def fold_tree(tree: DTG) -> tuple[Tensor, Tensor]:
 
 
 def versions(module: nn.Module) -> list[tuple[int, int, torch.dtype]]:
-    """Return a value that changes whenever a weight does: in place, by loading, or by
-    conversion."""
+    """Return a value that changes with any weight: in place, by loading or conversion."""
     found, left = [], [module]
     while left:  # `Module.modules` takes twice as long, and this runs at every prediction
         part = left.pop()

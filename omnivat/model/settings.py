@@ -21,8 +21,7 @@ Fusion = Annotated[str, OneOf(FUSIONS)]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HeadSettings:
-    """How an OmniVaT head is built. Letters as in the paper; docs/method.md explains the
-    defaults."""
+    """How an OmniVaT head is built; docs/method.md explains letters and defaults."""
 
     classes: tuple[str, ...]
     input_width: Annotated[int, Within(1, 65536)]  # of the image encoder

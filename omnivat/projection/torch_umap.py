@@ -67,8 +67,7 @@ def sample_of(rows: int, seed: int) -> Tensor:
 
 
 def _spread(points: Tensor, chosen: Tensor, flat: Tensor) -> Tensor:
-    """Return the map of all points: `flat` for the sample, places between neighbours for the
-    rest."""
+    """Return the map of all points: `flat` for the sample; others between neighbours."""
     known = points[chosen]
     whole = torch.cat([place(some, known, flat) for some in points.split(PLACED)])
     whole[chosen] = flat

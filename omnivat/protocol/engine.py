@@ -78,8 +78,7 @@ def run_all(
 
 
 def stages(runs: Sequence[Run], first: int) -> list[list[Run]]:
-    """Return runs in two stages if any run chooses or calibrates: the first seed decides for
-    all."""
+    """Return two stages if any run chooses or calibrates: the first seed decides for all."""
     if not any(chooses(run) for run in runs):
         return [list(runs)]
     parts = [[run for run in runs if (run.seed == first) == early] for early in (True, False)]

@@ -107,8 +107,7 @@ def _number(value: Tensor) -> float | None:
 
 
 def named_objects(pairs: Embeddings) -> list[str]:
-    """Return each pair's object with its domain; a pair without an object counts as one, by
-    file."""
+    """Return each pair's object with its domain; without an object, its file."""
     domains = pairs.header.domains
     files = zip(pairs.rows["object"], pairs.rows["vis"], pairs.rows["tac"], strict=True)
     return [

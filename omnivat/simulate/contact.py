@@ -47,8 +47,7 @@ def indentation(height: Array, *, field: float, depth: float, dome: float) -> Ar
 
 
 def draped(indent: Array, *, field: float, give: float, skin: float) -> Array:
-    """Return the gel's displacement (mm): it follows the object in contact and is drawn down
-    nearby.
+    """Return the gel's displacement (mm): it follows the object and is drawn down nearby.
 
     From coarse to fine, the sheet is smoothed and pushed out of the object again, like an elastic
     skin. Finally it is smoothed by its own thickness `skin`.

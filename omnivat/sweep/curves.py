@@ -97,8 +97,7 @@ def sweep(
 def measured(
     found: AtOrder, facts: Facts, measures: Sequence[str]
 ) -> Iterator[tuple[str, str, float]]:
-    """Yield the values of all curves at one order: stage ("" for predictions), curve name,
-    value."""
+    """Yield stage ("" for predictions), name and value of all curves at one order."""
     for stage in (*found.features, *found.sums):
         for name, suffix, value in _of_stage(found, stage, facts, measures):
             variant, _, domain = suffix.partition("/")

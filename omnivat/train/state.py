@@ -1,5 +1,4 @@
-"""The state of a training on disk. A resumed training has the same result as an uninterrupted
-one."""
+"""The state of a training on disk. A resumed training gives identical weights."""
 
 import json
 from collections.abc import Mapping

@@ -74,8 +74,7 @@ class AttentionBack(NamedTuple):
 
 
 def asker_table(tokens: Tensor, guided: bool) -> Tensor:
-    """Return (M, A, Q): the queries are each token plus the bias, then the guide (bias
-    included)."""
+    """Return (M, A, Q): the queries are each token plus the bias, then the guide."""
     count, rank, queries = tokens.shape
     table = tokens.new_zeros(count, rank + 1 + guided, queries + guided)
     table[:, :rank, :queries] = tokens
@@ -86,8 +85,7 @@ def asker_table(tokens: Tensor, guided: bool) -> Tensor:
 
 
 def query_shares(tokens: Tensor, guided: Tensor | None) -> Tensor:
-    """Return query weights (B or 1, Q): all tokens equally, or the guide alone where guided
-    (B,)."""
+    """Return query weights (B or 1, Q): all tokens equally, or the guide where guided (B,)."""
     queries = tokens.shape[-1]
     if guided is None:
         return tokens.new_full((1, queries), 1 / queries)
