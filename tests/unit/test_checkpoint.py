@@ -168,3 +168,19 @@ def test_training_images_of_another_width_are_refused(folder, tmp_path):
     save_head(tmp_path / "bad", replace(found, familiarity=replace(found.familiarity, rows=narrow)))
     with pytest.raises(DataError, match="does not fit this head"):
         load_head(tmp_path / "bad")
+
+
+def test_what_killed_writers_of_a_head_left_goes_and_the_head_they_put_aside_returns(tmp_path):
+    import os
+
+    from omnivat.checkpoint import _sweep
+
+    half, aside, young = (tmp_path / f".head.{name}" for name in ("a", "b.old", "c"))
+    for folder in (half, aside, young):
+        folder.mkdir()
+        (folder / "settings.json").write_text(folder.name)
+    for folder in (half, aside):
+        os.utime(folder, (1, 1))
+    _sweep(tmp_path / "head")
+    assert sorted(p.name for p in tmp_path.iterdir()) == [".head.c", "head"]
+    assert (tmp_path / "head" / "settings.json").read_text() == ".head.b.old"
