@@ -199,12 +199,16 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--tasks", nargs="+", choices=list(TASKS), default=list(TASKS))
     parser.add_argument("--limit", type=float, default=LIMIT_S, help="seconds for one task")
     parser.add_argument("--out", type=Path, default=OUT)
+    parser.add_argument("--table", action="store_true", help="only print --out as a table")
     parser.add_argument("--once", choices=list(TASKS), help=argparse.SUPPRESS)
     parser.add_argument("--head", type=Path, help=argparse.SUPPRESS)
     parser.add_argument("--embeddings", type=Path, help=argparse.SUPPRESS)
     chosen = parser.parse_args(arguments)
     if chosen.once:
         once(chosen.once, chosen.head, chosen.embeddings)
+        return 0
+    if chosen.table:
+        print(table(chosen.out))
         return 0
     found: dict[str, dict[str, Any]] = {task: {} for task in chosen.tasks}
     with TemporaryDirectory() as folder:
@@ -218,6 +222,26 @@ def main(arguments: list[str] | None = None) -> int:
                 write(chosen.out, found)
             file.unlink()
     return 0
+
+
+def table(out: Path) -> str:
+    """Return the record as a Markdown table: processor seconds and peak memory of each task."""
+    record = json.loads(out.read_text(encoding="utf-8"))
+    sizes = sorted({int(n) for one in record["tasks"].values() for n in one["sizes"]})
+    lines = [
+        "| task | " + " | ".join(f"{n:,} pairs" for n in sizes) + " | exponent |",
+        "| --- |" + " --- |" * (len(sizes) + 1),
+    ]
+    for task, one in record["tasks"].items():
+        cells = [_cell(one["sizes"].get(str(n), {})) for n in sizes]
+        lines.append(f"| {task} | " + " | ".join(cells) + f" | {one['exponent']} |")
+    return "\n".join(lines)
+
+
+def _cell(row: dict[str, Any]) -> str:
+    if "processor_s" not in row:
+        return str(row.get("stopped", "not measured"))
+    return f"{row['processor_s']:.3g} s, {row['peak_mb'] / 1000:.2f} GB"
 
 
 def write(out: Path, found: dict[str, dict[str, Any]]) -> None:
