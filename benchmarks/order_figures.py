@@ -114,9 +114,11 @@ def searched(head: Path) -> str:
 
 def every_order(rows: Rows) -> str:
     """Accuracy against p: heads of one stop and one head for every order, spread over sources."""
-    own = [row for row in rows if row["width"] == 64]
-    stops = own[0]["stops"].split(",")
     names = {"alone": "a head at each stop", "every": "one head for every order"}
+    light = [row for row in rows if row["width"] == 64]
+    both = set.intersection(*({r["source"] for r in light if r["kind"] == kind} for kind in names))
+    own = [row for row in light if row["source"] in both]
+    stops = light[0]["stops"].split(",")
     return line_plot(
         "Accuracy in unseen domains, mean over sources, D = 64",
         "order p",
