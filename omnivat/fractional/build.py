@@ -18,7 +18,7 @@ from torch import Tensor
 from omnivat.fractional.commuting import ParityBlocks, Tridiagonal, parity_blocks
 from omnivat.fractional.double_double import Array
 from omnivat.fractional.eigenvectors import refined_quarter, refined_spectrum
-from omnivat.fractional.splits import HalfSplit, PlainSplit, QuarterSplit, Split
+from omnivat.fractional.splits import HalfSplit, PlainSplit, QuarterSplit, Split, kept_numbers
 from omnivat.fractional.workers import side_by_side
 
 _TINY = 3
@@ -136,7 +136,7 @@ class BoundedCache:
                 found = self._find(key)
             if found is not None:  # another thread built it meanwhile
                 return found
-            with torch.inference_mode(False), torch.no_grad():
+            with kept_numbers():
                 found = self._build(size, torch.empty(0, dtype=dtype, device=device))
             with self._lock:
                 self._kept[key] = found

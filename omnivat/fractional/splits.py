@@ -12,17 +12,28 @@ The blocks of Q = -1 include the signs (-1)^j, so each butterfly is one fused mu
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Protocol
 
 import numpy as np
 import torch
 from torch import Tensor
+from torch.utils._python_dispatch import _disable_current_modes
 
 from omnivat.fractional.double_double import Array
 from omnivat.fractional.eigenvectors import QuarterFactor, alternating
 
 _FEW_ROWS = 32
 _FEW_ROWS_UP_TO = 1024  # N; for larger N, products dominate
+
+
+@contextmanager
+def kept_numbers() -> Iterator[None]:
+    """Compute what is kept for later calls: with numbers even while a program is exported, and
+    without gradients."""
+    with _disable_current_modes(), torch.inference_mode(False), torch.no_grad():
+        yield
 
 
 class Split(Protocol):
@@ -158,12 +169,16 @@ class QuarterSplit:
         if rows > _FEW_ROWS or self.quarter > _FEW_ROWS_UP_TO // 4:
             return None
         if self._halves is None:
-            like, half = self.signs, 2 * self.quarter
-            samples = like.new_empty(2 * half, 2 * half)
-            self._restore(torch.eye(2 * half).to(like), samples)
-            even, odd = samples[: half + 1, : half + 1].T, samples[half + 1 :, 1:half].T
-            self._halves = HalfSplit(even.contiguous(), odd.contiguous(), self.indices)
+            with kept_numbers():
+                self._halves = self._joined()
         return self._halves
+
+    def _joined(self) -> HalfSplit:
+        like, half = self.signs, 2 * self.quarter
+        samples = like.new_empty(2 * half, 2 * half)
+        self._restore(torch.eye(2 * half).to(like), samples)
+        even, odd = samples[: half + 1, : half + 1].T, samples[half + 1 :, 1:half].T
+        return HalfSplit(even.contiguous(), odd.contiguous(), self.indices)
 
     def analyse(self, x: Tensor, out: Tensor) -> None:
         halves = self._for_few_rows(len(x))
