@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from omnivat.errors import DataError
 
 if TYPE_CHECKING:
-    from omnivat.data.store import Embeddings
+    from omnivat.data.store import Embeddings, Header
     from omnivat.train import TrainSettings
 
 WIDTHS = (16, 32, 64, 128)
@@ -41,8 +41,11 @@ class Plan:
         return self.training.epochs
 
 
-def offers(domains: Sequence[str], source: str) -> dict[str, Any]:
-    """Return the choices and the defaults."""
+def offers(header: "Header", source: str) -> dict[str, Any]:
+    """Return the choices and the defaults; LANG is off if its bank lacks a class of the set."""
+    from omnivat.lang.bank import DEFAULT_BANK, load_bank
+
+    domains = header.domains
     return {
         "sources": list(domains),
         "widths": list(WIDTHS),
@@ -52,7 +55,7 @@ def offers(domains: Sequence[str], source: str) -> dict[str, Any]:
             "source": source if source in domains else domains[0],
             "width": 64,
             "order": "gradient",
-            "lang": True,
+            "lang": set(header.classes) <= set(load_bank(DEFAULT_BANK).classes),
             **{name: ends[2] for name, ends in RANGES.items()},
         },
     }

@@ -4,6 +4,7 @@ import base64
 import io
 import time
 import zipfile
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -78,10 +79,12 @@ def test_one_training_runs_and_the_next_visitor_is_told_the_place(desks):
 
 def test_what_is_offered_can_be_trained(resources):
     embeddings = resources.embeddings()
-    found = offers(embeddings.header.domains, resources.head().source)
+    found = offers(embeddings.header, resources.head().source)
     plan = plan_from(found["first"], embeddings)
     assert (plan.source, plan.head["width"], plan.training.mma_weight) == ("TAG-sim", 64, 10.0)
     assert plan.head["learn_order"]
+    other = replace(embeddings.header, classes=(*embeddings.header.classes, "fabric"))
+    assert found["first"]["lang"] and not offers(other, "")["first"]["lang"]
 
 
 @pytest.mark.parametrize(

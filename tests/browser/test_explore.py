@@ -11,7 +11,7 @@ import pytest
 from omnivat.frames import read_frames, write_frames
 from omnivat.heads import EXAMPLES
 
-from .gestures import MAP, place_of_a_point
+from .gestures import MAP, open_tab, place_of_a_point
 
 pytestmark = pytest.mark.browser
 MOVED = "?mode=moved"
@@ -223,6 +223,10 @@ def test_a_link_of_a_forgotten_set_says_so_and_leads_home(
     page.wait_for_selector(".explore .wait.problem")
     assert "no longer has" in words(page, ".wait")
     assert not page.locator(".explore .order").is_visible()
+    for view, place in (("pair", ".pair .problem"), ("tree", ".tree .wait")):
+        open_tab(page, view)
+        page.wait_for_selector(f"{place}:has-text('no longer has')")
+    open_tab(page, "explore")
     page.click(".explore .wait a")
     page.wait_for_selector(MAP)
 

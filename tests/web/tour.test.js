@@ -70,6 +70,17 @@ test("equal figures are equally right, and classes that were never apart have no
   assert.match(STEPS[3].reveal(chirps), /ReLU and F̄.*0\.03.*0\.09.*0\.50.*still close together/);
 });
 
+test("what a set cannot decide is said, without a verdict", () => {
+  const [, domain, , , p] = STEPS;
+  const alone = screen({ curves: { "domain_gap/raw": [null, null, null] } });
+  assert.deepEqual(domain.right(alone), []);
+  assert.match(domain.reveal(alone), /one domain/);
+  const { "accuracy/unseen": _, ...rest } = curves;
+  const blind = onScreen(frames({ curves: rest }), 0.5, facts);
+  assert.deepEqual(p.right(blind), []);
+  assert.match(p.reveal(blind), /no accuracy on unseen domains/);
+});
+
 test("where intervals overlap the tour says so", () => {
   const unseen = {
     ...facts.unseen,

@@ -1,14 +1,14 @@
 /** Compare: two heads, or two stages of one, on the same pairs; linked by pointer, lasso and view. */
 
 import { refused } from "../shared/api.js";
-import { thumbnailPair, verdict } from "../shared/card.js";
+import { saidHtml, thumbnailPair, verdict } from "../shared/card.js";
 import { unseen } from "../shared/facts.js";
 import { shownBy } from "../shared/filters.js";
 import { heads, METHODS } from "../shared/headsets.js";
 import { COLOURINGS, onTheme } from "../shared/palette.js";
 import { stageNamed } from "../shared/stages.js";
 import { change, state, watch, watchIn } from "../shared/store.js";
-import { escaped, percent } from "../shared/text.js";
+import { escaped } from "../shared/text.js";
 import { theSet } from "../shared/theset.js";
 import { counted, sentence } from "./changes.js";
 import { matrix } from "./matrix.js";
@@ -148,6 +148,8 @@ class CompareTab {
     if (this.apart) {
       return `${escaped(state.only2)} and ${escaped(state.only)} share no pairs: a selection in one highlights the same classes in the other.`;
     }
+    if (this.sides.some((side) => side.failed))
+      return "One side has no predictions; its reason is above its map.";
     if (!this.judged || !this.sides.every((side) => side.ready)) return "Counting…";
     const only = state.only || state.only2;
     const { frames } = this;
@@ -171,7 +173,7 @@ class CompareTab {
     }
     const said = this.sides.map((side) => {
       const v = verdict(side.frames, pair, side.stop);
-      return `<dt>${side.keys.name}</dt><dd class="${v.right ? "right" : "wrong"}">${v.right ? "✓" : "✗"} ${escaped(v.said)}, ${percent(v.confidence)}</dd>`;
+      return `<dt>${side.keys.name}</dt><dd class="${v.right ? "right" : "wrong"}">${saidHtml(v)}</dd>`;
     });
     strip.innerHTML = `${thumbnailPair(frames, sprite, pair, 84)}<div><h3>Pair ${pair}</h3><dl><dt>${escaped(frames.domains[frames.domain[pair]])}</dt><dd>${escaped(this.truth(pair))}</dd>${said.join("")}</dl></div>`;
   }

@@ -138,6 +138,7 @@ export class Side {
         : "Computing…";
     };
     if (name) tell(null);
+    this.failed = false;
     try {
       const found = await framesBy(name, own, tell, onFiner);
       if (this.chosen.head !== name) return;
@@ -147,6 +148,7 @@ export class Side {
       wait.hidden = true;
       this.$(".order").disabled = isMethod(name);
     } catch (error) {
+      this.failed = true;
       refused(error, (sentence) => {
         wait.hidden = false;
         wait.textContent = sentence;

@@ -14,7 +14,7 @@ const ends = (all) => [Math.min(...all), Math.max(...all)];
 /**
  * `at` gives values from the screen: gap(measure, stage), order, unseen, toy, curve (accuracy over
  * stops), orders, kind. A step is {title, set, ask, options, right(at), reveal(at)}; options are
- * [key, words], `right` returns the key of the correct one, or several keys.
+ * [key, words], `right` returns the key of the correct one, or several keys; none if the set cannot decide.
  */
 export const STEPS = [
   {
@@ -37,9 +37,12 @@ export const STEPS = [
       ["domain", "The sensor"],
       ["class", "The class"],
     ],
-    right: (at) => (at.gap("domain_gap", "raw") > at.gap("margin", "raw") ? "domain" : "class"),
+    right: (at) =>
+      oneDomain(at) ? [] : at.gap("domain_gap", "raw") > at.gap("margin", "raw") ? "domain" : "class",
     reveal: (at) =>
-      `Two sensors are ${b(at.gap("domain_gap", "raw").toFixed(2))} apart on average: the ${b("domain gap")}. Classes differ by a cosine of ${b(at.gap("margin", "raw").toFixed(2))}. The head learns from ${b(at.unseen.source)} alone and meets the others as strangers.`,
+      oneDomain(at)
+        ? "This set has one domain, so it has no domain gap."
+        : `Two sensors are ${b(at.gap("domain_gap", "raw").toFixed(2))} apart on average: the ${b("domain gap")}. Classes differ by a cosine of ${b(at.gap("margin", "raw").toFixed(2))}. The head learns from ${b(at.unseen.source)} alone and meets the others as strangers.`,
   },
   {
     title: "What p does, on a toy",
@@ -91,7 +94,7 @@ export const STEPS = [
       ["much", "A lot"],
     ],
     right: ({ curve }) =>
-      curve && ends(known(curve))[1] - ends(known(curve))[0] >= CLEAR ? "much" : "little",
+      !curve ? [] : ends(known(curve))[1] - ends(known(curve))[0] >= CLEAR ? "much" : "little",
     reveal: ({ curve, orders, kind }) => {
       if (!curve)
         return "These frames have no accuracy on unseen domains; make them again with <code>omnivat sweep</code>.";
@@ -124,6 +127,7 @@ export const STEPS = [
   },
 ];
 
+const oneDomain = (at) => !Number.isFinite(at.gap("domain_gap", "raw"));
 const known = (curve) => curve.filter(Number.isFinite);
 /** The steps with the smallest modality gap, as it is written. */
 const smallest = (at) => {

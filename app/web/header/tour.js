@@ -77,9 +77,11 @@ class Tour {
     const screen = this.screen();
     const right = [step.right(screen)].flat();
     const words = (key) => step.options.find(([own]) => own === key)[1];
-    const verdict = right.includes(option)
-      ? '<b class="right">As you predicted.</b>'
-      : `<b class="wrong">Not so. Correct: “${right.map(words).join("”, “")}”.</b>`;
+    const verdict = !right.length
+      ? ""
+      : right.includes(option)
+        ? '<b class="right">As you predicted.</b>'
+        : `<b class="wrong">Not so. Correct: “${right.map(words).join("”, “")}”.</b>`;
     this.lay(
       step,
       `<p>${verdict} ${step.reveal(screen)}</p>`,

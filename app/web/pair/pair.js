@@ -18,10 +18,15 @@ import { cards, classTable, madeOf, spoken } from "./verdict.js";
 import { WhatIf } from "./what-if.js";
 
 export async function start(root) {
+  let problem = "";
+  const told = (error) => {
+    refused(error, (sentence) => (problem = sentence));
+    return [];
+  };
   const [examples, set, found] = await Promise.all([
     json("examples").catch(() => []),
     theSetSoon(),
-    heads().catch(() => []),
+    heads().catch(told),
   ]);
   const tab = new PairTab(
     root,
@@ -30,6 +35,9 @@ export async function start(root) {
     found.filter((one) => one.name && !one.problem),
   );
   set.later?.then((late) => tab.adopt(late));
+  if (!problem) return;
+  tab.problem(problem);
+  tab.$(".gallery").textContent = ""; // no map is being computed
 }
 
 class PairTab {

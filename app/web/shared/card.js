@@ -26,7 +26,7 @@ export function verdict(frames, pair, stop) {
     truth: frames.classes[frames.label[pair]],
     said: frames.classes[frames.prediction[at]],
     right: frames.prediction[at] === frames.label[pair],
-    confidence: frames.kind === "retrained" ? NaN : frames.confidence[at] / 255, // has no temperature there
+    confidence: frames.kind === "moved" ? frames.confidence[at] / 255 : NaN, // other heads have no temperature
   };
 }
 

@@ -21,11 +21,17 @@ const scale = {
 
 export async function start(root) {
   const tab = new TreeTab(root);
+  let problem = "";
+  const told = (error) => {
+    refused(error, (sentence) => (problem = sentence));
+    return tab.known;
+  };
   const [set, found, examples] = await Promise.all([
     theSetSoon(),
-    heads().catch(() => tab.known),
+    heads().catch(told),
     state.vis || state.tac ? [] : json("examples").catch(() => []),
   ]);
+  if (problem) return tab.say(problem, true);
   tab.known = found.filter((one) => !one.problem || !one.name);
   if (!set.frames) {
     somePair(examples, null);
