@@ -197,7 +197,7 @@ def test_both_maps_are_by_the_same_method_and_say_which(open_page: Callable[...,
     page.wait_for_selector(MAP)
     for panel in ("before", "now"):
         assert words(page, f".{panel} .map-title small") == "UMAP"
-    assert "its scale is its own" in words(page, ".approximate")
+    assert "scale have no meaning" in words(page, ".approximate")
 
 
 def test_the_pictures_of_a_pair_are_at_the_pointer_and_on_the_map_far_in(
@@ -262,6 +262,29 @@ def test_on_a_phone_the_hint_covers_nothing_goes_by_itself_and_no_keys_are_named
     assert not page.locator(".explore .card kbd").first.is_visible()
     page.clock.fast_forward(10_000)
     page.wait_for_selector(".explore .coach", state="hidden")
+
+
+def test_on_a_phone_each_step_of_the_tour_brings_its_subject_into_view(
+    new_page: Callable[..., Any], address: str
+) -> None:
+    page = new_page(**PHONE)
+    page.goto(address, wait_until="commit")
+    page.wait_for_selector(MAP)
+    page.click(".tour-start")
+    for subject in (".maps", ".maps", ".toy", ".staircase", ".curves", ".strangers"):
+        page.wait_for_selector(".tour [data-option]")
+        page.wait_for_function(
+            """subject => {
+              const { top } = document.querySelector(`.explore ${subject}`).getBoundingClientRect();
+              const bar = document.querySelector('.explore .order-bar').getBoundingClientRect();
+              const box = document.querySelector('.tour').getBoundingClientRect();
+              return top >= bar.bottom - 1 && top < box.top - 150;
+            }""",
+            arg=subject,
+        )
+        page.keyboard.press("Enter")
+        page.wait_for_selector(".tour .next")
+        page.keyboard.press("Enter")
 
 
 def test_the_saved_page_works_from_disk_with_its_toy_and_tour(

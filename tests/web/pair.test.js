@@ -121,7 +121,7 @@ test("parts that change nothing are not shown", () => {
   const some = changed([[0.2, 0]]);
   assert.match(
     told({ class: "wood", probability: 0.5 }, some),
-    /orange supports <i>wood<\/i>\. Hiding a part changes it by at most 20/,
+    /orange supports <i>wood<\/i>\. Hiding a part changes its probability by at most 20/,
   );
 });
 

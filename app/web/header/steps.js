@@ -13,12 +13,14 @@ const ends = (all) => [Math.min(...all), Math.max(...all)];
 
 /**
  * `at` gives values from the screen: gap(measure, stage), order, unseen, toy, curve (accuracy over
- * stops), orders, kind. A step is {title, set, ask, options, right(at), reveal(at)}; options are
+ * stops), orders, kind. A step is {title, set, look, ask, options, right(at), reveal(at)}; look is
+ * what has to be in view, options are
  * [key, words], `right` returns the key of the correct one, or several keys; none if the set cannot decide.
  */
 export const STEPS = [
   {
     title: "The modality gap",
+    look: ".maps",
     set: { stage: "raw", colour: "modality", map: "pca", part: "curves", means: "1", ...ALL },
     ask: "● is a photo, ▲ the touch of the same surface. Does the encoder place the two close together?",
     options: [
@@ -31,6 +33,7 @@ export const STEPS = [
   },
   {
     title: "The domain gap",
+    look: ".maps",
     set: { stage: "raw", colour: "domain", map: "pca", part: "curves", means: "1", ...ALL },
     ask: "Each colour is now a sensor and its data set. What separates points more: the sensor or the class?",
     options: [
@@ -46,8 +49,9 @@ export const STEPS = [
   },
   {
     title: "What p does, on a toy",
+    look: ".toy",
     set: { part: "toy", stage: "frft", ...ALL },
-    ask: "Drag p and watch the two signals at the left. When does the distance between them change?",
+    ask: "Drag p and watch the two signals. When does the distance between them change?",
     options: [
       ["neither", "Never"],
       ["relu", "Only after the ReLU"],
@@ -61,6 +65,7 @@ export const STEPS = [
   },
   {
     title: "A small gap is not a good head",
+    look: ".staircase",
     set: { part: "curves", stage: "f_bar", colour: "class", gap: "modality_gap", ...ALL },
     ask: "Look at the staircase. At which step is the modality gap smallest?",
     options: Object.entries(NAMES),
@@ -84,6 +89,7 @@ export const STEPS = [
   },
   {
     title: "Does p matter?",
+    look: ".curves",
     set: { part: "curves", stage: "f_hat", ...ALL },
     ask: ({ kind }) =>
       kind === "retrained"
@@ -110,6 +116,7 @@ export const STEPS = [
   },
   {
     title: "Meeting strangers",
+    look: ".strangers",
     set: { part: "strangers", reading: "fused", stage: "f_hat", colour: "domain", ...ALL },
     ask: "In unseen domains, which is right most often?",
     options: Object.entries(READINGS),

@@ -38,6 +38,12 @@ export async function startTour() {
   tour.show();
 }
 
+/** True if all of an element is above the tour's box and below the top. */
+function inView(element, box) {
+  const { top, bottom } = element.getBoundingClientRect();
+  return top >= 0 && bottom <= box.getBoundingClientRect().top;
+}
+
 class Tour {
   constructor(frames, facts) {
     this.frames = frames;
@@ -69,6 +75,8 @@ class Tour {
     );
     this.lay(step, `<p>${question}</p>`, `<span class="options">${options.join("")}</span>`);
     this.focus("[data-option]");
+    const subject = document.querySelector(`.explore ${step.look}`);
+    if (subject && !inView(subject, this.box)) subject.scrollIntoView({ block: "start" });
   }
 
   /** Show the result, and whether the prediction was correct. */

@@ -13,11 +13,11 @@ export function changed(drops) {
 
 /** The result, in words. */
 export function told(found, { most, any, needed, against }) {
-  const said = `<b>${escaped(found.class)} ${percent(found.probability)}</b>`;
+  const said = `<b>${escaped(found.class)}</b>`; // without its probability: the image may be unlike anything seen
   if (!any)
-    return `${said}: no single part matters. Hiding any part changes it by less than ${percent(Math.max(most, 0.001), 1)}.`;
+    return `${said}: no single part matters. Hiding any part changes its probability by less than ${percent(Math.max(most, 0.001), 1)}.`;
   const parts = [];
   if (needed) parts.push(`orange supports <i>${escaped(found.class)}</i>`);
   if (against) parts.push("blue contradicts it");
-  return `${said}: ${parts.join("; ")}. Hiding a part changes it by at most ${percent(most)}.`;
+  return `${said}: ${parts.join("; ")}. Hiding a part changes its probability by at most ${percent(most)}.`;
 }
