@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from app.asking import embedded, refs_from
+from app.pair_input import embedded, refs_from
 from app.resources import Resources
 from omnivat.errors import DataError
 

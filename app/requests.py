@@ -39,7 +39,7 @@ def file_name(request: Request) -> str:
 
 
 def desk_name(request: Request) -> str:
-    """Return the desk named in a request; "" for the server's own head and set."""
+    """Return the visitor set named in a request; "" for the server's own head and set."""
     return request.query_params.get("set", "")[:64]
 
 

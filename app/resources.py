@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 from app.examples import Example, example_named, find_examples
 from app.frames_job import FramesJob, Source
+from app.lazy import Lazy
 from app.limits import DRAWN_PAIRS
-from app.once import Once
 from app.shared import Shared
 from app.state import ForgottenError, Recent, Ref, content_name
 from omnivat.errors import DataError
@@ -99,14 +99,14 @@ class Resources:
         self.jobs = self.shared.jobs
         self.owner = owner  # owner of the jobs of this head and set
         self.folders = head_names(where)
-        self.heads: dict[str, Once[Head]] = {
-            name: Once(partial(_load_head, folder)) for name, folder in self.folders.items()
+        self.heads: dict[str, Lazy[Head]] = {
+            name: Lazy(partial(_load_head, folder)) for name, folder in self.folders.items()
         }
         self.head = self.heads[""]
-        self.embeddings: Once[Embeddings] = Once(partial(_load_embeddings, where))
-        self.drawn: Once[bool] = Once(lambda: _pairs_in(where.embeddings) > where.drawn)
-        self.encoder: Once[Encoder] = Once(self._load_encoder)
-        self.examples: Once[dict[str, Example]] = Once(self._find_examples)
+        self.embeddings: Lazy[Embeddings] = Lazy(partial(_load_embeddings, where))
+        self.drawn: Lazy[bool] = Lazy(lambda: _pairs_in(where.embeddings) > where.drawn)
+        self.encoder: Lazy[Encoder] = Lazy(self._load_encoder)
+        self.examples: Lazy[dict[str, Example]] = Lazy(self._find_examples)
         self.frame_jobs = {
             name: FramesJob(
                 Source(
@@ -127,7 +127,7 @@ class Resources:
         self.features: Recent[np.ndarray[Any, Any]] = Recent(KEPT_FEATURES)  # by stage and order
         self.answers: Recent[dict[str, Any]] = Recent(KEPT_FEATURES)  # of comparison methods
         self.taught: Recent[Head] = Recent(KEPT_TAUGHT)  # from visitors' labelled pairs
-        self._row_of: Once[dict[str, int]] = Once(self._rows_by_file)
+        self._row_of: Lazy[dict[str, int]] = Lazy(self._rows_by_file)
         self._sent: Recent[np.ndarray[Any, Any]] = Recent(KEPT_IMAGES)
 
     @property

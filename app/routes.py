@@ -16,19 +16,19 @@ from starlette.routing import Route
 
 from app import teaching
 from app.components import WEB
-from app.desks import Desks
 from app.examples import example_named, listed
 from app.familiar import familiar
 from app.limits import MAX_QUESTION_BYTES
 from app.measuring import measured
 from app.messages import Handler, in_sentences, refusal
 from app.modes import mode_files, modes
+from app.request_work import done
 from app.requests import body, desk_name, question_from
 from app.resources import Resources, require_name
 from app.training_routes import training_routes
 from app.uploads import upload_routes
 from app.views import compare, data, explore, pair, tree
-from app.working import done
+from app.visitor_sets import VisitorSets
 
 Answer = Callable[[Resources, Mapping[str, Any]], dict[str, Any]]
 QUESTIONS: dict[str, Answer] = {
@@ -64,22 +64,20 @@ FRESH = {"Cache-Control": "no-cache"}  # revalidate each time
 
 def routes(first: Resources) -> list[Route]:
     """Return all routes; each turns errors into a sentence."""
-    desks = Desks(first)
+    sets = VisitorSets(first)
     gets: dict[str, Handler] = {
         "/omnivat/web/{name:path}": web_file,
-        "/omnivat/frames": partial(frames, desks),
-        "/omnivat/thumbnails.{kind}": partial(thumbnails, desks),
-        "/omnivat/example/{name:path}": partial(example_image, desks),
-        **{f"/omnivat/{name}": partial(facts, desks, found) for name, found in FACTS.items()},
+        "/omnivat/frames": partial(frames, sets),
+        "/omnivat/thumbnails.{kind}": partial(thumbnails, sets),
+        "/omnivat/example/{name:path}": partial(example_image, sets),
+        **{f"/omnivat/{name}": partial(facts, sets, found) for name, found in FACTS.items()},
     }
     posts: dict[str, Handler] = {
-        f"/omnivat/{name}": partial(ask, desks, answer) for name, answer in QUESTIONS.items()
+        f"/omnivat/{name}": partial(ask, sets, answer) for name, answer in QUESTIONS.items()
     }
-    posts |= {
-        f"/omnivat/{name}": partial(download, desks, made) for name, made in DOWNLOADS.items()
-    }
-    posts |= upload_routes(desks)
-    posts |= training_routes(desks)
+    posts |= {f"/omnivat/{name}": partial(download, sets, made) for name, made in DOWNLOADS.items()}
+    posts |= upload_routes(sets)
+    posts |= training_routes(sets)
     posts["/gradio_api/{anything:path}"] = nothing_here
     return [
         *(Route(path, in_sentences(handler)) for path, handler in gets.items()),
@@ -87,9 +85,9 @@ def routes(first: Resources) -> list[Route]:
     ]
 
 
-def desk_of(desks: Desks, request: Request) -> Resources:
-    """Return the desk of a request: the server's own, or a loaded one."""
-    return desks.named(desk_name(request))
+def set_of(sets: VisitorSets, request: Request) -> Resources:
+    """Return the visitor set of a request: the server's own, or a loaded one."""
+    return sets.named(desk_name(request))
 
 
 async def nothing_here(_: Request) -> Response:
@@ -131,13 +129,13 @@ def file_answer(
     )
 
 
-async def frames(desks: Desks, request: Request) -> Response:
+async def frames(sets: VisitorSets, request: Request) -> Response:
     """Serve the frames of a head, or their progress (202), or the reason of a failure (404).
 
     A header marks frames of which finer ones will follow. Once a map is served, head and set load
     in the background, so that the first request is fast.
     """
-    resources = desk_of(desks, request)
+    resources = set_of(sets, request)
     mode = request.query_params.get("mode", "")
     if mode:
         return mode_frames(request, resources, mode)
@@ -175,9 +173,9 @@ def mode_frames(request: Request, resources: Resources, mode: str) -> Response:
     )
 
 
-async def thumbnails(desks: Desks, request: Request) -> Response:
+async def thumbnails(sets: VisitorSets, request: Request) -> Response:
     """Serve the thumbnail sheet or its description; sets without one show names only."""
-    resources = desk_of(desks, request)
+    resources = set_of(sets, request)
     sprite = None if resources.drawn() else resources.where.sprite  # its pairs are in another order
     file = {
         "webp": sprite,
@@ -188,12 +186,12 @@ async def thumbnails(desks: Desks, request: Request) -> Response:
     return file_answer(request, file)
 
 
-async def example_image(desks: Desks, request: Request) -> Response:
+async def example_image(sets: VisitorSets, request: Request) -> Response:
     """Serve one image of an example: `<name>/vis` or `<name>/tac`."""
     name, _, modality = request.path_params["name"].rpartition("/")
     if modality not in ("vis", "tac"):
         return refusal("An example's image is its name and then /vis or /tac.", 404)
-    file = example_named(desk_of(desks, request).examples(), name).file(modality)
+    file = example_named(set_of(sets, request).examples(), name).file(modality)
     if not file.is_file():
         return refusal("This example's image is no longer there; reload the page.", 404)
     return file_answer(request, file)
@@ -209,28 +207,28 @@ def in_json(said: Any, resources: Resources) -> Response:
         )
 
 
-async def facts(desks: Desks, found: Callable[[Resources], Any], request: Request) -> Response:
+async def facts(sets: VisitorSets, found: Callable[[Resources], Any], request: Request) -> Response:
     """Return facts about the loaded head and set."""
-    resources = desk_of(desks, request)
-    known = await done(request, desks.shared.jobs, lambda _: found(resources))
+    resources = set_of(sets, request)
+    known = await done(request, sets.shared.jobs, lambda _: found(resources))
     return in_json(known, resources)
 
 
-async def ask(desks: Desks, answer: Answer, request: Request) -> Response:
+async def ask(sets: VisitorSets, answer: Answer, request: Request) -> Response:
     """Run one JSON request as a job."""
-    resources = desk_of(desks, request)
+    resources = set_of(sets, request)
     question = question_from(await body(request, MAX_QUESTION_BYTES, "The question"))
-    said = await done(request, desks.shared.jobs, lambda _: answer(resources, question))
+    said = await done(request, sets.shared.jobs, lambda _: answer(resources, question))
     return in_json(said, resources)
 
 
 async def download(
-    desks: Desks,
+    sets: VisitorSets,
     made: Callable[[Resources, Mapping[str, Any]], bytes],
     request: Request,
 ) -> Response:
     """Return a zip for one JSON request."""
-    resources = desk_of(desks, request)
+    resources = set_of(sets, request)
     question = question_from(await body(request, MAX_QUESTION_BYTES, "The question"))
-    content = await done(request, desks.shared.jobs, lambda _: made(resources, question))
+    content = await done(request, sets.shared.jobs, lambda _: made(resources, question))
     return Response(content, media_type="application/zip")

@@ -14,8 +14,8 @@ from typing import Any
 from app import hosted
 from app.guard import Guard, rules, warning
 from app.limits import DRAWN_PAIRS
+from app.preflight import free_port, pair_count, port_number, require_files
 from app.scratch import sweep
-from app.starting import free_port, pair_count, port_number, require_files
 from app.views import VIEWS
 from omnivat.errors import MissingPackageError, OmniVatError
 from omnivat.packages import need

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from app.decoder import Decoder
 from app.jobs import Jobs
-from app.once import Once
+from app.lazy import Lazy
 from app.scratch import Scratch
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ class Shared:
         self.jobs = Jobs()
         self.decoder = Decoder()
         self.scratch = Scratch()
-        self._encoders: dict[str, Once[Encoder]] = {}
+        self._encoders: dict[str, Lazy[Encoder]] = {}
         self._lock = Lock()
 
     def encoder(self, name: str, weights_hash: str = "") -> "Encoder":
@@ -32,8 +32,8 @@ class Shared:
 
         load = partial(load_encoder, name, weights_hash=weights_hash, download="no")
         with self._lock:
-            once = self._encoders.setdefault(f"{name} {weights_hash}", Once(load))
-        return once()
+            lazy = self._encoders.setdefault(f"{name} {weights_hash}", Lazy(load))
+        return lazy()
 
     def close(self) -> None:
         """Stop all jobs and processes."""

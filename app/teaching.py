@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from hashlib import blake2b
 from typing import TYPE_CHECKING, Any
 
-from app.asking import embedded, refs_from
+from app.pair_input import embedded, refs_from
 from app.resources import Resources
 from app.saving import head_zip, set_zip
 from omnivat.errors import DataError

@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 from threading import Lock
 from typing import TYPE_CHECKING, Any
 
-from app.desks import Desks
 from app.jobs import Job
 from app.resources import Resources
 from app.saving import head_zip
 from app.state import ForgottenError, Recent
 from app.training_plan import Plan, looked_at, offers, plan_from
+from app.visitor_sets import VisitorSets
 from omnivat.errors import DataError
 from omnivat.progress import Step
 
@@ -41,7 +41,7 @@ class Run:
     job: Job[None] | None = None
     epochs: list[dict[str, Any]] = field(default_factory=list)
     head: "Head | None" = None
-    desk: str = ""  # name of the finished head's desk
+    loaded: str = ""  # name of the visitor set with the finished head
     lock: Lock = field(default_factory=Lock)
 
     @property
@@ -65,8 +65,8 @@ class Run:
 class Trainings:
     """The trainings that visitors started, newest kept."""
 
-    def __init__(self, desks: Desks) -> None:
-        self._desks = desks
+    def __init__(self, sets: VisitorSets) -> None:
+        self._sets = sets
         self._runs: Recent[Run] = Recent(KEPT_RUNS)
         self._lock = Lock()
         self._active: dict[str, Run] = {}  # by visitor: one at a time each
@@ -95,7 +95,7 @@ class Trainings:
                 raise DataError(
                     "Your training before this one still runs or waits; cancel it first."
                 )
-            run.job = self._desks.shared.jobs.start(
+            run.job = self._sets.shared.jobs.start(
                 lambda job: self._work(job, run, embeddings, beside),
                 lane="long",
                 priority=PRIORITY,
@@ -130,7 +130,7 @@ class Trainings:
             "problem": status.problem if status.state == "failed" else "",
             "text": step.text if step else "",
             "epochs": epochs,
-            "set": run.desk,
+            "set": run.loaded,
         }
 
     def cancel(self, question: Mapping[str, Any]) -> dict[str, Any]:
@@ -178,7 +178,7 @@ class Trainings:
         except TrainingCancelled:
             job.check()  # ends the job as cancelled
             raise
-        run.desk = self._desks.adopt(run.head, beside=beside)
+        run.loaded = self._sets.adopt(run.head, beside=beside)
 
 
 def coded_map(flat: "np.ndarray[Any, Any]", rows: "np.ndarray[Any, Any]") -> str:

@@ -7,41 +7,41 @@ from typing import Any
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 
-from app.desks import Desks
 from app.limits import MAX_QUESTION_BYTES
 from app.messages import Handler
+from app.request_work import done
 from app.requests import body, desk_name, question_from
 from app.training import Trainings
-from app.working import done
+from app.visitor_sets import VisitorSets
 
 
-def training_routes(desks: Desks) -> dict[str, Handler]:
+def training_routes(sets: VisitorSets) -> dict[str, Handler]:
     """Return the handlers by address; all use POST."""
-    trainings = Trainings(desks)
+    trainings = Trainings(sets)
     return {
-        "/omnivat/trainings": partial(offers, desks, trainings),
-        "/omnivat/train": partial(start, desks, trainings),
+        "/omnivat/trainings": partial(offers, sets, trainings),
+        "/omnivat/train": partial(start, sets, trainings),
         "/omnivat/training": partial(look, trainings.state),
         "/omnivat/training/cancel": partial(look, trainings.cancel),
-        "/omnivat/save/trained": partial(saved, desks, trainings),
+        "/omnivat/save/trained": partial(saved, sets, trainings),
     }
 
 
-async def offers(desks: Desks, trainings: Trainings, request: Request) -> Response:
+async def offers(sets: VisitorSets, trainings: Trainings, request: Request) -> Response:
     """Return the choices."""
-    resources = desks.named(desk_name(request))
+    resources = sets.named(desk_name(request))
     await asked(request)  # it has no content, but it is a request like the others
-    found = await done(request, desks.shared.jobs, lambda _: trainings.offers(resources))
+    found = await done(request, sets.shared.jobs, lambda _: trainings.offers(resources))
     return JSONResponse(found)
 
 
-async def start(desks: Desks, trainings: Trainings, request: Request) -> Response:
+async def start(sets: VisitorSets, trainings: Trainings, request: Request) -> Response:
     """Queue a training on the visitor's set."""
     name = desk_name(request)
-    resources = desks.named(name)
+    resources = sets.named(name)
     question = await asked(request)
     work = partial(trainings.start, resources, question, name)
-    return JSONResponse(await done(request, desks.shared.jobs, lambda _: work()))
+    return JSONResponse(await done(request, sets.shared.jobs, lambda _: work()))
 
 
 async def look(answer: Callable[[Mapping[str, Any]], dict[str, Any]], request: Request) -> Response:
@@ -49,10 +49,10 @@ async def look(answer: Callable[[Mapping[str, Any]], dict[str, Any]], request: R
     return JSONResponse(answer(await asked(request)))
 
 
-async def saved(desks: Desks, trainings: Trainings, request: Request) -> Response:
+async def saved(sets: VisitorSets, trainings: Trainings, request: Request) -> Response:
     """Return a finished head as a zip."""
     question = await asked(request)
-    content = await done(request, desks.shared.jobs, lambda _: trainings.saved(question))
+    content = await done(request, sets.shared.jobs, lambda _: trainings.saved(question))
     return Response(content, media_type="application/zip")
 
 

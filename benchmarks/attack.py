@@ -164,13 +164,13 @@ def main(arguments: list[str] | None = None) -> int:
     from starlette.middleware import Middleware
     from starlette.testclient import TestClient
 
-    from app import parts
+    from app import upload_store
     from app.guard import Guard, rules
     from app.resources import Resources, places
     from app.routes import routes
     from omnivat.files import write_json
 
-    vars(parts)["KEPT_PARTS"] = 10**6  # one process plays all visitors
+    vars(upload_store)["KEPT_PARTS"] = 10**6  # one process plays all visitors
     resources = Resources(places())
     guarded = [Middleware(Guard, rules=rules("127.0.0.1"))]
     application = Starlette(routes=routes(resources), middleware=guarded)

@@ -6,7 +6,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from app import placing
+from app import map_place
 from app.components import component
 from app.resources import Resources
 from app.state import order_from
@@ -155,8 +155,8 @@ def mechanism(resources: Resources) -> dict[str, Any]:
 
 
 def place(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the positions of a pair and its tree nodes on a map; see `app.placing`."""
-    return placing.place(resources, question, kept_features)
+    """Return the positions of a pair and its tree nodes on a map; see `app.map_place`."""
+    return map_place.place(resources, question, kept_features)
 
 
 def build() -> None:

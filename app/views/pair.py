@@ -4,8 +4,8 @@ import base64
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from app.asking import embedded, refs_from, rounded
 from app.components import component
+from app.pair_input import embedded, refs_from, rounded
 from app.resources import Resources
 from app.state import order_from
 from app.teaching import head_for

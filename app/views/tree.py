@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from app.asking import embedded, refs_from, rounded
 from app.components import component
+from app.pair_input import embedded, refs_from, rounded
 from app.resources import Resources
 from app.state import order_from
 from omnivat.errors import DataError

@@ -5,7 +5,7 @@ import base64
 import numpy as np
 import pytest
 
-from app.live import live
+from app.camera import live
 from app.measuring import measured
 from app.state import Ref
 from app.views import data, pair, tree

@@ -13,7 +13,7 @@ from benchmarks.attack import Counts, attack, judged
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 2])
 def test_a_small_attack_is_held_with_a_sentence_for_every_refusal(resources, seed, monkeypatch):
-    monkeypatch.setattr("app.parts.KEPT_PARTS", 10**6)
+    monkeypatch.setattr("app.upload_store.KEPT_PARTS", 10**6)
     guarded = [Middleware(Guard, rules=rules("127.0.0.1"))]
     application = Starlette(routes=routes(resources), middleware=guarded)
     with TestClient(application, base_url="http://127.0.0.1") as client:

@@ -10,11 +10,11 @@ import pytest
 from starlette.applications import Starlette
 from starlette.testclient import TestClient
 
-from app.desks import Desks
 from app.modes import fitting_files, mode_files, modes
 from app.resources import Resources
 from app.routes import routes
 from app.views import explore
+from app.visitor_sets import VisitorSets
 from omnivat.frames import read_frames, write_frames
 from omnivat.frames.file import frames_header
 
@@ -113,13 +113,13 @@ def test_the_toy_is_served(client):
 
 def test_a_shipped_set_is_opened_by_its_name_once(beside, trained, monkeypatch):
     (trained / "head").mkdir(exist_ok=True)
-    for module in ("app.desks", "app.resources", "app.modes"):
+    for module in ("app.visitor_sets", "app.resources", "app.modes"):
         shipped = {"chirps": (trained, trained / "set.safetensors")}
         monkeypatch.setattr(f"{module}.shipped_sets", lambda shipped=shipped: shipped)
-    desks = Desks(Resources(beside.where))
-    other = desks.named("chirps")
-    assert other is desks.named("chirps")
+    sets = VisitorSets(Resources(beside.where))
+    other = sets.named("chirps")
+    assert other is sets.named("chirps")
     assert other.where.head == trained / "head"
     assert modes(other)["sets"] == [{"name": "chirps", "title": "Chirps", "shown": True}]
-    same = Desks(Resources(other.where))
+    same = VisitorSets(Resources(other.where))
     assert same.named("chirps") is same.first

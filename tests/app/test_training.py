@@ -9,10 +9,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.desks import Desks
 from app.state import ForgottenError
 from app.training import REACH, Trainings, coded_map
 from app.training_plan import looked_at, offers, plan_from
+from app.visitor_sets import VisitorSets
 from omnivat.checkpoint import load_head
 from omnivat.errors import DataError
 
@@ -20,8 +20,8 @@ SMALL = {"source": "TAG-sim", "width": 16, "epochs": 5, "visitor": "ann"}
 
 
 @pytest.fixture
-def desks(resources):
-    found = Desks(resources)
+def sets(resources):
+    found = VisitorSets(resources)
     yield found
     found.shared.close()
 
@@ -36,9 +36,9 @@ def until_ended(trainings, run, seconds=60):
     raise AssertionError(f"still {state['state']}")
 
 
-def test_a_training_is_watched_to_its_end_and_its_head_is_loaded_and_saved(desks, tmp_path):
-    trainings = Trainings(desks)
-    started = trainings.start(desks.first, SMALL, "")
+def test_a_training_is_watched_to_its_end_and_its_head_is_loaded_and_saved(sets, tmp_path):
+    trainings = Trainings(sets)
+    started = trainings.start(sets.first, SMALL, "")
     assert started["total"] == 5
     assert len(started["domain"]) == len(started["label"]) == 80
     state = until_ended(trainings, started["run"])
@@ -48,32 +48,32 @@ def test_a_training_is_watched_to_its_end_and_its_head_is_loaded_and_saved(desks
     assert last["loss"] > 0
     assert 0 <= last["measures"]["accuracy/unseen"] <= 1
     assert len(base64.b64decode(last["map"])) == 2 * 80 * 2 * 2
-    desk = desks.named(state["set"])
-    assert desk.head().settings.width == 16
-    assert len(desk.embeddings()) == 80
+    loaded = sets.named(state["set"])
+    assert loaded.head().settings.width == 16
+    assert len(loaded.embeddings()) == 80
     zipfile.ZipFile(io.BytesIO(trainings.saved({"run": started["run"]}))).extractall(tmp_path)
     assert load_head(tmp_path / "trained-head").source == "TAG-sim"
 
 
-def test_only_new_epochs_are_sent(desks):
-    trainings = Trainings(desks)
-    run = trainings.start(desks.first, SMALL, "")["run"]
+def test_only_new_epochs_are_sent(sets):
+    trainings = Trainings(sets)
+    run = trainings.start(sets.first, SMALL, "")["run"]
     until_ended(trainings, run)
     assert [one["epoch"] for one in trainings.state({"run": run, "since": 3})["epochs"]] == [4, 5]
 
 
-def test_one_training_runs_and_the_next_visitor_is_told_the_place(desks):
-    trainings = Trainings(desks)
-    first = trainings.start(desks.first, {**SMALL, "epochs": 100}, "")["run"]
-    second = trainings.start(desks.first, {**SMALL, "visitor": "bob"}, "")["run"]
+def test_one_training_runs_and_the_next_visitor_is_told_the_place(sets):
+    trainings = Trainings(sets)
+    first = trainings.start(sets.first, {**SMALL, "epochs": 100}, "")["run"]
+    second = trainings.start(sets.first, {**SMALL, "visitor": "bob"}, "")["run"]
     state = trainings.state({"run": second})
     assert (state["state"], state["place"]) == ("waiting", 1)
     with pytest.raises(DataError, match="still runs or waits; cancel it first"):
-        trainings.start(desks.first, SMALL, "")
+        trainings.start(sets.first, SMALL, "")
     trainings.cancel({"run": first})
     assert until_ended(trainings, first)["state"] == "cancelled"
     assert until_ended(trainings, second)["state"] == "done"
-    again = trainings.start(desks.first, SMALL, "")["run"]
+    again = trainings.start(sets.first, SMALL, "")["run"]
     assert until_ended(trainings, again)["state"] == "done"
 
 
@@ -132,12 +132,12 @@ def test_of_a_large_set_all_of_the_source_and_a_part_of_the_rest_is_looked_at(
     assert np.bincount(some.domain).tolist() == [40, 10]
 
 
-def test_a_training_that_is_not_there_is_told_so(desks):
-    trainings = Trainings(desks)
+def test_a_training_that_is_not_there_is_told_so(sets):
+    trainings = Trainings(sets)
     with pytest.raises(ForgottenError, match="no longer has this training"):
         trainings.state({"run": "nothing"})
     with pytest.raises(DataError, match="visitor has to be a short name"):
-        trainings.start(desks.first, {**SMALL, "visitor": None}, "")
+        trainings.start(sets.first, {**SMALL, "visitor": None}, "")
 
 
 def test_a_map_keeps_its_places_within_a_step_of_its_grid():

@@ -1,8 +1,8 @@
 """Heads and sets loaded by visitors, each named by a hash of its content.
 
-A desk is the head and set that a visitor uses. The server starts with one. A loaded head or set
+A visitor set is the head and the set of pairs that a visitor uses. The server starts with one. A loaded head or set
 makes another, which only those with its name can reach. Files are in the server's temporary folder;
-removing a desk removes its files and cancels its unfinished jobs.
+removing a visitor set removes its files and cancels its unfinished jobs.
 """
 
 import os
@@ -16,9 +16,9 @@ from threading import Lock
 from typing import TYPE_CHECKING
 
 from app.limits import KEPT_DESKS
-from app.parts import Parts
 from app.resources import Places, Resources, shipped_places
 from app.state import ForgottenError
+from app.upload_store import UploadStore
 from omnivat.errors import DataError
 from omnivat.heads import shipped_sets
 
@@ -33,20 +33,20 @@ SET = "embeddings.safetensors"
 SHEET = ("embeddings.thumbnails.webp", "embeddings.thumbnails.json")
 
 
-class Desks:
-    """The first desk, and the most recently loaded others."""
+class VisitorSets:
+    """The first visitor set, and the most recently loaded others."""
 
     def __init__(self, first: Resources) -> None:
         self.first, self.shared = first, first.shared
         self._lock = Lock()
         self._loaded: OrderedDict[str, Resources] = OrderedDict()
         self._shipped: dict[str, Resources] = {}
-        self._beside: dict[str, str] = {}  # desk -> another desk whose files it uses
+        self._beside: dict[str, str] = {}  # visitor set -> another visitor set whose files it uses
         self._folders: dict[str, Path] = {}
-        self._parts = Parts(self.shared.scratch)
+        self._parts = UploadStore(self.shared.scratch)
 
     def named(self, name: str) -> Resources:
-        """Return the desk named by a request; without a name, the first one.
+        """Return the visitor set named by a request; without a name, the first one.
 
         Raises ForgottenError if the server no longer has it.
         """
@@ -88,14 +88,14 @@ class Desks:
         compare: bool,
         check: Callable[[], None] = lambda: None,
     ) -> str:
-        """Make a desk from uploaded files; return its name.
+        """Make a visitor set from uploaded files; return its name.
 
         parts    file name -> its name from `keep_part`
-        beside   the desk that provides what is not among the parts
-        compare  True adds the head for comparison instead of replacing the desk's own
+        beside   the visitor set that provides what is not among the parts
+        compare  True adds the head for comparison instead of replacing its own
         check    called between steps; an error it raises ends the work
 
-        Two equal loads at the same time make one desk. Raises DataError, one sentence, if the files
+        Two equal loads at the same time make one visitor set. Raises DataError, one sentence, if the files
         are not a head or set, or do not fit together.
         """
         base = self.named(beside)
@@ -110,9 +110,9 @@ class Desks:
         return self._made(key, beside, placed, check)
 
     def adopt(self, head: "Head", *, beside: str) -> str:
-        """Make a desk from a head trained on the server; return its name.
+        """Make a visitor set from a head trained on the server; return its name.
 
-        beside  the desk that provides the set
+        beside  the visitor set that provides the set
         Raises DataError if the head does not fit that set.
         """
         from omnivat.checkpoint import save_head
@@ -132,22 +132,22 @@ class Desks:
         placed: Callable[[Path], Places],
         check: Callable[[], None],
     ) -> str:
-        """Fill a new folder, check its content, and add it as a desk."""
+        """Fill a new folder, check its content, and add it as a visitor set."""
         folder = self.shared.scratch.folder(os.urandom(8).hex())
         try:
-            desk = Resources(placed(folder), self.shared, owner=key)
+            made = Resources(placed(folder), self.shared, owner=key)
             check()
-            embeddings = desk.embeddings()
-            for name in desk.heads:
+            embeddings = made.embeddings()
+            for name in made.heads:
                 check()
-                desk.head_named(name).require_embeddings(embeddings)
+                made.head_named(name).require_embeddings(embeddings)
             check()
         except BaseException:
             shutil.rmtree(folder, ignore_errors=True)
             raise
         with self._lock:
-            if first := key not in self._loaded:  # no other request made the same desk
-                self._loaded[key], self._beside[key], self._folders[key] = desk, beside, folder
+            if first := key not in self._loaded:  # no other request made the same visitor set
+                self._loaded[key], self._beside[key], self._folders[key] = made, beside, folder
             dropped = self._too_many()
         for owner, old in dropped.items():
             self.shared.jobs.cancel_owner(owner)
@@ -157,7 +157,7 @@ class Desks:
         return key
 
     def _too_many(self) -> dict[str, Path]:
-        """Remove the least recently used desks without shared files; return their folders."""
+        """Remove the least recently used sets without shared files; return their folders."""
         dropped: dict[str, Path] = {}
         while len(self._loaded) > KEPT_DESKS:
             used = set(self._beside.values())

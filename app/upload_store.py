@@ -21,7 +21,7 @@ UNFINISHED = ".part"
 AT_ONCE = 1_000_000  # bytes
 
 
-class Parts:
+class UploadStore:
     """Uploaded files, named by a hash of their content."""
 
     def __init__(self, scratch: Scratch) -> None:

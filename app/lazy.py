@@ -7,7 +7,7 @@ from typing import Generic, TypeVar
 V = TypeVar("V")
 
 
-class Once(Generic[V]):
+class Lazy(Generic[V]):
     """Holds the result of `make`. After a failure, the next use tries again."""
 
     def __init__(self, make: Callable[[], V]) -> None:

@@ -8,10 +8,10 @@ import pytest
 from starlette.applications import Starlette
 from starlette.testclient import TestClient
 
-from app.desks import Desks
 from app.limits import KEPT_DESKS, PARTS
 from app.routes import routes
 from app.state import ForgottenError
+from app.visitor_sets import VisitorSets
 from omnivat.errors import DataError
 
 
@@ -96,25 +96,25 @@ async def blocks(content: bytes, times: int) -> AsyncIterator[bytes]:
 
 
 def test_a_file_that_is_too_large_is_cut_off_and_removed(resources):
-    desks = Desks(resources)
+    sets = VisitorSets(resources)
     endless = blocks(b"x" * 60_000, PARTS["embeddings.thumbnails.json"] // 60_000 + 2)
     with pytest.raises(DataError, match="is larger than 0.1 MB"):
-        asyncio.run(desks.keep_part("embeddings.thumbnails.json", endless))
-    assert list(desks.shared.scratch.folder("parts").iterdir()) == []
+        asyncio.run(sets.keep_part("embeddings.thumbnails.json", endless))
+    assert list(sets.shared.scratch.folder("parts").iterdir()) == []
 
 
 def test_the_desk_unused_for_longest_is_forgotten_with_its_files(resources, small_places):
-    desks = Desks(resources)
+    sets = VisitorSets(resources)
     names = []
     for number in range(KEPT_DESKS + 1):
         text = (small_places.head / "metrics.json").read_bytes() + b" " * number
         parts = {}
         for name, file in head_files(small_places.head).items():
             content = text if name == "metrics.json" else file.read_bytes()
-            parts[name] = asyncio.run(desks.keep_part(name, blocks(content, 1)))
-        names.append(desks.load(parts, beside="", compare=False))
+            parts[name] = asyncio.run(sets.keep_part(name, blocks(content, 1)))
+        names.append(sets.load(parts, beside="", compare=False))
     with pytest.raises(ForgottenError):
-        desks.named(names[0])
-    assert desks.named(names[-1]).head().source == "TAG-sim"
-    assert len(desks._folders) == KEPT_DESKS
-    assert sum(1 for f in desks.shared.scratch.home.iterdir() if f.is_dir()) == KEPT_DESKS + 1
+        sets.named(names[0])
+    assert sets.named(names[-1]).head().source == "TAG-sim"
+    assert len(sets._folders) == KEPT_DESKS
+    assert sum(1 for f in sets.shared.scratch.home.iterdir() if f.is_dir()) == KEPT_DESKS + 1

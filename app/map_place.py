@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from app.asking import embedded, refs_from
+from app.pair_input import embedded, refs_from
 from app.resources import Resources
 from app.state import Ref, order_from
 from omnivat.errors import DataError
