@@ -240,6 +240,11 @@ def test_letters_of_charts_are_large_enough_on_a_projector(open_page: Callable[.
           .filter((size) => size < 11.4)"""
     )
     assert small == []
+    cut = page.evaluate(
+        """() => [...document.querySelectorAll('.explore .filters .source')].filter((mark) =>
+          mark.getBoundingClientRect().right > mark.parentElement.getBoundingClientRect().right + 1)"""
+    )
+    assert cut == []
 
 
 def test_on_a_phone_the_hint_covers_nothing_goes_by_itself_and_no_keys_are_named(
