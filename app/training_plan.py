@@ -18,9 +18,11 @@ RANGES: dict[str, tuple[float, float, float]] = {
     "mma": (0.0, 50.0, 10.0),  # λ
     "levels": (1, 5, 3),  # R
     "expansion": (1, 8, 4),  # E
+    "noise": (0.0, 5.0, 0.0),  # on embeddings, in standard deviations of each channel
     "epochs": (5, 100, 40),
     "seed": (0, 999, 0),
 }
+BEYOND = 0.1  # a head for every p draws p from a little more than [0, 1]: see docs/order.md
 MOST_PAIRS = 20_000  # of the source
 MOST_LOOKED_AT = 20_000  # of other domains, measured and drawn in training
 
@@ -65,7 +67,7 @@ def plan_from(question: Mapping[str, Any], embeddings: "Embeddings") -> Plan:
     """Return the plan of a request; missing settings have their defaults.
 
     question  {"source": domain, "width", "order": what p does, "p": initial value, "mma": λ,
-              "levels": R, "expansion": E, "lang": true to use LANG, "epochs", "seed"}
+              "levels": R, "expansion": E, "noise", "lang": true to use LANG, "epochs", "seed"}
 
     Raises DataError with the given and the expected value.
     """
@@ -85,7 +87,10 @@ def plan_from(question: Mapping[str, Any], embeddings: "Embeddings") -> Plan:
         mma_weight=number["mma"],
         lang=question.get("lang", True) is True,
         order_search=order == "search",
-        order_draw="batch" if order == "every" else "none",
+        order_draw="row" if order == "every" else "none",
+        order_low=-BEYOND if order == "every" else 0.0,
+        order_high=1 + BEYOND if order == "every" else 1.0,
+        noise=number["noise"],
     )
     return Plan(
         source=source,

@@ -93,7 +93,7 @@ def test_what_is_offered_can_be_trained(resources):
         ("gradient", True, False, "none"),
         ("fixed", False, False, "none"),
         ("search", True, True, "none"),
-        ("every", False, False, "batch"),
+        ("every", False, False, "row"),
     ],
 )
 def test_what_p_does_becomes_settings(resources, order, learned, searched, drawn):

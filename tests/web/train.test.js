@@ -10,7 +10,15 @@ const OFFERS = {
   sources: ["TAG-sim", "<OF>"],
   widths: [16, 64],
   orders: ["gradient", "fixed", "search", "every"],
-  ranges: { p: [0, 1], mma: [0, 50], levels: [1, 5], expansion: [1, 8], epochs: [5, 100], seed: [0, 999] },
+  ranges: {
+    p: [0, 1],
+    mma: [0, 50],
+    levels: [1, 5],
+    expansion: [1, 8],
+    noise: [0, 5],
+    epochs: [5, 100],
+    seed: [0, 999],
+  },
   first: {
     source: "TAG-sim",
     width: 64,
@@ -20,6 +28,7 @@ const OFFERS = {
     mma: 10,
     levels: 3,
     expansion: 4,
+    noise: 0,
     epochs: 40,
     seed: 0,
   },
@@ -45,6 +54,7 @@ test("the form becomes a question of numbers", () => {
     ["mma", "10"],
     ["levels", "3"],
     ["expansion", "4"],
+    ["noise", "2"],
     ["epochs", "40"],
     ["seed", "1"],
   ];
@@ -52,7 +62,7 @@ test("the form becomes a question of numbers", () => {
   assert.deepEqual([question.width, question.p, question.lang], [64, 0.3, false]);
   assert.equal(
     inWords(question),
-    "TAG-sim, D = 64, keep p fixed = 0.3, λ = 10, R = 3, E = 4, no LANG, seed 1",
+    "TAG-sim, D = 64, keep p fixed = 0.3, λ = 10, R = 3, E = 4, noise 2, no LANG, seed 1",
   );
 });
 

@@ -5,6 +5,7 @@ import { escaped, isSimulated, percent } from "../shared/text.js";
 import { theSetSoon } from "../shared/theset.js";
 import { loading } from "./loading.js";
 import { measuring } from "./measuring.js";
+import { searched } from "./search.js";
 import { ABOUT, glossary, OWN } from "./words.js";
 
 export async function start(root) {
@@ -83,7 +84,7 @@ function theHead(h) {
     ],
     ["Encoder", escaped(h.encoder.name)],
   ])}
-    ${scores(h.metrics)}
+    ${scores(h.metrics)}${searched(h.metrics.order_search)}
     <details><summary>The whole record of its folder</summary><pre tabindex="0">${escaped(JSON.stringify({ provenance: rest, metrics: h.metrics }, null, 2).slice(0, 20000))}</pre></details>`;
 }
 

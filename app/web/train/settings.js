@@ -14,6 +14,7 @@ const NUMBERS = {
   mma: ["λ, weight of MMA", "any"],
   levels: ["R, tree levels", 1],
   expansion: ["E, tokens", 1],
+  noise: ["noise on embeddings, std", "any"],
   epochs: ["Epochs", 1],
   seed: ["Seed", 1],
 };
@@ -28,7 +29,7 @@ export function formHtml({ sources, widths, orders, ranges, first }) {
     return `<label>${label}<input type="number" name="${name}" min="${low}" max="${high}" step="${step}" value="${first[name]}" required></label>`;
   };
   return `<h3>Settings</h3>${select("source", "Learn from", sources)}${select("width", "D, width", widths)}${select("order", "What p does", orders, (v) => ORDERS[v])}
-    ${["p", "mma", "levels", "expansion", "epochs", "seed"].map(number).join("")}
+    ${["p", "mma", "levels", "expansion", "noise", "epochs", "seed"].map(number).join("")}
     <label class="check"><input type="checkbox" name="lang" ${first.lang ? "checked" : ""}> LANG guides the training</label>
     <div class="row"><button type="submit" class="main go">Train</button><button type="button" class="stop" hidden>Cancel</button></div>`;
 }
@@ -48,4 +49,4 @@ export function chosen(entries) {
 
 /** The settings in one line. */
 export const inWords = (q) =>
-  `${q.source}, D = ${q.width}, ${ORDERS[q.order]}${q.order === "fixed" ? ` = ${q.p}` : ""}, λ = ${q.mma}, R = ${q.levels}, E = ${q.expansion}, ${q.lang ? "LANG" : "no LANG"}, seed ${q.seed}`;
+  `${q.source}, D = ${q.width}, ${ORDERS[q.order]}${q.order === "fixed" ? ` = ${q.p}` : ""}, λ = ${q.mma}, R = ${q.levels}, E = ${q.expansion}, ${q.noise ? `noise ${q.noise}, ` : ""}${q.lang ? "LANG" : "no LANG"}, seed ${q.seed}`;
