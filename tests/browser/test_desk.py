@@ -64,6 +64,20 @@ def test_one_image_is_enough(open_page: Callable[..., Any]) -> None:
     assert "Add the photo" in said(page, "fused")
 
 
+def test_no_letter_of_the_chart_over_p_is_cut_off(open_page: Callable[..., Any]) -> None:
+    page = open_page(PAIR, viewport={"width": 1280, "height": 720})
+    page.wait_for_selector(ANSWERED)
+    page.click(".pair .what-if-p summary")
+    page.wait_for_selector(".pair .what-if-p .chart svg text")
+    cut = page.evaluate(
+        """() => [...document.querySelectorAll('.pair .what-if-p .chart text')].filter((text) => {
+          const [own, all] = [text, text.ownerSVGElement].map((e) => e.getBoundingClientRect());
+          return own.left < all.left - 1 || own.right > all.right + 1;
+        }).map((text) => text.textContent)"""
+    )
+    assert cut == []
+
+
 def test_p_is_moved_in_a_section_of_its_own_and_leaves_the_prediction(
     open_page: Callable[..., Any],
 ) -> None:
@@ -149,6 +163,7 @@ def test_buttons_stay_under_the_pointer_while_the_camera_runs(
     button = page.locator(f"{SLOT.format('vis')} .live")
     button.dblclick()  # the second click arrives at the same place
     assert button.get_attribute("aria-pressed") == "false"
+    assert page.locator(".pair video").count() == 0
     page.wait_for_selector(ANSWERED)
 
 

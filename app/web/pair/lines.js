@@ -5,7 +5,7 @@ import { escaped } from "../shared/text.js";
 
 const WIDE = { least: 320, most: 900 }; // CSS pixels: as wide as its place, so that letters keep their size
 const H = 250;
-const PAD = { left: 40, right: 86, top: 10, bottom: 30 };
+const PAD = { left: 48, right: 86, top: 10, bottom: 30 };
 const Y = (v) => H - PAD.bottom - v * (H - PAD.top - PAD.bottom);
 
 /** Labels at the ends of lines, moved apart so that none covers another and all stay inside. */

@@ -202,7 +202,7 @@ class PairTab {
   showLive(found) {
     const was = this.live;
     this.live = found;
-    if (!found) return was ? this.ask() : undefined;
+    if (!found) return was ? this.ask() : this.showInputs(); // the images in place of the camera
     this.$(".verdict").innerHTML = liveHtml(found);
   }
 
