@@ -19,9 +19,18 @@ settings.load_profile("ci" if os.environ.get("CI") else "home")
 CLASSES = ("wood", "steel", "plastic", "ceramic", "glass")
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Put tests that start an event loop before those of the browser, whose driver keeps one running."""
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Put tests that start an event loop before those of the browser, whose driver keeps one running.
+
+    In several processes (`-n 2 --dist loadgroup`), one of them runs all journeys, and each other
+    file stays in one.
+    """
     items.sort(key=lambda item: not item.nodeid.startswith("tests/app/"))
+    if config.getoption("dist", "no") == "loadgroup":
+        for item in items:
+            browser = item.get_closest_marker("browser")
+            file = item.nodeid.partition("::")[0]
+            item.add_marker(pytest.mark.xdist_group("browser" if browser else file))
 
 
 @pytest.fixture(scope="session")
