@@ -25,9 +25,19 @@ if [ ! -f "$out/light/runs.jsonl" ]; then
     grep -v '"base": "omnivat"' "$out/full/runs.jsonl" >"$out/light/runs.jsonl"
 fi
 "${light[@]}" --methods omnivat "${choice[@]}"
+# Noise on the embeddings, and training as long without it; then the evidence from the source alone.
+longer=(--set epochs=120)
+"${light[@]}" "${longer[@]}" --set noise=2 --out "$out/noise" --methods omnivat,dtg_alone
+"${light[@]}" "${longer[@]}" --out "$out/long" --methods omnivat
+evidence=(python -m omnivat protocol "${common[@]}" --seeds 0 --folds 3 --set width=64 --methods omnivat)
+"${evidence[@]}" --out "$out/evidence"
+"${evidence[@]}" "${longer[@]}" --out "$out/evidence_long"
+"${evidence[@]}" "${longer[@]}" --set noise=2 --out "$out/evidence_noise"
 # Ablations of the light head on the sources of the paper's tables.
 "${ablate[@]}" --only expansion,details,generation,class_token,modalities,levels,balance,order,fixed_order
 python -m benchmarks.cost
+cat "$out/noise/runs.jsonl" "$out/long/runs.jsonl" | gzip -9n >docs/benchmarks/noise.jsonl.gz
+python -m benchmarks.noise
 
 for width in full light; do
     name=protocol$([ "$width" = full ] && echo _full || true)

@@ -11,6 +11,7 @@ from omnivat.frames import read_frames
 from .gestures import MAP
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+pytestmark = pytest.mark.browser
 
 
 @pytest.mark.parametrize(
