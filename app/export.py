@@ -12,7 +12,8 @@ from app.curve_pictures import curves_picture
 from app.drawing import write_picture
 from app.modes import fitting_files, modes
 from app.pictures import map_picture
-from app.resources import Places, Resources, places
+from app.places import Places, places
+from app.resources import Resources
 from app.theme import STYLES
 from app.views import explore
 from omnivat.errors import DataError

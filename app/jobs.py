@@ -1,8 +1,7 @@
 """Long work: a queue with positions, and a state for each job.
 
-A job is a function that takes its `Job` and regularly calls `job.report(step)` or `job.check()`. In
-these calls it stops if its visitor is gone or its time is over, and waits while a job of higher
-priority runs. Every error becomes a sentence and a state.
+A job is a function of its `Job` that regularly calls `job.report(step)` or `job.check()`. There it
+stops if its visitor is gone or its time is over, and waits for jobs of higher priority.
 """
 
 import logging
@@ -16,7 +15,7 @@ from time import monotonic
 from typing import Any, Generic, Literal, TypeVar
 
 from app.limits import OWN_JOBS, SLOTS, WAITING_JOBS
-from app.messages import UNEXPECTED
+from app.messages import UNEXPECTED, BusyError, CancelledError, UnexpectedError
 from omnivat.errors import OmniVatError
 from omnivat.progress import Step
 
@@ -29,30 +28,12 @@ class JobStopped(BaseException):
     """Raised in a cancelled job; not an Exception, so that no handler catches it."""
 
 
-class CancelledError(OmniVatError):
-    """The job was cancelled before it ended."""
-
-    status = 499
-
-
-class BusyError(OmniVatError):
-    """Too many jobs are waiting, or the work took too long."""
-
-    status = 503
-
-
-class UnexpectedError(OmniVatError):
-    """The job failed unexpectedly; the log has the traceback."""
-
-    status = 500
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Status:
     """The current state of a job."""
 
     state: State
-    place: int  # in the queue, from 1; 0 if not waiting
+    place: int  # in the queue, from 1; else 0
     step: Step | None  # progress
     problem: str  # reason of a failure, one sentence
 

@@ -19,8 +19,25 @@ UNEXPECTED = (
     "The page still works: try again, or choose another pair."
 )
 
-
 PLACE = re.compile(r"(?:/|[A-Za-z]:\\)(?:[^/\\'\"\n]+[/\\])+")  # a path without its last part
+
+
+class CancelledError(OmniVatError):
+    """The job was cancelled before it ended."""
+
+    status = 499
+
+
+class BusyError(OmniVatError):
+    """Too many jobs are waiting, or the work took too long."""
+
+    status = 503
+
+
+class UnexpectedError(OmniVatError):
+    """The job failed unexpectedly; the log has the traceback."""
+
+    status = 500
 
 
 def without_places(sentence: str) -> str:

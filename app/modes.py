@@ -9,7 +9,8 @@ import logging
 from pathlib import Path
 from typing import Any
 
-from app.resources import Places, Resources
+from app.places import Places
+from app.resources import Resources
 from omnivat.errors import DataError
 from omnivat.heads import shipped_sets
 

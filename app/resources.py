@@ -4,8 +4,7 @@ The first page needs none of them: the browser fetches frames and thumbnails as 
 """
 
 import logging
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,11 +12,10 @@ from typing import TYPE_CHECKING, Any
 from app.examples import Example, example_named, find_examples
 from app.frames_job import FramesJob, Source
 from app.lazy import Lazy
-from app.limits import DRAWN_PAIRS
+from app.places import Places, head_names
 from app.shared import Shared
 from app.state import ForgottenError, Recent, Ref, content_name
 from omnivat.errors import DataError
-from omnivat.heads import EXAMPLES, default_embeddings, default_head, shipped_sets
 
 if TYPE_CHECKING:
     import numpy as np
@@ -31,63 +29,6 @@ log = logging.getLogger(__name__)
 KEPT_IMAGES = 512  # embeddings of uploaded images; about 5 kB each
 KEPT_TAUGHT = 8  # they share all weights except the classifier
 KEPT_FEATURES = 6  # the whole set at one stage and order; some MB each
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Places:
-    """Locations of files. `frames` is None if they must be computed."""
-
-    head: Path
-    embeddings: Path
-    frames: Path | None
-    sprite: Path | None  # NAME.thumbnails.webp next to the embeddings, and its .json
-    pairs: Path | None  # example images; None: the gallery shows pairs of the set
-    compare: tuple[Path, ...] = ()  # folders of comparison heads
-    computed: Path | None = None  # folder of computed frames; None: the cache
-    drawn: int = DRAWN_PAIRS  # of a larger set so many pairs are drawn at random
-
-
-def places(
-    head: Path | None = None,
-    embeddings: Path | None = None,
-    compare: Sequence[Path] = (),
-) -> Places:
-    """Return the locations of the project's own files or of given ones."""
-    own = head is None and embeddings is None
-    frames = EXAMPLES / "frames.bin"
-    sheet = (embeddings or default_embeddings()).with_suffix(".thumbnails.webp")
-    return Places(
-        head=head or default_head(),
-        embeddings=embeddings or default_embeddings(),
-        frames=frames if own and frames.is_file() else None,
-        sprite=sheet if sheet.is_file() else None,
-        pairs=EXAMPLES / "pairs" if embeddings is None else None,
-        compare=tuple(compare),
-    )
-
-
-def shipped_places(name: str) -> Places:
-    """Return the locations of a set of the project; `omnivat.heads.shipped_sets` lists them."""
-    folder, embeddings = shipped_sets()[name]
-    frames, sheet = folder / "frames.bin", embeddings.with_suffix(".thumbnails.webp")
-    return Places(
-        head=folder / "head",
-        embeddings=embeddings,
-        frames=frames if frames.is_file() else None,
-        sprite=sheet if sheet.is_file() else None,
-        pairs=folder / "pairs",
-    )
-
-
-def head_names(where: Places) -> dict[str, Path]:
-    """Return the folder of each head by its name in requests; "" is the first one."""
-    names = {"": where.head}
-    for folder in where.compare:
-        name = folder.name or "head"
-        while name in names:
-            name += "'"
-        names[name] = folder
-    return names
 
 
 class Resources:

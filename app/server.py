@@ -135,7 +135,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     os.environ["GRADIO_ANALYTICS_ENABLED"] = "False"
     logging.basicConfig(level=logging.INFO, format="%(levelname)s %(name)s: %(message)s")
     logging.getLogger("httpx").setLevel(logging.WARNING)
-    from app.resources import Resources, places
+    from app.places import places
+    from app.resources import Resources
     from app.shared import Shared
 
     try:

@@ -12,8 +12,8 @@ from pathlib import Path
 from threading import Lock
 from time import time
 
-from app.jobs import BusyError
 from app.limits import KEPT_PARTS, PART_S, PARTS, PARTS_BYTES
+from app.messages import BusyError
 from app.scratch import Scratch
 from omnivat.errors import DataError
 

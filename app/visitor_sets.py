@@ -16,7 +16,8 @@ from threading import Lock
 from typing import TYPE_CHECKING
 
 from app.limits import KEPT_DESKS
-from app.resources import Places, Resources, shipped_places
+from app.places import Places, shipped_places
+from app.resources import Resources
 from app.state import ForgottenError
 from app.upload_store import UploadStore
 from omnivat.errors import DataError

@@ -166,7 +166,8 @@ def main(arguments: list[str] | None = None) -> int:
 
     from app import upload_store
     from app.guard import Guard, rules
-    from app.resources import Resources, places
+    from app.places import places
+    from app.resources import Resources
     from app.routes import routes
     from omnivat.files import write_json
 

@@ -126,7 +126,8 @@ def page(head: Path, file: Path, out: Path) -> None:
     from time import sleep
 
     os.environ["OMNIVAT_CACHE"] = str(out / "cache")
-    from app.resources import Resources, places
+    from app.places import places
+    from app.resources import Resources
 
     resources = Resources(places(head, file))
     while (state := resources.frames.state()).file is None:

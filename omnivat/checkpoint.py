@@ -19,17 +19,17 @@ from safetensors import SafetensorError
 from safetensors.torch import load_file, save
 
 from omnivat.calibration.familiarity import Familiarity
+from omnivat.calibration.familiarity_file import load_familiarity, save_familiarity
 from omnivat.config import settings_dict, settings_from
 from omnivat.data.store import Embeddings
 from omnivat.devices import current
 from omnivat.errors import DataError, SettingsError
 from omnivat.files import UNFINISHED_S, require_writable, write_json, writing
-from omnivat.modalities import IMAGES
 from omnivat.model.fusion import Calibration, plain
 from omnivat.model.head import OmniVaT
 from omnivat.model.settings import HeadSettings
 from omnivat.orders import LIMIT
-from omnivat.schema import FLOATS, read_object, tensor_table, texts
+from omnivat.schema import read_object, tensor_table, texts
 
 FORMAT = "omnivat-head-1"
 WEIGHTS, SETTINGS, METRICS = "weights.safetensors", "settings.json", "metrics.json"
@@ -108,7 +108,7 @@ def _fill(temporary: Path, target: Path, head: Head) -> None:
         write_json(temporary / SETTINGS, record)
         write_json(temporary / METRICS, head.metrics)
         if head.familiarity is not None:
-            _save_familiarity(temporary / FAMILIARITY, head.familiarity)
+            save_familiarity(temporary / FAMILIARITY, head.familiarity)
         temporary.chmod(0o755)
         (temporary / WEIGHTS).chmod(0o644)
         _swap(temporary, target)
@@ -201,7 +201,7 @@ def load_head(folder: str | Path, *, dtype: torch.dtype | None = None) -> Head:
         provenance=provenance,
         metrics=metrics,
         path=path,
-        familiarity=_load_familiarity(path / FAMILIARITY, settings.input_width),
+        familiarity=load_familiarity(path / FAMILIARITY, settings.input_width),
     )
 
 
@@ -228,37 +228,6 @@ def _calibration(file: Path, given: Any) -> Calibration:
             "and the share is 0 to 1. Copy the head folder again."
         )
     return Calibration(temperature=temperature, share=share)
-
-
-def _save_familiarity(file: Path, found: Familiarity) -> None:
-    tensors = {name: rows.half().contiguous() for name, rows in found.rows.items()}
-    tensors |= {f"{name}_quantiles": q.contiguous() for name, q in found.quantiles.items()}
-    file.write_bytes(save(tensors, metadata={"format": "omnivat-familiarity-1"}))
-    file.chmod(0o644)
-
-
-def _load_familiarity(file: Path, width: int) -> Familiarity | None:
-    """Return the saved familiarity, or None if there is no file."""
-    if not file.is_file():
-        return None
-    try:
-        tensor_table(file, types=FLOATS)
-        tensors = load_file(file)
-    except (SafetensorError, OSError) as error:
-        raise DataError(
-            f"'{file}' cannot be read ({error}); copy the head folder again."
-        ) from error
-    names = [name for name in IMAGES if name in tensors]
-    fits = names and all(
-        tensors[n].ndim == 2 and tensors[n].shape[1] == width and f"{n}_quantiles" in tensors
-        for n in names
-    )
-    if not fits:
-        raise DataError(f"'{file}' does not fit this head; copy the head folder again.")
-    return Familiarity(
-        rows={name: tensors[name].float() for name in names},
-        quantiles={name: tensors[f"{name}_quantiles"].float() for name in names},
-    )
 
 
 def _load_weights(file: Path, settings: HeadSettings) -> OmniVaT:

@@ -2,10 +2,8 @@
 
 The distance is the cosine in E, the encoder's space, to the nearest training image of the modality.
 A cosine alone means little, so it is compared with the training set: the cosine of each training
-image
-to the nearest image of another object. A quantile of 0.02 means that 98 % of the training images
-have
-a closer neighbour.
+image to the nearest image of another object. A quantile of 0.02 means that 98 % of the training
+images have a closer neighbour.
 """
 
 from collections.abc import Sequence

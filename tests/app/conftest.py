@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from app.resources import Places, Resources
+from app.places import Places
+from app.resources import Resources
 
 
 @pytest.fixture(scope="session")

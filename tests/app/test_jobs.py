@@ -5,8 +5,8 @@ from time import monotonic, sleep
 
 import pytest
 
-from app.jobs import BusyError, CancelledError, Jobs, UnexpectedError
-from app.messages import UNEXPECTED
+from app.jobs import Jobs
+from app.messages import UNEXPECTED, BusyError, CancelledError, UnexpectedError
 from omnivat.errors import DataError
 from omnivat.progress import Step
 

@@ -113,7 +113,7 @@ def test_the_toy_is_served(client):
 
 def test_a_shipped_set_is_opened_by_its_name_once(beside, trained, monkeypatch):
     (trained / "head").mkdir(exist_ok=True)
-    for module in ("app.visitor_sets", "app.resources", "app.modes"):
+    for module in ("app.visitor_sets", "app.places", "app.modes"):
         shipped = {"chirps": (trained, trained / "set.safetensors")}
         monkeypatch.setattr(f"{module}.shipped_sets", lambda shipped=shipped: shipped)
     sets = VisitorSets(Resources(beside.where))

@@ -15,7 +15,8 @@ FIRST_PAGE = """
 import os, sys, urllib.request
 os.environ["GRADIO_ANALYTICS_ENABLED"] = "False"
 from app.server import build, launch, parser
-from app.resources import Resources, places
+from app.places import places
+from app.resources import Resources
 resources = Resources(places())
 page = build()
 _, address, _ = launch(page, resources, parser().parse_args(["--no-browser"]), prevent_thread_lock=True, quiet=True)

@@ -105,7 +105,8 @@ def test_the_search_for_leaks_would_see_one(address: str) -> None:
 
 def own_posts() -> list[str]:
     """Return all our routes with requests, from the server's list."""
-    from app.resources import Resources, places
+    from app.places import places
+    from app.resources import Resources
     from app.routes import routes
 
     paths = [route.path for route in routes(Resources(places())) if "POST" in (route.methods or ())]
