@@ -21,9 +21,8 @@ class Method:
     """One implementation.
 
     build: N -> a new precomputation, independent of x and the order. transform: (x, order) -> F_p
-    x,
-    complex or planar. keep: x -> (order -> F_p x), with everything cached that does not depend on
-    p.
+    x, complex or planar. keep: x -> (order -> F_p x), with everything cached that does not depend
+    on p.
     """
 
     transform: Transform

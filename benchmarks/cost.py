@@ -3,12 +3,9 @@
     python -m benchmarks.cost [--source TAG] [--methods a,b,c] [--out docs/benchmarks]
 
 Every method runs in a separate process on one thread, so its peak memory is separate. A fit
-includes
-the choice of settings. An epoch is a pass over the training pairs, for methods with epochs.
-Predictions
-are of single pairs: from embeddings, and with the default encoder, whose time is measured once on
-one
-thread.
+includes the choice of settings. An epoch is a pass over the training pairs, for methods with
+epochs. Predictions are of single pairs: from embeddings, and with the default encoder, whose time
+is measured once on one thread.
 """
 
 import argparse

@@ -45,8 +45,7 @@ def wall_rate(width: int = 512, rows: int = 4096, runs: int = 15) -> float:
     """Return the best rate of (rows, width) @ (width, width), operations a second of wall time.
 
     It uses the threads of the timed calls: a rate per CPU second belongs to one core, and floors
-    for
-    two cores would be twice too high.
+    for two cores would be twice too high.
     """
     a, b, out = torch.randn(rows, width), torch.randn(width, width), torch.empty(rows, width)
     torch.mm(a, b, out=out)

@@ -5,12 +5,9 @@
                                      [--stops 0,0.25,...] [--jobs N] [--out FILE] [--table]
 
 The head for every order draws a random p (`order_draw`) and trains for `--steps` steps with the
-settings
-EVERY; heads at a stop train for 60 epochs with the usual settings. Averages are over 11 orders from
-0 to
-1. A row of the JSON lines file is one seed of one source and width; finished rows are kept. --table
-prints
-them.
+settings EVERY; heads at a stop train for 60 epochs with the usual settings. Averages are over 11
+orders from 0 to 1. A row of the JSON lines file is one seed of one source and width; finished rows
+are kept. --table prints them.
 """
 
 import argparse

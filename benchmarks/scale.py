@@ -1,12 +1,9 @@
 """How time and memory grow with the set: `python -m benchmarks.scale --out docs/benchmarks/scale.json`.
 
 The sets have 1,000 to 500,000 synthetic pairs (random numbers around a class mean; nothing is
-learned from
-them); the head has the shipped settings. Each task runs in a separate process with its own peak
-memory.
-Seconds are wall time; on a shared machine, use CPU seconds. The exponent is the slope of log CPU
-seconds
-over log pairs, from the two largest sizes.
+learned from them); the head has the shipped settings. Each task runs in a separate process with
+its own peak memory. Seconds are wall time; on a shared machine, use CPU seconds. The exponent is
+the slope of log CPU seconds over log pairs, from the two largest sizes.
 """
 
 import argparse

@@ -1,10 +1,9 @@
 """Predictions for held-out source pairs, and the calibration fitted to them.
 
 One fold: a quarter of the source's objects is held out, and a head is trained on the rest with the
-same
-settings. It predicts the held-out pairs as they are and under imitated sensors
-(omnivat/selection.py).
-With plain pairs alone, a head would be as confident on a new sensor as on its own.
+same settings. It predicts the held-out pairs as they are and under imitated sensors
+(omnivat/selection.py). With plain pairs alone, a head would be as confident on a new sensor as on
+its own.
 """
 
 from collections.abc import Sequence

@@ -1,9 +1,8 @@
 """The paper's Baseline: style texts and source images through one D×D layer and a linear head.
 
 This is our reading of the paper's PromptStyler row. Its results depend on the source, so it trains
-on
-source images, and its 0.3 M parameters fit a D×D layer.
-Source: paper, Table of components, row 1.
+on source images, and its 0.3 M parameters fit a D×D layer. Source: paper, Table of components, row
+1.
 """
 
 from collections.abc import Callable

@@ -2,14 +2,10 @@
 
 Source: Li et al., Logits DeConfusion with CLIP for Few-Shot Learning, CVPR 2025; sizes, losses and rates
 are those of its code. Its first part, the multi-level adapters, needs the live image tower. Its
-second
-part, over pooled embeddings, is `ldc_icd`. Our changes: VIS and TAC count as images alike; each
-class
-has one plain prompt instead of a list; images are mirrored, not cropped; a small source gets at
-least
-200 steps; the learned gate mixes the two kinds of logits, whereas the released code searches for
-the mix,
-on the test set if there is no other.
+second part, over pooled embeddings, is `ldc_icd`. Our changes: VIS and TAC count as images alike;
+each class has one plain prompt instead of a list; images are mirrored, not cropped; a small source
+gets at least 200 steps; the learned gate mixes the two kinds of logits, whereas the released code
+searches for the mix, on the test set if there is no other.
 """
 
 import math

@@ -2,8 +2,7 @@
 
 Source: Li et al., CVPR 2025, the logit part only. The published method also adapts inner tokens of
 the image encoder, which pooled embeddings lack, so the feature here is the embedding. `ldc` has
-both
-parts, and needs images and the live tower.
+both parts, and needs images and the live tower.
 """
 
 import torch

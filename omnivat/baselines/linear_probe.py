@@ -2,8 +2,7 @@
 
 Three ways to use both images: late fusion (one probe each, the mean of their probabilities), early
 fusion (one probe on the concatenation) and one probe on the sum. Photo only and touch only are
-probes
-of one modality, the same in all three.
+probes of one modality, the same in all three.
 """
 
 from collections.abc import Callable

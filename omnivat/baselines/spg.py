@@ -1,14 +1,11 @@
 """SPG: a generator makes a prompt for each image and compares the image with the class texts.
 
 Stage 1 learns one prompt for the source (CoOp). Stage 2 trains a conditional GAN: its generator
-makes a
-prompt from noise and an image's embedding; its discriminator separates it from the learned prompt.
-SPG
-needs pooled embeddings and the live text tower, but not the inside of the image tower.
-Source: Bai et al., Soft Prompt Generation for Domain Generalization, ECCV 2024; sizes and rates are
-those of its code. Our changes: VIS and TAC count as images alike, and one fixed noise vector serves
-every
-prediction, so that a prediction does not depend on the batch.
+makes a prompt from noise and an image's embedding; its discriminator separates it from the learned
+prompt. SPG needs pooled embeddings and the live text tower, but not the inside of the image tower.
+Source: Bai et al., Soft Prompt Generation for Domain Generalization, ECCV 2024; sizes and rates
+are those of its code. Our changes: VIS and TAC count as images alike, and one fixed noise vector
+serves every prediction, so that a prediction does not depend on the batch.
 """
 
 from collections.abc import Callable

@@ -3,8 +3,7 @@
 Photo only and touch only are probes of one modality's projection.
 
 Source: Yang et al., NeurIPS 2022. It trains two ResNets; here the embeddings are frozen and only
-the
-projections to 128 numbers are trained.
+the projections to 128 numbers are trained.
 """
 
 import torch

@@ -5,9 +5,8 @@
     python -m omnivat sweep --retrain 21 --out FRAMES [--source DOMAIN] [--seeds 0,1,2] [--jobs 2]
 
 --out writes the frames file for the page; without it, no maps are computed. --retrain trains a head
-at
-each order, with the settings of --head, instead of moving the p of one head. Finished heads of an
-interrupted run are used again.
+at each order, with the settings of --head, instead of moving the p of one head. Finished heads of
+an interrupted run are used again.
 """
 
 import argparse

@@ -1,11 +1,10 @@
 """SITR's transformer from its published weights: `--tac-encoder sitr --tac-weights FILE`.
 
 The input of the ViT is the difference of a press to the sensor at rest, with the differences of up
-to 18
-calibration presses: 9 of a ball, 9 of a cube's corner. `calibration/` next to the weights has them:
-`0000.png` at rest, then `0001.png` to `0018.png`. The embedding is the class token after the
-last norm. Source: Gupta et al., ICLR 2025; names of weights, order of presses and the pixels' statistics
-are those of its code. The decoder of normal maps and the contrastive head are left out.
+to 18 calibration presses: 9 of a ball, 9 of a cube's corner. `calibration/` next to the weights
+has them: `0000.png` at rest, then `0001.png` to `0018.png`. The embedding is the class token after
+the last norm. Source: Gupta et al., ICLR 2025; names of weights, order of presses and the pixels'
+statistics are those of its code. The decoder of normal maps and the contrastive head are left out.
 """
 
 from collections.abc import Mapping

@@ -16,10 +16,8 @@ class FractionalTransform(nn.Module):
 
     order: initial value, in quarter turns. For real input, the gradient of a modulus or a real part
     is exactly zero at 0 and 2, so do not start there. The order stays float64 when the layer is
-    cast,
-    because rounding it to float32 changes the result by 1e-5.
-    learnable: True makes the order a parameter, False a buffer.
-    dim, centered, planar: as in `dfrft`.
+    cast, because rounding it to float32 changes the result by 1e-5. learnable: True makes the
+    order a parameter, False a buffer. dim, centered, planar: as in `dfrft`.
     """
 
     order: Tensor

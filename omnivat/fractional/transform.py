@@ -49,11 +49,10 @@ def synthesise(
     """Return the transform of order `order` from coefficients.
 
     order: a number, or a tensor that broadcasts against the leading axes: (B,) is one order for
-    each
-    row of (B, N); (P, 1) gives P transforms of all rows, (P, B, N). In quarter turns, period 4.
-    planar: stack real and imaginary part, real (2, ..., N), instead of complex (..., N).
-    out: a contiguous tensor for the result, with its shape and dtype; outside autograd and for the
-    last axis only. It avoids allocating a large tensor.
+    each row of (B, N); (P, 1) gives P transforms of all rows, (P, B, N). In quarter turns, period
+    4. planar: stack real and imaginary part, real (2, ..., N), instead of complex (..., N). out: a
+    contiguous tensor for the result, with its shape and dtype; outside autograd and for the last
+    axis only. It avoids allocating a large tensor.
 
     Raises SettingsError for NaN or infinite orders, ShapeError if the axes do not fit.
     """
@@ -129,8 +128,7 @@ def project(coefficients: Coefficients, order: float | Tensor, directions: Tenso
     """Return the sums Σ_n F_p(x)_n directions[d, n] for every vector, complex (..., D).
 
     order: as in `synthesise`. directions (D, N): real or complex, not conjugated. For real maps a
-    of
-    the real part and b of the imaginary part, pass a - ib and use the real part of the result.
+    of the real part and b of the imaginary part, pass a - ib and use the real part of the result.
 
     F_p is symmetric, so the sum is Σ_k λ_k^p c_k (Vᵀ directions)_k: one product with (N, 2D)
     weights. A map of 20,000 vectors costs a tenth of the transform. Differentiable in all three

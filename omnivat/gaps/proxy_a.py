@@ -18,10 +18,9 @@ def proxy_a(a: Tensor, b: Tensor, *, folds: int = 5, ridge: float = 1e-2, seed: 
 
     The classifier is ridge regression on -1 / +1 in closed form, with equal weight for both sets.
     ε is the mean of the two sets' errors; a tie counts half. Errors above one half give 0, because
-    a
-    classifier below chance shows no distance. The distance is symmetric in a and b.
-    Raises ShapeError for sets that are too small or of differing widths.
-    Source: Ben-David et al., NeurIPS 2007.
+    a classifier below chance shows no distance. The distance is symmetric in a and b. Raises
+    ShapeError for sets that are too small or of differing widths. Source: Ben-David et al.,
+    NeurIPS 2007.
     """
     require_shapes(a=(a, "N D"), b=(b, "M D"))
     require_rows(max(folds, 2), a=a, b=b)

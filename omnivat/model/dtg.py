@@ -51,13 +51,10 @@ class DTG(nn.Module):
     """Discrete tree generation (DTG).
 
     Node 0 is the input T. In a tree, node n has the children 2n + 1 and 2n + 2; each child is W x +
-    b
-    of its parent x, with its own W and b. R levels have 2^R - 1 nodes. There is no activation, so
-    the
-    mean over the tree is one affine map, which `fold` returns.
-    For comparison, the same number of matrices can be in series (each node is the child of the
-    previous one) or parallel (each node is a child of the root).
-    Source: paper, Eq. 7 to 11, and its ablation of generation.
+    b of its parent x, with its own W and b. R levels have 2^R - 1 nodes. There is no activation,
+    so the mean over the tree is one affine map, which `fold` returns. For comparison, the same
+    number of matrices can be in series (each node is the child of the previous one) or parallel
+    (each node is a child of the root). Source: paper, Eq. 7 to 11, and its ablation of generation.
     """
 
     def __init__(

@@ -25,9 +25,8 @@ def fuzzy_graph(neighbours: Neighbours) -> Graph:
     """Connect each row to its neighbours with weight exp(-(d - nearest) / width), symmetrized.
 
     Widths are chosen so that the weights of a row add up to log2(k + 1). Weights u and v from the
-    two
-    ends of an edge give u + v - u v; each undirected edge is stored once.
-    Source: McInnes, Healy and Melville, arXiv:1802.03426, section 3.1.
+    two ends of an edge give u + v - u v; each undirected edge is stored once. Source: McInnes,
+    Healy and Melville, arXiv:1802.03426, section 3.1.
     """
     index, distance = neighbours.index, neighbours.distance
     rows, k = index.shape

@@ -27,8 +27,7 @@ def of_domains(counts: Sequence[tuple[int, int]], *, seed: int = 0) -> tuple[flo
     """Return the 95 % interval of the mean share over domains: (right, total) of each.
 
     Bootstrap: domains are drawn with replacement, then pairs within each. The interval therefore
-    covers
-    other domains of this kind, not only other pairs of these domains.
+    covers other domains of this kind, not only other pairs of these domains.
     """
     right, total = (np.array(part, dtype=np.int64) for part in zip(*counts, strict=True))
     random = np.random.default_rng(seed)
