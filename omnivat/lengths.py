@@ -36,7 +36,7 @@ def unit(x: Tensor) -> Tensor:
 
 def _largest(x: Tensor) -> Tensor:
     """Return the largest modulus of each row (..., 1), never zero."""
-    longest: Tensor = torch.linalg.vector_norm(x, float("inf"), dim=-1, keepdim=True)
+    longest = x.abs().amax(-1, keepdim=True)  # 20 times as fast as torch's norm of order inf
     return longest.where(longest > 0, 1)
 
 

@@ -11,7 +11,7 @@ from torch import Tensor
 
 from omnivat.gaps.unit import unit
 
-AT_ONCE = 2048  # rows normalized at once
+AT_ONCE = 256  # rows normalized at once: temporaries stay in the cache
 PAIR = "pair"  # the mean direction of a contact's two rows
 
 

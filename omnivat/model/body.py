@@ -35,7 +35,8 @@ class Body(nn.Module):
         self.mffa = MFFA(settings)
         self.dtg = DTG.from_settings(settings)
         self.classifier = nn.Parameter(torch.empty(len(settings.classes), width))
-        nn.init.normal_(self.classifier, std=width**-0.5)
+        if not self.classifier.is_meta:  # there, torch would load its compiler for this: 0.9 s
+            nn.init.normal_(self.classifier, std=width**-0.5)
         self.calibration = Calibration()  # see omnivat.calibration
 
     @property

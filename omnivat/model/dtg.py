@@ -142,6 +142,8 @@ def interpolated(features: list[Tensor], levels: int) -> Tensor:
 
 def _initialise(weight: Tensor, init: str) -> None:
     """Fill one W (D, D) in place. "orthogonal" keeps node norms equal, so nodes are comparable."""
+    if weight.is_meta:  # a file fills it
+        return
     if init == "orthogonal":
         nn.init.orthogonal_(weight)
     elif init == "default":
