@@ -148,6 +148,7 @@ export class Side {
       wait.hidden = true;
       this.$(".order").disabled = isMethod(name);
     } catch (error) {
+      if (this.chosen.head !== name) return; // a late failure of a head that is no longer chosen
       this.failed = true;
       refused(error, (sentence) => {
         wait.hidden = false;
