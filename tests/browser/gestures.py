@@ -8,6 +8,7 @@ from PIL import Image
 
 MAP = ".explore .map[data-order]"
 ANSWERED = ".pair .results[aria-busy=false] .reading"
+MOVED = "?mode=moved"  # frames of one head at every stop
 READY = {  # what each tab shows once it is there
     "explore": MAP,
     "pair": ANSWERED,

@@ -17,6 +17,7 @@ from torch import Tensor, nn
 
 State = dict[str, Tensor]
 WIDTH, EMBED, PATCH, SIDE, VOCABULARY, LONGEST = 64, 24, 32, 96, 600, 16
+TEXTS = ["a wood", "steel!", "x" * 99]
 
 RENAMED = (
     (r"^vision_model\.encoder\.layers\.", "visual.transformer.resblocks."),

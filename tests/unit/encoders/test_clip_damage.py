@@ -1,0 +1,134 @@
+"""CLIP checkpoints that are missing or damaged are refused in one sentence."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+import torch
+from safetensors.torch import load_file, save_file
+
+from omnivat.encoders import load_encoder, text_encoder
+from omnivat.encoders.checkpoints import Checkpoint, find
+from omnivat.encoders.clip_shapes import PUBLISHED
+from omnivat.errors import DataError
+
+pytest.importorskip("transformers")
+pytestmark = pytest.mark.usefixtures("nothing_outside")
+
+WEIGHTS = "model.safetensors"
+
+
+@pytest.mark.parametrize("name", list(PUBLISHED))
+def test_a_missing_checkpoint_says_in_one_line_how_to_get_it(name: str, tmp_path: Path) -> None:
+    with pytest.raises(DataError) as caught:
+        load_encoder(name)
+    sentence = str(caught.value)
+    assert str(tmp_path / "cache" / name) in sentence
+    assert "hf download" in sentence or "curl" in sentence
+    assert f"OMNIVAT_{name.upper().replace('-', '_')}" in sentence
+    assert "\n" not in sentence
+
+
+def test_a_given_place_that_is_missing_is_named(tmp_path: Path) -> None:
+    with pytest.raises(DataError, match="nowhere"):
+        load_encoder("clip-vit-b16", weights=tmp_path / "nowhere")
+
+
+def test_the_environment_and_the_default_folder_are_looked_at(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    checkpoint = Checkpoint(name="clip-rn50", fetch="fetch {folder}")
+    checkpoint.folder.mkdir(parents=True)
+    assert find(checkpoint, None) == tmp_path / "cache" / "clip-rn50"
+    monkeypatch.setenv("OMNIVAT_CLIP_RN50", str(tmp_path))
+    assert find(checkpoint, None) == tmp_path
+
+
+Damage = Callable[[Path], object]
+
+
+@pytest.mark.parametrize(
+    ("damage", "match"),
+    [
+        (lambda folder: (folder / "config.json").write_text("{"), "not of a CLIP model"),
+        (lambda folder: (folder / WEIGHTS).unlink(), "has no weights"),
+        (lambda folder: (folder / WEIGHTS).write_bytes(b"x" * 99), "cannot be read"),
+        (
+            lambda folder: save_file({"fc.weight": torch.zeros(1)}, folder / WEIGHTS),
+            "no weights of",
+        ),
+        (lambda folder: without(folder, "visual_projection.weight"), "lacks the weight 'visual_pr"),
+        (lambda folder: without(folder, "layers.1.mlp.fc2.bias"), "lacks 1 weights"),
+        (lambda folder: reshaped(folder, "layers.1.mlp.fc2.bias"), "expected"),
+        (lambda folder: stated(folder, "hidden_size", 128), "states 128"),
+        (lambda folder: stated(folder, "num_attention_heads", 7), "cannot be 7"),
+    ],
+)
+def test_a_damaged_folder_is_refused(
+    clips: Any, tmp_path: Path, damage: Damage, match: str
+) -> None:
+    folder = clips.write("transformers folder", tmp_path, clips.small_model())
+    damage(folder)
+    with pytest.raises(DataError, match=match):
+        load_encoder("clip", weights=folder)
+
+
+def without(folder: Path, ending: str) -> None:
+    state = load_file(folder / WEIGHTS)
+    kept = {k: v for k, v in state.items() if not k.endswith(ending) or k.startswith("text")}
+    save_file(kept, folder / WEIGHTS)
+
+
+def reshaped(folder: Path, ending: str) -> None:
+    state = load_file(folder / WEIGHTS)
+    save_file(
+        {k: v[:-1].clone() if k.endswith(ending) else v for k, v in state.items()}, folder / WEIGHTS
+    )
+
+
+def stated(folder: Path, name: str, value: int) -> None:
+    config = json.loads((folder / "config.json").read_text())
+    config["vision_config"][name] = value
+    (folder / "config.json").write_text(json.dumps(config))
+
+
+def test_a_width_that_no_heads_of_64_fill_needs_its_settings(clips: Any, tmp_path: Path) -> None:
+    model = clips.small_model(hidden_size=48)
+    place = clips.write("bare safetensors", tmp_path, model)
+    with pytest.raises(DataError, match="heads cannot be told from the weights; put"):
+        load_encoder("clip", weights=place)
+
+
+def test_a_folder_without_a_tokenizer_is_refused_where_no_package_carries_one(
+    clips: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("omnivat.encoders.clip_tokenizer.CARRIERS", ())
+    folder = clips.write("transformers folder", tmp_path / "clip", clips.small_model())
+    for file in folder.iterdir():
+        if file.name not in ("config.json", WEIGHTS):
+            file.unlink()
+    with pytest.raises(DataError, match="no tokenizer"):
+        text_encoder("clip", weights=folder)
+
+
+def test_a_tokenizer_of_another_model_is_refused(clips: Any, tmp_path: Path) -> None:
+    model = clips.small_model()
+    place = clips.write("transformers folder", tmp_path, model)
+    more = clips.tokenizer()
+    more.add_tokens([f"new{i}" for i in range(9)])
+    more.save_pretrained(place)
+    with pytest.raises(DataError, match="609 tokens and the text tower 600"):
+        text_encoder("clip", weights=place)
+
+
+def test_published_merges_give_the_tokens_of_the_published_vocabulary(tmp_path: Path) -> None:
+    """Two merges, so `ab` is one token, in the order: bytes, bytes ending a word, merges, marks."""
+    import gzip
+
+    from omnivat.encoders.clip_tokenizer import MERGES, load_tokenizer
+
+    (tmp_path / MERGES).write_bytes(gzip.compress(b"#version\na b\nb c</w>"))
+    found = load_tokenizer(tmp_path, longest=9, vocabulary=49408)
+    assert found("ab a bc")["input_ids"] == [514, 64, 65 + 256, 64 + 256, 513, 515]

@@ -1,0 +1,157 @@
+"""TorchScript archives and ResNets of CLIP."""
+
+import pickle
+from pathlib import Path
+from typing import Any
+
+import pytest
+import torch
+from safetensors.torch import save_file
+from torch import Tensor, nn
+
+from omnivat.encoders import load_encoder, text_encoder
+from omnivat.encoders.archives import read_script
+from omnivat.encoders.clip_resnet import AttentionPool, Bottleneck
+from omnivat.encoders.clip_text import load_text_encoder
+from omnivat.errors import DataError, MissingNameError
+
+pytest.importorskip("transformers")
+pytestmark = pytest.mark.usefixtures("nothing_outside")
+
+# TorchScript archives
+
+
+def test_an_archive_is_read_as_torch_reads_it(clips: Any, tmp_path: Path) -> None:
+    state = clips.rn50_state() | {"other.transposed": torch.randn(3, 4).half().T}
+    clips.save_script(state, tmp_path / "a.pt")
+    found = read_script(tmp_path / "a.pt")
+    assert set(found) == set(state)
+    assert all(torch.equal(found[key], state[key]) for key in state)
+
+
+def test_an_archive_that_would_run_something_is_refused(clips: Any, tmp_path: Path) -> None:
+    from zipfile import ZipFile
+
+    class Evil:
+        def __reduce__(self) -> Any:
+            return print, ("it ran",)
+
+    with ZipFile(tmp_path / "a.pt", "w") as archive:
+        archive.writestr("a/constants.pkl", b"")
+        archive.writestr("a/data.pkl", pickle.dumps(Evil()))
+    with pytest.raises(DataError, match="the archive calls"):
+        load_encoder("clip", weights=tmp_path / "a.pt")
+
+
+# ResNets
+
+WRITERS = ("a.safetensors", "a.pt", "script.pt", "training.pt")
+
+
+def write_resnet(clips: Any, state: dict[str, Tensor], file: Path) -> Path:
+    clips.tokenizer().save_pretrained(file.parent)
+    if file.suffix == ".safetensors":
+        save_file(state, file)
+    elif file.name.startswith("script"):
+        clips.save_script(state, file)
+    elif file.name.startswith("training"):
+        record = {"epoch": 1, "name": "RN50-quickgelu", "state_dict": state}
+        torch.save(record, file)
+    else:
+        torch.save(state, file)
+    return file
+
+
+@pytest.fixture
+def large() -> Tensor:
+    return torch.randn(2, 3, 224, 224, generator=torch.Generator().manual_seed(5))
+
+
+@pytest.mark.parametrize("name", WRITERS)
+def test_a_resnet_and_its_text_tower_agree_with_the_paper_in_every_kind_of_file(
+    clips: Any, tmp_path: Path, large: Tensor, name: str
+) -> None:
+    """The reference is written with plain modules, normalisation apart; texts by transformers."""
+    state = clips.rn50_state()
+    place = write_resnet(clips, clips.published_resnet(state), tmp_path / name)
+    encoder: Any = load_encoder("clip", weights=place)
+    torch.testing.assert_close(
+        encoder.embed(large), reference_rn50(state, large), rtol=1e-4, atol=1e-5
+    )
+    tower = load_text_encoder("clip", weights=place)
+    wanted = clips.text_embeddings(clips.small_model(), clips.TEXTS)
+    torch.testing.assert_close(tower.embed_texts(clips.TEXTS), wanted, rtol=0, atol=1e-5)
+    assert (encoder.width, tower.width, tower.weights_hash) == (24, 24, encoder.text_hash)
+
+
+def reference_rn50(state: dict[str, Tensor], x: Tensor) -> Tensor:
+    def conv(x: Tensor, name: str, norm: str, stride: int = 1) -> Tensor:
+        weight = state[f"{name}.weight"]
+        x = nn.functional.conv2d(x, weight, stride=stride, padding=weight.shape[-1] // 2)
+        mean, var = state[f"{norm}.running_mean"], state[f"{norm}.running_var"]
+        return nn.functional.batch_norm(
+            x, mean, var, state[f"{norm}.weight"], state[f"{norm}.bias"], eps=1e-5
+        )
+
+    for i in (1, 2, 3):
+        x = conv(x, f"conv{i}", f"bn{i}", stride=2 if i == 1 else 1).relu()
+    x = nn.functional.avg_pool2d(x, 2)
+    for name in ("layer1.0", "layer1.1", "layer2.0", "layer3.0", "layer4.0"):
+        pool = nn.AvgPool2d(2 if name[-1] == "0" and name[5] != "1" else 1)
+        out = conv(x, f"{name}.conv1", f"{name}.bn1").relu()
+        out = pool(conv(out, f"{name}.conv2", f"{name}.bn2").relu())
+        out = conv(out, f"{name}.conv3", f"{name}.bn3")
+        if name.endswith("0"):
+            x = conv(pool(x), f"{name}.downsample.0", f"{name}.downsample.1")
+        x = (x + out).relu()
+    tokens = x.flatten(2).permute(2, 0, 1)
+    tokens = torch.cat([tokens.mean(0, keepdim=True), tokens])
+    tokens = tokens + state["attnpool.positional_embedding"][:, None]
+    width = tokens.shape[-1]
+    names = [f"attnpool.{name}_proj" for name in "qkv"]
+    attention = nn.MultiheadAttention(width, width // 64)
+    with torch.no_grad():
+        attention.in_proj_weight.copy_(torch.cat([state[f"{name}.weight"] for name in names]))
+        attention.in_proj_bias.copy_(torch.cat([state[f"{name}.bias"] for name in names]))
+        attention.out_proj.weight.copy_(torch.eye(width))
+        attention.out_proj.bias.zero_()
+        seen = attention(tokens[:1], tokens, tokens, need_weights=False)[0][0]
+    return nn.functional.linear(
+        seen, state["attnpool.c_proj.weight"], state["attnpool.c_proj.bias"]
+    )
+
+
+def test_the_parts_of_the_published_rn50_have_its_sizes(clips: Any) -> None:
+    """Width 64, four stages of 3, 4, 6 and 3: 38.3 million weights in the image tower."""
+    state = clips.rn50_state(64, (3, 4, 6, 3))
+    assert Bottleneck(state, "layer4.0", stride=2).widen.weight.shape == (2048, 512, 1, 1)
+    assert AttentionPool(state).places.shape == (50, 2048)
+
+
+def test_resnet_weights_without_a_part_are_refused_by_its_name(clips: Any, tmp_path: Path) -> None:
+    state = clips.published_resnet(clips.rn50_state())
+    del state["visual.attnpool.q_proj.bias"]
+    with pytest.raises(DataError, match=r"attnpool\.q_proj\.bias"):
+        load_encoder("clip", weights=write_resnet(clips, state, tmp_path / "a.pt"))
+
+
+def test_an_encoder_without_a_text_tower_says_which_have_one(clips: Any, tmp_path: Path) -> None:
+    with pytest.raises(MissingNameError, match="clip-vit-b16, clip-vit-l14"):
+        text_encoder("efficientnet-lite0")
+    state = {f"visual.{key}": value for key, value in clips.rn50_state().items()}
+    with pytest.raises(DataError, match="no text tower"):
+        text_encoder("clip", weights=write_resnet(clips, state, tmp_path / "a.safetensors"))
+
+
+@pytest.mark.parametrize("kind", ["ViT", "ResNet"])
+def test_an_image_tower_alone_under_openais_names_loads(
+    kind: str, clips: Any, tmp_path: Path
+) -> None:
+    whole = clips.openai_names(clips.small_model().state_dict())
+    if kind == "ResNet":
+        whole = clips.published_resnet(clips.rn50_state())
+    alone = {k.removeprefix("visual."): v for k, v in whole.items() if k.startswith("visual.")}
+    torch.save(alone, tmp_path / "alone.pt")
+    torch.save(whole, tmp_path / "whole.pt")
+    found = load_encoder("clip", weights=tmp_path / "alone.pt")
+    assert found.weights_hash == load_encoder("clip", weights=tmp_path / "whole.pt").weights_hash

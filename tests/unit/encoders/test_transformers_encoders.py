@@ -1,0 +1,154 @@
+"""A model of transformers as an encoder that the project does not list."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+import torch
+from PIL import Image
+from torch import Tensor, nn
+
+from omnivat.encoders import load_encoder
+from omnivat.errors import DataError
+
+pytestmark = pytest.mark.usefixtures("nothing_outside")
+
+SIZES = {
+    "hidden_size": 32,
+    "num_hidden_layers": 1,
+    "num_attention_heads": 2,
+    "intermediate_size": 48,
+    "image_size": 64,
+    "patch_size": 16,
+}
+
+
+LETTERS = {"hidden_size": 32, "num_hidden_layers": 1, "num_attention_heads": 2, "vocab_size": 50}
+
+
+DINO = {key: value for key, value in SIZES.items() if key != "intermediate_size"}
+
+
+NAFLEX = {key: value for key, value in SIZES.items() if key != "image_size"} | {"num_patches": 16}
+
+
+# Models of transformers
+
+
+def vision_model(kind: str) -> nn.Module:
+    transformers = pytest.importorskip("transformers")
+    configs: dict[str, Callable[[], Any]] = {
+        "dinov2": lambda: transformers.Dinov2Config(**DINO),
+        "dinov3": lambda: transformers.DINOv3ViTConfig(**SIZES),
+        "vit": lambda: transformers.ViTConfig(**SIZES),
+        "i-jepa": lambda: transformers.IJepaConfig(**SIZES),
+        "convnext": lambda: transformers.ConvNextConfig(
+            hidden_sizes=[8, 16, 24, 32], depths=[1, 1, 1, 1], image_size=64
+        ),
+        "siglip": lambda: transformers.SiglipConfig(
+            vision_config=SIZES, text_config={**LETTERS, "intermediate_size": 48}
+        ),
+        "siglip tower": lambda: transformers.SiglipVisionConfig(**SIZES),
+        "siglip2 naflex": lambda: transformers.Siglip2Config(
+            vision_config=NAFLEX, text_config={**LETTERS, "intermediate_size": 48}
+        ),
+    }
+    torch.manual_seed(3)
+    model: nn.Module = transformers.AutoModel.from_config(configs[kind]())
+    with torch.no_grad():
+        for weight in model.parameters():
+            weight.copy_(torch.randn_like(weight) / max(1, weight.shape[-1]) ** 0.5)
+    return model.eval()
+
+
+def reference(kind: str, model: Any, pixels: Tensor) -> Tensor:
+    """Return what each model is pooled to, written out for each kind."""
+    with torch.inference_mode():
+        if kind == "siglip":
+            found = model.vision_model(pixel_values=pixels).pooler_output
+        elif kind == "siglip2 naflex":
+            rows = pixels.unfold(2, 16, 16).unfold(3, 16, 16)  # (1, 3, 4, 4, 16, 16)
+            rows = rows.permute(0, 2, 3, 4, 5, 1).reshape(1, 16, 768)
+            found = model.vision_model(
+                rows, torch.ones(1, 16, dtype=torch.long), torch.tensor([[4, 4]])
+            ).pooler_output
+        elif kind in ("convnext", "siglip tower"):
+            found = model(pixel_values=pixels).pooler_output
+        elif kind == "i-jepa":
+            found = model(pixel_values=pixels).last_hidden_state.mean(1)
+        else:
+            found = model(pixel_values=pixels).last_hidden_state[:, 0]
+    return found
+
+
+POOLING = {
+    "dinov2": "class token",
+    "dinov3": "class token",
+    "vit": "class token",
+    "i-jepa": "mean of tokens",
+    "convnext": "pooled output",
+    "siglip": "projected image features",
+    "siglip tower": "pooled output",
+    "siglip2 naflex": "projected image features",
+}
+
+
+@pytest.mark.parametrize("kind", POOLING)
+def test_a_folder_of_transformers_loads_and_states_its_pooling(
+    tmp_path: Path, picture: Image.Image, kind: str
+) -> None:
+    model = vision_model(kind)
+    model.save_pretrained(tmp_path / "model")  # type: ignore[operator]
+    encoder = load_encoder(f"hf:{tmp_path / 'model'}")
+    assert encoder.name == f"hf:{tmp_path / 'model'}" and encoder.width == 32
+    assert encoder.preprocessing.startswith("resize 64x64 bicubic, RGB, mean 0.485")
+    assert POOLING[kind] in encoder.preprocessing
+    pixels = encoder.preprocess(picture)[None]
+    torch.testing.assert_close(
+        encoder.embed(pixels), reference(kind, model, pixels), rtol=0, atol=1e-5
+    )
+
+
+def test_the_pixels_are_those_of_the_models_own_settings(tmp_path: Path) -> None:
+    folder = tmp_path / "model"
+    vision_model("dinov2").save_pretrained(folder)  # type: ignore[operator]
+    (folder / "preprocessor_config.json").write_text(
+        '{"crop_size": {"height": 48, "width": 48}, "size": {"shortest_edge": 56}, '
+        '"image_mean": [0.5, 0.5, 0.5], "image_std": [0.25, 0.25, 0.25]}'
+    )
+    said = load_encoder(f"hf:{folder}").preprocessing
+    assert said.startswith("resize 48x48 bicubic, RGB, mean 0.5 0.5 0.5, std 0.25 0.25 0.25")
+
+
+def test_a_model_whose_weights_are_not_all_there_is_refused(tmp_path: Path) -> None:
+    from safetensors.torch import load_file, save_file
+
+    folder = tmp_path / "model"
+    vision_model("dinov2").save_pretrained(folder)  # type: ignore[operator]
+    state = load_file(folder / "model.safetensors")
+    state.pop("layernorm.weight")
+    save_file(state, folder / "model.safetensors", metadata={"format": "pt"})
+    with pytest.raises(
+        DataError, match=r"lacks 1 weights of Dinov2Model, such as layernorm\.weight"
+    ):
+        load_encoder(f"hf:{folder}")
+
+
+@pytest.mark.parametrize(
+    ("name", "match"),
+    [
+        ("hf:./nowhere", "is not a folder with a model"),
+        ("hf:owner/name", "no model 'owner/name' on this machine. There is no hub here."),
+    ],
+)
+def test_a_model_that_is_not_there_is_named(name: str, match: str) -> None:
+    with pytest.raises(DataError, match=match):
+        load_encoder(name)
+
+
+def test_a_folder_of_something_else_is_refused_in_one_line(tmp_path: Path) -> None:
+    (tmp_path / "config.json").write_text("{}")
+    with pytest.raises(DataError, match="cannot be loaded as a model of transformers") as caught:
+        load_encoder(f"hf:{tmp_path}")
+    assert "\n" not in str(caught.value)

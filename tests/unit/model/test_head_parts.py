@@ -1,0 +1,62 @@
+"""Tree, tokens, attention and class means, each by itself."""
+
+import pytest
+import torch
+
+from omnivat.model.dtg import DTG
+from omnivat.model.fratt import FrATT
+from omnivat.model.mffa import expanded
+from omnivat.model.training import class_means
+
+
+@pytest.mark.parametrize("levels", [1, 2, 3, 4, 5])
+@pytest.mark.parametrize("init", ["orthogonal", "default", "identity"])
+def test_folding_errs_below_1e_6_in_single_precision(levels, init):
+    torch.manual_seed(0)
+    tree = DTG(64, levels=levels, init=init)
+    root = torch.nn.functional.normalize(torch.randn(32, 64), dim=-1)
+    matrix, offset = tree.fold()
+    error = (root @ matrix.T + offset - tree.nodes(root).mean(1)).abs().max()
+    assert error <= 1e-6
+
+
+def test_tokens_are_the_transform_of_the_expanded_embedding():
+    """θ_e commutes with the transform: transforming once and scaling is Eq. 3 exactly."""
+    from omnivat.fractional import dfrft
+
+    embedding = torch.randn(3, 16, dtype=torch.float64)
+    theta = torch.tensor([1.0, -2.0, 0.5], dtype=torch.float64)
+    first = dfrft(theta[:, None] * embedding[:, None], 0.3)
+    wanted = torch.cat([torch.relu(first.real), torch.relu(first.imag)], dim=1)
+    once = dfrft(embedding, 0.3)
+    tokens = expanded(torch.stack([once.real, once.imag], dim=1), theta)
+    torch.testing.assert_close(tokens, wanted)
+
+
+def test_attention_equals_the_printed_order_of_operations():
+    """Mean over queries before the values equals values, then mean (Eq. 4)."""
+    torch.manual_seed(0)
+    fratt = FrATT(8).double()
+    queries, tokens = (torch.randn(2, n, 8, dtype=torch.float64) for n in (3, 5))
+    weights = torch.softmax(fratt.query(queries) @ fratt.key(tokens).mT / 8**0.5, dim=-1)
+    wanted = fratt.ffn((weights @ fratt.value(tokens)).mean(1))
+    attended = fratt(queries, tokens)
+    torch.testing.assert_close(attended.feature, wanted)
+    torch.testing.assert_close(attended.weights.sum(-1), torch.ones(2, 3, dtype=torch.float64))
+
+
+def test_literal_attention_divides_after_the_softmax():
+    torch.manual_seed(0)
+    fratt = FrATT(8, scale="outside").double()
+    tokens = torch.randn(2, 5, 8, dtype=torch.float64)
+    weights = torch.softmax(fratt.query(tokens) @ fratt.key(tokens).mT, dim=-1) / 8**0.5
+    value = tokens @ fratt.value.weight.T * 1.0
+    bias = fratt.value.bias / 8**0.5
+    wanted = fratt.ffn((weights @ value).mean(1) + bias)
+    torch.testing.assert_close(fratt(tokens, tokens).feature, wanted)
+
+
+def test_class_means_are_those_of_the_batch():
+    values = torch.tensor([[1.0], [3.0], [10.0]])
+    means = class_means(values, torch.tensor([0, 0, 1]))
+    torch.testing.assert_close(means, torch.tensor([[2.0], [2.0], [10.0]]))
