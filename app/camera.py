@@ -5,8 +5,10 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
+from app.familiar import looked_at
 from app.resources import Resources
 from app.state import Ref
+from app.teaching import head_taught
 from omnivat.errors import DataError
 
 
@@ -18,6 +20,7 @@ def live(
     other: Ref | None,
     order: float | None,
     name: str = "the image",
+    taught: str = "",
     check: Callable[[], None] = lambda: None,
 ) -> dict[str, Any]:
     """Predict one picture, together with the other image of the pair if given.
@@ -26,7 +29,9 @@ def live(
     check     called regularly; an error it raises ends the work
     modality  "vis" or "tac"
     order     p in quarter turns; None: the learned one
-    return    classes, probabilities of each reading, and milliseconds of each part
+    taught    name of a taught head, from `app.teaching.taught_name`; "": the head as trained
+    return    classes, probabilities of each reading, `images`: modality -> whether the prediction
+              is a `guess`, and milliseconds of each part
 
     Raises DataError if the picture cannot be read or `modality` is unknown.
     """
@@ -37,7 +42,8 @@ def live(
     from omnivat.encoders.paired import for_modality
 
     began = perf_counter()
-    encoder, head = for_modality(resources.encoder(), modality), resources.head()
+    encoder = for_modality(resources.encoder(), modality)
+    head = head_taught(resources, taught)
     with torch.inference_mode():
         pixels = encoder.preprocess(resources.picture(content, name, check).image)
         read = perf_counter()
@@ -47,11 +53,13 @@ def live(
             rest = "tac" if modality == "vis" else "vis"
             pair[rest] = torch.from_numpy(resources.embedding(other, rest).copy())[None]
         out = head.model(pair["vis"], pair["tac"], order=order)
+        looked = looked_at(head, pair["vis"], pair["tac"])
     return {
         "classes": list(head.settings.classes),
         "readings": {
             name: [round(float(p), 5) for p in values[0]] for name, values in out.readings.items()
         },
+        "images": looked,
         "ms": {
             "read": _ms(read - began),
             "encoder": _ms(embedded - read),

@@ -11,6 +11,8 @@ if TYPE_CHECKING:
     import numpy as np
     import torch
 
+    from omnivat.checkpoint import Head
+
     Index = np.ndarray[Any, Any]
 
 NEAREST = 3
@@ -39,10 +41,22 @@ def familiar(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any
             own = refs[name]
             row = int(own.name) if own is not None and own.kind == "row" else -1
             images[name] = {"nearest": _nearest(resources, name, raw, index, row)}
-    if head.familiarity is not None:
-        for name, looked in head.familiarity.look(pair["vis"], pair["tac"])[0].items():
-            images[name] |= {**looked, "guess": looked["quantile"] < UNLIKE}
+    for name, looked in looked_at(head, pair["vis"], pair["tac"]).items():
+        images[name] |= looked
     return {"images": images, "of": of}
+
+
+def looked_at(
+    head: "Head", vis: "torch.Tensor | None", tac: "torch.Tensor | None"
+) -> dict[str, dict[str, Any]]:
+    """Return modality -> cosine, quantile, words and guess of one pair's raw embeddings (1, D).
+
+    Empty if the head's folder lacks the training embeddings.
+    """
+    if head.familiarity is None:
+        return {}
+    found = head.familiarity.look(vis, tac)[0]
+    return {name: {**one, "guess": one["quantile"] < UNLIKE} for name, one in found.items()}
 
 
 def _training_pairs(resources: Resources) -> "tuple[Index, str]":

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from app.resources import Resources
 from app.state import Ref
+from app.teaching import head_taught
 from omnivat.errors import DataError
 
 if TYPE_CHECKING:
@@ -26,6 +27,7 @@ def occlusion(
     other: Ref | None,
     order: float | None,
     name: str = "the image",
+    taught: str = "",
     check: Callable[[], None] = lambda: None,
 ) -> dict[str, Any]:
     """Hide each part of an image in turn and predict again.
@@ -35,6 +37,7 @@ def occlusion(
     modality  "vis" or "tac"
     other     the other image of the pair, unchanged; None to predict without it
     order     p in quarter turns; None: the learned one
+    taught    name of a taught head, from `app.teaching.taught_name`; "": the head as trained
     return    the predicted class, its probability, and `drops` (CELLS, CELLS): the decrease of
               the probability when a part is hidden; negative for an increase
 
@@ -49,7 +52,8 @@ def occlusion(
     began = perf_counter()
     image = resources.picture(content, name, check).image
     image.thumbnail((SIDE, SIDE))
-    encoder, head = for_modality(resources.encoder(), modality), resources.head()
+    encoder = for_modality(resources.encoder(), modality)
+    head = head_taught(resources, taught)
     with torch.inference_mode():
         pixels = [encoder.preprocess(one) for one in (image, *hidden(image))]
         parts = []

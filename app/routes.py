@@ -42,6 +42,7 @@ QUESTIONS: dict[str, Answer] = {
     "measure": measured,
     "familiar": familiar,
     "teach": teaching.teach,
+    "taught": teaching.taught_name,
 }
 DOWNLOADS: dict[str, Callable[[Resources, Mapping[str, Any]], bytes]] = {
     "save/set": teaching.save_set,

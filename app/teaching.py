@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from app.pair_input import embedded, refs_from
 from app.resources import Resources
 from app.saving import head_zip, set_zip
+from app.state import ForgottenError
 from omnivat.errors import DataError
 
 if TYPE_CHECKING:
@@ -51,14 +52,36 @@ def head_for(resources: Resources, question: Mapping[str, Any]) -> "Head":
     given = lessons_in(question)
     if not given:
         return head
-    text = json.dumps([question.get("head"), given], sort_keys=True)
-    key = blake2b(text.encode("utf-8", "replace"), digest_size=16).hexdigest()
+    key = _name(question)
     kept = resources.taught.get(key)
     if kept is None:
         from omnivat.teach import taught
 
         kept = resources.taught.keep(key, taught(head, _lessons(resources, given)))
     return kept
+
+
+def taught_name(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
+    """Teach a head and return its name, for requests whose body is an image.
+
+    question  {"lessons": […]}
+    return    `taught`: the name for `head_taught`; "" without lessons
+    """
+    head_for(resources, question)
+    return {"taught": _name(question) if lessons_in(question) else ""}
+
+
+def head_taught(resources: Resources, name: str) -> "Head":
+    """Return the head of a name from `taught_name`; the first head for "".
+
+    Raises ForgottenError if the server no longer has it.
+    """
+    if not name:
+        return resources.head()
+    head = resources.taught.get(name)
+    if head is None:
+        raise ForgottenError("The server no longer has the taught head; press Teach again.")
+    return head
 
 
 def teach(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
@@ -135,6 +158,11 @@ def save_taught(resources: Resources, question: Mapping[str, Any]) -> bytes:
     if not lessons_in(question):
         raise DataError("No pair is labelled yet, so there is no taught head to save.")
     return head_zip(head_for(resources, question), "taught-head")
+
+
+def _name(question: Mapping[str, Any]) -> str:
+    text = json.dumps([question.get("head"), question.get("lessons")], sort_keys=True)
+    return blake2b(text.encode("utf-8", "replace"), digest_size=16).hexdigest()
 
 
 def _lessons(resources: Resources, given: Sequence[Mapping[str, Any]]) -> "list[Lesson]":

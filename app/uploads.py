@@ -60,6 +60,7 @@ async def of_image(
         "other": ref_from(asked.get("other")),
         "order": order_from(number_from(asked.get("order"))),
         "name": file_name(request),
+        "taught": asked.get("taught", ""),
     }
     async with received(request, sets.shared.scratch, MAX_IMAGE_BYTES, "The image") as file:
 

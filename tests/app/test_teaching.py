@@ -5,7 +5,19 @@ import zipfile
 
 import pytest
 
-from app.teaching import MOST_LESSONS, head_for, own_set, save_set, save_taught, teach
+from app.camera import live
+from app.occlusion import occlusion
+from app.state import ForgottenError, Ref
+from app.teaching import (
+    MOST_LESSONS,
+    head_for,
+    head_taught,
+    own_set,
+    save_set,
+    save_taught,
+    taught_name,
+    teach,
+)
 from app.views.pair import answer
 from omnivat.checkpoint import load_head
 from omnivat.data.store import load_embeddings
@@ -71,3 +83,24 @@ def test_nothing_is_saved_where_there_is_nothing(resources):
         save_taught(resources, {})
     with pytest.raises(DataError, match="label at least one photo with its touch"):
         own_set(resources, {"lessons": [{"vis": "row:1", "label": "wood"}]})
+
+
+@pytest.mark.parametrize("of_image", [occlusion, live])
+def test_requests_with_an_image_use_the_taught_head_as_the_headline_does(resources, png, of_image):
+    given = {"modality": "vis", "other": Ref("row", "40"), "order": None}
+    lessons = [{**one, "label": "cork"} for one in LESSONS]
+    name = taught_name(resources, {"lessons": lessons})["taught"]
+    plain, own = (
+        of_image(resources, png(), **given),
+        of_image(resources, png(), **given, taught=name),
+    )
+    said = [one.get("class") or one["classes"][-1] for one in (plain, own)]
+    assert said[0] != "cork"
+    assert said[1] == "cork"
+
+
+def test_without_lessons_no_head_is_taught_and_a_forgotten_one_is_told(resources):
+    assert taught_name(resources, {"lessons": []}) == {"taught": ""}
+    assert head_taught(resources, "") is resources.head()
+    with pytest.raises(ForgottenError, match="no longer has the taught head"):
+        head_taught(resources, "0" * 32)

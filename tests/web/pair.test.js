@@ -29,7 +29,7 @@ const LABELLED = [
 ];
 
 test("touch only is the touch with the photo absent, never a branch inside the pair", () => {
-  const html = cards(PAIR, null, {});
+  const html = cards(PAIR, { images: {} }, {});
   const touch = html.slice(html.indexOf('data-reading="tac"'));
   assert.match(touch, /steel <b>70/);
   assert.ok(!html.includes("85"));

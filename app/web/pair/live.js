@@ -1,8 +1,7 @@
 /** Live camera: the newest picture is sent as soon as the server has replied. */
 
 import { askOfImage, Refusal, refused } from "../shared/api.js";
-import { escaped, percent } from "../shared/text.js";
-import { best, READINGS } from "./verdict.js";
+import { called, READINGS, unlike } from "./verdict.js";
 import { camera } from "./webcam.js";
 
 const SIDE = 256; // pixels of the longer side sent; encoders use 224
@@ -66,7 +65,7 @@ export class LiveSwitch {
       const began = performance.now();
       const blob = await picture(video, pictures.canvas);
       if (!blob) throw new Refusal("The camera returned no picture.");
-      const answer = await askOfImage("live", blob, this.question());
+      const answer = await askOfImage("live", blob, await this.question(number <= AT_ONCE));
       if (this.run !== mine || number < pictures.shown) continue;
       pictures.shown = number;
       const now = performance.now();
@@ -98,10 +97,11 @@ const toldOf = ({ ms }, fps, trip) =>
   `${Number.isFinite(fps) ? fps.toFixed(0) : "…"} pictures/s; ${Math.round(trip)} ms from camera to prediction (encoder ${ms.encoder} ms, head ${ms.head} ms). None is kept.`;
 
 /** The prediction of the newest picture. */
-export function liveHtml({ classes, readings }) {
+export function liveHtml({ classes, readings, images }) {
+  const given = ["vis", "tac"].filter((name) => readings[name]);
   const parts = READINGS.filter(([reading]) => readings[reading]).map(([reading, title, sign]) => {
-    const found = best(classes, readings[reading]);
-    return `<article class="reading" data-reading="${reading}"><h3><span class="sign ${sign}"></span>${title}</h3><p class="said">${escaped(found.label)} <b>${percent(found.share)}</b></p></article>`;
+    const strange = unlike(reading, given, images);
+    return `<article class="reading" data-reading="${reading}"><h3><span class="sign ${sign}"></span>${title}</h3>${called(classes, readings[reading], strange, { images })}</article>`;
   });
-  return `<p><b class="tag">live</b></p><div class="readings">${parts.join("")}</div><p class="hint">Familiarity is not computed for live pictures. Everything below belongs to the pair chosen before.</p>`;
+  return `<p><b class="tag">live</b></p><div class="readings">${parts.join("")}</div><p class="hint">Everything below belongs to the pair chosen before.</p>`;
 }

@@ -14,6 +14,7 @@ import { liveHtml } from "./live.js";
 import { OwnPairs } from "./own.js";
 import { rivalsHtml } from "./rivals.js";
 import { slots } from "./slots.js";
+import { taughtBy } from "./taught.js";
 import { cards, classTable, madeOf, spoken } from "./verdict.js";
 import { WhatIf } from "./what-if.js";
 
@@ -61,8 +62,13 @@ class PairTab {
     this.showSlots = slots(this.$(".slots"), {
       onRef: (modality, ref) => change({ [modality]: ref }),
       onProblem: (sentence) => this.problem(sentence),
+      lessons: () => this.own.lessons(this.pair),
       onLive: (found) => this.showLive(found),
-      liveQuestion: (modality) => ({ modality, other: modality === "vis" ? state.tac : state.vis }),
+      liveQuestion: async (modality, fresh) => ({
+        modality,
+        other: modality === "vis" ? state.tac : state.vis,
+        taught: await taughtBy(this.own.lessons({}), fresh),
+      }),
     });
     this.placeOnMap();
     this.gallery.fill(examples, set);
@@ -157,6 +163,8 @@ class PairTab {
       this.familiar = familiar.problem ? { images: {}, problem: familiar.problem } : familiar;
       this.showFamiliar();
       this.showVerdict();
+      this.whatIf.know(this.familiar.images);
+      this.$(".sr").textContent = spoken(this.answer, this.familiar);
       this.showRivals(await Promise.all(others));
     } catch (error) {
       refused(error, (sentence) => this.problem(sentence));
@@ -166,14 +174,15 @@ class PairTab {
   showRivals(found) {
     const labelled = found.map((one, i) => ({ ...one, label: headLabel(this.rivals[i]) }));
     this.$(".rivals").hidden = !found.length;
-    this.$(".rivals").innerHTML = found.length ? rivalsHtml(this.answer, labelled) : "";
+    this.$(".rivals").innerHTML = found.length
+      ? rivalsHtml(this.answer, labelled, this.familiar?.images)
+      : "";
   }
 
   showAnswer(question) {
     this.showVerdict();
     this.own.show(this.pair, question.lessons ? null : this.answer, (pair) => this.known.name(pair));
     this.whatIf.show(this.answer, question);
-    this.$(".sr").textContent = spoken(this.answer);
   }
 
   showVerdict() {
@@ -183,7 +192,7 @@ class PairTab {
       ? '<p class="taught-now"><b class="tag">taught</b> by your pairs; this pair was left out.</p>'
       : "";
     this.$(".verdict").innerHTML = `${taught}${madeOf(truths)}${cards(this.answer, this.familiar, truths)}
-      <details class="all-classes"><summary>Every class</summary><div class="bars">${classTable(this.answer.classes, this.answer.exact.readings)}</div></details>
+      <details class="all-classes"><summary>Every class</summary><div class="bars">${classTable(this.answer.classes, this.answer.exact.readings, this.familiar?.images)}</div></details>
       <p class="hint">At the learned p = ${this.answer.learned.toFixed(4)}. Photo only and touch only: the other image is absent.</p>`;
     this.$(".all-classes").open = this.allClasses ?? !this.$(".guess");
     this.$(".all-classes").ontoggle = (event) => (this.allClasses = event.target.open);

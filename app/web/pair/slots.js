@@ -46,7 +46,7 @@ class Slot {
     this.takeFiles();
     this.$(".clear").onclick = () => on.onRef(this.modality, null);
     this.$(".camera").onclick = () => this.photograph();
-    this.$(".where").onclick = () => where(element, on.onProblem);
+    this.$(".where").onclick = () => where(element, on.lessons(), on.onProblem);
   }
 
   $(selector) {

@@ -40,13 +40,15 @@ export function cards(answer, familiar, truths) {
       return `<article class="reading none" data-reading="${reading}">${head}<p class="hint">Add the ${NOUN[given[0] === "vis" ? "tac" : "vis"]} to see both together.</p></article>`;
     }
     const strange = unlike(reading, given, familiar?.images);
-    return `<article class="reading" data-reading="${reading}">${head}${called(answer.classes, row, strange)}${judged(best(answer.classes, row).label, usedBy(reading, given), truths, answer.classes)}</article>`;
+    return `<article class="reading" data-reading="${reading}">${head}${called(answer.classes, row, strange, familiar)}${judged(best(answer.classes, row).label, usedBy(reading, given), truths, answer.classes)}</article>`;
   });
   return `<div class="readings">${shown.join("")}</div>`;
 }
 
-function called(classes, row, strange) {
+/** A prediction in words; its figure waits for the familiarity, which may make it a guess. */
+export function called(classes, row, strange, familiar) {
   const { label, share } = best(classes, row);
+  if (!familiar) return `<p class="said">${escaped(label)}</p>`;
   if (!strange.length) return `<p class="said">${escaped(label)} <b>${percent(share)}</b></p>`;
   const what = strange.length > 1 ? "Both images are" : `The ${NOUN[strange[0]]} is`;
   return `<p class="said guess">${escaped(label)}?</p><p class="guessed"><b>This is a guess.</b> ${what} unlike anything it has seen.</p>`;
@@ -71,28 +73,37 @@ export function madeOf({ vis, tac }) {
   return `<p class="made-of">Photo: <b>${escaped(vis)}</b>. Touch: <b>${escaped(tac)}</b>.</p>`;
 }
 
-/** Every class under every reading. */
-export function classTable(classes, readings) {
+/** Every class under every reading; columns of guesses are grey. `images`: familiarity of each image. */
+export function classTable(classes, readings, images) {
   const shown = READINGS.filter(
     ([reading]) => readings[reading] && !(reading === "fused" && readings.fused === undefined),
   );
   const several = shown.length > 2 ? shown : shown.filter(([reading]) => reading !== "fused");
   const winner = best(classes, readings.fused).label;
+  const given = ["vis", "tac"].filter((name) => readings[name]);
+  const grey = new Set(
+    several.map(([reading]) => reading).filter((reading) => unlike(reading, given, images).length),
+  );
   const head = several.map(
-    ([, title, sign]) => `<th scope="col"><span class="sign ${sign}"></span>${title}</th>`,
+    ([reading, title, sign]) =>
+      `<th scope="col"><span class="sign ${sign}"></span>${title}${grey.has(reading) ? " <small>a guess</small>" : ""}</th>`,
   );
   const rows = classes.map((name, k) => {
     const cells = several.map(
       ([reading, , sign]) =>
-        `<td data-reading="${reading}"><span class="bar ${sign}" style="--share:${readings[reading][k]}"></span><span class="share">${percent(readings[reading][k], 1)}</span></td>`,
+        `<td data-reading="${reading}"${grey.has(reading) ? ' class="of-guess"' : ""}><span class="bar ${sign}" style="--share:${readings[reading][k]}"></span><span class="share">${percent(readings[reading][k], 1)}</span></td>`,
     );
     return `<tr class="${name === winner ? "best" : ""}"><th scope="row"><i style="background:${classColour(k)}"></i>${escaped(name)}</th>${cells.join("")}</tr>`;
   });
-  return `<table class="bar-table"><thead><tr><th scope="col">Class</th>${head.join("")}</tr></thead><tbody>${rows.join("")}</tbody></table>`;
+  return `<table class="bar-table"><thead><tr><th scope="col">Class</th>${head.join("")}</tr></thead><tbody>${rows.join("")}</tbody></table>${grey.size ? '<p class="hint">Grey: figures for a guess. They were calibrated on images like the training images, so they mean little here.</p>' : ""}`;
 }
 
 /** The prediction in one sentence, for a screen reader. */
-export function spoken(answer) {
-  const { label, share } = best(answer.classes, answer.exact.readings.fused);
-  return `${label}, ${percent(share)}`;
+export function spoken(answer, familiar) {
+  const { readings } = answer.exact;
+  const given = ["vis", "tac"].filter((name) => readings[name]);
+  const { label, share } = best(answer.classes, readings.fused);
+  return unlike("fused", given, familiar.images).length
+    ? `${label}? This is a guess.`
+    : `${label}, ${percent(share)}`;
 }

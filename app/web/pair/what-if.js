@@ -8,7 +8,7 @@ import { Attention } from "./attention.js";
 import { Lines } from "./lines.js";
 import { aboutP, band } from "./orders.js";
 import { Spectra } from "./spectrum.js";
-import { best, READINGS } from "./verdict.js";
+import { best, READINGS, unlike } from "./verdict.js";
 
 const STOPS = Array.from({ length: 101 }, (_, i) => i / 100);
 /** A scale for the order bar; there is no learned p before the server's reply. */
@@ -40,6 +40,7 @@ export class WhatIf {
   show(answer, question) {
     this.answer = answer;
     this.question = question;
+    this.images = null; // familiarity of each image
     this.box.hidden = !answer;
     if (!answer) return;
     if (!answer.stops[this.reading]) this.reading = "fused";
@@ -48,6 +49,12 @@ export class WhatIf {
     this.bar.learned(answer.learned);
     this.$(".about-p").textContent = aboutP(answer.learned, answer.span, answer.classes);
     this.paint();
+  }
+
+  /** The familiarity of the images has arrived. */
+  know(images) {
+    this.images = images;
+    this.mark();
   }
 
   /** Draw only while the section is open. */
@@ -103,8 +110,11 @@ export class WhatIf {
     this.attention.mark(stop);
     const title = READINGS.find(([reading]) => reading === this.reading)[1].toLowerCase();
     const { label, share } = best(classes, stops[this.reading][stop]);
-    this.$(".at-p").innerHTML =
-      `With p = ${orders[stop].toFixed(2)}, ${title}: <b>${escaped(label)} ${percent(share)}</b>.`;
+    const given = ["vis", "tac"].filter((name) => stops[name]);
+    const at = `With p = ${orders[stop].toFixed(2)}, ${title}: `;
+    this.$(".at-p").innerHTML = unlike(this.reading, given, this.images).length
+      ? `${at}<b>${escaped(label)}?</b> A guess at every p, because an image is unlike anything seen.`
+      : `${at}<b>${escaped(label)} ${percent(share)}</b>.`;
   }
 
   repaint() {

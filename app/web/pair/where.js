@@ -3,11 +3,13 @@
 import { askOfImage, bytesOf, Refusal, refused } from "../shared/api.js";
 import { state } from "../shared/store.js";
 import { changed, told, WORTH } from "./hidden-parts.js";
+import { taughtBy } from "./taught.js";
 
 const NEEDED = [213, 94, 0]; // hiding it lowers the probability
 const AGAINST = [0, 114, 178]; // hiding it raises the probability
 
-export async function where(slot, onProblem) {
+/** `own`: the lessons of the head that predicts; {} for the head as trained. */
+export async function where(slot, own, onProblem) {
   const { modality } = slot.dataset;
   const what = slot.querySelector(".what");
   const picture = slot.querySelector(".picture");
@@ -18,12 +20,13 @@ export async function where(slot, onProblem) {
     const blob = await bytesOf(state[modality], modality);
     if (!blob) throw new Refusal("The server keeps no images. Choose this file again.");
     const other = modality === "vis" ? state.tac : state.vis;
-    const found = await askOfImage("occlusion", blob, { modality, other, order: null });
+    const taught = await taughtBy(own);
+    const found = await askOfImage("occlusion", blob, { modality, other, order: null, taught });
     picture.querySelector("canvas")?.remove();
     const changes = changed(found.drops);
     picture.classList.toggle("seen", changes.any);
     if (changes.any) picture.append(tint(found, changes.most));
-    what.innerHTML = told(found, changes);
+    what.innerHTML = `${taught && '<b class="tag">taught</b> '}${told(found, changes)}`;
   } catch (error) {
     what.textContent = before;
     refused(error, onProblem);

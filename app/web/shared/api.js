@@ -95,11 +95,12 @@ export async function bytesOf(ref, modality) {
   return (await get(`example/${path}/${modality}`)).blob();
 }
 
-/** Send an image with a request: "occlusion" or "live". */
-export async function askOfImage(what, blob, { modality, other, order }) {
+/** Send an image with a request: "occlusion" or "live"; `taught` names a taught head. */
+export async function askOfImage(what, blob, { modality, other, order, taught = "" }) {
   const query = new URLSearchParams({ modality });
   if (Number.isFinite(order)) query.set("order", order);
   if (other) query.set("other", other);
+  if (taught) query.set("taught", taught);
   return (await get(`${what}?${query}`, { method: "POST", body: blob })).json();
 }
 
