@@ -20,12 +20,15 @@ CLASSES = ("wood", "steel", "plastic", "ceramic", "glass")
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Put tests that start an event loop before those of the browser, whose driver keeps one running.
+    """Mark browser tests as slow; run tests that start an event loop first: the browser keeps one.
 
     In several processes (`-n 2 --dist loadgroup`), one of them runs all journeys, and each other
     file stays in one.
     """
     items.sort(key=lambda item: not item.nodeid.startswith("tests/app/"))
+    for item in items:
+        if item.get_closest_marker("browser"):
+            item.add_marker("slow")
     if config.getoption("dist", "no") == "loadgroup":
         for item in items:
             browser = item.get_closest_marker("browser")
