@@ -84,8 +84,8 @@ class Embeddings:
             return self
         random = np.random.default_rng(derive_seed(seed, "sample", count))
         drawn = self.select(np.sort(random.choice(len(self), count, replace=False)))
-        told = f"{count:,} of {len(self):,} pairs, drawn at random"
-        origin = f"{self.header.origin}; {told}" if self.header.origin else told
+        note = f"{count:,} of {len(self):,} pairs, drawn at random"
+        origin = f"{self.header.origin}; {note}" if self.header.origin else note
         return replace(drawn, header=replace(self.header, origin=origin))
 
     def in_domain(self, name: str, *, split: str = "", part: str = "") -> "Embeddings":

@@ -8,6 +8,7 @@ import re
 import struct
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from itertools import islice
 from mmap import mmap
 
 Content = bytes | mmap  # a file in memory, or mapped
@@ -17,6 +18,11 @@ MOST_SCANS = 64  # of a progressive JPEG; usual programs write 10
 MOST_SCANNED = 400_000_000  # samples of a JPEG times its scans
 SIMPLE_PIXELS = 2_000_000
 HEADER = 4096  # bytes that hold the header of a PPM
+TIFF_TAGS = {  # size, packing and place of the pixels; colours; tables of packing
+    *range(256, 260), 262, 266, 273, *range(277, 281), 284, 292, 293, 317, 320,
+    *range(322, 326), 332, 338, 339, 347, *range(529, 533),
+}  # fmt: skip
+TIFF_CODES = {1: "B", 3: "H", 4: "I", 16: "Q"}
 
 STARTS: tuple[tuple[str, bytes], ...] = (  # kind, start of its files; a dot is any byte
     ("PNG", rb"\x89PNG\r\n\x1a\n"),
@@ -86,48 +92,42 @@ def image_file(content: Content) -> ImageFile | None:
 def _png(content: Content, found: ImageFile) -> ImageFile:
     width, height, depth, colour, _, _, laced = struct.unpack_from(">IIBBBBB", content, 16)
     texts, large = 0, False
-    for name, size in _png_chunks(content):
+    for name, size, _ in png_chunks(content):
         texts += name in (b"zTXt", b"iTXt", b"iCCP")
         large = large or (name != b"IDAT" and size > 1_000_000)
     if texts > MOST_TEXTS:
         raise OddFileError(f"holds more than {MOST_TEXTS} compressed texts")
     each = {0: 2 if depth == 16 else 1, 3: 1}.get(colour, 4)
+    each *= 2 if laced else 1  # seven passes take twice the time
     simple = not (laced or large or texts > 2) and width * height <= SIMPLE_PIXELS
     return replace(found, width=width, height=height, bytes_a_pixel=each, simple=simple)
 
 
-def _png_chunks(content: Content) -> Iterator[tuple[bytes, int]]:
+def png_chunks(content: Content) -> Iterator[tuple[bytes, int, int]]:
+    """Yield name, size and place of each piece of a PNG."""
     at = 8
     for _ in range(MOST_PIECES):
         if at + 8 > len(content):
             return
         size, name = struct.unpack_from(">I4s", content, at)
-        yield name, size
+        yield name, size, at
         at += 12 + size
     raise OddFileError(f"is cut into more than {MOST_PIECES:,} pieces")
 
 
 def _jpeg(content: Content, found: ImageFile) -> ImageFile:
     frame, at, process = b"", 2, 0
-    for _ in range(MOST_PIECES // 10):
-        while content[at] == 0xFF and content[at + 1] == 0xFF:  # fill bytes
-            at = _after_fill(content, at)
-        mark, size = struct.unpack_from(">xBH", content, at)
+    for mark, start, at in jpeg_segments(content):
         if mark in (0xC0, 0xC1, 0xC2, 0xC9, 0xCA):
-            process, frame = mark, content[at + 4 : at + 2 + size]
-        if mark == 0xDA:
-            break
-        at += 2 + size
-    else:
-        raise OddFileError(f"has more than {MOST_PIECES // 10:,} pieces before its picture")
+            process, frame = mark, content[start + 4 : at]
     if not frame:
         raise OddFileError("is cut short or damaged")
     height, width, count = struct.unpack_from(">xHHB", frame)
     shares = [(frame[7 + 3 * k] >> 4, frame[7 + 3 * k] & 15) for k in range(count)]
     most = max(h * v for h, v in shares) or 1
     samples = sum(h * v for h, v in shares) / most
-    scans = len(re.findall(rb"\xff\xda", content))
     whole = process in (0xC2, 0xCA) or content[at + 4] < count  # coefficients of all the picture
+    scans = sum(1 for _ in islice(re.finditer(rb"\xff\xda", content), MOST_SCANS + 1))
     if whole and (scans > MOST_SCANS or width * height * samples * scans > MOST_SCANNED):
         raise OddFileError(f"is a JPEG of {width} × {height} pixels drawn in {scans} passes")
     kept = 2 * samples if whole else 0.0
@@ -140,6 +140,22 @@ def _jpeg(content: Content, found: ImageFile) -> ImageFile:
         usual=process in (0xC0, 0xC1, 0xC2),
         simple=not whole and process in (0xC0, 0xC1) and width * height <= SIMPLE_PIXELS,
     )
+
+
+def jpeg_segments(content: Content) -> Iterator[tuple[int, int, int]]:
+    """Yield mark, start and end of each segment of a JPEG up to its first scan."""
+    at = 2
+    for _ in range(MOST_PIECES // 10):
+        while content[at] == 0xFF and content[at + 1] == 0xFF:  # fill bytes
+            at = _after_fill(content, at)
+        first, mark, size = struct.unpack_from(">BBH", content, at)
+        if first != 0xFF:
+            raise OddFileError("is cut short or damaged")
+        if mark == 0xDA:
+            return
+        yield mark, at, at + 2 + size
+        at += 2 + size
+    raise OddFileError(f"has more than {MOST_PIECES // 10:,} pieces before its picture")
 
 
 def _after_fill(content: Content, at: int) -> int:
@@ -158,7 +174,7 @@ def _gif(content: Content, found: ImageFile) -> ImageFile:
         while content[at]:
             at += 1 + content[at]
             pieces += 1
-            if pieces > MOST_PIECES // 4:
+            if pieces > MOST_PIECES // 20:
                 raise OddFileError("has too much before its first picture")
         at += 1
     left, top, wide, high = struct.unpack_from("<xHHHH", content, at)
@@ -195,7 +211,7 @@ def _webp(content: Content, found: ImageFile) -> ImageFile:
 
 
 def _tiff(content: Content, found: ImageFile) -> ImageFile:
-    tags = dict(_tiff_tags(content))
+    tags = dict(tiff_table(content).values(content))
     width, height = tags.get(256, 0), tags.get(257, 0)
     bits, samples = tags.get(258, 1), tags.get(277, 1)
     each = 4 if samples > 1 else {8: 1, 16: 2}.get(bits, 1 if bits < 8 else 4)
@@ -211,27 +227,42 @@ def _tiff(content: Content, found: ImageFile) -> ImageFile:
     )
 
 
-def _tiff_tags(content: Content) -> Iterator[tuple[int, int]]:
-    """Yield each tag of the first picture, with its first value if that is in the table."""
-    end = "<" if content[:2] == b"II" else ">"
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TiffTable:
+    """The table of a TIFF's first picture: byte order, codes of its numbers, place of each entry."""
+
+    order: str
+    count: str
+    entry: str
+    word: str
+    entries: range
+
+    def values(self, content: Content) -> Iterator[tuple[int, int]]:
+        """Yield each tag with its first value if that is in the table."""
+        for at in self.entries:
+            tag, kind, number = struct.unpack_from(self.order + self.entry, content, at)
+            if tag in TIFF_TAGS and number > 65_536:
+                raise OddFileError(f"has an entry of {number} values")
+            code, place = TIFF_CODES.get(kind), at + struct.calcsize("=" + self.entry)
+            inside = code and number * struct.calcsize(code) <= struct.calcsize("=" + self.word)
+            if code and (inside or tag == 258):
+                if not inside:
+                    (place,) = struct.unpack_from(self.order + self.word, content, place)
+                yield tag, struct.unpack_from(self.order + code, content, place)[0]
+
+
+def tiff_table(content: Content) -> TiffTable:
+    """Return the table of a TIFF's first picture."""
+    order = "<" if content[:2] == b"II" else ">"
     big = content[2:4] in (b"+\0", b"\0+")
-    word, entry = ("Q", "HHQ") if big else ("I", "HHI")
-    (at,) = struct.unpack_from(end + word, content, 8 if big else 4)
-    (many,) = struct.unpack_from(end + ("Q" if big else "H"), content, at)
+    count, entry, word = ("Q", "HHQ", "Q") if big else ("H", "HHI", "I")
+    (at,) = struct.unpack_from(order + word, content, 8 if big else 4)
+    (many,) = struct.unpack_from(order + count, content, at)
     if many > 512:
         raise OddFileError(f"has a table of {many} entries")
-    at += 8 if big else 2
-    for _ in range(many):
-        tag, kind, number = struct.unpack_from(end + entry, content, at)
-        if number > (65_536 if tag in (273, 279, 324, 325) else 4_000_000):
-            raise OddFileError(f"has an entry of {number} values")
-        at += struct.calcsize(end + entry)
-        code = {1: "B", 3: "H", 4: "I", 16: "Q"}.get(kind)
-        inside = code and number * struct.calcsize(code) <= struct.calcsize(word)
-        if code and (inside or tag == 258):
-            place = at if inside else struct.unpack_from(end + word, content, at)[0]
-            yield tag, struct.unpack_from(end + code, content, place)[0]
-        at += struct.calcsize(word)
+    width, first = struct.calcsize("=" + entry + word), at + struct.calcsize("=" + count)
+    entries = range(first, first + many * width, width)
+    return TiffTable(order=order, count=count, entry=entry, word=word, entries=entries)
 
 
 def _ppm(content: Content, found: ImageFile) -> ImageFile:

@@ -20,13 +20,14 @@ from pathlib import Path
 
 from PIL import Image
 
+from omnivat.data.bare_files import ORIENTATION, bare_file
 from omnivat.data.image_files import Content, ImageFile, OddFileError, image_file
 from omnivat.errors import DataError
 from omnivat.files import read_whole
 
 MAX_PIXELS = 64_000_000  # checked in the header, before decoding
 MAX_FILE_BYTES = 300_000_000
-MIN_SIDE = 8
+MIN_SIDE, MAX_SIDE = 8, 65_535  # pixels; JPEG and GIF have no longer side
 SHORT_SIDE = 1024  # lower limit of a reduced picture
 STRIP_PIXELS = 1_000_000
 MOST_PIXELS = 6_000_000  # upper limit of a reduced picture
@@ -44,7 +45,6 @@ _UPRIGHT = {  # EXIF orientation -> rotation to upright
     7: Image.Transpose.TRANSVERSE,
     8: Image.Transpose.ROTATE_90,
 }
-_ORIENTATION = 0x0112
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -82,11 +82,13 @@ def read_image(
     name = name or ("the image" if isinstance(source, bytes) else str(source))
     content = read_bytes(source, name)
     found = examined(content, name, limits=limits, reduced=reduced)
+    content, turn = bare_file(content, found.kind)
+    del source
     with BytesIO(content) as handle:
         image = _open(handle, found, name)
         seen = replace(found, width=image.width, height=image.height)
         _check_cost(seen, name, limits, reduced=reduced)
-        return _rgb(image, name, reduced=reduced)
+        return _rgb(image, name, reduced=reduced, turn=turn)
 
 
 def examined(
@@ -162,14 +164,14 @@ def _open(handle: BytesIO, found: ImageFile, name: str) -> Image.Image:
         raise DataError(f"'{name}' is a damaged {kind} file; {REMEDY}.") from error
 
 
-def _rgb(image: Image.Image, name: str, *, reduced: bool) -> Image.Image:
+def _rgb(image: Image.Image, name: str, *, reduced: bool, turn: int | None = None) -> Image.Image:
     _check_size(*image.size, name)
     try:
         if reduced:
             scale = draft_scale(*image.size)
             image.draft(None, (image.width // scale, image.height // scale))  # only JPEG does
         image.load()
-        turn = _UPRIGHT.get(_turn(image))
+        upright = _UPRIGHT.get(_turn(image) if turn is None else turn)
     except Exception as error:  # a decoder may raise any error for bad bytes
         raise DataError(f"'{name}' is cut short or damaged; {REMEDY}.") from error
     try:
@@ -178,7 +180,7 @@ def _rgb(image: Image.Image, name: str, *, reduced: bool) -> Image.Image:
         if isinstance(error, DataError):
             raise
         raise DataError(f"'{name}' has colours of kind {image.mode}; {REMEDY}.") from error
-    return seen if turn is None else seen.transpose(turn)
+    return seen if upright is None else seen.transpose(upright)
 
 
 def _check_size(width: int, height: int, name: str) -> None:
@@ -186,6 +188,11 @@ def _check_size(width: int, height: int, name: str) -> None:
         raise DataError(
             f"'{name}' is {width} × {height} pixels, more than the {MAX_PIXELS // 10**6} megapixels "
             "that are read; scale it down and try again."
+        )
+    if max(width, height) > MAX_SIDE:
+        raise DataError(
+            f"'{name}' is {width} × {height} pixels, and a side may have {MAX_SIDE:,}; crop it and "
+            "try again."
         )
     if min(width, height) < MIN_SIDE:
         raise DataError(
@@ -207,7 +214,7 @@ def _check_cost(found: ImageFile, name: str, limits: Limits, *, reduced: bool) -
 
 def _turn(image: Image.Image) -> int:
     try:
-        return int(image.getexif().get(_ORIENTATION, 1))
+        return int(image.getexif().get(ORIENTATION, 1))
     except Exception:  # damaged EXIF does not mean damaged pixels
         return 1
 
