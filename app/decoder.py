@@ -121,13 +121,14 @@ class Decoder:
             self._start_spare()
         head, _, pixels = said.partition(b"\n")
         answer = json.loads(head) if head.endswith(b"}") else {}
-        if "size" not in answer:
+        wide, high = answer.get("size", (0, 0))
+        if not wide or len(pixels) != 3 * wide * high:  # it may have been killed halfway
             why = answer.get("error") or (
                 f"'{name}' could not be read within the time and memory allowed; scale it down, or "
                 "save it as JPEG."
             )
             raise DataError(why)
-        return Image.frombuffer("RGB", tuple(answer["size"]), pixels, "raw", "RGB", 0, 1).copy()
+        return Image.frombuffer("RGB", (wide, high), pixels, "raw", "RGB", 0, 1).copy()
 
     def _process(self) -> "subprocess.Popen[bytes]":
         """Return a ready process."""

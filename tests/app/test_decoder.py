@@ -78,6 +78,19 @@ def test_a_process_that_takes_too_long_is_killed_and_the_next_picture_is_read(de
     assert decoder.read(content, "good").image.size == (99, 99)
 
 
+def test_a_process_that_dies_while_it_sends_gives_a_sentence(decoder, monkeypatch):
+    dying = "print('ready', flush=True); input(); print('{\"size\": [99, 99]}'); print('x' * 50)"
+
+    def dies():
+        return subprocess.Popen(
+            [sys.executable, "-c", dying], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+        )
+
+    monkeypatch.setattr("app.decoder._started", dies)
+    with pytest.raises(DataError, match="'slow' could not be read within the time and memory"):
+        decoder.read(encoded(Image.new("L", (99, 99)), "WEBP"), "slow")
+
+
 def test_the_process_ends_by_itself_when_the_server_is_gone():
     process = subprocess.Popen(
         [sys.executable, "-m", "app.decoder"],
