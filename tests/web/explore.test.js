@@ -110,3 +110,9 @@ test("each mode of p says what a stop is", () => {
   );
   assert.match(modeWords(frames({ head: { kind: "every" } })), /One head for every p/);
 });
+
+test("a range of a histogram is named with its ends, so that titles and captions tell what is hidden", () => {
+  const scene = new Scene(frames(), null);
+  scene.ranges = { cosine: [0.2, 0.4] };
+  assert.deepEqual(scene.filtering(), ["photo–touch cosine 0.20 to 0.40"]);
+});

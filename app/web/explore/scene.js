@@ -1,6 +1,7 @@
 /** The state of Explore: frames, stop, filters, selection, highlight. */
 
 import { hidden, state } from "../shared/store.js";
+import { HISTOGRAMS } from "./finder.js";
 
 export class Scene {
   /** `own` are the frames of the head; another mode shows other frames of the same pairs. */
@@ -101,6 +102,10 @@ export class Scene {
     if (state.alike === "1" && this.facts.pairs) lists.push("look-alikes");
     if (this.only) lists.push(this.only.words);
     if (state.find.trim()) lists.push(`“${state.find.trim()}”`);
-    return [...lists, ...Object.keys(this.ranges)];
+    const ranges = HISTOGRAMS.filter(({ name }) => this.ranges[name]).map(
+      ({ name, title }) =>
+        `${title.toLowerCase()} ${this.ranges[name].map((end) => end.toFixed(2)).join(" to ")}`,
+    );
+    return [...lists, ...ranges];
   }
 }
