@@ -42,23 +42,69 @@ export function means(frames, shown) {
       if (tac) shape(context, colour, edge, () => triangle(context, ...tac, size));
     }
     const source = grouping.groups(frames()).findIndex(([name]) => name === frames().source);
-    if (source >= 0 && state.colour === "domain") label(context, places[source], "source", edge);
+    if (source < 0 || state.colour !== "domain") return;
+    const marks = places.flatMap(({ vis, tac }) => [vis, tac]).filter(Boolean);
+    label(context, cloud, places[source], marks, edge);
   };
 }
 
-/** Label a group at its VIS and TAC means. */
-function label(context, { vis, tac, colour }, text, edge) {
+/** Label the source at its VIS and TAC means. */
+function label(context, cloud, { vis, tac, colour }, marks, edge) {
   context.font = "700 12px system-ui, sans-serif";
   context.textAlign = "center";
   context.lineWidth = 4;
   context.lineJoin = "round";
-  for (const place of [vis, tac].filter(Boolean)) {
+  const view = [cloud.width / cloud.ratio, cloud.height / cloud.ratio];
+  const wide = context.measureText("source").width;
+  for (const [x, y] of labelPlaces([vis, tac].filter(Boolean), marks, wide, view)) {
     context.strokeStyle = edge;
-    context.strokeText(text, place[0], place[1] - 15);
+    context.strokeText("source", x, y);
     context.fillStyle = colour;
-    context.fillText(text, place[0], place[1] - 15);
+    context.fillText("source", x, y);
   }
 }
+
+const HIGH = 12; // CSS pixels of a label's letters
+const AXIS = [0, 0, 165, 22]; // the name of the vertical axis
+const SIDES = [
+  [0, -1],
+  [0, 1],
+  [1, 0],
+  [-1, 0],
+  [1, -1],
+  [-1, -1],
+  [1, 1],
+  [-1, 1],
+]; // above first
+
+/**
+ * Where a label of `wide` pixels stands beside each point: middle of its baseline. It covers as
+ * little as possible of the marks, the axis name and other labels, and stays inside the view. Of two
+ * points closer than a label, only the first has one.
+ * @param {number[][]} points @param {number[][]} marks @param {number} wide @param {number[]} view
+ */
+export function labelPlaces(points, marks, wide, [width, height]) {
+  const far = points.filter(([x, y], i) => !i || Math.hypot(x - points[0][0], y - points[0][1]) > wide);
+  const taken = [AXIS, ...marks.map(([x, y]) => [x - SIZE - 2, y - SIZE - 2, x + SIZE + 2, y + SIZE + 2])];
+  return far.map(([x, y]) => {
+    const boxes = SIDES.map(([across, down]) => {
+      const [cx, cy] = [x + across * (wide / 2 + SIZE + 5), y + down * (HIGH / 2 + SIZE + 3)];
+      return [cx - wide / 2, cy - HIGH / 2, cx + wide / 2, cy + HIGH / 2];
+    });
+    const costs = boxes.map(
+      (box) =>
+        taken.reduce((sum, other) => sum + overlap(box, other), 0) +
+        (box[0] < 2 || box[1] < 2 || box[2] > width - 2 || box[3] > height - 2 ? 1e6 : 0),
+    );
+    const best = boxes[costs.indexOf(Math.min(...costs))];
+    taken.push(best);
+    return [(best[0] + best[2]) / 2, best[3] - 2];
+  });
+}
+
+const overlap = (a, b) =>
+  Math.max(0, Math.min(a[2], b[2]) - Math.max(a[0], b[0])) *
+  Math.max(0, Math.min(a[3], b[3]) - Math.max(a[1], b[1]));
 
 function line(context, a, b, width, colour) {
   context.beginPath();
