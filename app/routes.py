@@ -155,7 +155,11 @@ async def frames(sets: VisitorSets, request: Request) -> Response:
     return file_answer(
         request,
         state.file,
-        headers={HOLDS: resources.holds, "X-Frames": "coarse" if step else "fine"},
+        headers={
+            HOLDS: resources.holds,
+            "X-Frames": "coarse" if step else "fine",
+            "X-Thumbnails": "sheet" if sheet(resources) else "none",
+        },
         media_type="application/octet-stream",
         background=BackgroundTask(resources.warm),
     )
@@ -176,15 +180,22 @@ def mode_frames(request: Request, resources: Resources, mode: str) -> Response:
 
 async def thumbnails(sets: VisitorSets, request: Request) -> Response:
     """Serve the thumbnail sheet or its description; sets without one show names only."""
-    resources = set_of(sets, request)
-    sprite = None if resources.drawn() else resources.where.sprite  # its pairs are in another order
+    sprite = sheet(set_of(sets, request))
     file = {
         "webp": sprite,
         "json": sprite.with_suffix(".json") if sprite else None,
     }.get(request.path_params["kind"])
-    if file is None or not file.is_file():
+    if file is None:
         return refusal("This set has no thumbnails; the page shows names instead.", 404)
     return file_answer(request, file)
+
+
+def sheet(resources: Resources) -> Path | None:
+    """Return the set's sheet of thumbnails; None if it has none."""
+    sprite = None if resources.drawn() else resources.where.sprite  # its pairs are in another order
+    if sprite is None or not (sprite.is_file() and sprite.with_suffix(".json").is_file()):
+        return None
+    return sprite
 
 
 async def example_image(sets: VisitorSets, request: Request) -> Response:

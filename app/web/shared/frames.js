@@ -93,7 +93,8 @@ export async function fetchFrames(onWait, head = "", mode = "") {
     const response = await get(query(head, mode));
     if (response.status === 200) {
       const coarse = response.headers.get("X-Frames") === "coarse";
-      return { frames: new Frames(await response.arrayBuffer()), coarse };
+      const drawn = response.headers.get("X-Thumbnails") !== "none";
+      return { frames: new Frames(await response.arrayBuffer()), coarse, drawn };
     }
     onWait((await response.json()).step);
     await new Promise((resolve) => setTimeout(resolve, 700));
@@ -112,7 +113,7 @@ export async function whenFine(onWait, head = "") {
   }
 }
 
-/** The sheet of thumbnails, or null if the set has none. */
+/** The sheet of thumbnails of a set that has them; null in a saved page without them. */
 export async function fetchThumbnails() {
   const response = await get("thumbnails.json").catch(() => null);
   if (!response) return null;

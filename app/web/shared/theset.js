@@ -42,7 +42,8 @@ async function fetchAll() {
     told = true;
     waiting.forEach((one) => one(step));
   };
-  const [{ frames, coarse }, sprite] = await Promise.all([fetchFrames(tell), fetchThumbnails()]);
+  const { frames, coarse, drawn } = await fetchFrames(tell);
+  const sprite = drawn ? await fetchThumbnails() : null;
   sayWhetherSimulated(frames.meta.embeddings.simulated, frames.domains);
   return { frames, coarse, sprite };
 }
