@@ -138,18 +138,18 @@ def _evaluate_domain(
     probabilities = predicted_probabilities(
         head.model, embeddings, order=order, modalities=modalities, rows=rows[known]
     )
-    answers = {name: values.argmax(-1) for name, values in probabilities.items()}
-    record["scores"] = {name: _scores(truth, answer) for name, answer in answers.items()}
+    predicted = {name: values.argmax(-1) for name, values in probabilities.items()}
+    record["scores"] = {name: _scores(truth, labels) for name, labels in predicted.items()}
     record["classes"] = list(classes)
-    record["confusion"] = confusion(truth, answers["fused"], len(classes)).tolist()
+    record["confusion"] = confusion(truth, predicted["fused"], len(classes)).tolist()
     return record
 
 
-def _scores(truth: Tensor, answers: Tensor) -> dict[str, float]:
+def _scores(truth: Tensor, predicted: Tensor) -> dict[str, float]:
     return {
-        "accuracy": float(accuracy(truth, answers)),
-        "macro_f1": float(macro_f1(truth, answers)),
-        "macro_f1_union": float(macro_f1(truth, answers, average="union")),
+        "accuracy": float(accuracy(truth, predicted)),
+        "macro_f1": float(macro_f1(truth, predicted)),
+        "macro_f1_union": float(macro_f1(truth, predicted, average="union")),
     }
 
 

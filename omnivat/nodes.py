@@ -92,8 +92,8 @@ def node_votes(head: Head, embeddings: Embeddings) -> list[NodeVote]:
         nodes = head.model.from_coefficients(kept[start : start + CHUNK], nodes=True).nodes
         if nodes is None:
             raise DataError("This head generates no nodes: it was trained without DTG.")
-        answers = head.model.classify(nodes).argmax(-1)  # (B, N)
-        hot = torch.nn.functional.one_hot(answers, len(head.settings.classes)).sum(0)
+        predicted = head.model.classify(nodes).argmax(-1)  # (B, N)
+        hot = torch.nn.functional.one_hot(predicted, len(head.settings.classes)).sum(0)
         counts = hot if counts is None else counts + hot
     if counts is None:
         raise DataError("There are no pairs in these embeddings; choose a set with pairs.")

@@ -58,7 +58,7 @@ def judged(head: Head, lessons: Sequence[Lesson]) -> list[Judged]:
     for left_out, one in enumerate(lessons):
         rest = [row for row in range(len(lessons)) if row != left_out]
         other = _with_means(head, means[rest], [labels[row] for row in rest])
-        before, after = _answer(head, one), _answer(other, one)
+        before, after = _predicted(head, one), _predicted(other, one)
         found.append(Judged(label=one.label, before=before, after=after))
     return found
 
@@ -81,7 +81,7 @@ def _mean_direction(model: OmniVaT, lesson: Lesson) -> Tensor:
 
 
 @torch.no_grad()
-def _answer(head: Head, lesson: Lesson) -> str:
+def _predicted(head: Head, lesson: Lesson) -> str:
     probabilities = head.model(lesson.vis, lesson.tac).probabilities[0]
     return head.settings.classes[int(probabilities.argmax())]
 

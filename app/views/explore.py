@@ -82,7 +82,7 @@ def staged(model: "OmniVaT", embeddings: "Embeddings", stage: str, order: float)
     from omnivat.sweep import walk
 
     with torch.inference_mode():
-        found = next(walk(model, embeddings, [order], stages=[stage], answers=False))
+        found = next(walk(model, embeddings, [order], stages=[stage], predictions=False))
         rows = found.features[stage]
         features: Array = torch.cat([unit(rows["vis"]), unit(rows["tac"])]).numpy()
     return features

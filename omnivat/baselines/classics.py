@@ -102,7 +102,7 @@ def _fit(
     chosen = best(
         source,
         candidates,
-        lambda part, strength: _answer(train(part, strength=strength, inputs=INPUTS["fused"])),
+        lambda part, strength: _predictor(train(part, strength=strength, inputs=INPUTS["fused"])),
         repeats=1,
     )
     strength = candidates[chosen]
@@ -115,19 +115,21 @@ def _fit(
         return {**joined(own["vis"], own["tac"]), "pair": own["fused"]}
 
     return Fitted(
-        predict=lambda vis, tac: {key: _answer(model)(vis, tac) for key, model in models.items()},
+        predict=lambda vis, tac: {
+            key: _predictor(model)(vis, tac) for key, model in models.items()
+        },
         features=features,
         chosen={"strength": strength},
         parameters=sum(p.numel() for p in models["fused"].parameters()),
     )
 
 
-def _answer(model: Perceptron) -> Callable[[Tensor, Tensor], Tensor]:
-    def answer(vis: Tensor, tac: Tensor) -> Tensor:
+def _predictor(model: Perceptron) -> Callable[[Tensor, Tensor], Tensor]:
+    def predict(vis: Tensor, tac: Tensor) -> Tensor:
         probabilities: Tensor = model(vis, tac).softmax(-1)
         return probabilities
 
-    return answer
+    return predict
 
 
 def _train(

@@ -19,7 +19,7 @@ INPUTS = {"fused": ("vis", "tac"), "vis": ("vis",), "tac": ("tac",)}
 CANDIDATES = {
     f"lr {lr:g}, decay {decay:g}": (lr, decay) for lr in (3e-4, 1e-3) for decay in (1e-2, 1.0)
 }
-Answer = Callable[[Tensor, Tensor], Tensor]
+Predictor = Callable[[Tensor, Tensor], Tensor]
 
 
 class Perceptron(nn.Module):
@@ -49,7 +49,7 @@ def fit(source: Source) -> Fitted:
     chosen = best(
         source,
         CANDIDATES,
-        lambda part, choice: _answer(_train(part, *choice, INPUTS["fused"])),
+        lambda part, choice: _predictor(_train(part, *choice, INPUTS["fused"])),
         repeats=1,
     )
     models = {name: _train(source, *CANDIDATES[chosen], inputs) for name, inputs in INPUTS.items()}
@@ -60,20 +60,20 @@ def fit(source: Source) -> Fitted:
         return {**joined(own["vis"], own["tac"]), "pair": own["fused"]}
 
     return Fitted(
-        predict=lambda vis, tac: {n: _answer(model)(vis, tac) for n, model in models.items()},
+        predict=lambda vis, tac: {n: _predictor(model)(vis, tac) for n, model in models.items()},
         features=features,
         chosen={"training": chosen},
         parameters=sum(p.numel() for p in models["fused"].parameters()),
     )
 
 
-def _answer(model: nn.Module) -> Answer:
+def _predictor(model: nn.Module) -> Predictor:
     @torch.inference_mode()
-    def answer(vis: Tensor, tac: Tensor) -> Tensor:
+    def predict(vis: Tensor, tac: Tensor) -> Tensor:
         probabilities: Tensor = model(vis, tac).softmax(-1)
         return probabilities
 
-    return answer
+    return predict
 
 
 def _train(source: Source, lr: float, decay: float, inputs: tuple[str, ...]) -> Perceptron:

@@ -168,6 +168,6 @@ def _choose(source: Source, view: View) -> tuple[str, float]:
             found = problem.start()
             for strength in STRENGTHS:  # each starts at the previous solution
                 found = problem.solved(strength, found)
-                answer = linear(scale(test), *problem.parameters(found)).softmax(-1)
-                scores.setdefault((kind, strength), Score()).add(answer, rest.labels)
+                predicted = linear(scale(test), *problem.parameters(found)).softmax(-1)
+                scores.setdefault((kind, strength), Score()).add(predicted, rest.labels)
     return max(scores, key=lambda choice: scores[choice].rank) if scores else ("unit", 1.0)

@@ -130,8 +130,8 @@ def _gan_step(
     made = generator(torch.randn(len(images), NOISE), images)
     real = judge(prompt.expand(len(images), *prompt.shape), images)
     fake = judge(made.detach(), images)
-    told = mse_loss(real, torch.ones_like(real)) + mse_loss(fake, torch.zeros_like(fake))
-    _step(optimisers[1], judge, told / 2)
+    judge_loss = mse_loss(real, torch.ones_like(real)) + mse_loss(fake, torch.zeros_like(fake))
+    _step(optimisers[1], judge, judge_loss / 2)
     fooled = judge(made, images)
     _step(optimisers[0], generator, mse_loss(fooled, torch.ones_like(fooled)))
 

@@ -91,8 +91,8 @@ def stage_features(options: argparse.Namespace, *, by_domain: bool = False) -> S
     if options.sample < 0:
         raise SettingsError(f"--sample is {options.sample}; give a number of pairs, or 0 for all.")
     embeddings = load_embeddings(options.embeddings).sampled(options.sample)
-    if told := size_warning(len(embeddings), embeddings.width):
-        print(told, file=sys.stderr, flush=True)
+    if warning := size_warning(len(embeddings), embeddings.width):
+        print(warning, file=sys.stderr, flush=True)
     place = np.arange(len(embeddings))
     if by_domain:
         place[np.argsort(embeddings.domain, kind="stable")] = np.arange(len(embeddings))

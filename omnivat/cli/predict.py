@@ -67,7 +67,7 @@ def run(options: argparse.Namespace) -> None:
         what="Embeddings of these images",
     )
     cache = None if options.no_cache else default_cache()
-    answers: list[dict[str, Any]] = []
+    predictions: list[dict[str, Any]] = []
     for vis, tac, crop in pairs:
         try:
             embedded = embed_pair(encoder, vis, tac, cache, tac_crop=crop)
@@ -77,19 +77,19 @@ def run(options: argparse.Namespace) -> None:
             print(f"skipped: {error}", file=sys.stderr)
             continue
         given = [None if e is None else torch.from_numpy(e[None].copy()) for e in embedded]
-        answer = predict_embeddings(head, *given, order=options.order)[0]
-        answers.append({"vis": vis and str(vis), "tac": tac and str(tac), **answer})
-    if not answers:
+        predicted = predict_embeddings(head, *given, order=options.order)[0]
+        predictions.append({"vis": vis and str(vis), "tac": tac and str(tac), **predicted})
+    if not predictions:
         raise DataError(f"None of the {len(pairs)} pairs in '{options.pairs}' could be read.")
     context = {"head": str(options.head), "source": head.source, "encoder": encoder.name}
     if options.json:
-        records = [answer | context for answer in answers]
+        records = [predicted | context for predicted in predictions]
         value = records[0] if len(records) == 1 and not options.pairs else records
         json.dump(value, sys.stdout, indent=2, ensure_ascii=False)
         print()
     else:
-        for answer in answers:
-            print(_readable(answer, head.source))
+        for predicted in predictions:
+            print(_readable(predicted, head.source))
 
 
 def _pairs(options: argparse.Namespace) -> list[tuple[Path | None, Path | None, int]]:
@@ -110,18 +110,18 @@ def _pairs(options: argparse.Namespace) -> list[tuple[Path | None, Path | None, 
     return [(vis, tac, 0) for vis, tac in zip(paths[::2], paths[1::2], strict=True)]
 
 
-def _readable(answer: dict[str, Any], source: str) -> str:
-    alone = {WORDS[name]: column for name, column in answer["modalities"].items()}
-    columns = {"both": answer["probabilities"], **alone} if len(alone) > 1 else alone
+def _readable(predicted: dict[str, Any], source: str) -> str:
+    alone = {WORDS[name]: column for name, column in predicted["modalities"].items()}
+    columns = {"both": predicted["probabilities"], **alone} if len(alone) > 1 else alone
     lines = [
-        f"{answer['vis'] or 'no VIS'} + {answer['tac'] or 'no TAC'}: {answer['prediction']}"
-        f"  (order p = {answer['order']:.3f}, head trained on {source})",
+        f"{predicted['vis'] or 'no VIS'} + {predicted['tac'] or 'no TAC'}: {predicted['prediction']}"
+        f"  (order p = {predicted['order']:.3f}, head trained on {source})",
         "  " + f"{'class':>9} " + " ".join(f"{name:>10}" for name in columns),
     ]
-    for name in answer["probabilities"]:
+    for name in predicted["probabilities"]:
         values = " ".join(f"{column[name]:10.3f}" for column in columns.values())
         lines.append(f"  {name:>9} {values}")
-    for name, found in answer["familiarity"].items():
+    for name, found in predicted["familiarity"].items():
         what = {"vis": "photo", "tac": "touch"}[name]
         lines.append(
             f"  {what}: {found['words']} (nearest training image: cosine {found['cosine']:.3f}, "

@@ -72,12 +72,12 @@ def run(options: argparse.Namespace) -> None:
     from omnivat.frames import write_frames
     from omnivat.frames.kinds import kind_of
     from omnivat.frames.stops import with_learned
-    from omnivat.gaps.measures import ANSWER_MEASURES, STAGE_MEASURES
+    from omnivat.gaps.measures import PREDICTION_MEASURES, STAGE_MEASURES
     from omnivat.sweep import MEASURES, STAGES
     from omnivat.sweep.export import write_curves_csv, write_curves_json
 
     stages = names_of(options.stages, STAGES, "stage")
-    known = (*STAGE_MEASURES, *ANSWER_MEASURES)
+    known = (*STAGE_MEASURES, *PREDICTION_MEASURES)
     measures = names_of(options.measures, known, "measure") if options.measures else MEASURES
     head, embeddings = load_head(options.head), load_embeddings(options.embeddings)
     head.require_embeddings(embeddings)

@@ -60,7 +60,7 @@ def build_frames(
         still=STILL,
         seed=seed,
     )
-    for found in walk(model, embeddings, orders, stages=builder.stages, answers=True):
+    for found in walk(model, embeddings, orders, stages=builder.stages, predictions=True):
         builder.add(found)
         text = f"map at order {found.order:.2f}"
         on_step(Step(done=found.index + 1, total=len(orders), text=text))

@@ -93,8 +93,8 @@ class FrameBuilder:
         if "accuracy" in self.measures:
             for name, share in self._unseen.at(found.probabilities).items():
                 self.curves.setdefault(name, [None] * count)[found.index] = share
-        confidence, answer = found.probabilities["fused"].max(1)
-        self._predictions.append(answer.to(torch.uint8).cpu().numpy())
+        confidence, predicted = found.probabilities["fused"].max(1)
+        self._predictions.append(predicted.to(torch.uint8).cpu().numpy())
         self._confidences.append((confidence * 255).round().to(torch.uint8).cpu().numpy())
 
     def finish(self, head: Mapping[str, Any]) -> FrameSet:

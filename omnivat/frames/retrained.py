@@ -56,7 +56,7 @@ def retrained_frames(
         heads = [load_head(stop_folder(folder, order, one)) for one in seeds]
         stages = [stage for stage in builder.stages if index == 0 or stage not in STILL]
         found = next(
-            iter(walk(heads[0].model, plan.embeddings, [order], stages=stages, answers=True))
+            iter(walk(heads[0].model, plan.embeddings, [order], stages=stages, predictions=True))
         )
         builder.add(replace(found, index=index))
         for name, value in _spread(heads).items():

@@ -19,9 +19,9 @@ def ece(probabilities: Tensor, labels: Tensor, *, bins: int = 15) -> Tensor:
     require_shapes(probabilities=(probabilities, "N K"), labels=(labels, "N"))
     if not len(labels):
         return probabilities.new_tensor(float("nan"))
-    confidence, answer = probabilities.max(1)
+    confidence, predicted = probabilities.max(1)
     place = ((confidence * bins).ceil().long() - 1).clamp(0, bins - 1)
-    surplus = (answer == labels).to(confidence.dtype) - confidence
+    surplus = (predicted == labels).to(confidence.dtype) - confidence
     by_bin = confidence.new_zeros(bins).index_add_(0, place, surplus)
     return by_bin.abs().sum() / len(labels)
 

@@ -41,7 +41,7 @@ def macro_f1(labels: Tensor, predicted: Tensor, *, average: str = "present") -> 
     if not len(labels):
         return torch.tensor(float("nan"))
     counts = confusion(labels, predicted, int(torch.maximum(labels.max(), predicted.max())) + 1)
-    right, truth, answered = counts.diagonal(), counts.sum(1), counts.sum(0)
-    kept = truth > 0 if average == "present" else truth + answered > 0
-    scores = 2 * right[kept] / (truth + answered)[kept]
+    right, truth, predictions = counts.diagonal(), counts.sum(1), counts.sum(0)
+    kept = truth > 0 if average == "present" else truth + predictions > 0
+    scores = 2 * right[kept] / (truth + predictions)[kept]
     return scores.mean()

@@ -118,12 +118,12 @@ def calibrations(probabilities: Mapping[str, Tensor], facts: Facts) -> Values:
 def confusions(probabilities: Mapping[str, Tensor], facts: Facts) -> Values:
     """Yield, for each class, the shares of its pairs by the class predicted from both images."""
     known = probabilities["fused"].shape[1]
-    answers = probabilities["fused"][facts.scored].argmax(1)
-    counts = confusion(facts.labels[facts.scored], answers, known)
+    predicted = probabilities["fused"][facts.scored].argmax(1)
+    counts = confusion(facts.labels[facts.scored], predicted, known)
     shares = counts / counts.sum(1, keepdim=True)  # NaN for a class without pairs
     for truth, row in zip(facts.class_names, shares, strict=False):
-        for answer, share in zip(facts.class_names, row, strict=False):
-            yield f"/{truth}>{answer}", share
+        for predicted_class, share in zip(facts.class_names, row, strict=False):
+            yield f"/{truth}>{predicted_class}", share
 
 
 def _scores(
@@ -162,8 +162,8 @@ STAGE_MEASURES: dict[str, Measure] = {
     **{name: partial(mean_pairwise, gap=name) for name in GAPS if name != "centroid"},
 }
 
-# of the answers: curve names are measure[:modality]/all or measure/domain; confusion/truth>answer
-ANSWER_MEASURES: dict[str, Measure] = {
+# of predictions: curve names are measure[:modality]/all or measure/domain; confusion/truth>class
+PREDICTION_MEASURES: dict[str, Measure] = {
     "accuracy": accuracies,
     "macro_f1": macro_f1s,
     "macro_f1_union": partial(macro_f1s, average="union"),

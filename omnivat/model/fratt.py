@@ -82,8 +82,8 @@ class FrATT(nn.Module):
         The weights are real and act on both parts; biases belong to the real part.
         """
         score_root, value_root = self.roots
-        asked, keys = _complex_linear(self.query, queries), _complex_linear(self.key, tokens)
-        weights = torch.softmax((asked @ keys.mT).sum(1) / score_root, dim=-1)
+        projected, keys = _complex_linear(self.query, queries), _complex_linear(self.key, tokens)
+        weights = torch.softmax((projected @ keys.mT).sum(1) / score_root, dim=-1)
         mean = weights.mean(1, keepdim=True)[:, None] @ tokens  # (B, 2, 1, D)
         modulus = torch.linalg.vector_norm(_complex_linear(self.value, mean), dim=1)
         return Attended(self.ffn((modulus / value_root).squeeze(1)), weights)

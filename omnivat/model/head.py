@@ -97,22 +97,22 @@ class OmniVaT(Body):
         )
         printed = grad or attention or self.mffa.as_printed
         if printed or self.settings.complex_to_real == "hermitian":
-            return self._answer(names, stacked, order, nodes=nodes, attention=attention)
+            return self._output(names, stacked, order, nodes=nodes, attention=attention)
         self._folds.refresh(self)
         with one_thread(len(kept) <= FEW_PAIRS):
             if len(kept) <= CHUNK:
-                return self._answer(names, stacked, order, nodes=nodes, fold=True)
+                return self._output(names, stacked, order, nodes=nodes, fold=True)
             chunks = (slice(start, start + CHUNK) for start in range(0, len(kept), CHUNK))
             return joined(
                 [
-                    self._answer(
+                    self._output(
                         names, stacked[:, rows], _rows(order, rows), nodes=nodes, fold=True
                     )
                     for rows in chunks
                 ]
             )
 
-    def _answer(
+    def _output(
         self,
         names: tuple[str, ...],
         kept: Coefficients,

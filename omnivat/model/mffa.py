@@ -179,8 +179,8 @@ class MFFA(nn.Module):
         bias_scores = (keys @ fratt.query.bias).movedim(0, -1)
         weights = factored.mean_weights(scores, bias_scores, table, score_root)
         if guide is not None and guided is not None:
-            asked = fratt.query(guide).expand(1, *keys.shape[1:])
-            theirs = factored.dots(asked, keys).squeeze(-2) @ table.tokens
+            guide_query = fratt.query(guide).expand(1, *keys.shape[1:])
+            theirs = factored.dots(guide_query, keys).squeeze(-2) @ table.tokens
             theirs = torch.softmax(theirs / score_root, dim=-1)
             weights = torch.where(guided[:, None], theirs, weights)
         pooled = factored.mixed(base, weights, table)

@@ -51,7 +51,7 @@ class Outcome:
     guard: dict[str, float] | None = None
 
 
-def told(choice: Choice) -> dict[str, Any]:
+def choice_record(choice: Choice) -> dict[str, Any]:
     """Return a choice for the record."""
     found: dict[str, Any] = {"fusion": choice.fusion}
     if choice.losses:

@@ -13,7 +13,7 @@ from omnivat.calibration import fit_calibration
 from omnivat.data.store import Embeddings
 from omnivat.evaluate import label_map
 from omnivat.lang.bank import LangBank
-from omnivat.protocol.choosing import Choice, Outcome, chosen_fusion, told
+from omnivat.protocol.choosing import Choice, Outcome, choice_record, chosen_fusion
 from omnivat.protocol.fold import fold_of, source_arrays
 from omnivat.protocol.images import inputs, require_own_images
 from omnivat.protocol.methods import Method
@@ -55,7 +55,7 @@ def fit_baseline(
         features=lambda pairs: _joined(fitted.features(*given) for given in inputs(fitted, pairs)),
         choice=choice,
         separate=("vis", "tac") if late else None,
-        chosen=dict(fitted.chosen) | (told(choice) if late else {}),
+        chosen=dict(fitted.chosen) | (choice_record(choice) if late else {}),
         parameters=fitted.parameters,
     )
 

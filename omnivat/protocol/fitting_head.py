@@ -16,7 +16,7 @@ from omnivat.lang.bank import LangBank
 from omnivat.model.fusion import Calibration
 from omnivat.model.head import OmniVaT, parameter_count
 from omnivat.model.settings import HeadSettings
-from omnivat.protocol.choosing import Choice, Outcome, chosen_fusion, told, with_fused
+from omnivat.protocol.choosing import Choice, Outcome, choice_record, chosen_fusion, with_fused
 from omnivat.protocol.fold import fold_of, tensor
 from omnivat.protocol.methods import Method
 from omnivat.protocol.settings import Task
@@ -59,7 +59,7 @@ def fit_head(
         features=partial(_head_features, model, method.modalities),
         choice=choice,
         separate=("vis_branch", "tac_branch") if both else None,
-        chosen={"order": model.order, **told(choice)},
+        chosen={"order": model.order, **choice_record(choice)},
         parameters=parameter_count(head),
         guard=_guard(model, found, bank if training.lang and both else None, seed),
     )

@@ -36,12 +36,12 @@ def _setting(source: str) -> Setting:
     domain = DOMAINS[source]
     tacquad = bool(domain.series)
     learn = ("outdoor" if "outdoor" in domain.series else "indoor") if tacquad else ""
-    answer = ("indoor" if learn == "outdoor" else "outdoor") if tacquad else ""
+    tested_part = ("indoor" if learn == "outdoor" else "outdoor") if tacquad else ""
     targets = []
     for name, other in DOMAINS.items():
         if name == source or {name, source} == SAME_SENSOR:
             continue
-        targets.append(Side(domain=name, part=answer if other.series else ""))
+        targets.append(Side(domain=name, part=tested_part if other.series else ""))
     return Setting(
         source=Side(domain=source, part=learn), targets=tuple(targets), ceramic=domain.ceramic
     )
@@ -126,16 +126,16 @@ def task(embeddings: Embeddings, source: str) -> Task:
         source_test=_without(test, dropped)
         if any(test.rows["split"])
         else test.select(test.label < 0),
-        targets={name: pairs for name, pairs in targets.items() if _can_be_asked(pairs, present)},
+        targets={name: pairs for name, pairs in targets.items() if _shares_classes(pairs, present)},
         missing=tuple(
             str(side)
             for side in setting.targets
-            if side.domain not in names or not _can_be_asked(targets[names[side.domain]], present)
+            if side.domain not in names or not _shares_classes(targets[names[side.domain]], present)
         ),
     )
 
 
-def _can_be_asked(pairs: Embeddings, classes: set[int]) -> bool:
+def _shares_classes(pairs: Embeddings, classes: set[int]) -> bool:
     """True if any pair has a class that was learned."""
     return not classes.isdisjoint(pairs.label.tolist())
 

@@ -13,10 +13,10 @@ from omnivat.reports.plot import line_plot
 from omnivat.reports.reading import (
     METRICS,
     Record,
-    answered,
     by_run,
     by_seed,
     changed_settings,
+    completed,
     latest,
 )
 from omnivat.reports.text_table import count_text, markdown, spread_text
@@ -91,7 +91,9 @@ def ablation_table(
             cells += [_scores(records, method, [source]), ablation_cell(name, row, source)]
         if len(sources) > 1:
             cells.append(_scores(records, method, sources))
-        counts = [r["parameters"] for r in answered(records, method) if r["source"] in set(sources)]
+        counts = [
+            r["parameters"] for r in completed(records, method) if r["source"] in set(sources)
+        ]
         rows.append([label, *cells, count_text(counts)])
     header = [text for source in sources for text in (f"{source} → X", printed)]
     header += ["average"] * (len(sources) > 1)

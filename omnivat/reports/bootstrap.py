@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from omnivat.data.packing import DIGITS, unpacked
 from omnivat.reports.intervals import Interval
-from omnivat.reports.reading import Record, answered
+from omnivat.reports.reading import Record, completed
 
 DRAWS = 2000
 METRICS = ("accuracy", "macro_f1")
@@ -51,7 +51,7 @@ def complete_rows(records: Iterable[Record], readings: Sequence[str]) -> list[Ro
     grid = {(r["source"], r["seed"]) for r in records}
     rows = []
     for method in dict.fromkeys(r["method"] for r in records):
-        own = answered(records, method)
+        own = completed(records, method)
         if {(r["source"], r["seed"]) for r in own} != grid:
             continue
         for reading in readings:
@@ -97,7 +97,7 @@ def _objects(records: Iterable[Record]) -> dict[str, dict[int, str]]:
 def resampled(records: Sequence[Record], row: Row, drawn: Draws) -> dict[str, Resampled]:
     """Return ACC and Macro-F1 of a row: mean over targets, seeds and sources, in every draw."""
     method, reading = row
-    own = answered(records, method)
+    own = completed(records, method)
     sources = sorted({r["source"] for r in own})
     seeds = sorted({r["seed"] for r in own})
     size = (len(METRICS), len(drawn.sources) + 1, len(sources), len(seeds))

@@ -14,10 +14,10 @@ from omnivat.reports.paper import MARK, not_comparable, paper_rows, target_rows
 from omnivat.reports.reading import (
     METRICS,
     Record,
-    answered,
     by_run,
     by_seed,
     changed_settings,
+    completed,
     latest,
     methods,
 )
@@ -108,7 +108,7 @@ def interval_table(records: Sequence[Record]) -> str:
     """Return intervals of OmniVaT's lead over every other method."""
     rows = []
     for name, label in methods(records).items():
-        if name == OURS or not answered(records, name):
+        if name == OURS or not completed(records, name):
             continue
         cells = []
         for metric in SCORES:
@@ -130,10 +130,10 @@ def side_table(records: Sequence[Record]) -> str:
     """Return further figures of each method, averaged over all runs."""
     rows = []
     for name, label in methods(records).items():
-        if not answered(records, name):
+        if not completed(records, name):
             continue
         union = spread(list(by_run(records, name, "macro_f1_union").values())).mean
-        found = answered(records, name)
+        found = completed(records, name)
         own = [
             r["source_test"]["scores"]["fused"]["accuracy"] for r in found if r.get("source_test")
         ]
@@ -153,7 +153,7 @@ def side_table(records: Sequence[Record]) -> str:
 
 def _targets(records: Sequence[Record], name: str, label: str) -> list[str]:
     """Return the matrix source × target of ACC / Macro-F1, mean over seeds."""
-    found = answered(records, name)
+    found = completed(records, name)
     if not found:
         return []
     targets = list(dict.fromkeys(t for record in found for t in record["targets"]))

@@ -26,7 +26,7 @@ def methods(records: Sequence[Record]) -> dict[str, str]:
     return {record["method"]: record["label"] for record in records}
 
 
-def answered(records: Iterable[Record], method: str) -> list[Record]:
+def completed(records: Iterable[Record], method: str) -> list[Record]:
     """Return the records of a method that were not skipped."""
     return [r for r in records if r["method"] == method and "targets" in r]
 
@@ -47,7 +47,7 @@ def by_run(
     """Return (source, seed) -> mean score over targets."""
     return {
         (record["source"], record["seed"]): target_mean(record, metric, which)
-        for record in answered(records, method)
+        for record in completed(records, method)
     }
 
 

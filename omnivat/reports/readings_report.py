@@ -14,7 +14,7 @@ from omnivat.reports.bootstrap import (
 )
 from omnivat.reports.intervals import Interval, spread
 from omnivat.reports.reading import METRICS as NAMES
-from omnivat.reports.reading import Record, answered, by_run, by_seed, methods
+from omnivat.reports.reading import Record, by_run, by_seed, completed, methods
 from omnivat.reports.text_table import interval_text, markdown, percent, spread_text
 
 OURS = ("omnivat", "fused")
@@ -56,7 +56,7 @@ def _default_headline(
     labels: Mapping[str, str],
 ) -> list[str]:
     """Return the headline for the default fusion, if runs chose another; else nothing."""
-    chosen = {r.get("chosen", {}).get("fusion", "mean") for r in answered(records, OURS[0])}
+    chosen = {r.get("chosen", {}).get("fusion", "mean") for r in completed(records, OURS[0])}
     if chosen == {"mean"} or DEFAULT not in complete_rows(records, (DEFAULT[1],)):
         return []
     ours = resampled(records, DEFAULT, draws_for([r for r in records if "targets" in r]))
@@ -150,7 +150,7 @@ def readings_table(records: Sequence[Record]) -> str:
     sources = list(dict.fromkeys(record["source"] for record in records))
     rows = []
     for name, label in methods(records).items():
-        own = answered(records, name)
+        own = completed(records, name)
         if not own:
             continue
         cells = []

@@ -5,7 +5,7 @@ from typing import Any
 
 from omnivat.data.domains import paper_name
 from omnivat.reports.paper import MARK, not_comparable, paper
-from omnivat.reports.reading import Record, answered, latest, methods
+from omnivat.reports.reading import Record, completed, latest, methods
 from omnivat.reports.text_table import markdown
 
 SOURCE = "TAG"  # the source of the paper's margins
@@ -24,7 +24,7 @@ def margins_report(records: Sequence[Record]) -> str:
     joint = [name for name in next(iter(printed.values())) if name.startswith("[")]
     rows = []
     for name, label in methods(found).items():
-        cells = [_margin(answered(found, name), target) for target in targets]
+        cells = [_margin(completed(found, name), target) for target in targets]
         rows.append([label, *cells, *("–" for _ in joint)])
     why = not_comparable(found[0]["data"])
     mark = f" {MARK} ({why})" if why else ""
@@ -55,7 +55,7 @@ def cost_report(records: Sequence[Record], measured: Mapping[str, Any]) -> str:
     columns = ["parameters, millions", "training, s", "inference, FPS", "GPU memory, MB"]
     rows = []
     for name, label in methods(found).items():
-        own = answered(found, name)
+        own = completed(found, name)
         if not own:
             continue
         size = max(record["parameters"] for record in own) / 1e6

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from omnivat.reports.intervals import spread
-from omnivat.reports.reading import Record, answered, methods
+from omnivat.reports.reading import Record, completed, methods
 from omnivat.reports.readings_report import FUSIONS
 from omnivat.reports.text_table import markdown, percent
 
@@ -60,7 +60,7 @@ def fusion_table(records: Sequence[Record]) -> str:
     """Return ACC / Macro-F1 of every late fusion, for methods with two predictions."""
     rows = []
     for name, label in methods(records).items():
-        own = [r for r in answered(records, name) if any(t.get("fusions") for t in _targets(r))]
+        own = [r for r in completed(records, name) if any(t.get("fusions") for t in _targets(r))]
         if not own:
             continue
         cells = []
@@ -84,7 +84,7 @@ def confidence_table(records: Sequence[Record]) -> str:
     """Return ECE, NLL and AURC before and after the temperature, of calibrated methods."""
     rows = []
     for name, label in methods(records).items():
-        own = [r for r in answered(records, name) if r.get("settings", {}).get("calibrate")]
+        own = [r for r in completed(records, name) if r.get("settings", {}).get("calibrate")]
         if not own:
             continue
         cells = []
@@ -107,7 +107,7 @@ def margin_table(records: Sequence[Record]) -> str:
     targets = list(dict.fromkeys(t for record in found for t in record["targets"]))
     rows = []
     for name, label in methods(found).items():
-        own = answered(found, name)
+        own = completed(found, name)
         cells = []
         for target in targets:
             values = [r["targets"][target]["margins"] for r in own if target in r["targets"]]
@@ -129,7 +129,7 @@ def guard_table(records: Sequence[Record]) -> str:
     """Return ACC on the source's test with the text of a pair's class, and without."""
     rows = []
     for name, label in methods(records).items():
-        own = [r["lang_guard"] for r in answered(records, name) if "lang_guard" in r]
+        own = [r["lang_guard"] for r in completed(records, name) if "lang_guard" in r]
         if own:
             means = [spread([guard[kind] for guard in own]).mean for kind in ("with", "without")]
             rows.append([label, *map(percent, means), f"{100 * (means[0] - means[1]):+.1f}"])

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from omnivat.data.store import Embeddings
-from omnivat.gaps.measures import ANSWER_MEASURES, STAGE_MEASURES, SUM_MEASURES, Facts
+from omnivat.gaps.measures import PREDICTION_MEASURES, STAGE_MEASURES, SUM_MEASURES, Facts
 from omnivat.gaps.unit import unit
 from omnivat.model.head import OmniVaT
 from omnivat.progress import OnStep, Step, ignore
@@ -26,7 +26,7 @@ class Sweep:
     orders         (P,) quarter turns, as given
     classes        the head's K classes, then other classes of the set
     label          (N,) index into `classes`
-    probabilities  (P, N, K) float32, from both images; (P, 0, K) without answer measures
+    probabilities  (P, N, K) float32, from both images; (P, 0, K) without prediction measures
     curves         "measure/stage", "accuracy/all" and the like -> (P,) float64; NaN if
                    undefined. docs/gaps.md lists the names
     """
@@ -53,22 +53,23 @@ def sweep(
     orders    quarter turns, any real numbers; computed coarse first, returned as given
     stages    of `STAGES`; others are not kept
     measures  of `STAGE_MEASURES` and `ANSWER_MEASURES`
-    chunk     pairs that pass the head at once. Memory is one order's answers, the probabilities of
-              all orders and, where a measure is not of `SUM_MEASURES`, one order's features
+    chunk     pairs that pass the head at once. Memory holds one order's predictions, the
+              probabilities of all orders and, for measures that are not of `SUM_MEASURES`, one
+              order's features
 
     Measures of the raw embedding and the raw DFrFT are computed once, because they do not depend on
-    the order. Without answer measures and other stages, the head runs at one order at most.
+    the order. Without prediction measures and other stages, the head runs at one order at most.
     Raises SettingsError for an unknown stage or measure, or an invalid order.
     """
-    require_known(measures, (*STAGE_MEASURES, *ANSWER_MEASURES), "measure")
+    require_known(measures, (*STAGE_MEASURES, *PREDICTION_MEASURES), "measure")
     classes, facts = facts_of(embeddings, model.settings.classes, model.classifier.device)
-    answers = [name for name in measures if name in ANSWER_MEASURES]
+    predictions = [name for name in measures if name in PREDICTION_MEASURES]
     result = Sweep(
         orders=np.array(orders, dtype=np.float64),
         classes=classes,
         label=facts.labels.cpu().numpy(),
         probabilities=np.zeros(
-            (len(orders), len(embeddings) if answers else 0, len(model.settings.classes)),
+            (len(orders), len(embeddings) if predictions else 0, len(model.settings.classes)),
             dtype=np.float32,
         ),
     )
@@ -79,7 +80,7 @@ def sweep(
         embeddings,
         orders,
         stages=stages,
-        answers=bool(answers),
+        predictions=bool(predictions),
         visits=visits,
         chunk=chunk,
         sums_for=facts if summed else None,
@@ -88,7 +89,7 @@ def sweep(
         for stage, name, value in measured(found, facts, measures):
             curve = result.curves.setdefault(name, np.full(len(orders), np.nan))
             curve[slice(None) if stage in STILL else found.index] = value
-        if answers:
+        if predictions:
             result.probabilities[found.index] = found.probabilities["fused"].cpu().numpy()
         on_step(Step(done=done, total=len(visits), text=f"order {found.order:.2f}"))
     return result
@@ -104,8 +105,8 @@ def measured(
             tail = f"/{domain}" if domain else ""
             yield stage, f"{name}{variant}/{stage}{tail}", float(value)
     for name in measures:
-        if name in ANSWER_MEASURES and found.probabilities:
-            for suffix, value in ANSWER_MEASURES[name](found.probabilities, facts):
+        if name in PREDICTION_MEASURES and found.probabilities:
+            for suffix, value in PREDICTION_MEASURES[name](found.probabilities, facts):
                 yield "", f"{name}{suffix}", float(value)
 
 

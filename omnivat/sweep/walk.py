@@ -59,7 +59,7 @@ def walk(
     orders: Sequence[float],
     *,
     stages: Sequence[str] = (),
-    answers: bool = True,
+    predictions: bool = True,
     visits: Sequence[int] | None = None,
     chunk: int = CHUNK,
     sums_for: Facts | None = None,
@@ -81,7 +81,7 @@ def walk(
         raise DataError("There are no pairs in these embeddings; choose a set with pairs.")
     visits = list(range(len(orders))) if visits is None else list(visits)
     moving = [stage for stage in stages if stage not in STILL]
-    if not moving and not answers:
+    if not moving and not predictions:
         visits = visits[:1]
     kept: PairCoefficients | None = None
     for place, index in enumerate(visits):
@@ -91,13 +91,13 @@ def walk(
         if place == 0 and "raw" in stages:
             for rows, raw in _raw_chunks(model, embeddings, chunk):
                 found.take("raw", raw, rows)
-        if wanted or answers:
+        if wanted or predictions:
             if kept is None and len(embeddings) <= KEPT_PAIRS:
                 kept = coefficients_of(model, embeddings)
             for rows, output in _outputs(model, embeddings, kept, order, chunk):
                 for stage in wanted:
                     found.take(stage, stage_features(output, stage), rows)
-                if answers:
+                if predictions:
                     found.take("", output.readings, rows)
         probabilities = found.whole.pop("", {})
         yield AtOrder(

@@ -90,7 +90,7 @@ def batches(
     images = {n: _mirrored(source, n, shuffled, random) for n in settings.given}
     noise = _noise(source, fit, settings)
     texts = _styled(bank, truth, random) if bank is not None and settings.lang else None
-    answers = torch.from_numpy(truth)
+    targets = torch.from_numpy(truth)
     orders = _orders(count, settings, random)
     for start in range(0, count, settings.batch):
         rows = slice(start, start + settings.batch)
@@ -102,7 +102,7 @@ def batches(
             vis=given.get("vis"),
             tac=given.get("tac"),
             lang=None if texts is None else torch.from_numpy(texts.rows(rows)),
-            labels=answers[rows],
+            labels=targets[rows],
             lang_on=lang_on[rows],
             token_on=token_on[rows],
             order=None if orders is None else orders[rows],

@@ -68,8 +68,8 @@ def unseen_summary(head: Head, embeddings: Embeddings) -> dict[str, Any]:
     )
     found = predicted_probabilities(head.model, embeddings)
     probabilities = {name: found[name].double().cpu().numpy() for name in READINGS}
-    answers = {name: values.argmax(1) for name, values in probabilities.items()}
-    shares = {f"answers/{name}": (answer == label) * 1.0 for name, answer in answers.items()}
+    predicted = {name: values.argmax(1) for name, values in probabilities.items()}
+    shares = {f"answers/{name}": (values == label) * 1.0 for name, values in predicted.items()}
     rows = judged(facts.counts, facts.domain)
     vis, tac, cosine = _alone(head, embeddings, rows)
     shares["retrieval"] = _retrieved(facts, vis, tac, rows)
@@ -81,10 +81,12 @@ def unseen_summary(head: Head, embeddings: Embeddings) -> dict[str, Any]:
         "domains": _by_domain(facts, shares),
         "unseen": {name: _over_domains(facts, right) for name, right in shares.items()},
         "look_alikes": _look_alikes(facts, shares, embeddings.rows.get("looks_like", [])),
-        "confusion": {name: _confusions(facts, a, len(classes)) for name, a in answers.items()},
+        "confusion": {
+            name: _confusions(facts, values, len(classes)) for name, values in predicted.items()
+        },
         "pairs": {
             "counts": facts.counts,
-            "answers": answers,
+            "answers": predicted,
             "confidence": probabilities["fused"].max(1),
             "cosine": cosine,
         },
@@ -144,11 +146,11 @@ def _look_alikes(
     return {"pairs": int(mask.sum()), **{key: _share(right[mask]) for key, right in shares.items()}}
 
 
-def _confusions(facts: _Facts, answer: Array, classes: int) -> dict[str, list[list[int]]]:
+def _confusions(facts: _Facts, predicted: Array, classes: int) -> dict[str, list[list[int]]]:
     """Return counts (K, K), true class by predicted class, of each domain and all unseen ones."""
     found = {}
     for name, mask in facts.members():
-        cells = facts.label[mask] * classes + answer[mask]
+        cells = facts.label[mask] * classes + predicted[mask]
         found[name] = np.bincount(cells, minlength=classes**2).reshape(classes, classes).tolist()
     return found
 

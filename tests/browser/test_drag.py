@@ -75,7 +75,7 @@ def test_every_stop_is_what_the_library_computes_now(open_page: Callable[..., An
     head, embeddings = load_head(default_head()), load_embeddings(default_embeddings())
     orders = [frames.orders[stop] for stop in STOPS]
     with torch.inference_mode():
-        for found in walk(head.model, embeddings, orders, stages=STAGES, answers=True):
+        for found in walk(head.model, embeddings, orders, stages=STAGES, predictions=True):
             seen = decoded[found.index]
             assert seen["order"] == found.order
             sure, answer = found.probabilities["fused"].max(1)

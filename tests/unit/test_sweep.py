@@ -9,7 +9,7 @@ from omnivat.errors import DataError, SettingsError, ShapeError
 from omnivat.gaps.centroid import modality_gap
 from omnivat.gaps.confusion import accuracy, macro_f1
 from omnivat.gaps.cosine_margin import cosine_margin
-from omnivat.gaps.measures import ANSWER_MEASURES, STAGE_MEASURES
+from omnivat.gaps.measures import PREDICTION_MEASURES, STAGE_MEASURES
 from omnivat.gaps.unit import unit
 from omnivat.model.head import build_head
 from omnivat.model.settings import HeadSettings
@@ -77,7 +77,7 @@ def test_the_first_orders_visited_cover_the_range_evenly():
 
 
 @torch.no_grad()
-def test_every_curve_is_what_the_head_and_the_measure_answer():
+def test_every_curve_is_what_the_head_and_the_measure_return():
     model, data = head(), pairs()
     found = sweep(model, data, ORDERS, stages=("relu", "f_bar", "f_hat"))
     labels = torch.from_numpy(data.label)
@@ -144,7 +144,7 @@ def test_what_stays_still_comes_with_the_first_order_visited_and_never_again():
     first, *later = walk(head(), pairs(), ORDERS, stages=("raw", "frft", "f_hat"))
     assert set(first.features) == {"raw", "frft", "f_hat"}
     assert [set(found.features) for found in later] == [{"f_hat"}] * 3
-    alone = list(walk(head(), pairs(), ORDERS, stages=("raw", "frft"), answers=False))
+    alone = list(walk(head(), pairs(), ORDERS, stages=("raw", "frft"), predictions=False))
     assert [found.index for found in alone] == [0]
 
 
@@ -157,12 +157,12 @@ def test_the_raw_embedding_needs_no_head_at_all(monkeypatch):
 
 
 def test_stages_that_are_not_asked_for_are_not_kept():
-    found = next(walk(head(), pairs(), ORDERS, stages=("f_bar",), answers=False))
+    found = next(walk(head(), pairs(), ORDERS, stages=("f_bar",), predictions=False))
     assert set(found.features) == {"f_bar"}
     assert found.probabilities == {}
 
 
-@pytest.mark.parametrize("name", [*STAGE_MEASURES, *ANSWER_MEASURES])
+@pytest.mark.parametrize("name", [*STAGE_MEASURES, *PREDICTION_MEASURES])
 def test_every_measure_has_a_curve_of_numbers(name):
     found = sweep(head(), pairs(count=60), (0.2, 0.7), measures=(name,))
     assert found.curves
@@ -170,12 +170,12 @@ def test_every_measure_has_a_curve_of_numbers(name):
 
 
 def test_steps_are_told_coarse_first():
-    told = []
-    sweep(head(), pairs(), (0.0, 0.25, 0.5, 0.75, 1.0), on_step=told.append)
-    assert [step.text for step in told] == [
+    steps = []
+    sweep(head(), pairs(), (0.0, 0.25, 0.5, 0.75, 1.0), on_step=steps.append)
+    assert [step.text for step in steps] == [
         f"order {p}" for p in ("0.00", "1.00", "0.50", "0.25", "0.75")
     ]
-    assert [step.done for step in told] == [1, 2, 3, 4, 5]
+    assert [step.done for step in steps] == [1, 2, 3, 4, 5]
 
 
 def test_a_class_that_the_head_does_not_know_counts_in_gaps_and_not_in_scores():

@@ -36,14 +36,14 @@ class Attention(NamedTuple):
     raw: Tensor  # (M B, D) before normalization
     base: Tensor  # (M, B, r, D)
     tokens: Tensor  # (M, r, T) table of tokens
-    askers: Tensor  # (M, A, Q) table of queries
+    queries: Tensor  # (M, A, Q) table of queries
     guide: Tensor | None  # (B, D)
-    asked: Tensor  # (M B, A, D)
+    projected: Tensor  # (M B, A, D)
     keys: Tensor  # (M B, r, D)
     scores: Tensor  # (M, B r, A)
     mixed: Tensor  # (M, B Q, r)
     attended: Tensor  # (M, B, Q, T)
-    heard: Tensor  # (B or 1, Q, 1) weight of each query
+    query_weight: Tensor  # (B or 1, Q, 1) weight of each query
     shares: Tensor  # (M, B, r) of base vectors
     pooled: Tensor  # (M B, D)
     values: Tensor  # (M B, D)
@@ -73,7 +73,7 @@ class AttentionBack(NamedTuple):
     second: Rows
 
 
-def asker_table(tokens: Tensor, guided: bool) -> Tensor:
+def query_table(tokens: Tensor, guided: bool) -> Tensor:
     """Return (M, A, Q): the queries are each token plus the bias, then the guide."""
     count, rank, queries = tokens.shape
     table = tokens.new_zeros(count, rank + 1 + guided, queries + guided)
@@ -109,22 +109,22 @@ def attend(
     rows, vectors = base.reshape(-1, width), base.reshape(-1, rank, width)
     score_root, value_root = roots
     keys = linear(rows, weights.key).view(-1, rank, width)
-    asking = [
+    parts = [
         linear(rows, weights.query).view(-1, rank, width),
         weights.query_bias.expand(count * batch, 1, width),
     ]
     if guide is not None:
-        asks = linear(guide, weights.query, weights.query_bias)
-        asking.append(asks.expand(count, batch, width).reshape(-1, 1, width))
-    asked = torch.cat(asking, dim=1)
-    askers = asker_table(tokens, guide is not None)
-    scores = torch.bmm(keys, asked.mT).view(count, batch * rank, -1)
-    mixed = torch.bmm(scores, askers).view(count, batch, rank, -1)
+        guide_query = linear(guide, weights.query, weights.query_bias)
+        parts.append(guide_query.expand(count, batch, width).reshape(-1, 1, width))
+    projected = torch.cat(parts, dim=1)
+    queries = query_table(tokens, guide is not None)
+    scores = torch.bmm(keys, projected.mT).view(count, batch * rank, -1)
+    mixed = torch.bmm(scores, queries).view(count, batch, rank, -1)
     mixed = mixed.mT.reshape(count, -1, rank)
     full = torch.bmm(mixed, tokens) / score_root
     attended = torch.softmax(full, dim=-1).view(count, batch, -1, tokens.shape[-1])
-    heard = query_shares(tokens, guided if guide is not None else None)[..., None]
-    shares = torch.bmm((attended * heard).sum(2), tokens.mT)
+    query_weight = query_shares(tokens, guided if guide is not None else None)[..., None]
+    shares = torch.bmm((attended * query_weight).sum(2), tokens.mT)
     pooled = torch.bmm(shares.view(-1, 1, rank), vectors).view(-1, width)
     if token is not None:
         pooled = pooled + token.reshape(-1, width)
@@ -135,8 +135,8 @@ def attend(
     raw = linear(active, weights.second, weights.second_bias)
     feature = unit_rows(raw) if unit else raw
     return Attention(
-        feature.view(count, batch, width), raw, base, tokens, askers, guide, asked, keys, scores,
-        mixed, attended, heard, shares, pooled, values, hidden, active,
+        feature.view(count, batch, width), raw, base, tokens, queries, guide, projected, keys, scores,
+        mixed, attended, query_weight, shares, pooled, values, hidden, active,
     )  # fmt: skip
 
 
@@ -159,29 +159,29 @@ def attend_back(
     to_shares = torch.bmm(vectors, per_row.mT).view(count, batch, rank)
     to_base = torch.bmm(saved.shares.view(-1, rank, 1), per_row)
     to_mean = torch.bmm(to_shares, saved.tokens)[:, :, None]  # (M, B, 1, T)
-    to_tokens = torch.bmm(to_shares.mT, (saved.attended * saved.heard).sum(2))
+    to_tokens = torch.bmm(to_shares.mT, (saved.attended * saved.query_weight).sum(2))
     # the softmax
     held = saved.attended * to_mean
     to_full = torch.sub(held, saved.attended * held.sum(-1, keepdim=True))
-    to_full = to_full.mul_(saved.heard / score_root).view(count, -1, to_tokens.shape[-1])
+    to_full = to_full.mul_(saved.query_weight / score_root).view(count, -1, to_tokens.shape[-1])
     # scores between tokens, then between base vectors and query vectors
     to_tokens.baddbmm_(saved.mixed.mT, to_full)
     to_mixed = torch.bmm(to_full, saved.tokens.mT).view(count, batch, -1, rank)
     to_mixed = to_mixed.mT.reshape(count, batch * rank, -1)
-    to_askers = torch.bmm(saved.scores.mT, to_mixed)
-    to_tokens += to_askers[:, :rank, : to_tokens.shape[-1]]
-    to_scores = torch.bmm(to_mixed, saved.askers.mT).view(count * batch, rank, -1)
-    to_keys = torch.bmm(to_scores, saved.asked).view(-1, width)
-    to_asked = torch.bmm(to_scores.mT, saved.keys)
-    to_query = to_asked[:, :rank].reshape(-1, width)
+    to_queries = torch.bmm(saved.scores.mT, to_mixed)
+    to_tokens += to_queries[:, :rank, : to_tokens.shape[-1]]
+    to_scores = torch.bmm(to_mixed, saved.queries.mT).view(count * batch, rank, -1)
+    to_keys = torch.bmm(to_scores, saved.projected).view(-1, width)
+    to_projected = torch.bmm(to_scores.mT, saved.keys)
+    to_query = to_projected[:, :rank].reshape(-1, width)
     rows = saved.base.reshape(-1, width)
     to_base = to_base.view(-1, width)
     to_base.addmm_(to_query, weights.query).addmm_(to_keys, weights.key)
-    query_bias, query, to_guide = to_asked[:, rank].sum(0), [Rows(to_query, rows)], None
+    query_bias, query, to_guide = to_projected[:, rank].sum(0), [Rows(to_query, rows)], None
     if saved.guide is not None:
-        asks = to_asked[:, rank + 1].view(count, batch, width).sum(0)
-        query_bias, to_guide = query_bias + asks.sum(0), asks @ weights.query
-        query.append(Rows(asks, saved.guide))
+        to_guide_query = to_projected[:, rank + 1].view(count, batch, width).sum(0)
+        query_bias, to_guide = query_bias + to_guide_query.sum(0), to_guide_query @ weights.query
+        query.append(Rows(to_guide_query, saved.guide))
     return AttentionBack(
         to_base.view_as(saved.base),
         to_pooled.view(count, batch, width),

@@ -11,7 +11,7 @@ from omnivat.cli.sweep import names_of, orders_of
 from omnivat.data.store import load_embeddings
 from omnivat.errors import SettingsError
 from omnivat.frames import read_frames
-from omnivat.gaps.measures import ANSWER_MEASURES, STAGE_MEASURES
+from omnivat.gaps.measures import PREDICTION_MEASURES, STAGE_MEASURES
 from omnivat.sweep import MEASURES, STAGES, sweep
 
 
@@ -34,7 +34,7 @@ def test_every_measure_at_every_stage_is_a_named_column_of_the_table(head_folder
     assert [float(order) for order in found.pop("order")] == [0, 0.3, 1]
     for measure in STAGE_MEASURES:
         assert {f"{measure}/{stage}" for stage in STAGES} <= set(found)
-    for measure in set(ANSWER_MEASURES) - {"confusion"}:
+    for measure in set(PREDICTION_MEASURES) - {"confusion"}:
         assert {f"{measure}/all", f"{measure}/TAG-sim", f"{measure}/OF Real-sim"} <= set(found)
     assert {"margin:cross_domain/f_hat", "margin:cross_modal/f_bar"} <= set(found)
     assert "confusion/wood>steel" in found

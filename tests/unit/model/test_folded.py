@@ -120,7 +120,7 @@ def test_no_pairs_give_empty_answers(make_head):
         "project_tac.weight",
     ],
 )
-def test_a_weight_changed_in_place_changes_the_next_answer(make_head, make_pairs, name):
+def test_a_weight_changed_in_place_changes_the_next_prediction(make_head, make_pairs, name):
     """Folded weights must not outlive the original weights."""
     model, given = make_head(), make_pairs(3)
     with torch.no_grad():
@@ -172,7 +172,7 @@ def test_gradients_reach_p_and_the_embeddings_where_they_are_asked_for(make_head
     assert vis.grad.abs().sum() > 0
 
 
-def test_attention_weights_are_shown_and_agree_with_the_fast_answer(make_head, make_pairs):
+def test_attention_weights_are_shown_and_agree_with_the_fast_prediction(make_head, make_pairs):
     model, given = make_head(theta="signed"), make_pairs(4)
     with torch.no_grad():
         shown, fast = model(*given, attention=True), model(*given)

@@ -135,7 +135,7 @@ def test_a_pair_is_predicted_alike_alone_and_in_a_batch(head, dtype):
     assert (batch - alone).abs().max() <= 1e-6
 
 
-def test_coefficients_answer_like_a_full_pass_at_any_order(head):
+def test_coefficients_give_the_output_of_a_full_pass_at_any_order(head):
     vis, tac = pairs(6)
     with torch.no_grad():
         kept = head.coefficients(vis, tac)
