@@ -96,16 +96,18 @@ def walked(
 ) -> Iterator[NDArray[Any]]:
     """Yield copies of an array's rows, `size` at a time, without keeping a large array in memory.
 
-    rows  indices; None: every row
+    rows    indices; None: every row
+    return  blocks in single precision where the array has half
     """
+    wide = np.dtype(np.float32) if array.dtype == np.float16 else array.dtype
     count, read = len(array) if rows is None else len(rows), 0
     for start in range(0, count, size):
         some = slice(start, start + size)
         if rows is None:
-            block = np.array(array[some])
-            read += block.nbytes
+            block = np.array(array[some], wide)
+            read += array[some].nbytes
         else:  # whole pages are mapped, and their neighbours
-            block, own = np.array(array[rows[some]]), rows[some]
+            block, own = np.array(array[rows[some]], wide), rows[some]
             read += array[:1].nbytes * int(own.max() - own.min() + 1)
         if read >= WALKED_BYTES or start + size >= count:
             read = 0

@@ -37,7 +37,7 @@ class Header:
 class Embeddings:
     """Cached embeddings of N pairs and the names of everything in them.
 
-    vis, tac            (N, D) from the encoder, any length
+    vis, tac            (N, D) from the encoder, any length; a large file's half precision stays
     vis_flip, tac_flip  (N, D) of the mirrored images, or None
     domain, label       (N,) indices into header.domains and header.classes
     rows                column name -> N texts: vis, tac (file names), object, split, part,
@@ -110,7 +110,7 @@ class Embeddings:
 
 
 def _rows(array: Array, index: NDArray[Any]) -> Array:
-    chosen: Array = np.empty((len(index), *array.shape[1:]), array.dtype)
+    chosen: Array = np.empty((len(index), *array.shape[1:]), np.float32)
     start = 0
     for block in walked(array, index):
         chosen[start : start + len(block)] = block

@@ -168,8 +168,9 @@ def _metadata(header: Header, count: int, width: int) -> dict[str, str]:
 def load_embeddings(path: str | Path) -> Embeddings:
     """Open an embeddings file; large arrays stay memory-mapped.
 
-    Half-precision vectors become float32. Arrays of up to 64 MB are writable in memory, without
-    changing the file; larger ones are read-only.
+    Arrays of up to 64 MB are writable in memory, without changing the file, and half-precision
+    vectors become float32. Larger ones are read-only; those in half precision become float32 block
+    by block, in `walked` and `Embeddings.select`.
     Raises DataError with the file name if it is missing, truncated or of another kind.
     """
     file = Path(path)
@@ -213,7 +214,9 @@ def _bytes(array: NDArray[Any]) -> bytes:
 def _single(array: NDArray[Any]) -> Array:
     if array.dtype not in (np.float32, np.float16):
         raise DataError(f"The embeddings are of type {array.dtype}, expected float32 or float16.")
-    return array if array.dtype == np.float32 else array.astype(np.float32)
+    if array.dtype == np.float32 or not array.flags.writeable:
+        return array
+    return array.astype(np.float32)
 
 
 def _header(metadata: dict[str, str]) -> Header:

@@ -10,9 +10,8 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from omnivat import __version__
+from omnivat.data.arrays import walked
 from omnivat.data.store import Embeddings
 from omnivat.errors import DataError
 from omnivat.lang.bank import LangBank
@@ -24,7 +23,8 @@ def fingerprint(embeddings: Embeddings) -> str:
     """Return a short hash of the content: vectors, labels, domains, splits and parts."""
     digest = blake2b(digest_size=8)
     for array in (embeddings.vis, embeddings.tac, embeddings.domain, embeddings.label):
-        digest.update(np.ascontiguousarray(array).tobytes())
+        for block in walked(array):
+            digest.update(block.tobytes())
     header = embeddings.header
     columns = [embeddings.rows[name] for name in ("object", "split", "part")]
     names = [header.key, header.domains, header.classes, columns, embeddings.vis_flip is not None]

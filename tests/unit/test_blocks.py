@@ -10,6 +10,7 @@ from omnivat.data.store import load_embeddings, save_embeddings
 from omnivat.evaluate import predicted_probabilities
 from omnivat.model.head import build_head
 from omnivat.model.settings import HeadSettings
+from omnivat.protocol.records import fingerprint
 from omnivat.sweep import STAGES, facts_of, measured, sweep, walk
 
 
@@ -62,3 +63,19 @@ def test_a_sweep_that_keeps_no_coefficients_and_no_features_has_the_same_curves(
         assert got.curves[name][orders.index(order)] == pytest.approx(value, abs=1e-5, nan_ok=True)
     summed = list(walk(model, mapped, orders, stages=STAGES, sums_for=facts, chunk=5))
     assert all(not found.features and found.sums for found in summed)
+
+
+def test_a_large_set_in_half_precision_is_widened_block_by_block_with_the_same_results(
+    mapped, model, tmp_path, monkeypatch
+):
+    save_embeddings(tmp_path / "half.safetensors", mapped, dtype="float16")
+    large = load_embeddings(tmp_path / "half.safetensors")
+    assert large.vis.dtype == np.float16
+    assert not large.vis.flags.writeable
+    monkeypatch.setattr(arrays, "LARGE_BYTES", 10**9)
+    small = load_embeddings(tmp_path / "half.safetensors")
+    assert small.vis.dtype == large.select(np.arange(4)).vis.dtype == np.float32
+    assert {block.dtype for block in arrays.walked(large.tac)} == {np.dtype(np.float32)}
+    assert fingerprint(large) == fingerprint(small)
+    scores = (predicted_probabilities(model, found)["fused"] for found in (large, small))
+    assert np.array_equal(*(score.numpy() for score in scores))
