@@ -5,9 +5,11 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from threading import Lock
+from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 from app.jobs import Job
+from app.messages import BusyError
 from app.resources import Resources
 from app.saving import head_zip
 from app.state import ForgottenError, Recent
@@ -22,7 +24,8 @@ if TYPE_CHECKING:
     from omnivat.checkpoint import Head
     from omnivat.data.store import Embeddings
 
-KEPT_RUNS = 12
+KEPT_RUNS = 12  # also the most that run or wait
+ABANDONED_S = 150.0  # without a request for its state; a hidden tab sends one each minute
 PRIORITY = 1  # after the first stops of a map, before the rest
 DEADLINE_S = 300.0
 MEASURE_EVERY = 2  # epochs; each measurement runs the whole set through the head
@@ -42,7 +45,13 @@ class Run:
     epochs: list[dict[str, Any]] = field(default_factory=list)
     head: "Head | None" = None
     loaded: str = ""  # name of the visitor set with the finished head
+    looked: float = field(default_factory=monotonic)  # when its visitor last requested its state
     lock: Lock = field(default_factory=Lock)
+
+    @property
+    def abandoned(self) -> bool:
+        """True if its visitor has left."""
+        return monotonic() - self.looked > ABANDONED_S
 
     @property
     def active(self) -> bool:
@@ -83,7 +92,10 @@ class Trainings:
         question  {"visitor": name, "source", "width", …}: see `app.training_plan`
         beside    the set, as named in the address
 
-        Raises DataError for invalid settings, or if the visitor already has one in the queue.
+        It is cancelled if its state is not requested for ABANDONED_S seconds.
+
+        Raises DataError for invalid settings, or if the visitor already has one in the queue;
+        BusyError if the queue is full.
         """
         visitor = _visitor(question)
         plan = plan_from(question, resources.embeddings())
@@ -95,13 +107,17 @@ class Trainings:
                 raise DataError(
                     "Your training before this one still runs or waits; cancel it first."
                 )
+            self._active = {name: one for name, one in self._active.items() if one.active}
+            if len(self._active) >= KEPT_RUNS:
+                raise BusyError(
+                    f"{KEPT_RUNS} trainings run or wait here already; try again in a few minutes."
+                )
             run.job = self._sets.shared.jobs.start(
                 lambda job: self._work(job, run, embeddings, beside),
                 lane="long",
                 priority=PRIORITY,
                 deadline_s=DEADLINE_S,
             )
-            self._active = {name: one for name, one in self._active.items() if one.active}
             self._active[visitor] = run
         name = os.urandom(12).hex()
         self._runs.keep(name, run)
@@ -118,6 +134,7 @@ class Trainings:
         since = question.get("since", 0)
         if type(since) is not int or since < 0:
             raise DataError(f"since is {since!r:.20}; give the number of epochs you have.")
+        run.looked = monotonic()
         with run.lock:
             epochs = run.epochs[since:]
         status = run.job.status() if run.job else None
@@ -153,15 +170,23 @@ class Trainings:
             raise ForgottenError("The server no longer has this training; start it again.")
         return run
 
+    def _require_visitor(self, job: Job[None], run: Run) -> None:
+        """Cancel the training of a visitor who has left, so that the next one starts."""
+        if run.abandoned:
+            job.cancel()
+            job.check()
+
     def _work(self, job: Job[None], run: Run, embeddings: "Embeddings", beside: str) -> None:
         from omnivat.from_pairs import head_from_pairs
         from omnivat.train import TrainingCancelled
 
         def told(report: Any) -> None:
             run.take(report)
+            self._require_visitor(job, run)
             done = int(report.epoch)
             job.report(Step(done=done, total=run.plan.epochs, text=f"epoch {done}"))
 
+        self._require_visitor(job, run)
         job.report(Step(done=0, total=run.plan.epochs, text=run.plan.first))
         try:
             run.head = head_from_pairs(

@@ -4,6 +4,7 @@ import { percent } from "../shared/text.js";
 
 /** One sentence for a state from the server. */
 export function standing({ state, place, text, problem }, { epochs, total }) {
+  if (state === "waiting" && !place) return "Waiting.";
   if (state === "waiting") return `Waiting: place ${place} in the queue. One training runs at a time.`;
   if (state === "running" && epochs >= total) return "Calibrating probabilities on held-out pairs.";
   if (state === "running") return epochs ? `Training: ${text} of ${total}.` : `Starting: ${text}.`;

@@ -7,7 +7,9 @@ import { charts } from "./lines.js";
 import { mapAt, result, standing } from "./progress.js";
 import { RunMap } from "./run-map.js";
 import { chosen, formHtml, inWords } from "./settings.js";
+import { keep, kept, visitor } from "./visitor.js";
 
+const FORGOTTEN = 410;
 const LOOK = 400; // milliseconds between two requests for progress
 
 export async function start(root) {
@@ -22,16 +24,6 @@ export async function start(root) {
   }
 }
 
-/** A name for this visitor, so that the server allows one training each. */
-function visitor() {
-  const key = "omnivat-visitor";
-  const made =
-    sessionStorage.getItem(key) ??
-    [...crypto.getRandomValues(new Uint32Array(4))].map((n) => n.toString(36)).join("");
-  sessionStorage.setItem(key, made);
-  return made;
-}
-
 class TrainTab {
   constructor(root, offers) {
     this.root = root;
@@ -43,6 +35,7 @@ class TrainTab {
     this.$(".choices").innerHTML = formHtml(offers);
     this.wire();
     this.show();
+    this.resume();
   }
 
   $(selector) {
@@ -80,19 +73,8 @@ class TrainTab {
     this.$(".go").disabled = true;
     try {
       const started = await ask("train", { ...question, visitor: visitor() });
-      this.run = {
-        name: started.run,
-        question,
-        total: started.total,
-        classes: started.classes.length,
-        epochs: [],
-        state: { state: "waiting", place: 1, text: "", problem: "", set: "" },
-      };
-      this.follows = true;
-      this.at = 0;
-      this.map.begin(started);
-      this.show();
-      await this.follow(this.run);
+      keep({ started, question });
+      await this.watch(started, question);
     } catch (error) {
       refused(error, (sentence) => this.problem(sentence));
     } finally {
@@ -100,10 +82,38 @@ class TrainTab {
     }
   }
 
+  /** Continue to show a training that was started before the page was reloaded, or in another tab. */
+  async resume() {
+    const earlier = kept();
+    if (!earlier) return;
+    try {
+      await ask("training", { run: earlier.started.run, since: 0 });
+      await this.watch(earlier.started, earlier.question);
+    } catch (error) {
+      refused(error, () => keep(null)); // the server no longer has it
+    }
+  }
+
+  async watch(started, question) {
+    this.run = {
+      name: started.run,
+      question,
+      total: started.total,
+      classes: started.classes.length,
+      epochs: [],
+      state: { state: "waiting", place: 0, text: "", problem: "", set: "" },
+    };
+    this.follows = true;
+    this.at = 0;
+    this.map.begin(started);
+    this.show();
+    await this.follow(this.run);
+  }
+
   /** Request new epochs until the training has ended. */
   async follow(run) {
     while (this.run === run) {
-      const { epochs, ...state } = await ask("training", { run: run.name, since: run.epochs.length });
+      const { epochs, ...state } = await this.news(run);
       run.epochs.push(...epochs);
       run.state = state;
       if (this.follows) this.at = run.epochs.length;
@@ -112,6 +122,16 @@ class TrainTab {
       await new Promise((resolve) => setTimeout(resolve, LOOK));
     }
     if (run.state.state === "done") this.remember(run);
+  }
+
+  /** The state of a training, and its new epochs. If the server has lost it, it has failed. */
+  async news(run) {
+    try {
+      return await ask("training", { run: run.name, since: run.epochs.length });
+    } catch (error) {
+      if (error.status !== FORGOTTEN) throw error;
+      return { ...run.state, state: "failed", problem: error.message, epochs: [] };
+    }
   }
 
   async cancel() {
