@@ -109,7 +109,7 @@ class Decoder:
         question = json.dumps({"file": file, "size": size, "name": name}).encode() + b"\n"
         process = self._process()
         try:
-            said, _ = process.communicate(question + (content[:] if size else b""), DECODE_WAIT_S)
+            output, _ = process.communicate(question + (content[:] if size else b""), DECODE_WAIT_S)
         except subprocess.TimeoutExpired as error:
             raise DataError(
                 f"'{name}' takes longer than {DECODE_WAIT_S} s to read; save it as PNG or JPEG and "
@@ -119,11 +119,11 @@ class Decoder:
             process.kill()
             process.communicate()
             self._start_spare()
-        head, _, pixels = said.partition(b"\n")
-        answer = json.loads(head) if head.endswith(b"}") else {}
-        wide, high = answer.get("size", (0, 0))
+        line, _, pixels = output.partition(b"\n")
+        header = json.loads(line) if line.endswith(b"}") else {}
+        wide, high = header.get("size", (0, 0))
         if not wide or len(pixels) != 3 * wide * high:  # it may have been killed halfway
-            why = answer.get("error") or (
+            why = header.get("error") or (
                 f"'{name}' could not be read within the time and memory allowed; scale it down, or "
                 "save it as JPEG."
             )
@@ -227,9 +227,9 @@ def serve() -> None:
         resource.setrlimit(resource.RLIMIT_CPU, (DECODE_S, DECODE_S))
     for kind in ("Png", "Jpeg", "WebP", "Gif", "Bmp", "Tiff"):  # imported before a request arrives
         __import__(f"PIL.{kind}ImagePlugin")
-    answers = sys.stdout.buffer
-    answers.write(READY)
-    answers.flush()
+    output = sys.stdout.buffer
+    output.write(READY)
+    output.flush()
     line = sys.stdin.buffer.readline()
     if not line:  # the server is gone
         return
@@ -238,11 +238,11 @@ def serve() -> None:
     try:
         image = read_image(source, question["name"], limits=VISITORS)
     except OmniVatError as error:
-        answers.write(json.dumps({"error": str(error)}).encode() + b"\n")
+        output.write(json.dumps({"error": str(error)}).encode() + b"\n")
     else:
-        answers.write(json.dumps({"size": image.size}).encode() + b"\n")
-        answers.write(image.tobytes())
-    answers.flush()
+        output.write(json.dumps({"size": image.size}).encode() + b"\n")
+        output.write(image.tobytes())
+    output.flush()
 
 
 if __name__ == "__main__":

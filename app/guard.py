@@ -170,7 +170,7 @@ def headers(page: bytes, rules: Rules) -> list[tuple[bytes, bytes]]:
             f"frame-ancestors {'*' if rules.framed else chr(39) + 'none' + chr(39)}",
         ]
     )
-    told = {
+    headers = {
         "content-security-policy": policy,
         "x-content-type-options": "nosniff",
         "referrer-policy": "same-origin",
@@ -178,8 +178,8 @@ def headers(page: bytes, rules: Rules) -> list[tuple[bytes, bytes]]:
         "cross-origin-resource-policy": "cross-origin" if rules.framed else "same-origin",
     }
     if not rules.framed:
-        told["x-frame-options"] = "DENY"
-    return [(name.encode(), value.encode()) for name, value in told.items()]
+        headers["x-frame-options"] = "DENY"
+    return [(name.encode(), value.encode()) for name, value in headers.items()]
 
 
 def _header(headers: Iterable[tuple[bytes, bytes]], name: bytes) -> bytes:
@@ -191,8 +191,8 @@ async def _refuse(scope: Scope, send: Send, problem: str) -> None:
         await send({"type": "websocket.close", "code": 1008})
         return
     body = json.dumps({"error": problem}).encode()
-    told = [(b"content-type", b"application/json"), (b"content-length", str(len(body)).encode())]
-    await send({"type": "http.response.start", "status": 403, "headers": told})
+    headers = [(b"content-type", b"application/json"), (b"content-length", str(len(body)).encode())]
+    await send({"type": "http.response.start", "status": 403, "headers": headers})
     await send({"type": "http.response.body", "body": body})
 
 

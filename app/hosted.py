@@ -15,8 +15,8 @@ def is_hosted(environ: Mapping[str, str]) -> bool:
 
 def names(environ: Mapping[str, str]) -> list[str]:
     """Return the host names used by a service."""
-    told = ",".join(environ.get(key, "") for key in CALLED)
-    return [name.strip() for name in told.split(",") if name.strip()]
+    listed = ",".join(environ.get(key, "") for key in CALLED)
+    return [name.strip() for name in listed.split(",") if name.strip()]
 
 
 def keeps_nothing(environ: Mapping[str, str]) -> bool:

@@ -92,8 +92,8 @@ def stops_row(model: Any, vis: "Tensor", tac: "Tensor") -> dict[str, Any]:
 
     def at_once() -> "Tensor":
         kept = model.coefficients(vis, tac)[torch.zeros(101, dtype=torch.long)]
-        answer: Tensor = model.from_coefficients(kept, stops).probabilities
-        return answer
+        probabilities: Tensor = model.from_coefficients(kept, stops).probabilities
+        return probabilities
 
     single = torch.cat([model(vis, tac, order=float(p)).probabilities for p in stops[::10]])
     return row("one pair at 101 stops of p, in one batch", at_once) | {

@@ -63,7 +63,7 @@ def in_sentences(handler: Handler) -> Handler:
     """Turn every error of `handler` into a sentence; log the traceback of unexpected ones."""
 
     @wraps(handler)
-    async def answered(request: Request) -> Response:
+    async def checked(request: Request) -> Response:
         try:
             return await handler(request)
         except OmniVatError as error:
@@ -76,4 +76,4 @@ def in_sentences(handler: Handler) -> Handler:
             log.exception("%s failed", request.url.path)
             return refusal(UNEXPECTED, 500)
 
-    return answered
+    return checked

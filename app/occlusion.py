@@ -67,12 +67,12 @@ def occlusion(
             fixed = torch.from_numpy(resources.embedding(other, rest).copy())
             pair[rest] = fixed.expand(len(varied), -1)
         probabilities = head.model(pair["vis"], pair["tac"], order=order).probabilities
-        answer = int(probabilities[0].argmax())
-        falls = probabilities[0, answer] - probabilities[1:, answer]
+        predicted = int(probabilities[0].argmax())
+        falls = probabilities[0, predicted] - probabilities[1:, predicted]
     steps = CELLS - PATCH + 1
     return {
-        "class": head.settings.classes[answer],
-        "probability": round(float(probabilities[0, answer]), 6),
+        "class": head.settings.classes[predicted],
+        "probability": round(float(probabilities[0, predicted]), 6),
         "cells": CELLS,
         "drops": over_cells(falls.reshape(steps, steps).tolist()),
         "seconds": round(perf_counter() - began, 2),

@@ -66,7 +66,7 @@ class Resources:
         }
         self.frames = self.frame_jobs[""]
         self.features: Recent[np.ndarray[Any, Any]] = Recent(KEPT_FEATURES)  # by stage and order
-        self.answers: Recent[dict[str, Any]] = Recent(KEPT_FEATURES)  # of comparison methods
+        self.results: Recent[dict[str, Any]] = Recent(KEPT_FEATURES)  # by method or tree
         self.taught: Recent[Head] = Recent(KEPT_TAUGHT)  # from visitors' labelled pairs
         self._row_of: Lazy[dict[str, int]] = Lazy(self._rows_by_file)
         self._sent: Recent[np.ndarray[Any, Any]] = Recent(KEPT_IMAGES)

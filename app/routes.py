@@ -30,15 +30,15 @@ from app.uploads import upload_routes
 from app.views import compare, data, explore, pair, tree
 from app.visitor_sets import VisitorSets
 
-Answer = Callable[[Resources, Mapping[str, Any]], dict[str, Any]]
-QUESTIONS: dict[str, Answer] = {
-    "pair": pair.answer,
+Computed = Callable[[Resources, Mapping[str, Any]], dict[str, Any]]
+QUESTIONS: dict[str, Computed] = {
+    "pair": pair.predicted,
     "attention": pair.attention,
-    "tree": tree.answer,
+    "tree": tree.tree,
     "votes": tree.votes,
     "neighbours": explore.neighbours,
     "place": explore.place,
-    "answers": compare.answers,
+    "predictions": compare.predictions,
     "measure": measured,
     "familiar": familiar,
     "teach": teaching.teach,
@@ -74,7 +74,7 @@ def routes(first: Resources) -> list[Route]:
         **{f"/omnivat/{name}": partial(facts, sets, found) for name, found in FACTS.items()},
     }
     posts: dict[str, Handler] = {
-        f"/omnivat/{name}": partial(ask, sets, answer) for name, answer in QUESTIONS.items()
+        f"/omnivat/{name}": partial(compute, sets, computed) for name, computed in QUESTIONS.items()
     }
     posts |= {f"/omnivat/{name}": partial(download, sets, made) for name, made in DOWNLOADS.items()}
     posts |= upload_routes(sets)
@@ -101,7 +101,7 @@ async def web_file(request: Request) -> Response:
     path = web_files().get(request.path_params["name"])
     if path is None:
         return refusal("The page has no such file.", 404)
-    return file_answer(request, path, media_type=TYPES[path.suffix])
+    return file_response(request, path, media_type=TYPES[path.suffix])
 
 
 @cache
@@ -110,7 +110,7 @@ def web_files() -> dict[str, Path]:
     return {p.relative_to(WEB).as_posix(): p for p in WEB.rglob("*") if p.suffix in TYPES}
 
 
-def file_answer(
+def file_response(
     request: Request, file: Path, headers: Mapping[str, str] | None = None, **options: Any
 ) -> Response:
     """Serve a file, or 304 if the browser has the current version.
@@ -152,7 +152,7 @@ async def frames(sets: VisitorSets, request: Request) -> Response:
         return refusal(state.problem, 404)
     if state.file is None or "progress" in request.query_params:
         return JSONResponse({"step": step, "ready": state.file is not None}, status_code=202)
-    return file_answer(
+    return file_response(
         request,
         state.file,
         headers={
@@ -170,7 +170,7 @@ def mode_frames(request: Request, resources: Resources, mode: str) -> Response:
     file = mode_files(resources.where).get(mode)
     if file is None:
         return refusal(f"There are no frames of the kind '{mode:.20}' beside this set.", 404)
-    return file_answer(
+    return file_response(
         request,
         file,
         headers={HOLDS: resources.holds, "X-Frames": "fine"},
@@ -187,7 +187,7 @@ async def thumbnails(sets: VisitorSets, request: Request) -> Response:
     }.get(request.path_params["kind"])
     if file is None:
         return refusal("This set has no thumbnails; the page shows names instead.", 404)
-    return file_answer(request, file)
+    return file_response(request, file)
 
 
 def sheet(resources: Resources) -> Path | None:
@@ -206,13 +206,13 @@ async def example_image(sets: VisitorSets, request: Request) -> Response:
     file = example_named(set_of(sets, request).examples(), name).file(modality)
     if not file.is_file():
         return refusal("This example's image is no longer there; reload the page.", 404)
-    return file_answer(request, file)
+    return file_response(request, file)
 
 
-def in_json(said: Any, resources: Resources) -> Response:
+def in_json(value: Any, resources: Resources) -> Response:
     """Return a JSON response; non-finite values, from a damaged head, are an error."""
     try:
-        return JSONResponse(said, headers={HOLDS: resources.holds})
+        return JSONResponse(value, headers={HOLDS: resources.holds})
     except ValueError:
         return refusal(
             "The head gives values that are not finite numbers; its weights are damaged. Train it again."
@@ -226,12 +226,12 @@ async def facts(sets: VisitorSets, found: Callable[[Resources], Any], request: R
     return in_json(known, resources)
 
 
-async def ask(sets: VisitorSets, answer: Answer, request: Request) -> Response:
+async def compute(sets: VisitorSets, computed: Computed, request: Request) -> Response:
     """Run one JSON request as a job."""
     resources = set_of(sets, request)
     question = question_from(await body(request, MAX_QUESTION_BYTES, "The question"))
-    said = await done(request, sets.shared.jobs, lambda _: answer(resources, question))
-    return in_json(said, resources)
+    found = await done(request, sets.shared.jobs, lambda _: computed(resources, question))
+    return in_json(found, resources)
 
 
 async def download(

@@ -145,8 +145,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except OmniVatError as error:
         print(f"app.py: {error}", file=sys.stderr)
         return 1
-    if told := warning(chosen.host, chosen.port):
-        print(told, file=sys.stderr, flush=True)
+    if text := warning(chosen.host, chosen.port):
+        print(text, file=sys.stderr, flush=True)
     for one in (signal.SIGINT, signal.SIGTERM, getattr(signal, "SIGHUP", signal.SIGTERM)):
         signal.signal(one, signal.default_int_handler)  # ends like Ctrl+C, with all clean-up
     sweep()

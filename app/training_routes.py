@@ -30,7 +30,7 @@ def training_routes(sets: VisitorSets) -> dict[str, Handler]:
 async def offers(sets: VisitorSets, trainings: Trainings, request: Request) -> Response:
     """Return the choices."""
     resources = sets.named(desk_name(request))
-    await asked(request)  # it has no content, but it is a request like the others
+    await question_of(request)  # it has no content, but it is a request like the others
     found = await done(request, sets.shared.jobs, lambda _: trainings.offers(resources))
     return JSONResponse(found)
 
@@ -39,23 +39,23 @@ async def start(sets: VisitorSets, trainings: Trainings, request: Request) -> Re
     """Queue a training on the visitor's set."""
     name = desk_name(request)
     resources = sets.named(name)
-    question = await asked(request)
+    question = await question_of(request)
     work = partial(trainings.start, resources, question, name)
     return JSONResponse(await done(request, sets.shared.jobs, lambda _: work()))
 
 
-async def look(answer: Callable[[Mapping[str, Any]], dict[str, Any]], request: Request) -> Response:
+async def look(state: Callable[[Mapping[str, Any]], dict[str, Any]], request: Request) -> Response:
     """Return the state of a training."""
-    return JSONResponse(answer(await asked(request)))
+    return JSONResponse(state(await question_of(request)))
 
 
 async def saved(sets: VisitorSets, trainings: Trainings, request: Request) -> Response:
     """Return a finished head as a zip."""
-    question = await asked(request)
+    question = await question_of(request)
     content = await done(request, sets.shared.jobs, lambda _: trainings.saved(question))
     return Response(content, media_type="application/zip")
 
 
-async def asked(request: Request) -> Mapping[str, Any]:
+async def question_of(request: Request) -> Mapping[str, Any]:
     """Return the JSON object of a request."""
     return question_from(await body(request, MAX_QUESTION_BYTES, "The question"))

@@ -53,22 +53,22 @@ async def of_image(
     work: Callable[..., dict[str, Any]], priority: int, sets: VisitorSets, request: Request
 ) -> Response:
     """Run `work` on an uploaded image that is not kept, with the parameters of the address."""
-    asked = request.query_params
+    query = request.query_params
     resources = sets.named(desk_name(request))
     known = {
-        "modality": asked.get("modality", ""),
-        "other": ref_from(asked.get("other")),
-        "order": order_from(number_from(asked.get("order"))),
+        "modality": query.get("modality", ""),
+        "other": ref_from(query.get("other")),
+        "order": order_from(number_from(query.get("order"))),
         "name": file_name(request),
-        "taught": asked.get("taught", ""),
+        "taught": query.get("taught", ""),
     }
     async with received(request, sets.shared.scratch, MAX_IMAGE_BYTES, "The image") as file:
 
-        def answered(job: Job[dict[str, Any]]) -> dict[str, Any]:
+        def computed(job: Job[dict[str, Any]]) -> dict[str, Any]:
             return work(resources, file, check=job.check, **known)
 
         jobs = sets.shared.jobs
-        return JSONResponse(await done(request, jobs, answered, priority=priority))
+        return JSONResponse(await done(request, jobs, computed, priority=priority))
 
 
 async def take_part(sets: VisitorSets, request: Request) -> Response:

@@ -52,7 +52,7 @@ def heads(resources: Resources) -> list[dict[str, Any]]:
     return found
 
 
-def answers(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
+def predictions(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     """Return the predictions of a comparison method, fitted on the head's source, for every pair.
 
     question  {"method": a name of METHODS}
@@ -66,11 +66,11 @@ def answers(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]
     method = question.get("method")
     if not isinstance(method, str) or method not in METHODS:
         raise DataError(f"No method is called {method!r:.40}; there are {', '.join(METHODS)}.")
-    kept = resources.answers.get(method)
-    return resources.answers.keep(method, kept or _answered(resources, method))
+    kept = resources.results.get(method)
+    return resources.results.keep(method, kept or _fitted(resources, method))
 
 
-def _answered(resources: Resources, method: str) -> dict[str, Any]:
+def _fitted(resources: Resources, method: str) -> dict[str, Any]:
     import torch
 
     from omnivat.baselines import BASELINES
@@ -85,21 +85,21 @@ def _answered(resources: Resources, method: str) -> dict[str, Any]:
     fitted = load(BASELINES, method, kind="baseline")(source_arrays(task, None, 0))
     vis, tac = (torch.from_numpy(a.copy()) for a in (embeddings.vis, embeddings.tac))
     with torch.inference_mode():
-        confidence, said = fitted.predict(vis, tac)["fused"].max(1)
+        confidence, predicted = fitted.predict(vis, tac)["fused"].max(1)
     return {
         "label": METHODS[method],
         "classes": list(task.classes),
         "set_classes": list(embeddings.header.classes),
-        "prediction": said.tolist(),
+        "prediction": predicted.tolist(),
         "confidence": (255 * confidence).round().int().tolist(),
-        "accuracy": scores_of(embeddings, task.classes, source, said.numpy()),
+        "accuracy": scores_of(embeddings, task.classes, source, predicted.numpy()),
         "pairs": len(task.train),
         "source": source,
     }
 
 
 def scores_of(
-    embeddings: "Embeddings", classes: Sequence[str], source: str, said: "Array"
+    embeddings: "Embeddings", classes: Sequence[str], source: str, predicted: "Array"
 ) -> dict[str, float | None]:
     """Return the accuracy of predictions (N,) in each domain, and in the "unseen" ones together.
 
@@ -111,7 +111,7 @@ def scores_of(
     from omnivat.unseen.masks import mean_over_domains
 
     label = label_map(list(classes), embeddings.header.classes)[embeddings.label]
-    right, known = said == label, label >= 0
+    right, known = predicted == label, label >= 0
     found: dict[str, float | None] = {
         "unseen": mean_over_domains(right, embeddings, source, known & counted(embeddings, source))
     }

@@ -96,20 +96,20 @@ def unseen(resources: Resources) -> dict[str, Any]:
     """
     from omnivat.unseen import unseen_summary
 
-    kept = resources.answers.get("unseen")
+    kept = resources.results.get("unseen")
     if kept is None:
         found = unseen_summary(resources.head(), resources.embeddings())
         known = found["pairs"]
         found["pairs"] = {
             "counts": packed(known["counts"], "u1"),
             "answers": {
-                name: packed(answer, "u1" if len(found["classes"]) <= 256 else "u2")
-                for name, answer in known["answers"].items()
+                name: packed(labels, "u1" if len(found["classes"]) <= 256 else "u2")
+                for name, labels in known["answers"].items()
             },
             "confidence": packed(known["confidence"], "u2", STEPS),
             "cosine": packed(known["cosine"], "i2", STEPS),
         }
-        kept = resources.answers.keep("unseen", found)
+        kept = resources.results.keep("unseen", found)
     return kept
 
 

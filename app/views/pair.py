@@ -24,7 +24,7 @@ STOPS = tuple(k / 100 for k in range(101))
 COLUMNS = 256  # columns of the spectrum; each shows the maximum of its entries
 
 
-def answer(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
+def predicted(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     """Predict one pair at the learned order, and at every stop with the same weights.
 
     question  {"vis": reference or None, "tac": reference or None, "order": p or None,
@@ -92,7 +92,7 @@ def sweep(
 def attention(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     """Return FrATT's attention at every stop: the weights of each query over the tokens.
 
-    question  as for `answer`
+    question  as for `predicted`
     return    `tokens`: a name for each of the T tokens, with its θ; `off`: modality -> bytes
               (P, T, T) in base64, how far a weight lies from 1/T: 127 stands for `scale`, and
               bytes above 127 for negative values, as a signed byte has it

@@ -21,7 +21,7 @@ MOST_PAIRS = (
 )
 
 
-def answer(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
+def tree(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     """Return the tree of one pair, or the mean over a domain's pairs, at one order.
 
     question  {"vis", "tac": references, or "domain": name; "order": p or None,
@@ -72,14 +72,14 @@ def votes(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     name = question.get("head") or ""
     head, embeddings = resources.head_named(name), resources.embeddings()
     key = f"votes {name}"
-    kept = resources.answers.get(key)
+    kept = resources.results.get(key)
     if kept is None:
         if len(embeddings) > MOST_PAIRS:
             places = np.linspace(0, len(embeddings) - 1, MOST_PAIRS).astype(np.int64)
             embeddings = embeddings.select(places)
         found = node_votes(head, embeddings)
         records = [{"class": one.label, "share": round(one.share, 4)} for one in found]
-        kept = resources.answers.keep(key, {"votes": records, "pairs": len(embeddings)})
+        kept = resources.results.keep(key, {"votes": records, "pairs": len(embeddings)})
     return kept
 
 

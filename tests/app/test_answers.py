@@ -47,9 +47,9 @@ def test_a_measurement_names_its_error_and_its_spread(resources):
 
 def test_a_domains_tree_is_the_mean_of_its_pairs_trees(resources):
     rows = np.flatnonzero(resources.embeddings().domain == 1)
-    whole = tree.answer(resources, {"domain": "OF Real-sim", "order": 0.5})
+    whole = tree.tree(resources, {"domain": "OF Real-sim", "order": 0.5})
     each = [
-        tree.answer(resources, {"vis": f"row:{r}", "tac": f"row:{r}", "order": 0.5}) for r in rows
+        tree.tree(resources, {"vis": f"row:{r}", "tac": f"row:{r}", "order": 0.5}) for r in rows
     ]
     assert whole["pairs"] == len(rows)
     norms = np.mean([[node["norm"] for node in one["nodes"]] for one in each], axis=0)
@@ -61,7 +61,7 @@ def test_a_domains_tree_is_the_mean_of_its_pairs_trees(resources):
 
 def test_a_domain_that_is_not_there_is_refused(resources):
     with pytest.raises(DataError, match="No domain is called 'Mars'"):
-        tree.answer(resources, {"domain": "Mars"})
+        tree.tree(resources, {"domain": "Mars"})
 
 
 def test_a_record_without_any_target_can_be_sent():

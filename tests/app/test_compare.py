@@ -42,12 +42,12 @@ def test_a_pair_is_asked_of_the_head_that_is_named(two_heads):
     from app.views import pair
 
     question = {"vis": "row:1", "tac": "row:1"}
-    same = pair.answer(two_heads, question | {"head": two_heads.where.head.name})
-    assert same["stops"] == pair.answer(two_heads, question)["stops"]
+    same = pair.predicted(two_heads, question | {"head": two_heads.where.head.name})
+    assert same["stops"] == pair.predicted(two_heads, question)["stops"]
 
 
 def test_a_method_is_fitted_on_the_source_and_answers_every_pair(resources):
-    got = compare.answers(resources, {"method": "nearest_mean"})
+    got = compare.predictions(resources, {"method": "nearest_mean"})
     embeddings = resources.embeddings()
     right = np.array(got["prediction"]) == embeddings.label
     assert got["source"] == "TAG-sim"
@@ -67,19 +67,19 @@ def test_a_class_that_a_method_lacks_is_left_out_of_its_score(make_embeddings):
 
 
 def test_a_method_is_scored_on_pairs_that_it_was_not_fitted_on(resources):
-    got = compare.answers(resources, {"method": "nearest_mean"})["accuracy"]
+    got = compare.predictions(resources, {"method": "nearest_mean"})["accuracy"]
     assert set(got) == {"unseen", "TAG-sim", "OF Real-sim"}
     assert got["unseen"] == got["OF Real-sim"]
 
 
 def test_a_method_that_is_no_name_is_refused(resources):
     with pytest.raises(DataError, match="No method is called"):
-        compare.answers(resources, {"method": ["nearest_mean"]})
+        compare.predictions(resources, {"method": ["nearest_mean"]})
 
 
 def test_an_unknown_method_is_refused(resources):
     with pytest.raises(DataError, match="No method is called 'magic'"):
-        compare.answers(resources, {"method": "magic"})
+        compare.predictions(resources, {"method": "magic"})
 
 
 def test_without_records_the_matrix_holds_the_heads_own_row(resources, tmp_path, monkeypatch):

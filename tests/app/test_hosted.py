@@ -166,7 +166,7 @@ def test_a_hosted_demo_writes_to_its_temporary_folder_alone_and_stays_below_a_gi
         ("omnivat/familiar", pair),
         ("omnivat/tree", pair),
         ("omnivat/votes", {}),
-        ("omnivat/answers", {"method": "nearest_mean"}),
+        ("omnivat/predictions", {"method": "nearest_mean"}),
     ):
         demo.ask(path, question)
     source = json.loads(demo.ask("omnivat/trainings", {}))["first"]["source"]

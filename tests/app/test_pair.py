@@ -8,12 +8,12 @@ import pytest
 import torch
 
 from app.state import ForgottenError
-from app.views.pair import STOPS, answer, spectrum, trained_span
+from app.views.pair import STOPS, predicted, spectrum, trained_span
 from omnivat.errors import DataError
 
 
 def test_every_stop_is_what_the_library_answers_there(resources):
-    got = answer(resources, {"vis": "row:3", "tac": "row:3"})
+    got = predicted(resources, {"vis": "row:3", "tac": "row:3"})
     assert got["orders"] == pytest.approx([stop / 100 for stop in range(101)])
     model, embeddings = resources.head().model, resources.embeddings()
     vis, tac = (torch.from_numpy(a[3:4].copy()) for a in (embeddings.vis, embeddings.tac))
@@ -25,13 +25,13 @@ def test_every_stop_is_what_the_library_answers_there(resources):
 
 
 def test_the_exact_answer_is_at_the_learned_order(resources):
-    got = answer(resources, {"vis": "row:0", "tac": "row:0"})
+    got = predicted(resources, {"vis": "row:0", "tac": "row:0"})
     assert got["exact"]["order"] == got["learned"] == resources.head().model.order
 
 
 def test_touch_only_is_read_with_the_photo_absent(resources):
-    pair = answer(resources, {"vis": "row:3", "tac": "row:3"})
-    alone = answer(resources, {"tac": "row:3"})
+    pair = predicted(resources, {"vis": "row:3", "tac": "row:3"})
+    alone = predicted(resources, {"tac": "row:3"})
     np.testing.assert_allclose(pair["stops"]["tac"], alone["stops"]["fused"], atol=2e-6)
     np.testing.assert_allclose(
         pair["exact"]["readings"]["tac"], alone["exact"]["readings"]["fused"], atol=2e-6
@@ -40,8 +40,8 @@ def test_touch_only_is_read_with_the_photo_absent(resources):
 
 
 def test_another_photo_does_not_change_what_touch_only_reads(resources):
-    own = answer(resources, {"vis": "row:0", "tac": "row:30"})
-    other = answer(resources, {"vis": "row:9", "tac": "row:30"})
+    own = predicted(resources, {"vis": "row:0", "tac": "row:30"})
+    other = predicted(resources, {"vis": "row:9", "tac": "row:30"})
     assert own["exact"]["readings"]["tac"] == other["exact"]["readings"]["tac"]
     assert own["exact"]["readings"]["tac_branch"] != other["exact"]["readings"]["tac_branch"]
 
@@ -54,44 +54,44 @@ def test_a_head_is_trained_for_its_learned_order_or_for_the_range_that_was_drawn
 
 
 def test_one_image_alone_is_answered(resources):
-    got = answer(resources, {"vis": "row:1", "tac": None})
+    got = predicted(resources, {"vis": "row:1", "tac": None})
     assert set(got["stops"]) == {"vis", "fused"}
     assert got["stops"]["vis"] == got["stops"]["fused"]
     assert set(got["spectra"]) == {"vis"}
 
 
 def test_vis_of_one_pair_goes_with_tac_of_another(resources):
-    mixed = answer(resources, {"vis": "row:0", "tac": "row:30"})
-    own = answer(resources, {"vis": "row:0", "tac": "row:0"})
+    mixed = predicted(resources, {"vis": "row:0", "tac": "row:30"})
+    own = predicted(resources, {"vis": "row:0", "tac": "row:0"})
     assert mixed["stops"]["tac"] != own["stops"]["tac"]
     np.testing.assert_allclose(np.sum(mixed["stops"]["fused"], axis=1), 1, atol=1e-5)
 
 
 def test_nothing_chosen_is_refused_in_a_sentence(resources):
     with pytest.raises(DataError, match="Choose a pair first"):
-        answer(resources, {})
+        predicted(resources, {})
 
 
 def test_a_pair_that_is_not_there_is_refused(resources):
     with pytest.raises(DataError, match="No pair has the number '999'; there are 0 to 79"):
-        answer(resources, {"vis": "row:999"})
+        predicted(resources, {"vis": "row:999"})
 
 
 def test_an_example_of_the_set_needs_no_encoder(resources, encoder):
-    answer(resources, {"vis": "example:TAG-sim/wood/0", "tac": "example:TAG-sim/wood/0"})
+    predicted(resources, {"vis": "example:TAG-sim/wood/0", "tac": "example:TAG-sim/wood/0"})
     assert encoder.calls == 0
     assert not resources.encoder.ready
 
 
 def test_an_example_outside_the_set_is_encoded_once(resources, encoder):
     for _ in range(2):
-        answer(resources, {"tac": "example:OF Real-sim/steel/new"})
+        predicted(resources, {"tac": "example:OF Real-sim/steel/new"})
     assert encoder.calls == 1
 
 
 def test_an_unknown_example_is_refused(resources):
     with pytest.raises(DataError, match="No example is called"):
-        answer(resources, {"vis": "example:../../../etc/passwd"})
+        predicted(resources, {"vis": "example:../../../etc/passwd"})
 
 
 def test_the_same_image_twice_is_encoded_once_and_keeps_its_name(resources, encoder, png):
@@ -100,12 +100,12 @@ def test_the_same_image_twice_is_encoded_once_and_keeps_its_name(resources, enco
     other, _ = resources.take_image(png(seed=2), "c.png")
     assert first == again != other
     assert encoder.calls == 2
-    assert answer(resources, {"vis": str(first)})["stops"]["vis"]
+    assert predicted(resources, {"vis": str(first)})["stops"]["vis"]
 
 
 def test_a_forgotten_image_is_asked_for_again(resources):
     with pytest.raises(ForgottenError, match="send it again"):
-        answer(resources, {"vis": "image:00"})
+        predicted(resources, {"vis": "image:00"})
 
 
 def test_a_spectrum_keeps_its_peaks_when_entries_are_joined():

@@ -18,7 +18,7 @@ from app.teaching import (
     taught_name,
     teach,
 )
-from app.views.pair import answer
+from app.views.pair import predicted
 from omnivat.checkpoint import load_head
 from omnivat.data.store import load_embeddings
 from omnivat.errors import DataError
@@ -38,8 +38,8 @@ def test_teaching_reports_every_pair_before_and_after(resources):
 
 def test_a_pair_can_be_predicted_by_the_taught_head(resources):
     question = {"vis": "row:40", "tac": "row:40"}
-    plain = answer(resources, question)
-    own = answer(resources, {**question, "lessons": LESSONS})
+    plain = predicted(resources, question)
+    own = predicted(resources, {**question, "lessons": LESSONS})
     assert own["classes"] == [*plain["classes"], "cork"]
     assert head_for(resources, {"lessons": LESSONS}) is head_for(resources, {"lessons": LESSONS})
     assert head_for(resources, {}) is resources.head()

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 import torch
 
-from app.views.tree import answer, votes
+from app.views.tree import tree, votes
 from omnivat.errors import DataError
 
 
 def test_nodes_and_layers_are_those_of_the_head(resources):
-    got = answer(resources, {"vis": "row:5", "tac": "row:5", "order": 0.25})
+    got = tree(resources, {"vis": "row:5", "tac": "row:5", "order": 0.25})
     model, embeddings = resources.head().model, resources.embeddings()
     vis, tac = (torch.from_numpy(a[5:6].copy()) for a in (embeddings.vis, embeddings.tac))
     with torch.inference_mode():
@@ -23,7 +23,7 @@ def test_nodes_and_layers_are_those_of_the_head(resources):
 
 
 def test_a_domains_nodes_have_the_share_of_pairs_that_each_predicts_right(resources):
-    got = answer(resources, {"domain": "OF Real-sim"})
+    got = tree(resources, {"domain": "OF Real-sim"})
     assert got["pairs"] == 40
     assert all(0 <= node["right"] <= 1 for node in got["nodes"])
 

@@ -33,7 +33,7 @@ export function address(path) {
 
 let holds = null; // the head and set of this page
 
-async function answered(request) {
+async function checked(request) {
   let response;
   try {
     response = await request;
@@ -56,7 +56,7 @@ async function answered(request) {
 
 export async function get(path, options) {
   if (held && !held[path]) throw new Refusal(ALONE, 404);
-  return answered(fetch(address(path), options));
+  return checked(fetch(address(path), options));
 }
 
 export const json = async (path) => (await get(path)).json();
@@ -68,23 +68,23 @@ const FORGOTTEN = 410;
 export async function ask(path, question, signal) {
   const body = JSON.stringify(question);
   const headers = { "Content-Type": "application/json" };
-  const asked = async () => (await get(path, { method: "POST", body, headers, signal })).json();
+  const send = async () => (await get(path, { method: "POST", body, headers, signal })).json();
   try {
-    return await asked();
+    return await send();
   } catch (error) {
     const pairs = [question, ...(question.lessons ?? [])];
     const lost = [...new Set(pairs.flatMap(({ vis, tac }) => [vis, tac]))].filter((ref) => files.has(ref));
     if (error.status !== FORGOTTEN || !lost.length) throw error;
     await Promise.all(lost.map((ref) => sendImage(...files.get(ref))));
-    return asked();
+    return send();
   }
 }
 
 export async function sendImage(blob, name) {
   const path = `image?name=${encodeURIComponent(name)}`;
-  const answer = await (await get(path, { method: "POST", body: blob })).json();
-  files.set(answer.ref, [blob, name]);
-  return answer;
+  const sent = await (await get(path, { method: "POST", body: blob })).json();
+  files.set(sent.ref, [blob, name]);
+  return sent;
 }
 
 /** The bytes of a referenced image; null if only the server has it. */

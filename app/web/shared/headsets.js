@@ -52,7 +52,7 @@ async function fetched(name, onWait, onFiner) {
 
 /** The same maps with the predictions of a method, which do not depend on p. */
 async function byMethod(name, own) {
-  const found = await ask("answers", { method: name.slice(METHOD.length) });
+  const found = await ask("predictions", { method: name.slice(METHOD.length) });
   const index = found.classes.map((label) => own.classes.indexOf(label));
   const frames = Object.create(own);
   const repeat = (values) => {
@@ -60,8 +60,8 @@ async function byMethod(name, own) {
     own.orders.forEach((_, stop) => all.set(values, stop * own.pairs));
     return all;
   };
-  const said = found.prediction.map((k) => index[k]);
-  frames.prediction = repeat(said);
+  const predicted = found.prediction.map((k) => index[k]);
+  frames.prediction = repeat(predicted);
   frames.confidence = repeat(found.confidence);
   const curves = Object.fromEntries(
     Object.entries(own.meta.curves).filter(([key]) => !/^(accuracy|macro_f1)/.test(key)),

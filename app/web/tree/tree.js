@@ -48,14 +48,14 @@ class TreeTab {
     this.root = root;
     this.bar = orderBar(this.$(".order-bar"), scale);
     this.known = [{ name: "" }];
-    this.answers = [];
+    this.trees = [];
     this.votes = new Map(); // head -> most frequent class of each node
     this.asking = null;
     this.queued = 0;
     this.onMap = null;
     this.$(".of").onchange = (event) => change({ tree: event.target.value });
     watchIn("tree", ["vis", "tac", "tree", "p"], () => this.soon());
-    onTheme(() => this.answers.length && this.show());
+    onTheme(() => this.trees.length && this.show());
   }
 
   $(selector) {
@@ -86,7 +86,7 @@ class TreeTab {
 
   /** The p to request: null is the learned one, at the stop nearest to it. */
   get order() {
-    const learned = this.answers[0]?.learned;
+    const learned = this.trees[0]?.learned;
     return state.p !== null && Math.abs(state.p - learned) < NEAR ? null : state.p;
   }
 
@@ -103,10 +103,10 @@ class TreeTab {
     const slow = setTimeout(() => this.say("Loading the head…"), 400);
     const question = state.tree ? { domain: state.tree } : { vis: state.vis, tac: state.tac };
     try {
-      this.answers = await Promise.all(this.known.map((one, i) => this.grown(one, i, question, signal)));
+      this.trees = await Promise.all(this.known.map((one, i) => this.grown(one, i, question, signal)));
       this.say("");
       this.show();
-      this.onMap?.(state.tree ? null : question, this.answers[0].order);
+      this.onMap?.(state.tree ? null : question, this.trees[0].order);
       this.vote();
     } catch (error) {
       refused(error, (sentence) => {
@@ -133,7 +133,7 @@ class TreeTab {
 
   /** Request once for each head the nodes that give one class to every pair; the tree does not wait for it. */
   async vote() {
-    for (const { name, nodes } of this.answers) {
+    for (const { name, nodes } of this.trees) {
       if (!nodes || this.votes.has(name)) continue;
       this.votes.set(name, null);
       try {
@@ -146,13 +146,13 @@ class TreeTab {
   }
 
   show() {
-    const [first] = this.answers;
+    const [first] = this.trees;
     if (state.p === null) change({ p: STOPS[scale.stop(first.order)] });
     this.bar.learned(first.learned);
     this.bar.show(scale.stop(state.p));
     this.$(".whose").textContent =
       `${whose(first)} at p = ${first.order.toFixed(3)}${first.order === first.learned ? " (learned)" : ", a what-if: weights are those of the learned p"}`;
-    const voted = this.answers.map((one) => {
+    const voted = this.trees.map((one) => {
       const found = this.votes.get(one.name ?? "");
       return { ...one, votes: found?.votes, of_pairs: found?.pairs };
     });
