@@ -37,6 +37,7 @@ _LATER = ("looks_like", "feels_like")  # older files lack these columns
 VECTORS = ("vis", "tac", "vis_flip", "tac_flip")
 DTYPES = {"float32": "F32", "float16": "F16"}
 MOST_NAMES = 65_536  # domains or classes
+MOST_CELLS = 1_000_000  # domains times classes: entries of the table of counts
 
 __all__ = ["FORMAT", "ROW_NAMES", "Embeddings", "Header", "load_embeddings", "save_embeddings"]
 
@@ -234,7 +235,13 @@ def _header(metadata: dict[str, str]) -> Header:
 
 
 def _check(file: Path, embeddings: Embeddings) -> None:
-    require_domain_names(embeddings.header.domains)
+    header = embeddings.header
+    require_domain_names(header.domains)
+    if len(header.domains) * len(header.classes) > MOST_CELLS:
+        raise DataError(
+            f"'{file}' names {len(header.domains):,} domains and {len(header.classes):,} classes, and "
+            f"their product may be {MOST_CELLS:,}; leave out names without pairs."
+        )
     count, width = embeddings.vis.shape if embeddings.vis.ndim == 2 else (-1, -1)
     flips = [a for a in (embeddings.vis_flip, embeddings.tac_flip) if a is not None]
     shapes_agree = (
@@ -247,8 +254,8 @@ def _check(file: Path, embeddings: Embeddings) -> None:
     if not shapes_agree or not whole:
         raise DataError(f"'{file}' holds arrays of differing lengths; make it again.")
     for name, index, names in (
-        ("domain", embeddings.domain, embeddings.header.domains),
-        ("label", embeddings.label, embeddings.header.classes),
+        ("domain", embeddings.domain, header.domains),
+        ("label", embeddings.label, header.classes),
     ):
         if count and not (index.min() >= 0 and index.max() < len(names)):
             raise DataError(f"'{file}' has a {name} index without a name; make it again.")

@@ -16,19 +16,22 @@ PAIR = "pair"  # the mean direction of a contact's two rows
 
 
 class Sums:
-    """Sums over the added rows.
+    """Sums over the added rows, for each cell: a class in a domain that has pairs.
 
-    cells    "vis", "tac", "pair" -> (C, S, W) float64, by class and domain
-    sizes    (C, S) float64, pairs of each class and domain
+    cells    "vis", "tac", "pair" -> (K, W) float64, in the order in which the K cells appeared
+    sizes    (K,) float64, pairs of each cell
     squares  the same names -> () sum of squared lengths; a row of zeros stays zero
     own      () sum of the cosines between the two rows of each contact
     """
 
     def __init__(self, classes: int, domains: int) -> None:
         self.cells: dict[str, Tensor] = {}
-        self.sizes = torch.zeros(classes, domains, dtype=torch.float64)
+        self.sizes = torch.zeros(0, dtype=torch.float64)
         self.squares: dict[str, Tensor] = {}
         self.own = torch.zeros((), dtype=torch.float64)
+        self._domains = domains
+        self._slots = torch.full((classes * domains,), -1)  # of class * domains + domain
+        self._names = torch.zeros(0, dtype=torch.long)  # (K,) that number of each cell
 
     def add(self, features: Mapping[str, Tensor], labels: Tensor, domains: Tensor) -> None:
         """Add pairs: "vis" and "tac" (B, W) of any length, labels and domains (B,)."""
@@ -36,32 +39,49 @@ class Sums:
         for (vis, tac), label, domain in zip(
             parts, labels.split(AT_ONCE), domains.split(AT_ONCE), strict=True
         ):
-            self._add(unit(vis), unit(tac), label * self.sizes.shape[1] + domain)
+            self._add(unit(vis), unit(tac), label * self._domains + domain)
 
     def _add(self, vis: Tensor, tac: Tensor, cell: Tensor) -> None:
         rows = {"vis": vis, "tac": tac, PAIR: unit((vis + tac) / 2)}
         if not self.cells:
-            self.sizes, self.own = self.sizes.to(vis.device), self.own.to(vis.device)
-            shape = (*self.sizes.shape, vis.shape[1])
-            self.cells = {name: self.own.new_zeros(shape) for name in rows}
+            device = vis.device
+            self.sizes, self.own = self.sizes.to(device), self.own.to(device)
+            self._slots, self._names = self._slots.to(device), self._names.to(device)
+            self.cells = {name: self.own.new_zeros(0, vis.shape[1]) for name in rows}
             self.squares = {name: self.own.clone() for name in rows}
+        slots = self._slots_of(cell)
         for name, some in rows.items():
-            self.cells[name].flatten(0, 1).index_add_(0, cell, some.double())
+            self.cells[name].index_add_(0, slots, some.double())
             self.squares[name] += some.square().sum().double()
         self.own += (vis * tac).sum().double()
-        self.sizes += torch.bincount(cell, minlength=self.sizes.numel()).view_as(self.sizes)
+        self.sizes += torch.bincount(slots, minlength=len(self.sizes))
+
+    def _slots_of(self, cell: Tensor) -> Tensor:
+        """Return the places (B,) of cells (B,); new cells get places at the end."""
+        slots = self._slots[cell]
+        if (slots < 0).any():
+            new = cell[slots < 0].unique()
+            held = len(self._names)
+            self._slots[new] = torch.arange(held, held + len(new), device=new.device)
+            self._names = torch.cat([self._names, new])
+            self.sizes = torch.cat([self.sizes, self.sizes.new_zeros(len(new))])
+            for name, sums in self.cells.items():
+                self.cells[name] = torch.cat([sums, sums.new_zeros(len(new), sums.shape[1])])
+            slots = self._slots[cell]
+        return slots
 
     def centroid_gap(self, domain: int | None = None) -> Tensor:
         """Distance between the mean directions of VIS and TAC, of all pairs or of one domain."""
-        chosen = slice(None) if domain is None else slice(domain, domain + 1)
-        apart = (self.cells["vis"] - self.cells["tac"])[:, chosen].sum((0, 1))
-        gap: Tensor = (apart / self.sizes[:, chosen].sum()).norm()
+        every = torch.ones_like(self._names, dtype=torch.bool)
+        chosen = every if domain is None else self._names % self._domains == domain
+        apart = (self.cells["vis"] - self.cells["tac"])[chosen].sum(0)
+        gap: Tensor = (apart / self.sizes[chosen].sum()).norm()
         return gap
 
     def domain_gap(self, name: str) -> Tensor:
         """Mean distance between the mean directions of two domains; NaN if there is one."""
-        sizes = self.sizes.sum(0)
-        means = self.cells[name].sum(0)[sizes > 0] / sizes[sizes > 0, None]
+        sums, sizes = self._groups(name, (0,))
+        means = sums / sizes[:, None]
         first, second = torch.triu_indices(len(means), len(means), 1, device=means.device)
         gaps: Tensor = (means[first] - means[second]).norm(dim=1)
         return gaps.mean()
@@ -92,9 +112,18 @@ class Sums:
         return (vis * tac).sum(), sizes.square().sum()
 
     def _groups(self, name: str, over: tuple[int, ...]) -> tuple[Tensor, Tensor]:
-        if not over:  # `sum` over an empty tuple would sum over all axes
+        """Return sums (G, W) and sizes (G,) of cells summed over axis 0, the class, or 1, the domain."""
+        if not over:
             return self.cells[name], self.sizes
-        return self.cells[name].sum(over), self.sizes.sum(over)
+        kinds: dict[tuple[int, ...], Tensor] = {
+            (0,): self._names % self._domains,
+            (1,): self._names // self._domains,
+        }
+        kept = kinds.get(over, torch.zeros_like(self._names))
+        groups, group = kept.unique(return_inverse=True)
+        sums = self.cells[name].new_zeros(len(groups), self.cells[name].shape[1])
+        sizes = self.sizes.new_zeros(len(groups))
+        return sums.index_add_(0, group, self.cells[name]), sizes.index_add_(0, group, self.sizes)
 
 
 def _less(every: tuple[Tensor, Tensor], left_out: tuple[Tensor, Tensor]) -> tuple[Tensor, Tensor]:

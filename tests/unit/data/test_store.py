@@ -168,6 +168,16 @@ def test_arrays_that_do_not_fit_are_refused(
         load_embeddings(file)
 
 
+def test_names_whose_table_of_counts_would_fill_the_memory_are_refused(
+    embeddings: Embeddings, tmp_path: Path
+) -> None:
+    names = {key: tuple(f"{key} {k}" for k in range(1_100)) for key in ("domains", "classes")}
+    file = tmp_path / "set.safetensors"
+    save_embeddings(file, replace(embeddings, header=replace(embeddings.header, **names)))
+    with pytest.raises(DataError, match="1,100 domains and 1,100 classes"):
+        load_embeddings(file)
+
+
 def test_the_manifest_names_every_pair(embeddings: Embeddings, tmp_path: Path) -> None:
     save_embeddings(tmp_path / "set.safetensors", embeddings)
     with (tmp_path / "set.csv").open(newline="", encoding="utf-8") as handle:

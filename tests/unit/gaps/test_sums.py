@@ -54,3 +54,12 @@ def test_one_class_in_one_domain_has_no_margin_and_no_domain_gap():
     sums.add({"vis": torch.ones(4, 2), "tac": torch.ones(4, 2)}, zeros, zeros)
     assert bool(sums.margin("vis").isnan()) and bool(sums.domain_gap("vis").isnan())
     assert float(sums.centroid_gap()) == 0
+
+
+def test_many_names_with_few_pairs_hold_only_the_cells_that_have_pairs():
+    sums, two = Sums(1000, 1000), torch.tensor([3, 999])
+    rows = {"vis": torch.eye(2, 50), "tac": torch.ones(2, 50)}
+    sums.add(rows, two, two)
+    sums.add(rows, two, torch.tensor([5, 999]))
+    assert {cells.shape for cells in sums.cells.values()} == {(3, 50)}
+    assert sums.sizes.tolist() == [1, 2, 1]
