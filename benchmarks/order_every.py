@@ -1,13 +1,14 @@
 """One head for every order, against separate heads trained at each stop.
 
     python -m benchmarks.order_every [--sources TAG-sim,...] [--widths 64] [--seeds 1]
-                                     [--steps 3000] [--draw row] [--only every|alone]
+                                     [--steps 3000] [--draw row] [--only alone,noisy,plain,every]
                                      [--stops 0,0.25,...] [--jobs N] [--out FILE] [--table]
 
 The head for every order draws a random p (`order_draw`) and trains for `--steps` steps with the
-settings EVERY; heads at a stop train for 60 epochs with the usual settings. Averages are over 11
-orders from 0 to 1. A row of the JSON lines file is one seed of one source and width; finished rows
-are kept. --table prints them.
+settings EVERY. "every" learns the logits of a teacher at p = 0.5, "plain" the labels. Heads at a
+stop train for 60 epochs with the usual settings ("alone"), or as the head of the page does
+("noisy"). Averages are over 11 orders from 0 to 1. A row of the JSON lines file is one seed of one
+source and width; finished rows are kept. --table prints them.
 """
 
 import argparse
@@ -33,6 +34,7 @@ from omnivat.unseen.masks import counted, mean_over_domains
 
 # helpful settings (docs/order.md): noise, no LANG, large steps, orders slightly beyond [0, 1]
 EVERY = TrainSettings(batch=64, lr=0.1, lang=False, noise=2.0, order_low=-0.1, order_high=1.1)
+NOISY = replace(SENSORS, noise=2.0, epochs=120)  # those of the page's head
 AVERAGED = tuple(float(p) for p in np.linspace(0, 1, 11))
 STOPS = "0,0.25,0.5,0.75,1"
 Row = dict[str, Any]
@@ -43,9 +45,22 @@ def alone(
     file: Path, source: str, width: int, seed: int, steps: int, draw: str, stops: Sequence[float]
 ) -> Row:
     """Train a head at each stop; return their accuracies (%). Steps and draw do not apply."""
+    return _at_stops(file, source, width, seed, stops, SENSORS)
+
+
+def noisy(
+    file: Path, source: str, width: int, seed: int, steps: int, draw: str, stops: Sequence[float]
+) -> Row:
+    """The same, with the settings of the page's head: noise on the embeddings, 120 epochs."""
+    return _at_stops(file, source, width, seed, stops, NOISY)
+
+
+def _at_stops(
+    file: Path, source: str, width: int, seed: int, stops: Sequence[float], training: TrainSettings
+) -> Row:
     embeddings = load_embeddings(file)
     began = time.process_time()
-    heads = [head_at(embeddings, source, p, seed, SENSORS, {"width": width}) for p in stops]
+    heads = [head_at(embeddings, source, p, seed, training, {"width": width}) for p in stops]
     cpu = time.process_time() - began
     found = [scored(head, embeddings, source) for head in heads]
     return {
@@ -58,11 +73,33 @@ def alone(
 def every(
     file: Path, source: str, width: int, seed: int, steps: int, draw: str, stops: Sequence[float]
 ) -> Row:
-    """Train one head for every order; return its accuracies (%) at the stops, and averaged."""
+    """Train one head for every order, with a teacher; return its accuracies (%)."""
+    return _one_head(file, source, width, seed, steps, draw, stops, teacher=True)
+
+
+def plain(
+    file: Path, source: str, width: int, seed: int, steps: int, draw: str, stops: Sequence[float]
+) -> Row:
+    """The same without a teacher."""
+    return _one_head(file, source, width, seed, steps, draw, stops, teacher=False)
+
+
+def _one_head(
+    file: Path,
+    source: str,
+    width: int,
+    seed: int,
+    steps: int,
+    draw: str,
+    stops: Sequence[float],
+    *,
+    teacher: bool,
+) -> Row:
+    """Return the accuracies (%) of one head at the stops, and averaged."""
     embeddings = load_embeddings(file)
     count = len(embeddings.in_domain(source, split="train"))
     epochs = round(steps / ceil(count / EVERY.batch))
-    training = replace(EVERY, epochs=epochs, order_draw=draw)
+    training = replace(EVERY, epochs=epochs, order_draw=draw, order_teacher=teacher)
     plan = plan_training(embeddings, source, head={"width": width}, training=training)
     began = time.process_time()
     model = train(plan.pairs, plan.settings, plan.training, bank=plan.bank, seed=seed).model
@@ -77,7 +114,7 @@ def every(
     }
 
 
-KINDS = {"every": every, "alone": alone}
+KINDS = {"alone": alone, "noisy": noisy, "plain": plain, "every": every}
 
 
 def averaged(model: OmniVaT, embeddings: Embeddings, source: str) -> float:
@@ -147,7 +184,7 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=1)
     parser.add_argument("--steps", type=int, default=3000)
     parser.add_argument("--draw", choices=["batch", "row"], default="row")
-    parser.add_argument("--only", choices=[*KINDS], help="both kinds if left out")
+    parser.add_argument("--only", help=f"kinds with commas; {', '.join(KINDS)} if left out")
     parser.add_argument("--stops", default=STOPS)
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--out", type=Path, default=Path("docs/benchmarks/order_every.jsonl"))
@@ -163,7 +200,7 @@ def main() -> None:
         for width in map(int, options.widths.split(","))
         for seed in range(options.seeds)
         for source in (options.sources.split(",") if options.sources else domains)
-        for kind in ([options.only] if options.only else KINDS)
+        for kind in (options.only.split(",") if options.only else KINDS)
         if (job := _job(kind, source, width, seed, options)) not in known
     ]
     for row in carried_out(partial(made, options.embeddings), jobs, options.jobs):
@@ -176,7 +213,7 @@ def main() -> None:
 def _job(
     kind: str, source: str, width: int, seed: int, options: argparse.Namespace
 ) -> tuple[Any, ...]:
-    own = (options.steps, options.draw) if kind == "every" else (0, "none")
+    own = (options.steps, options.draw) if kind in ("every", "plain") else (0, "none")
     return (kind, source, width, seed, *own, options.stops)
 
 

@@ -12,7 +12,7 @@ from omnivat.calibration import Familiarity, familiarity_of
 from omnivat.checkpoint import Head
 from omnivat.data.store import Embeddings
 from omnivat.errors import DataError
-from omnivat.evaluate import evaluate, target_mean
+from omnivat.evaluate import evaluate, target_mean, target_scores
 from omnivat.from_pairs.plan import TrainingPlan, plan_training
 from omnivat.from_pairs.report import LOSSES, EpochReport, Meter
 from omnivat.held_out import calibration_of
@@ -187,5 +187,5 @@ def _summary(seed: int, head: Head, records: Sequence[dict[str, Any]]) -> dict[s
 
 def _mean(records: Sequence[dict[str, Any]], score: str = "accuracy") -> float | None:
     """Return a mean over targets; None without any, since JSON has no NaN."""
-    mean = target_mean(records, score)
+    mean = target_mean(target_scores(records), score)
     return None if math.isnan(mean) else mean

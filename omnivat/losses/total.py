@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import torch
 from torch import Tensor
-from torch.nn.functional import cross_entropy
+from torch.nn.functional import cross_entropy, mse_loss
 
 from omnivat.losses.mma import mma_loss
 from omnivat.losses.nod import nod_loss
@@ -29,6 +29,7 @@ def joint_loss(
     aligned: Tensor | None = None,
     mma_weight: float = 10.0,
     nod_weight: float = 1.0,
+    targets: dict[str, Tensor] | None = None,
 ) -> Losses:
     """Return λ MMA + NOD + CE.
 
@@ -37,7 +38,9 @@ def joint_loss(
     logits    (B, K) of "vis", "tac" or both; CE is their mean
     labels    (B,)
     aligned   (B,) bool: pairs that MMA acts on; None: all
-    Source: paper, Eq. 12.
+    targets   (B, K) of the same names: logits of another head. The total then has their mean
+              squared difference from `logits` in place of CE
+    Source: paper, Eq. 12; for `targets`, docs/order.md.
     """
     zero = layers[0].new_zeros(())
     mma = zero
@@ -46,4 +49,9 @@ def joint_loss(
         mma = mma_loss(**{n: x if aligned is None else x[aligned] for n, x in given.items()})
     nod = nod_loss(layers) if nod_weight > 0 else zero
     ce = torch.stack([cross_entropy(values, labels) for values in logits.values()]).mean()
-    return Losses(mma_weight * mma + nod_weight * nod + ce, mma, nod, ce)
+    fit = (
+        ce
+        if targets is None
+        else torch.stack([mse_loss(logits[n], targets[n]) for n in logits]).mean()
+    )
+    return Losses(mma_weight * mma + nod_weight * nod + fit, mma, nod, ce)

@@ -42,8 +42,12 @@ def train_once(
     seed: int,
     resume: Path | None,
     watch: Watch,
+    teacher: OmniVaT | None = None,
 ) -> Trained:
-    """Train from the initial p in `head`; arguments and errors as in `train`."""
+    """Train from the initial p in `head`; arguments and errors as in `train`.
+
+    teacher  a trained head whose logits are learned, in place of the labels
+    """
     labels = labels_of(source, head)
     fit, held = held_out(source, labels, settings, seed)
     model = build_head(head, seed=derive_seed(seed, "weights")).train().to(current())
@@ -51,10 +55,11 @@ def train_once(
     run = run_name(source, head, settings, bank, seed) if resume else ""
     progress = load_state(resume, run, model, optimiser) if resume else Progress()
     steps = steps_of(len(fit), settings)
+    teacher = None if teacher is None else teacher.eval().to(current())
     for epoch in range(len(progress.epochs), settings.epochs):
         stream = derive_seed(seed, "epoch", epoch)
         drawn = batches(source, labels, fit, bank, settings, stream)
-        record = _epoch(model, optimiser, drawn, settings, epoch, steps, watch)
+        record = _epoch(model, optimiser, drawn, settings, epoch, steps, watch, teacher)
         if len(held):
             record["source_val_macro_f1"] = _source_score(
                 model, source, held, labels[held], settings
@@ -85,13 +90,14 @@ def _epoch(
     epoch: int,
     steps: int,
     watch: Watch,
+    teacher: OmniVaT | None,
 ) -> dict[str, float]:
     """Run the steps of one epoch; return its mean losses and p."""
     sums: dict[str, float] = {}
     device = model.classifier.device
     for step, batch in enumerate(on_host.to(device) for on_host in drawn):
         set_rate(optimiser, settings, (epoch * steps + step) / steps, 1 / steps)
-        losses = learn(model, optimiser, batch, settings)
+        losses = learn(model, optimiser, batch, settings, teacher)
         for name, value in losses.items():
             sums[name] = sums.get(name, 0.0) + value / steps
         done = epoch * steps + step + 1

@@ -53,10 +53,23 @@ def pairs_of(kind: str, batch: Batch) -> Tensor | None:
     return mask if bool(mask.any()) and not bool(mask.all()) else None
 
 
+@torch.no_grad()
+def taught_logits(teacher: OmniVaT, batch: Batch) -> dict[str, Tensor]:
+    """Return the teacher's logits (B, K) of VIS and TAC, at its own order and without LANG."""
+    logits: dict[str, Tensor] = teacher(batch.vis, batch.tac).logits
+    return logits
+
+
 def learn(
-    model: OmniVaT, optimiser: torch.optim.SGD, batch: Batch, settings: TrainSettings
+    model: OmniVaT,
+    optimiser: torch.optim.SGD,
+    batch: Batch,
+    settings: TrainSettings,
+    teacher: OmniVaT | None = None,
 ) -> dict[str, float]:
     """Take one optimiser step; return the losses as numbers.
+
+    teacher  a head whose logits for the batch are the targets, in place of the labels
 
     "clipped" and "order_clipped" are 1 if a gradient was clipped.
     Raises OmniVatError if the loss or a gradient is not finite.
@@ -79,6 +92,7 @@ def learn(
         labels=batch.labels,
         mma_weight=settings.mma_weight,
         nod_weight=settings.nod_weight,
+        targets=None if teacher is None else taught_logits(teacher, batch),
     )
     parameters = [p for group in optimiser.param_groups for p in group["params"]]
     for parameter in parameters:

@@ -1,6 +1,7 @@
 """Train a head on the embeddings of one domain. No other domain is used here."""
 
 import json
+import math
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -8,8 +9,10 @@ from typing import Any
 from omnivat.data.store import Embeddings
 from omnivat.files import write_json
 from omnivat.lang.bank import LangBank
+from omnivat.model.head import OmniVaT
 from omnivat.model.settings import HeadSettings
 from omnivat.progress import OnStep, ignore
+from omnivat.seeding import derive_seed
 from omnivat.threads import LIGHT, one_thread
 from omnivat.train.batches import held_out, labels_of
 from omnivat.train.loop import Trained, steps_of, train_once
@@ -19,6 +22,7 @@ from omnivat.train.state import run_name
 from omnivat.train.watch import Watch
 
 SEARCH = "order_search.json"  # next to the state of a resumable training
+TEACHER = 0.25  # epochs of a teacher, as a share of those of the head for every order
 AFTER = 0.1  # factor of p's rate after a search: little remains to be found
 
 
@@ -44,7 +48,8 @@ def train(
     on_step  called at every optimiser step, including those of an order search
     watch    more callbacks, instead of `on_step`
 
-    If settings.order_draw draws orders, the model's own order keeps its initial value.
+    If settings.order_draw draws orders, the model's own order keeps its initial value. With
+    settings.order_teacher, a head at that order is trained first, and this head learns its logits.
 
     Raises DataError if there is nothing to learn, if `resume` belongs to another training, or if
     `bank` belongs to another checkpoint than the images; OmniVatError if the loss is not finite;
@@ -61,14 +66,53 @@ def train(
             search, watch = _searched(source, head, settings, bank, seed, resume, watch)
             head = replace(head, order=search["start"])
             settings = replace(settings, order_lr_scale=AFTER * settings.order_lr_scale)
+        teacher = None
+        if settings.order_teacher:
+            teacher, watch = _teacher(source, head, settings, bank, seed, watch)
         trained = train_once(
-            source, head, settings, bank=bank, seed=seed, resume=resume, watch=watch
+            source,
+            head,
+            settings,
+            bank=bank,
+            seed=seed,
+            resume=resume,
+            watch=watch,
+            teacher=teacher,
         )
     if resume:
         resume.with_name(SEARCH).unlink(missing_ok=True)
     if search:
         search = {**search, "found": trained.model.order}
     return replace(trained, search=search)
+
+
+def _teacher(
+    source: Embeddings,
+    head: HeadSettings,
+    settings: TrainSettings,
+    bank: LangBank | None,
+    seed: int,
+    watch: Watch,
+) -> tuple[OmniVaT, Watch]:
+    """Return a head trained at the order of `head`, and the watch of the rest.
+
+    It keeps no state: a resumed training makes the same teacher again.
+    """
+    epochs = math.ceil(TEACHER * settings.epochs)
+    own = replace(settings, epochs=epochs, order_draw="none", order_teacher=False)
+    fit, _ = held_out(source, labels_of(source, head), settings, seed)
+    steps = steps_of(len(fit), settings)
+    whole = steps * (epochs + settings.epochs)
+    made = train_once(
+        source,
+        head,
+        own,
+        bank=bank,
+        seed=derive_seed(seed, "teacher"),
+        resume=None,
+        watch=watch.part(0, whole).steps_only(),
+    )
+    return made.model, watch.part(steps * epochs, whole)
 
 
 def _searched(
