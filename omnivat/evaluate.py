@@ -1,6 +1,6 @@
 """Evaluate a head on sets of embeddings: accuracy and macro-F1 for each domain."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -153,7 +153,12 @@ def _scores(truth: Tensor, predicted: Tensor) -> dict[str, float]:
     }
 
 
-def target_mean(records: Sequence[dict[str, Any]], score: str = "accuracy") -> float:
-    """Return the unweighted mean of a fused score over the domains that are not the source."""
-    values = [r["scores"]["fused"][score] for r in records if not r["is_source"] and r["scores"]]
+def target_scores(records: Iterable[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
+    """Return the fused scores of the records of `evaluate` whose domain is not the source."""
+    return [r["scores"]["fused"] for r in records if not r["is_source"] and r["scores"]]
+
+
+def target_mean(scores: Iterable[Mapping[str, Any]], metric: str = "accuracy") -> float:
+    """Return the unweighted mean of a metric over targets, one mapping each; NaN without targets."""
+    values = [found[metric] for found in scores]
     return sum(values) / len(values) if values else float("nan")

@@ -62,9 +62,10 @@ def table(records: Sequence[dict[str, Any]]) -> str:
             f"{name:<18} {record['pairs']:>6} {100 * fused['accuracy']:>6.1f} "
             f"{100 * fused['macro_f1']:>6.1f} {' '.join(alone)}"
         )
-    from omnivat.evaluate import target_mean
+    from omnivat.evaluate import target_mean, target_scores
 
-    mean, f1 = target_mean(records), target_mean(records, "macro_f1")
+    targets = target_scores(records)
+    mean, f1 = target_mean(targets), target_mean(targets, "macro_f1")
     if math.isnan(mean):
         lines.append(
             "mean of targets: none, because no other domain has pairs of the head's classes"

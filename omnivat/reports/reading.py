@@ -4,6 +4,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields
 from typing import Any
 
+from omnivat.evaluate import target_mean
+
 Record = Mapping[str, Any]
 METRICS = {
     "accuracy": "ACC",
@@ -31,14 +33,10 @@ def completed(records: Iterable[Record], method: str) -> list[Record]:
     return [r for r in records if r["method"] == method and "targets" in r]
 
 
-def target_mean(record: Record, metric: str, which: str = "fused") -> float:
-    """Return the unweighted mean of a score over a record's targets; NaN without targets."""
-    values = [
-        target["scores"][which][metric]
-        for target in record["targets"].values()
-        if which in target["scores"]
-    ]
-    return sum(values) / len(values) if values else float("nan")
+def record_mean(record: Record, metric: str, which: str = "fused") -> float:
+    """Return `target_mean` over a record's targets that have this reading."""
+    scores = [target["scores"] for target in record["targets"].values()]
+    return target_mean((found[which] for found in scores if which in found), metric)
 
 
 def by_run(
@@ -46,7 +44,7 @@ def by_run(
 ) -> dict[tuple[str, int], float]:
     """Return (source, seed) -> mean score over targets."""
     return {
-        (record["source"], record["seed"]): target_mean(record, metric, which)
+        (record["source"], record["seed"]): record_mean(record, metric, which)
         for record in completed(records, method)
     }
 

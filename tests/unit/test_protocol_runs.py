@@ -16,7 +16,7 @@ from omnivat.protocol import engine, records
 from omnivat.protocol.engine import planned, run_all
 from omnivat.protocol.methods import Method, methods_named
 from omnivat.protocol.run import Run, execute
-from omnivat.reports.reading import target_mean
+from omnivat.reports.reading import record_mean
 
 QUICK = {"head": {"width": 16}, "train": {"epochs": 1}}
 NAMES = ("omnivat", "nearest_mean")
@@ -63,7 +63,7 @@ def test_a_record_tells_what_was_resolved_and_every_target(file, runs, tmp_path)
     assert record["data"]["simulated"] is True
     assert record["lang"]["hash"] == load_bank().hash
     accuracies = [t["scores"]["fused"]["accuracy"] for t in record["targets"].values()]
-    assert target_mean(record, "accuracy") == pytest.approx(sum(accuracies) / 2)
+    assert record_mean(record, "accuracy") == pytest.approx(sum(accuracies) / 2)
 
 
 def recomputed(target, name):

@@ -28,15 +28,21 @@ class Stop(Exception):
     """An error raised in the middle of training."""
 
 
+def stopped_after(share):
+    """Return a progress callback that raises once more than this share of the steps is done."""
+
+    def on_step(step):
+        if step.done > share * step.total:
+            raise Stop
+
+    return on_step
+
+
 @pytest.mark.parametrize("selection", ["last", "source-val"])
 def test_resumed_training_equals_uninterrupted_training_to_the_bit(source, tmp_path, selection):
     settings = TrainSettings(epochs=4, selection=selection)
     whole = train(source, head(), settings, bank=load_bank(), seed=3)
     state = tmp_path / "training.safetensors"
-
-    def stop_in_the_third_epoch(step):
-        if step.done > 0.6 * step.total:
-            raise Stop
 
     with pytest.raises(Stop):
         train(
@@ -46,7 +52,7 @@ def test_resumed_training_equals_uninterrupted_training_to_the_bit(source, tmp_p
             bank=load_bank(),
             seed=3,
             resume=state,
-            on_step=stop_in_the_third_epoch,
+            on_step=stopped_after(0.6),
         )
     assert state.is_file()
     steps = []
@@ -66,10 +72,6 @@ def test_the_resume_check_can_fail(source, tmp_path, monkeypatch):
     settings, state = TrainSettings(epochs=2), tmp_path / "training.safetensors"
     whole = train(source, head(), settings, bank=load_bank())
 
-    def stop_in_the_second_epoch(step):
-        if step.done > step.total // 2:
-            raise Stop
-
     with pytest.raises(Stop):
         train(
             source,
@@ -77,7 +79,7 @@ def test_the_resume_check_can_fail(source, tmp_path, monkeypatch):
             settings,
             bank=load_bank(),
             resume=state,
-            on_step=stop_in_the_second_epoch,
+            on_step=stopped_after(0.5),
         )
     resumed = train(source, head(), settings, bank=load_bank(), resume=state)
     assert not equal_weights(whole.model, resumed.model)
@@ -86,10 +88,6 @@ def test_the_resume_check_can_fail(source, tmp_path, monkeypatch):
 def test_the_state_of_another_training_is_refused(source, tmp_path):
     state = tmp_path / "training.safetensors"
 
-    def stop_in_the_second_epoch(step):
-        if step.done > step.total // 2:
-            raise Stop
-
     with pytest.raises(Stop):
         train(
             source,
@@ -97,7 +95,7 @@ def test_the_state_of_another_training_is_refused(source, tmp_path):
             TrainSettings(epochs=2),
             bank=load_bank(),
             resume=state,
-            on_step=stop_in_the_second_epoch,
+            on_step=stopped_after(0.5),
         )
     with pytest.raises(DataError, match="state of another training"):
         train(source, head(), TrainSettings(epochs=2), bank=load_bank(), seed=9, resume=state)

@@ -47,6 +47,8 @@ export function charts(epochs, total, at, classes, wide = W) {
   const of = (read) => epochs.map((one) => [one.epoch, read(one)]).filter(([, v]) => Number.isFinite(v));
   const measure = (name) => of((one) => one.measures[name]);
   const [blue, orange, green, grey] = ["#2f7fd1", "#d55e00", "#009e73", "#8c8c8c"];
+  const accuracies = (title, series) =>
+    chart({ title, series, total, at, wide, top: 1, unit: "%", level: 1 / classes });
   return [
     chart({
       title: "Loss",
@@ -58,32 +60,14 @@ export function charts(epochs, total, at, classes, wide = W) {
         { name: "cross-entropy", colour: orange, points: of((one) => one.cross_entropy) },
       ],
     }),
-    chart({
-      title: "Accuracy",
-      total,
-      at,
-      wide,
-      top: 1,
-      unit: "%",
-      level: 1 / classes,
-      series: [
-        { name: "unseen domains", colour: blue, points: measure("accuracy/unseen") },
-        { name: "source test", colour: grey, points: measure("accuracy/source_test"), dashed: true },
-      ],
-    }),
-    chart({
-      title: "Unseen domains, one image",
-      total,
-      at,
-      wide,
-      top: 1,
-      unit: "%",
-      level: 1 / classes,
-      series: [
-        { name: "photo only", colour: "#56b4e9", points: measure("accuracy:vis/unseen") },
-        { name: "touch only", colour: "#e69f00", points: measure("accuracy:tac/unseen") },
-      ],
-    }),
+    accuracies("Accuracy", [
+      { name: "unseen domains", colour: blue, points: measure("accuracy/unseen") },
+      { name: "source test", colour: grey, points: measure("accuracy/source_test"), dashed: true },
+    ]),
+    accuracies("Unseen domains, one image", [
+      { name: "photo only", colour: "#56b4e9", points: measure("accuracy:vis/unseen") },
+      { name: "touch only", colour: "#e69f00", points: measure("accuracy:tac/unseen") },
+    ]),
     chart({
       title: "Gaps of F̂",
       total,
