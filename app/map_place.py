@@ -32,13 +32,11 @@ def place(resources: Resources, question: Mapping[str, Any], features: Rows) -> 
 
     question  {"vis", "tac": references, "order": p, "stage": …, "map": "pca" or "umap",
               "nodes": true to place the tree's nodes}
-              return    `points` by modality and `nodes`, each [x, y] in map units; `order` of the
-              map's
-                        stop; `exact`: true if the map is linear, so the position is not an
-                        estimate;
-                        `of_set`: true if the pair belongs to the set and has its place on the map
+    return    `points` by modality and `nodes`, each [x, y] in map units; `order` of the map's stop;
+              `exact`: true if the map is linear, so the position is not an estimate; `of_set`:
+              true if the pair belongs to the set and has its place on the map
 
-              Raises DataError if there is no such map.
+    Raises DataError if there is no such map.
     """
     import torch
 

@@ -58,10 +58,9 @@ def predictions(resources: Resources, question: Mapping[str, Any]) -> dict[str, 
     question  {"method": a name of METHODS}
     return    label, prediction (N,) as indices into `classes`, confidence (N,) 0 to 255, and
               `accuracy`: "unseen" (mean over unseen domains, test pairs) and each domain; pairs of
-              a
-                        class that the method lacks are left out, as for a head
+              a class that the method lacks are left out, as for a head
 
-              Raises DataError for another method, or a set without the head's source domain.
+    Raises DataError for another method, or a set without the head's source domain.
     """
     method = question.get("method")
     if not isinstance(method, str) or method not in METHODS:

@@ -28,9 +28,9 @@ def tree(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
               "head": name of a comparison head, the first one if left out}
     return    nodes with their parents (-1 for none), norms and class probabilities; `layers`:
               the cosine matrix of each group of nodes and its NOD loss; `pairs`: the number of
-                        averaged pairs
+              averaged pairs
 
-              Raises DataError if nothing is chosen or the head has no nodes.
+    Raises DataError if nothing is chosen or the head has no nodes.
     """
     import torch
 

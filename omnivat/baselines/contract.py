@@ -142,8 +142,7 @@ class Fitted:
     """A fitted method.
 
     predict     (vis (B, D), tac (B, D)) -> class probabilities (B, K): "fused" from both images,
-    "vis"
-                and "tac" from one alone, independent of the other image
+                "vis" and "tac" from one alone, independent of the other image
     features    (vis, tac) -> the last features before classification, (B, W): "vis", "tac", "pair"
     chosen      settings chosen by source-side evidence, by name
     parameters  number of fitted parameters

@@ -1,9 +1,9 @@
 """Any vision model of `transformers` as an encoder: `hf:NAME_OR_FOLDER`.
 
 Pooling is the first of these that the model has: projected image features (models with a text
-tower:
-CLIP, SigLIP, SigLIP 2); the class token (DINOv2, DINOv3, ViT); the model's pooled output (ConvNeXt,
-ResNet, vision towers of SigLIP); the mean of all tokens (I-JEPA). File headers state the pooling.
+tower: CLIP, SigLIP, SigLIP 2); the class token (DINOv2, DINOv3, ViT); the model's pooled output
+(ConvNeXt, ResNet, vision towers of SigLIP); the mean of all tokens (I-JEPA). File headers state the
+pooling.
 """
 
 import json

@@ -64,8 +64,8 @@ class Block(nn.Module):
 class Sitr(nn.Module):
     """Differences (B, 3, side, side) to the sensor at rest -> class tokens (B, W).
 
-    rest     (3, side, side) the sensor at rest, 0 to 255; stored here, so that the hash depends on
-    it
+    rest     (3, side, side) the sensor at rest, 0 to 255; stored here, so that the hash depends
+             on it
     presses  (1, 3 P, side, side) normalised differences of the sensor's calibration; P may be 0
     """
 

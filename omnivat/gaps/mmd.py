@@ -82,8 +82,7 @@ def mmd_rbf_estimate(
 
     a, b    (N, D), (M, D) features, any length
     return  the mean over GROUPS groups of FEATURES features. Every group is an unbiased estimate,
-    so
-            their spread gives the error. The same seed gives the same value
+            so their spread gives the error. The same seed gives the same value
 
     Costs O((N + M) D GROUPS FEATURES) and holds BLOCK rows of features at once.
     Source: Rahimi and Recht, NeurIPS 2007; Sutherland and Schneider, UAI 2015.

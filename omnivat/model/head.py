@@ -82,8 +82,8 @@ class OmniVaT(Body):
         """Predict at one order, or at one order for each pair.
 
         kept       from `coefficients`
-        order      quarter turns: a number, or (B,) for one order for each pair; None: the learned
-        one
+        order      quarter turns: a number, or (B,) for one order for each pair; None: the
+                   learned one
         nodes      also return the tree's nodes
         attention  also return attention weights
 

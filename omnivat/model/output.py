@@ -4,9 +4,8 @@ A reading is a prediction from certain images:
 
 fused       both images
 vis, tac    the photo alone, the touch alone: the other image is absent
-vis_branch, tac_branch  one branch inside a pair. DTG grows from T = F-bar of VIS plus F-bar of TAC,
-so
-            a branch depends on both images and is not a single-modality reading
+vis_branch, tac_branch  one branch inside a pair. DTG grows from T = F-bar of VIS plus F-bar of
+            TAC, so a branch depends on both images and is not a single-modality reading
 """
 
 from collections.abc import Sequence

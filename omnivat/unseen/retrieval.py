@@ -27,8 +27,7 @@ def nearest_touch(
     """Return for each of `rows` the row of the touch with the largest cosine in its domain.
 
     vis     (len(rows), W), photos of `rows`; tac  (N, W); all of any length. A photo's own touch
-    may
-            be the nearest
+            may be the nearest
     domain  (N,)
     """
     found = np.zeros(len(rows), dtype=np.int64)

@@ -84,8 +84,7 @@ def read(
     strict      leave out iron and aluminium (as steel)
     seed        of the draw of frames
     all_frames  keep every frame in contact; otherwise 41 training and 15 test frames of each
-    outdoor
-                item and 15 test frames of each indoor item, as the paper's counts suggest
+                outdoor item and 15 test frames of each indoor item, as the paper's counts suggest
     by_object   put whole outdoor items into train or test; otherwise frames of one item are in both
     materials   the table item,material, if it is not <root>/materials.csv; an empty material
                 skips the item
