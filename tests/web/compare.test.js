@@ -50,4 +50,5 @@ test("names of heads cannot become markup", () => {
 test("a difference has its sign, and none where there is no figure", () => {
   assert.equal(difference(0.5, 0.75), "−0.250");
   assert.equal(difference(NaN, 0.75), "");
+  assert.equal(difference(0.556, 0.503, true), "+5.3 points"); // shares are written in percent
 });

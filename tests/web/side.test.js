@@ -37,3 +37,12 @@ test("the late failure of one head does not mark the head chosen since as failed
   assert.equal(one.frames, own);
   assert.equal(one.parts[".side-wait"].hidden, true);
 });
+
+test("no figure of one head stands under the name of another while that one is computed", () => {
+  const one = side();
+  one.frames = { meta: { curves: { "accuracy/unseen": [0.5] } }, stop: () => 0 };
+  one.loaded = "";
+  state.head = "other";
+  assert.ok(Number.isNaN(one.value({ name: "accuracy" })));
+  state.head = "";
+});

@@ -31,9 +31,10 @@ export function sentence(names, { all, corrected, broken, wrong }) {
   return `From ${left} (left) to ${right} (right), <b>${figure(changed)}</b> of ${figure(all)} predictions change: <span class="right">${figure(corrected)} corrected</span>, <span class="wrong">${figure(broken)} broken</span>, ${figure(wrong)} still wrong.`;
 }
 
-/** The difference of a measure from the left side: signed, without judgement. */
-export function difference(own, other, digits = 3) {
+/** The difference of a measure from the left side: signed, without judgement; shares differ in points. */
+export function difference(own, other, share = false) {
   const off = own - other;
   if (!Number.isFinite(off)) return "";
-  return `${off >= 0 ? "+" : "−"}${Math.abs(off).toFixed(digits)}`;
+  const size = share ? `${(100 * Math.abs(off)).toFixed(1)} points` : Math.abs(off).toFixed(3);
+  return `${off >= 0 ? "+" : "−"}${size}`;
 }

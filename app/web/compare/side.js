@@ -175,6 +175,7 @@ export class Side {
 
   /** The value of a measure here; accuracy only at F̂, where the head predicts. */
   value({ name }) {
+    if (!this.ready) return NaN; // the frames shown belong to another head
     const { stage, only, head } = this.chosen;
     const one = OF_ONE_DOMAIN.includes(name);
     if (only && !one) return NaN;
@@ -185,7 +186,8 @@ export class Side {
   cell(measure) {
     const own = this.value(measure);
     const other = this.board.sides[0];
-    const off = this === other || !other ? "" : difference(own, other.value(measure));
+    const off =
+      this === other || !other ? "" : difference(own, other.value(measure), measure.name === "accuracy");
     return `<td title="${escaped(measure.help)}"><span>${measure.title}${measure.name === "accuracy" && !this.chosen.only ? ", unseen" : ""}</span><b>${asText(measure.name, own)}</b> ${off && `<small>${off}</small>`}</td>`;
   }
 }

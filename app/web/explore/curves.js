@@ -43,7 +43,7 @@ export class Curves {
   replace(frames) {
     this.frames = frames;
     this.span = [frames.orders[0], frames.orders.at(-1)];
-    if (!this.box.querySelector("figure")) this.box.innerHTML = MEASURES.map(figure).join("");
+    if (!this.box.querySelector("figure")) this.box.innerHTML = MEASURES.map(figure).join("") + DASHED;
     this.wide = this.width();
     /** @type {any[]} */
     this.charts = [...this.box.querySelectorAll("figure")].map((root, i) => ({ root, ...MEASURES[i] }));
@@ -164,5 +164,6 @@ export class Curves {
   }
 }
 
+const DASHED = '<p class="hint">Dashed: the raw embedding; for accuracy, guessing.</p>';
 const figure = ({ name, title, help }) =>
   `<figure data-name="${name}"><figcaption title="${help}"><span>${title} <small class="of"></small></span><output></output></figcaption><svg></svg></figure>`;

@@ -88,7 +88,11 @@ export class Maps {
     this.$(".maps").classList.toggle("alone", state.stage === "raw" || !kind);
     if (!kind) return;
     this.before.show(frames.positions(kind, "raw", 0));
-    this.$(".before .map-title").innerHTML = this.title("Raw embedding", "raw", kind);
+    this.$(".before .map-title").innerHTML = this.title(
+      'Raw<span class="long"> embedding</span>',
+      "raw",
+      kind,
+    );
   }
 
   /** The title of a map: its step, its method, and the gaps of the points shown. */

@@ -32,8 +32,8 @@ export class Staircase {
         `<button type="button" role="radio" data-stage="${s.key}" title="${escaped(s.explain)}"><b>${symbol(s.short)}</b><span class="long">${s.step}</span><span class="brief">${s.brief}</span></button>`,
     );
     const rows = ROWS.map(
-      ({ name, title, help }) =>
-        `<div class="stair" data-name="${name}"><span class="stair-name" title="${help}">${title}</span><div class="treads"><svg viewBox="0 0 ${this.steps.length} ${HIGH}" preserveAspectRatio="none" aria-hidden="true"><path class="under"/><path class="tread"/></svg>${this.steps.map((s) => `<output data-step="${s.key}"></output>`).join("")}</div></div>`,
+      ({ name, title, between, help }) =>
+        `<div class="stair" data-name="${name}"><span class="stair-name" title="${help}">${title} <small>${frames.signals && name === "modality_gap" ? "VIS to TAC" : between}</small></span><div class="treads"><svg viewBox="0 0 ${this.steps.length} ${HIGH}" preserveAspectRatio="none" aria-hidden="true"><path class="under"/><path class="tread"/></svg>${this.steps.map((s) => `<output data-step="${s.key}"></output>`).join("")}</div></div>`,
     );
     this.box.innerHTML = `<div class="stair heads"><span class="stair-name">Step</span><div class="treads" role="radiogroup" aria-label="Step of the head; opens its map">${heads.join("")}</div></div>${rows.join("")}
       <div class="stair right-now"><span class="stair-name" title="share of pairs predicted correctly, mean over unseen domains">Unseen accuracy</span><div class="treads">${this.steps.map((s) => `<output data-step="${s.key}">${s.key === "f_hat" ? "" : '<small aria-label="not classified here">·</small>'}</output>`).join("")}</div></div>`;

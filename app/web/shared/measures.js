@@ -6,12 +6,14 @@ export const MEASURES = [
   {
     name: "modality_gap",
     title: "Modality gap",
+    between: "photo to touch",
     help: "distance between the mean directions of VIS and TAC; dashed: the raw embedding",
     good: "lower",
   },
   {
     name: "domain_gap",
     title: "Domain gap",
+    between: "domain to domain",
     help: "mean distance between the mean directions of two domains; dashed: the raw embedding",
     good: "lower",
   },
@@ -24,6 +26,7 @@ export const MEASURES = [
   {
     name: "margin",
     title: "Cosine margin",
+    between: "class to class",
     help: "mean cosine within classes minus between classes; dashed: the raw embedding",
     good: "higher",
   },

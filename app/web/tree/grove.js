@@ -6,11 +6,11 @@ import { drawTree } from "./treeview.js";
 import { constant, worth } from "./votes.js";
 
 export const KINDS = {
-  tree: "tree (DTG)",
-  series: "series",
-  parallel: "parallel",
-  interpolation: "interpolation",
-  none: "no generation",
+  tree: "Tree (DTG)",
+  series: "Series",
+  parallel: "Parallel",
+  interpolation: "Interpolation",
+  none: "No generation",
 };
 const NOD = {
   tree: "NOD pushes each layer’s matrix towards the identity: siblings at right angles.",

@@ -7,6 +7,14 @@ const ROW = 132;
 const RADIUS = 27; // of the node with the largest norm
 const COLUMN = 122; // between the nodes of a series
 const LABEL = 46; // height of the text under a disc
+const LEAST = 0.84; // smallest scale of the drawing: its smallest letters have 12 units and need 10 pixels
+/** Units of the whole drawing and of one column, on phones and elsewhere. */
+const COLUMNS = {
+  narrow: { least: 400, one: 100 },
+  wide: { least: 620, one: 140 },
+  bare: { least: 400, one: 64 },
+};
+const isNarrow = () => globalThis.matchMedia?.("(max-width: 480px)").matches ?? false;
 
 /** The depth of each node, and its index among the nodes of that depth. */
 function laidOut(parents) {
@@ -21,7 +29,7 @@ function laidOut(parents) {
 
 /** Nodes in one line, for series and interpolation. */
 function drawLine({ classes, nodes, parents, constant }) {
-  const width = Math.max(620, nodes.length * COLUMN);
+  const width = Math.max(COLUMNS[isNarrow() ? "narrow" : "wide"].least, nodes.length * COLUMN);
   const largest = Math.max(...nodes.map((node) => node.norm)) || 1;
   const radius = (i) => RADIUS * Math.sqrt(nodes[i].norm / largest);
   /** @type {(i: number) => [number, number]} */
@@ -34,7 +42,7 @@ function drawLine({ classes, nodes, parents, constant }) {
   const discs = nodes.map((node, i) =>
     disc(node, i, place(i), radius(i), classes, nodes.length <= 8, constant[i]),
   );
-  return `<svg class="tree-view" viewBox="0 0 ${width} 128" role="list" aria-label="${nodes.length} nodes in a line">${edges.join("")}${discs.join("")}</svg>`;
+  return `<svg class="tree-view" viewBox="0 0 ${width} 128" ${sized(width, 128)} role="list" aria-label="${nodes.length} nodes in a line">${edges.join("")}${discs.join("")}</svg>`;
 }
 
 export function drawTree({ classes, nodes, parents, constant = [] }) {
@@ -42,8 +50,10 @@ export function drawTree({ classes, nodes, parents, constant = [] }) {
     return drawLine({ classes, nodes, parents, constant });
   const { depth, rows } = laidOut(parents);
   const widest = Math.max(...rows.map((row) => row.length));
-  const width = Math.max(620, widest * 140);
   const fits = widest <= 8;
+  const column = COLUMNS[fits ? (isNarrow() ? "narrow" : "wide") : "bare"];
+  const width = Math.max(column.least, widest * column.one);
+  const height = 44 + (rows.length - 1) * ROW + 84;
   const largest = Math.max(...nodes.map((node) => node.norm)) || 1;
   const radius = (i) => RADIUS * Math.sqrt(nodes[i].norm / largest);
   /** @type {(i: number) => [number, number]} */
@@ -60,8 +70,12 @@ export function drawTree({ classes, nodes, parents, constant = [] }) {
     return `<path class="edge" d="M${x0} ${y0}C${x0} ${middle} ${x1} ${middle} ${x1} ${y1}"/>`;
   });
   const discs = nodes.map((node, i) => disc(node, i, place(i), radius(i), classes, fits, constant[i]));
-  return `<svg class="tree-view" viewBox="0 0 ${width} ${44 + (rows.length - 1) * ROW + 84}" role="list" aria-label="Tree of ${nodes.length} nodes">${edges.join("")}${discs.join("")}</svg>`;
+  return `<svg class="tree-view" viewBox="0 0 ${width} ${height}" ${sized(width, height)} role="list" aria-label="Tree of ${nodes.length} nodes">${edges.join("")}${discs.join("")}</svg>`;
 }
+
+/** As wide and high as its place, but never so small that its letters cannot be read. */
+const sized = (width, height) =>
+  `style="min-width:${Math.ceil(LEAST * width)}px;max-height:max(${height}px, calc(100vh - 330px))"`;
 
 const isDeep = (hex) => rgb(hex).reduce((sum, v, c) => sum + v * [0.3, 0.59, 0.11][c], 0) < 110;
 

@@ -1,0 +1,45 @@
+"""Letters of every tab can be read: none is smaller than 10 pixels, no title is cut off."""
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from app.views import VIEWS
+
+from .gestures import READY, open_tab
+
+pytestmark = pytest.mark.browser
+
+PAIR = "?vis=row:0&tac=row:0"
+SMALL = """() => [...document.querySelectorAll('.ov svg text')]
+  .filter((text) => text.checkVisibility() && text.getBoundingClientRect().width)
+  .map((text) => [parseFloat(getComputedStyle(text).fontSize) * text.getScreenCTM().a, text.textContent])
+  .filter(([size]) => size < 10)"""
+CUT = """() => [...document.querySelectorAll('.ov .map-title .where-at, .ov h3, .ov figcaption')]
+  .filter((one) => one.checkVisibility() && one.scrollWidth > one.clientWidth + 1)
+  .map((one) => one.textContent)"""
+
+
+@pytest.mark.parametrize("width", [400, 1024])
+def test_no_letter_of_a_drawing_is_too_small_and_no_title_is_cut(
+    open_page: Callable[..., Any], width: int
+) -> None:
+    page = open_page(PAIR, viewport={"width": width, "height": 800})
+    for view in VIEWS:
+        if view != "explore":
+            open_tab(page, view)
+        page.wait_for_selector(READY[view])
+        assert page.evaluate(SMALL) == [], view
+        assert page.evaluate(CUT) == [], view
+
+
+def test_a_student_can_read_what_a_gap_lies_between_and_what_is_dashed(
+    open_page: Callable[..., Any],
+) -> None:
+    page = open_page()
+    page.wait_for_selector(READY["explore"])
+    names = page.locator(".explore .staircase .stair-name").all_inner_texts()
+    assert "photo to touch" in names[1]
+    assert "domain to domain" in names[2]
+    assert "Dashed: the raw embedding" in page.locator(".explore .curves").inner_text()
