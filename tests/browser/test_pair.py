@@ -97,7 +97,7 @@ def test_p_is_moved_in_a_section_of_its_own_and_leaves_the_prediction(
         "before => document.querySelector('.pair .at-p').innerText !== before", arg=before
     )
     assert said(page, "fused") == prediction
-    assert "near chance" in page.locator(".pair .about-p").inner_text()
+    assert "guessing" in page.locator(".pair .about-p").inner_text()
 
 
 def test_own_pairs_are_counted_taught_and_saved(open_page: Callable[..., Any]) -> None:

@@ -1,7 +1,7 @@
 /** Data & limits: what is loaded, its origin and limits, how to load your own. */
 
 import { json, refused } from "../shared/api.js";
-import { escaped, isSimulated, percent } from "../shared/text.js";
+import { escaped, isSignals, isSimulated, percent } from "../shared/text.js";
 import { theSetSoon } from "../shared/theset.js";
 import { loading } from "./loading.js";
 import { measuring } from "./measuring.js";
@@ -41,7 +41,7 @@ function page({ head, embeddings, examples }) {
     panel("The set", embeddings.problem ? problem(embeddings) : theData(embeddings, examples)),
     panel("The head", head.problem ? problem(head) : theHead(head)),
     panel("Measured on this machine", '<div class="measuring"></div>'),
-    panel("Limits of the figures", ABOUT(embeddings.simulated)),
+    panel("Limits of the figures", ABOUT(embeddings.simulated, isSignals(embeddings))),
     panel("What is exact and what is not", '<div class="exact"></div>'),
     panel("Your own head and pairs", `<div class="loading"></div>${OWN}`),
     panel("Words", glossary()),
@@ -56,7 +56,7 @@ function theData(e, examples) {
     (name, i) =>
       `<tr><th scope="row">${escaped(name)}</th>${e.counts[i].map((n) => `<td>${n || "–"}</td>`).join("")}<td><b>${e.counts[i].reduce((a, b) => a + b, 0)}</b></td></tr>`,
   );
-  return `${e.simulated || e.domains.some(isSimulated) ? '<p class="note"><b>Simulated.</b> This project rendered the photos and touch images. They stand in for the data sets whose names end in “-sim” here. No figure is a result on real sensors.</p>' : '<p class="note real"><b>Real pairs</b>, according to the file’s header.</p>'}
+  return `${e.simulated || e.domains.some(isSimulated) ? `<p class="note"><b>Simulated.</b> ${isSignals(e) ? "This project computed these signals. A pair is two recordings of one signal; the page calls the first “photo” and the second “touch”." : "This project rendered the photos and touch images. They stand in for the data sets whose names end in “-sim” here."} No figure is a result on real sensors.</p>` : '<p class="note real"><b>Real pairs</b>, according to the file’s header.</p>'}
     ${facts([
       ["File", escaped(e.name)],
       ["Origin", escaped(e.origin)],

@@ -1,10 +1,15 @@
 /** Longer texts of the page: limits, your own data, glossary. */
 
-export const ABOUT = (simulated) => `<ul>
-  ${simulated ? "<li>Simulated sensors are cleaner and more alike than real ones. Compare stages and heads; do not rely on absolute accuracy.</li>" : ""}
+/** `signals`: the set has recordings of signals in place of photos and touches. */
+export const ABOUT = (simulated, signals) => `<ul>
+  ${simulated ? "<li>Simulated data are cleaner and more alike than real ones. Compare stages and heads; do not rely on absolute accuracy.</li>" : ""}
   <li>Most encoders were trained on photos. The distance between touch images and photos depends on the encoder as much as on touch.</li>
   <li>A small gap is not a good head: features that are all alike have no gap and no classes. Look at accuracy and margin beside it.</li>
-  <li>p hardly moves in training, and on these sensors heads trained at any p do about equally well. The order of an encoder’s channels has no physical meaning, so neither has “frequency”.</li>
+  ${
+    signals
+      ? "<li>These are signals: their samples have an order, so p has a meaning. Classes can be told apart near one p only, and a search over p finds it.</li>"
+      : "<li>p hardly moves in training, and on the project’s simulated sensors heads trained at any p do about equally well. The order of an encoder’s channels has no physical meaning, so neither has “frequency”.</li>"
+  }
   <li>Accuracy is on pairs that the head was not trained on.</li></ul>`;
 
 export const OWN = `<h3>Make them</h3><p>A folder of pairs is <code>&lt;root&gt;/&lt;domain&gt;/&lt;class&gt;/&lt;name&gt;_vis.png</code> and <code>…_tac.png</code>.</p>

@@ -5,6 +5,7 @@ import { featuresOf, stepsOf } from "../shared/stages.js";
 
 const HIGH = 150;
 const PAD = { left: 40, right: 14, top: 22, bottom: 34 };
+const LETTER = 15; // CSS pixels between the names of two steps
 const GAPS = { modality_gap: "modality gap", domain_gap: "domain gap" };
 
 export class Balance {
@@ -89,16 +90,42 @@ export class Balance {
     if (!this.steps.length) return;
     const y = this.y(this.right[stop]);
     const places = this.steps.map(({ own }) => (Number.isFinite(own[stop]) ? this.x(own[stop]) : NaN));
+    const letters = apart(places, LETTER);
     this.marks.forEach((mark, i) => {
       const seen = Number.isFinite(places[i]) && Number.isFinite(y);
       mark.setAttribute("visibility", seen ? "visible" : "hidden");
-      if (seen) mark.setAttribute("transform", `translate(${places[i].toFixed(1)} ${y.toFixed(1)})`);
+      if (!seen) return;
+      mark.setAttribute("transform", `translate(${places[i].toFixed(1)} ${y.toFixed(1)})`);
+      mark.querySelector("text").setAttribute("x", (letters[i] - places[i]).toFixed(1));
     });
     const line = places.filter(Number.isFinite).map((x) => `${x.toFixed(1)} ${y.toFixed(1)}`);
     this.box
       .querySelector(".walk")
       .setAttribute("d", Number.isFinite(y) && line.length > 1 ? `M${line.join("L")}` : "");
   }
+}
+
+/** Move places apart so that neighbours have at least this distance; together they stay in the middle.
+ * @param {number[]} places @param {number} least */
+export function apart(places, least) {
+  const order = places.map((_, i) => i).filter((i) => Number.isFinite(places[i]));
+  order.sort((a, b) => places[a] - places[b]);
+  const found = [...places];
+  let group = [];
+  const middle = () => {
+    const off = group.reduce((sum, i) => sum + found[i] - places[i], 0) / (group.length || 1);
+    for (const i of group) found[i] -= off;
+  };
+  for (const i of order) {
+    const last = group.at(-1);
+    if (last !== undefined && places[i] - found[last] >= least) {
+      middle();
+      group = [];
+    } else if (last !== undefined) found[i] = found[last] + least;
+    group.push(i);
+  }
+  middle();
+  return found;
 }
 
 /** Round bounds around all shares and the chance level. */

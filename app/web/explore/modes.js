@@ -3,9 +3,11 @@
 import { refused } from "../shared/api.js";
 import { framesOf } from "../shared/facts.js";
 import { orderText } from "../shared/frames.js";
+import { values } from "../shared/measures.js";
 import { radios } from "../shared/radios.js";
 import { change, state } from "../shared/store.js";
-import { escaped } from "../shared/text.js";
+import { escaped, percent } from "../shared/text.js";
+import { home } from "./curves.js";
 
 const LABELS = {
   trained: ["Trained here", "Each stop is a head trained at that p"],
@@ -30,7 +32,18 @@ export function modeWords(frames) {
   if (frames.kind === "every")
     return `<b>One head for every p</b>: p was drawn at random in each training step.`;
   const learned = Number.isFinite(frames.learned) ? orderText(+frames.learned.toFixed(3)) : "its own p";
-  return `<b>What if only p moved?</b> The weights stay those learned at p = ${learned}. Shaded: the orders this head was trained for. Elsewhere its accuracy is near chance, and a small gap means little.`;
+  return `<b>What if only p moved?</b> The weights stay those learned at p = ${learned}. Shaded: the orders this head was trained for. ${elsewhere(frames)}A small gap there means little.`;
+}
+
+/** The accuracy at the orders that the head was not trained for, in words; "" if not measured. */
+function elsewhere(frames) {
+  const near = home(frames);
+  const own = values(frames, "accuracy", "f_hat")?.filter(
+    (v, i) => Number.isFinite(v) && !(near?.[0] <= frames.orders[i] && frames.orders[i] <= near?.[1]),
+  );
+  if (!own?.length) return "";
+  const mean = own.reduce((sum, v) => sum + v, 0) / own.length;
+  return `Elsewhere its mean accuracy in unseen domains is ${percent(mean)} (guessing: ${percent(1 / frames.classes.length)}). `;
 }
 
 /** The initial mode: from the address, or the first available. */

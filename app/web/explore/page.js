@@ -7,7 +7,7 @@ import { showFilters } from "../shared/filters.js";
 import { orderText } from "../shared/frames.js";
 import { asText, values } from "../shared/measures.js";
 import { orderBar } from "../shared/order.js";
-import { featuresOf, projects, stageNamed } from "../shared/stages.js";
+import { explained, featuresOf, projects, stageNamed } from "../shared/stages.js";
 import { change, state } from "../shared/store.js";
 import { Acts } from "./acts.js";
 import { Balance } from "./balance.js";
@@ -137,7 +137,7 @@ export class Page {
     if (state.stage === "projection" && !projects(frames)) return change({ stage: "frft" });
     this.stairs.choose();
     const stage = stageNamed(state.stage);
-    this.$(".explain").innerHTML = `<b>${stage.name}.</b> ${stage.explain}`;
+    this.$(".explain").innerHTML = `<b>${stage.name}.</b> ${explained(stage, frames)}`;
     const kinds = frames.kinds(state.stage);
     this.$(".map-kind").innerHTML = kinds
       .map((k) => `<option value="${k}">${METHODS[k] ?? k}</option>`)

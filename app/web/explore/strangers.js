@@ -30,11 +30,11 @@ export const inWords = (n) => NUMBERS[n] ?? String(n);
 const times = (counts) => counts.flat().reduce((a, b) => Math.max(a, b), 1);
 
 /** The story in one line; the source is marked. */
-export function story({ source, domains }) {
+export function story({ source, domains, signals }) {
   const others = domains.filter((name) => name !== source).length;
   const known = others < domains.length;
   if (!source) return "";
-  return `Learned from <b class="source">${escaped(source)}</b>${known ? "" : " (not in this set)"}; meets <b>${inWords(others)} ${others === 1 ? "stranger" : "strangers"}</b>.`;
+  return `Learned from <b class="source">${escaped(source)}</b>${known ? "" : " (not in this set)"}; meets <b>${inWords(others)} ${others === 1 ? "stranger" : "strangers"}</b>.${signals ? " Each pair is two recordings of one signal: “photo” stands for the first, “touch” for the second." : ""}`;
 }
 
 /** The accuracy in unseen domains at the learned p, and the chance level. */

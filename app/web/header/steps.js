@@ -22,22 +22,26 @@ export const STEPS = [
     title: "The modality gap",
     look: ".maps",
     set: { stage: "raw", colour: "modality", map: "pca", part: "curves", means: "1", ...ALL },
-    ask: "● is a photo, ▲ the touch of the same surface. Does the encoder place the two close together?",
+    ask: ({ signals }) =>
+      signals
+        ? "● is one recording of a signal (VIS), ▲ another one (TAC). Does the encoder place the two close together?"
+        : "● is a photo, ▲ the touch of the same surface. Does the encoder place the two close together?",
     options: [
       ["near", "Close together"],
       ["far", "Apart"],
     ],
     right: (at) => (at.gap("modality_gap", "raw") > 0.25 ? "far" : "near"),
     reveal: (at) =>
-      `The mean directions of photos and touches are ${b(at.gap("modality_gap", "raw").toFixed(2))} apart (0: the same, 2: opposite). This is the ${b("modality gap")}: the thick lines on the map.`,
+      `The mean directions of ${at.signals ? "VIS and TAC" : "photos and touches"} are ${b(at.gap("modality_gap", "raw").toFixed(2))} apart (0: the same, 2: opposite). This is the ${b("modality gap")}: the thick lines on the map.`,
   },
   {
     title: "The domain gap",
     look: ".maps",
     set: { stage: "raw", colour: "domain", map: "pca", part: "curves", means: "1", ...ALL },
-    ask: "Each colour is now a sensor and its data set. What separates points more: the sensor or the class?",
+    ask: ({ signals }) =>
+      `Each colour is now a ${b("domain")}: ${signals ? "recordings with the same kind of interference" : "a sensor and its data set"}. What separates points more: the domain or the class?`,
     options: [
-      ["domain", "The sensor"],
+      ["domain", "The domain"],
       ["class", "The class"],
     ],
     right: (at) =>
@@ -45,12 +49,12 @@ export const STEPS = [
     reveal: (at) =>
       oneDomain(at)
         ? "This set has one domain, so it has no domain gap."
-        : `Two sensors are ${b(at.gap("domain_gap", "raw").toFixed(2))} apart on average: the ${b("domain gap")}. Classes differ by a cosine of ${b(at.gap("margin", "raw").toFixed(2))}. The head learns from ${b(at.unseen.source)} alone and meets the others as strangers.`,
+        : `Two domains are ${b(at.gap("domain_gap", "raw").toFixed(2))} apart on average: the ${b("domain gap")}. Classes differ by a cosine of ${b(at.gap("margin", "raw").toFixed(2))}. The head learns from ${b(at.unseen.source)} alone and meets the others as strangers.`,
   },
   {
     title: "What p does, on a toy",
     look: ".toy",
-    set: { part: "toy", stage: "frft", ...ALL },
+    set: { part: "toy", stage: "frft", mode: "moved", ...ALL }, // heads of other modes differ in their projection
     ask: "Drag p and watch the two signals. When does the distance between them change?",
     options: [
       ["neither", "Never"],
@@ -127,13 +131,15 @@ export const STEPS = [
       const first = best(unseen);
       const close = Object.keys(READINGS).filter((key) => key !== first && own(key).high > own(first).low);
       const doubt = close.length
-        ? ` The intervals of ${[first, ...close].map((key) => READINGS[key]).join(" and ")} overlap.`
+        ? ` The intervals of ${listed([first, ...close].map((key) => READINGS[key]))} overlap.`
         : "";
       return `Right: ${shares.join(", ")}; guessing ${percent(unseen.chance)}.${doubt} The bars show each domain; the source, ${b(unseen.source)}, is marked. Where data are simulated, none of this is a result on real sensors.`;
     },
   },
 ];
 
+/** Words in one list: "both, photo only and touch only". */
+const listed = (words) => `${words.slice(0, -1).join(", ")} and ${words.at(-1)}`;
 const oneDomain = (at) => !Number.isFinite(at.gap("domain_gap", "raw"));
 const known = (curve) => curve.filter(Number.isFinite);
 /** The steps with the smallest modality gap, as it is written. */
@@ -153,6 +159,7 @@ export function onScreen(frames, p, facts) {
   return {
     ...facts,
     kind: frames.kind,
+    signals: frames.signals,
     orders: frames.orders,
     curve: values(frames, "accuracy", "f_hat"),
     gap: (measure, stage) => values(frames, measure, stage)?.[stop] ?? NaN,

@@ -13,5 +13,5 @@ export function aboutP(learned, span, classes) {
   if (span[1] > span[0]) {
     return `This head was trained for every p from ${span[0].toFixed(2)} to ${span[1].toFixed(2)} (shaded).`;
   }
-  return `Weights stay those of the learned p = ${learned.toFixed(3)}. Shaded: the orders this head was trained for. Elsewhere it is near chance (${chance}), so a rise or fall there means nothing. Explore shows heads trained at each p.`;
+  return `Weights stay those of the learned p = ${learned.toFixed(3)}. Shaded: the orders this head was trained for. Elsewhere the weights do not fit, and predictions are little better than guessing (${chance}), so a rise or fall there means little. Explore shows heads trained at each p.`;
 }

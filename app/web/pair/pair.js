@@ -95,6 +95,7 @@ class PairTab {
 
   placeOnMap() {
     this.$(".on-map").hidden = !this.set.frames;
+    this.$(".of-signals").hidden = !this.set.frames?.signals;
     this.onMap = this.set.frames ? nodeMap(this.$(".on-map"), this.set.frames, { nodes: false }) : null;
   }
 

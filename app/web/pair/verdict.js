@@ -86,7 +86,7 @@ export function classTable(classes, readings, images) {
   );
   const head = several.map(
     ([reading, title, sign]) =>
-      `<th scope="col"><span class="sign ${sign}"></span>${title}${grey.has(reading) ? " <small>a guess</small>" : ""}</th>`,
+      `<th scope="col"><span class="sign ${sign}"></span>${title}${grey.has(reading) ? " <small>(guess)</small>" : ""}</th>`,
   );
   const rows = classes.map((name, k) => {
     const cells = several.map(

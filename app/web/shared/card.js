@@ -46,7 +46,10 @@ export function card(frames, sprite, pair, stop, pinned, sample = -1, pairs = nu
   if (pair < 0) {
     const example = sample < 0 ? "" : thumbnailPair(frames, sprite, sample, 124);
     const names = sample < 0 ? "" : `: ${escaped(frames.classes[frames.label[sample]])}`;
-    return `<h3>A photo and a touch${names}</h3>${example}<p class="hint">Each pair is two points: ● the photo (VIS) and ▲ the touch (TAC).
+    const [title, points] = frames.signals
+      ? ["Two recordings of one signal", "● one recording (VIS) and ▲ the other (TAC)"]
+      : ["A photo and a touch", "● the photo (VIS) and ▲ the touch (TAC)"];
+    return `<h3>${title}${names}</h3>${example}<p class="hint">Each pair is two points: ${points}.
       <span class="keys"><b>Point</b> at one to see both. </span><b>Choose</b> one to pin its pair for the other tabs.
       <span class="keys"><kbd>N</kbd> <kbd>B</kbd> step, <kbd>Enter</kbd> pins.</span></p>`;
   }

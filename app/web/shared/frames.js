@@ -2,6 +2,7 @@
 
 import { address, get, Refusal } from "./api.js";
 import { featuresOf } from "./stages.js";
+import { isSignals } from "./text.js";
 
 const MAGIC = "OVFRAMES";
 const ARRAYS = { u8: Uint8Array, u16: Uint16Array };
@@ -37,6 +38,11 @@ export class Frames {
   /** The head's source domain; "" if unknown. */
   get source() {
     return this.meta.head?.source ?? "";
+  }
+
+  /** True if a pair is two recordings of one signal, drawn as stripes: no photo and no touch. */
+  get signals() {
+    return isSignals(this.meta.embeddings ?? {});
   }
 
   array(name) {

@@ -8,8 +8,7 @@ export const STAGES = [
     name: "Raw embedding",
     step: "embedding",
     colour: "#94a3b8",
-    explain:
-      "The frozen encoder’s output. It does not depend on p, so nothing here moves. Photos and touches are apart, and so are the sensors.",
+    explain: "The frozen encoder’s output. It does not depend on p, so nothing moves here.",
   },
   {
     key: "projection",
@@ -28,7 +27,7 @@ export const STAGES = [
     step: "transform",
     colour: "#475569",
     explain:
-      "The fractional Fourier transform is unitary: it rotates the whole space and keeps every distance and every cosine, at every p. No point moves, and both gaps are flat lines.",
+      "The fractional Fourier transform is unitary: it rotates the whole space and keeps every distance and every cosine, at every p.",
   },
   {
     key: "relu",
@@ -48,7 +47,7 @@ export const STAGES = [
     step: "attention",
     colour: "#d97706",
     explain:
-      "Attention over the fractional tokens pulls photo and touch together. The classes move together, too: compare the margin with that of the previous step.",
+      "Attention over the fractional tokens of each image. Compare gaps and margin with those of the previous step: where all fall, the classes have moved together, too.",
   },
   {
     key: "f_hat",
@@ -63,6 +62,14 @@ export const STAGES = [
 ];
 
 export const stageNamed = (key) => STAGES.find((stage) => stage.key === key) ?? STAGES.at(-1);
+
+/** A stage in words, for the frames shown. */
+export function explained(stage, { kind }) {
+  if (stage.key !== "frft") return stage.explain;
+  return kind === "retrained"
+    ? `${stage.explain} Each stop is another head with another projection, so its map and gaps differ.`
+    : `${stage.explain} No point moves, and both gaps are flat lines.`;
+}
 
 /** The stage whose map is shown: the transform keeps all distances of the projection. */
 export const featuresOf = (stage) => (stage === "projection" ? "frft" : stage);
