@@ -181,7 +181,7 @@ def load_head(folder: str | Path, *, dtype: torch.dtype | None = None) -> Head:
         settings = settings_from(HeadSettings, record["head"])
         encoder = texts(record["encoder"], f"{path / SETTINGS} (encoder)")
         if missing := [name for name in ENCODER if name not in encoder]:
-            raise DataError(f"'{path / SETTINGS}' does not say the encoder's {missing[0]}.")
+            raise DataError(f"'{path / SETTINGS}' lacks the encoder's {missing[0]}.")
         provenance = record["provenance"]
         if not isinstance(provenance, dict):
             raise DataError(f"'{path / SETTINGS}' should hold its provenance as an object.")

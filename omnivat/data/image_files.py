@@ -51,7 +51,7 @@ class ImageFile:
     """Facts about an image file from its header."""
 
     kind: str
-    width: int = 0  # 0 if only the decoder knows
+    width: int = 0  # 0 if only the decoder can find it
     height: int = 0
     bytes_a_pixel: float = 6.0  # memory while decoding
     kept: float = 0.0  # of these, needed by a reduced decode, too

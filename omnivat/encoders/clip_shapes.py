@@ -108,7 +108,7 @@ def heads(width: int, stated: int | None, place: object) -> int:
     if number < 1 or width % number or (stated is None and width % HEAD):
         raise DataError(
             f"'{place}' has layers of width {width}, whose attention heads "
-            + ("cannot be told from the weights" if stated is None else f"cannot be {stated}")
+            + ("cannot be found from the weights" if stated is None else f"cannot be {stated}")
             + "; put the model's config.json beside the file."
         )
     return number

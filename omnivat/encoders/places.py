@@ -37,8 +37,8 @@ def recall(weights_hash: str) -> Path | None:
 
 def images_key(header: Header) -> str:
     """Return the key for the image folder of a set."""
-    told = "\x1f".join((*header.key, *header.domains, header.origin.partition(";")[0]))
-    return "images " + blake2b(told.encode(), digest_size=8).hexdigest()
+    text = "\x1f".join((*header.key, *header.domains, header.origin.partition(";")[0]))
+    return "images " + blake2b(text.encode(), digest_size=8).hexdigest()
 
 
 def _file() -> Path:

@@ -90,7 +90,7 @@ class Body(nn.Module):
         for name, raw in given.items():
             if raw.ndim != 2 or raw.shape[1] != width:
                 raise ShapeError(
-                    f"{name} has shape {tuple(raw.shape)}; this head wants (B, {width}). "
+                    f"{name} has shape {tuple(raw.shape)}; this head needs (B, {width}). "
                     "Use embeddings of the encoder that the head was trained with."
                 )
         if len({len(raw) for raw in given.values()}) > 1:

@@ -97,7 +97,7 @@ def stated(folder: Path, name: str, value: int) -> None:
 def test_a_width_that_no_heads_of_64_fill_needs_its_settings(clips: Any, tmp_path: Path) -> None:
     model = clips.small_model(hidden_size=48)
     place = clips.write("bare safetensors", tmp_path, model)
-    with pytest.raises(DataError, match="heads cannot be told from the weights; put"):
+    with pytest.raises(DataError, match="heads cannot be found from the weights; put"):
         load_encoder("clip", weights=place)
 
 

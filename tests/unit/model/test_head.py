@@ -116,7 +116,7 @@ def test_no_modality_at_all_is_refused(head):
 
 
 def test_embeddings_of_another_width_are_refused(head):
-    with pytest.raises(ShapeError, match=r"vis has shape \(2, 7\); this head wants \(B, 24\)"):
+    with pytest.raises(ShapeError, match=r"vis has shape \(2, 7\); this head needs \(B, 24\)"):
         head(torch.zeros(2, 7), None)
 
 
