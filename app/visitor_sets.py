@@ -139,6 +139,8 @@ class VisitorSets:
             made = Resources(placed(folder), self.shared, owner=key)
             check()
             embeddings = made.embeddings()
+            if not len(embeddings):
+                raise DataError(f"'{SET}' holds no pairs; embed some and load it again.")
             for name in made.heads:
                 check()
                 made.head_named(name).require_embeddings(embeddings)

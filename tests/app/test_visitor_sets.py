@@ -4,6 +4,7 @@ import asyncio
 from collections.abc import AsyncIterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 from starlette.applications import Starlette
 from starlette.testclient import TestClient
@@ -12,6 +13,7 @@ from app.limits import KEPT_DESKS, PARTS
 from app.routes import routes
 from app.state import ForgottenError
 from app.visitor_sets import VisitorSets
+from omnivat.data.store import load_embeddings, save_embeddings
 from omnivat.errors import DataError
 
 
@@ -70,6 +72,15 @@ def test_junk_in_place_of_weights_is_refused_and_nothing_is_kept(client, small_p
     got = client.post("/omnivat/load", json={"parts": parts})
     assert got.status_code == 400
     assert "weights.safetensors" in got.json()["error"]
+
+
+def test_a_set_without_pairs_is_refused(client, small_places, tmp_path):
+    pairs = load_embeddings(small_places.embeddings)
+    save_embeddings(tmp_path / "set.safetensors", pairs.select(np.zeros(0, np.int64)))
+    parts = send(client, {"embeddings.safetensors": tmp_path / "set.safetensors"})
+    got = client.post("/omnivat/load", json={"parts": parts})
+    assert got.status_code == 400
+    assert "'embeddings.safetensors' holds no pairs" in got.json()["error"]
 
 
 @pytest.mark.parametrize("name", ["../x", "app.py", "", "weights.pt"])
