@@ -110,7 +110,7 @@ class Job(Generic[T]):
             self.end("cancelled", CancelledError("This work was cancelled."))
         except OmniVatError as error:
             log.info("a job was refused: %s", error)
-            self.end("failed", error)
+            self.end("failed", error.with_traceback(None))  # it would keep what the work held
         except BaseException:  # for any error: a caller waits for the end
             log.exception("a job failed")
             self.end("failed", UnexpectedError(UNEXPECTED))

@@ -2,6 +2,7 @@
 
 from threading import Event, active_count
 from time import monotonic, sleep
+from weakref import ref
 
 import pytest
 
@@ -198,3 +199,22 @@ def test_a_job_that_gets_no_thread_fails_in_a_sentence_and_frees_its_slot(jobs, 
         job = jobs.start(lambda job: 1, lane="long")
     assert "no thread left" in job.status().problem
     assert jobs.start(lambda job: 1, lane="long").wait(5) == 1
+
+
+def test_a_failed_job_keeps_nothing_that_its_work_held(jobs):
+    class Large:
+        pass
+
+    held = []
+
+    def work(job):
+        large = Large()
+        held.append(ref(large))
+        raise DataError("This set cannot be shown.")
+
+    job = jobs.start(work, lane="quick")
+    with pytest.raises(DataError, match="cannot be shown"):
+        job.wait(5)
+    del work
+    job.thread.join(5)
+    assert held[0]() is None
