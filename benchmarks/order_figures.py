@@ -114,7 +114,12 @@ def searched(head: Path) -> str:
 
 def every_order(rows: Rows) -> str:
     """Accuracy against p: heads of one stop and one head for every order, spread over sources."""
-    names = {"alone": "a head at each stop", "every": "one head for every order"}
+    names = {
+        "noisy": "a head at each stop, with noise",
+        "alone": "a head at each stop",
+        "every": "one head for every order, with a teacher",
+        "plain": "one head for every order",
+    }
     light = [row for row in rows if row["width"] == 64]
     both = set.intersection(*({r["source"] for r in light if r["kind"] == kind} for kind in names))
     own = [row for row in light if row["source"] in both]
@@ -133,6 +138,30 @@ def every_order(rows: Rows) -> str:
     )
 
 
+def axes(rows: Rows) -> str:
+    """Accuracy of a probe on the rows of tactile images, samples in order and shuffled."""
+    own = [row for row in rows if row["kind"] == "rows of tactile images"]
+    orders = sorted({row["order"] for row in own})
+    return line_plot(
+        "Rows of tactile images: accuracy in unseen domains",
+        "order p of the transform",
+        [f"{order:g}" for order in orders],
+        {
+            name: [
+                spread(
+                    [
+                        r["unseen"]
+                        for r in own
+                        if r["order"] == order and (r["shuffle"] is None) is kept
+                    ]
+                )
+                for order in orders
+            ]
+            for name, kept in (("samples in order", True), ("samples shuffled", False))
+        },
+    )
+
+
 FIGURES: dict[str, tuple[str, Callable[[Rows], str]]] = {
     "order_basin": ("basin", basins),
     "order_width": ("basin", widths),
@@ -146,6 +175,7 @@ FIGURES: dict[str, tuple[str, Callable[[Rows], str]]] = {
         "channels",
         lambda rows: controls(rows, "unprojected", "Sensors, 64 channels as they are"),
     ),
+    "order_axis": ("axis", axes),
     "order_rows": ("channels", lambda rows: controls(rows, "rows", "Rows of the pictures")),
 }
 
