@@ -41,7 +41,7 @@ def evidence_report(records: Sequence[Record]) -> str:
     runs = len({(r["source"], r["seed"], r["fold"]) for r in found})
     return (
         "# Source-side evidence\n\nHeld-out objects of the source, as they are and under imitated "
-        f"sensors; no target was looked at. Mean ± standard deviation over {runs} runs "
+        f"sensors; no target was used. Mean ± standard deviation over {runs} runs "
         "(sources × seeds × folds).\n\n" + markdown(header, [cells for _, cells in rows]) + "\n"
     )
 

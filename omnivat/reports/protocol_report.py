@@ -59,8 +59,8 @@ def protocol_report(records: Sequence[Record]) -> str:
         "## Other intervals: both images against both images, 95 %, paired by source and seed",
         interval_table(found),
         "Points; none of these treats test objects as random or corrects for several comparisons. t: "
-        "over sources × seeds (n printed), taken as independent. Grouped: percentile bootstrap that "
-        "draws whole sources, then seeds. t of sources: over one mean a source.",
+        "over sources × seeds (n printed), assumed independent. Grouped: percentile bootstrap that "
+        "draws whole sources, then seeds. t of sources: over one mean for each source.",
         "## Macro-F1 with predicted classes counted too (union), source test, size, time",
         side_table(found),
         "## Every target",
@@ -203,7 +203,7 @@ def _notes(records: Sequence[Record]) -> str:
     ]
     lines += [f"- {r['label']} did not run: {r['skipped']}" for r in records if "skipped" in r]
     lines += [
-        f"- From {r['source']} these targets have no pairs of what was learned: "
+        f"- From {r['source']} these targets have no pairs of the learned classes: "
         f"{', '.join(r['missing_targets'])}."
         for r in records
         if r["missing_targets"]

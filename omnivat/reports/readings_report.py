@@ -62,7 +62,7 @@ def _default_headline(
     ours = resampled(records, DEFAULT, draws_for([r for r in records if "targets" in r]))
     intervals = {metric: simultaneous(ours[metric], others[metric]) for metric in METRICS}
     lines = [headline(metric, ours, others, intervals, labels) for metric in METRICS]
-    return ["With the default fusion, the mean, in place of the one chosen on the source:", *lines]
+    return ["With the default fusion (the mean) instead of the one chosen on the source:", *lines]
 
 
 def ablated_part(records: Sequence[Record]) -> list[str]:
@@ -73,7 +73,7 @@ def ablated_part(records: Sequence[Record]) -> list[str]:
     ours, others = found
     intervals = {metric: simultaneous(ours[metric], others[metric]) for metric in METRICS}
     table = differences_table(ours, others, intervals, methods(records))
-    return ["## OmniVaT minus itself with one thing switched off, both images", table]
+    return ["## OmniVaT minus itself with one part switched off, both images", table]
 
 
 def compared(

@@ -84,8 +84,8 @@ def cost_report(records: Sequence[Record], measured: Mapping[str, Any]) -> str:
         texts = ("–" if value is None else f"{value:g}" for value in values)
         rows.append([f"printed: {label} {MARK} (their machine)", *texts])
     note = (
-        f"On {measured['machine']}. Training is a whole fit on cached embeddings, choices on held-out "
-        "objects included; the paper prints seconds an epoch with its encoder inside, which is another "
-        "quantity. FPS is pairs a second through the encoder, which takes nearly all of the time."
+        f"On {measured['machine']}. Training is a whole fit on cached embeddings, with the choices on "
+        "held-out objects; the paper prints seconds for an epoch with the encoder, a different "
+        "quantity. FPS is pairs per second with the encoder, which takes nearly all of the time."
     )
     return f"# Cost\n\n{markdown(['method', *columns], rows)}\n\n{note}\n"

@@ -42,8 +42,8 @@ MARGIN_NOTE = (
     "mean over sources and seeds. [V;T]: both features side by side; V, T: one image, the other absent."
 )
 GUARD_NOTE = (
-    "Text is that of the pair's own class, as in training. A gap below 5 points is wanted: more says "
-    "that training went into reading the label off the text."
+    "The text is that of the pair's own class, as in training. A gap of 5 points or more means that "
+    "training taught the head to read the label from the text."
 )
 
 
