@@ -5,6 +5,7 @@ python -m omnivat embed PAIRS --encoder clip-vit-b16 --tac-encoder my_touch.py:l
 """
 
 import argparse
+from os.path import realpath
 from pathlib import Path
 
 from omnivat.cli.arguments import whole
@@ -83,7 +84,7 @@ def run(options: argparse.Namespace) -> None:
     from omnivat.embed import embed_pairs
 
     require_writable(options.out, ".safetensors")
-    if manifest_place(options.out, options.manifest).resolve() == options.pairs.resolve():
+    if realpath(manifest_place(options.out, options.manifest)) == realpath(options.pairs):
         raise SettingsError(
             f"--out is '{options.out}', and its table would replace '{options.pairs}'; "
             "choose another name."

@@ -12,6 +12,7 @@ an interrupted run are used again.
 import argparse
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
+from os.path import realpath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -113,7 +114,7 @@ def require_outputs(paths: Sequence[Path]) -> None:
     """Check the output files: at least one, all different, all writable."""
     if not paths:
         raise SettingsError("There is no output; give --out, --json or --csv.")
-    if len({path.resolve() for path in paths}) < len(paths):
+    if len({realpath(path) for path in paths}) < len(paths):
         raise SettingsError(
             "Two of --out, --json and --csv name the same file; give each its own file."
         )

@@ -1,6 +1,7 @@
 """The command line: sentences instead of tracebacks, and results as promised."""
 
 import json
+import re
 
 import pytest
 
@@ -197,3 +198,13 @@ def test_the_parser_knows_its_version(capsys):
     with pytest.raises(SystemExit):
         parser().parse_args(["--version"])
     assert capsys.readouterr().out.startswith("omnivat ")
+
+
+@pytest.mark.parametrize(
+    "words", ["embed loop --out q.safetensors", "sweep --csv loop --json loop"]
+)
+def test_a_link_to_itself_is_refused_in_a_sentence(words, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "loop").symlink_to("loop")
+    assert main(words.split()) == 2
+    assert re.search(r"omnivat (embed|sweep): .*\.$", capsys.readouterr().err.strip())
