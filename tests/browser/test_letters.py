@@ -34,6 +34,18 @@ def test_no_letter_of_a_drawing_is_too_small_and_no_title_is_cut(
         assert page.evaluate(CUT) == [], view
 
 
+@pytest.mark.parametrize("name", ["sensors", "chirps"])
+@pytest.mark.parametrize("width", [400, 1440])
+def test_no_part_of_explore_is_wider_than_the_window(
+    open_page: Callable[..., Any], name: str, width: int
+) -> None:
+    page = open_page(f"?set={name}", viewport={"width": width, "height": 800})
+    page.wait_for_selector(".explore .score b")
+    assert page.evaluate("document.documentElement.scrollWidth - innerWidth") <= 0
+    box = page.locator(".explore .score").bounding_box()
+    assert box["width"] > 200, "the score has room beside the story"
+
+
 def test_a_student_can_read_what_a_gap_lies_between_and_what_is_dashed(
     open_page: Callable[..., Any],
 ) -> None:

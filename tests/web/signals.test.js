@@ -6,7 +6,7 @@ import { frames } from "./browser.js";
 
 const { card } = await import("../../app/web/shared/card.js");
 const { explained, stageNamed, STAGES } = await import("../../app/web/shared/stages.js");
-const { story } = await import("../../app/web/explore/strangers.js");
+const { modeWords } = await import("../../app/web/explore/modes.js");
 const { onScreen, STEPS } = await import("../../app/web/header/steps.js");
 const { ABOUT } = await import("../../app/web/data/words.js");
 const { apart } = await import("../../app/web/explore/balance.js");
@@ -19,8 +19,8 @@ const SIGNALS = frames({
 test("a set of signals has neither photos nor sensors", () => {
   assert.match(card(SIGNALS, null, -1, 0, false), /Two recordings of one signal/);
   assert.match(card(frames(), null, -1, 0, false), /A photo and a touch/);
-  assert.match(story(SIGNALS), /two recordings of one signal/);
-  assert.doesNotMatch(story(frames()), /signal/);
+  assert.match(modeWords(SIGNALS), /two recordings of one signal/);
+  assert.doesNotMatch(modeWords(frames()), /signal/);
   const at = onScreen(SIGNALS, 0, { unseen: { source: "A" } });
   for (const step of STEPS.slice(0, 2)) {
     assert.doesNotMatch(step.ask(at), /is a photo|sensor/);

@@ -23,8 +23,13 @@ const trainings = ({ seeds = [], width }) =>
     .filter(Boolean)
     .join(", ");
 
-/** An explanation of the chosen mode, as HTML. */
-export function modeWords(frames) {
+const SIGNALS =
+  " Each pair is two recordings of one signal: “photo” stands for the first, “touch” for the second.";
+
+/** An explanation of the chosen mode, and of a set of signals, as HTML. */
+export const modeWords = (frames) => ofMode(frames) + (frames.signals ? SIGNALS : "");
+
+function ofMode(frames) {
   if (frames.kind === "retrained") {
     const more = trainings(frames.meta.head);
     return `<b>A head for each stop</b>, trained at that p on ${escaped(frames.source)}${more && ` (${more})`}. Dots are stops${frames.meta.head.seeds?.length > 1 ? "; the pale band is from the lowest to the highest training" : ""}.`;
