@@ -3,7 +3,7 @@ import test from "node:test";
 import { frames } from "./browser.js";
 
 const { levels, stairs } = await import("../../app/web/explore/staircase.js");
-const { histogram } = await import("../../app/web/explore/finder.js");
+const { histogram, shifted } = await import("../../app/web/explore/finder.js");
 const { addressOf } = await import("../../app/web/explore/sets.js");
 const { inView } = await import("../../app/web/explore/pictures.js");
 const { Scene } = await import("../../app/web/explore/scene.js");
@@ -75,8 +75,9 @@ test("pairs are found by name, class and domain, and look-alikes by what they im
   assert.deepEqual(kept(), [1]);
   change({ alike: "" });
   scene.facts.unseen = { pairs: { confidence: [0.2, 0.9], cosine: [0, 0] } };
-  scene.ranges.confidence = [0, 0.5];
+  change({ range: "confidence:0:0.5" });
   assert.deepEqual(kept(), [0]);
+  change({ range: "" });
 });
 
 test("only a head whose p was learned has orders that it is at home with", () => {
@@ -113,6 +114,16 @@ test("each mode of p says what a stop is", () => {
 
 test("a range of a histogram is named with its ends, so that titles and captions tell what is hidden", () => {
   const scene = new Scene(frames(), null);
-  scene.ranges = { cosine: [0.2, 0.4] };
+  change({ range: "cosine:0.2:0.4~junk:1:2~confidence:x:1~confidence:0.5" });
   assert.deepEqual(scene.filtering(), ["photo–touch cosine 0.20 to 0.40"]);
+  assert.deepEqual(scene.ranges, { cosine: [0.2, 0.4] });
+  change({ range: "" });
+});
+
+test("both ends of a range move by keys, and neither passes the other or leaves the histogram", () => {
+  assert.deepEqual(shifted(undefined, [0, 1], 1, false), [0.05, 1]);
+  assert.deepEqual(shifted([0.05, 1], [0, 1], -2, true), [0.05, 0.9]);
+  assert.deepEqual(shifted([0.5, 0.52], [0, 1], 3, false), [0.52, 0.52]);
+  assert.deepEqual(shifted([0.5, 0.52], [0, 1], -9, true), [0.5, 0.5]);
+  assert.deepEqual(shifted([0.5, 1], [0, 1], 1, true), [0.5, 1]);
 });

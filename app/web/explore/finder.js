@@ -28,12 +28,19 @@ export function histogram(all, [low, high], wanted = () => true) {
   return counts;
 }
 
+/** Move the lower or the upper end of a range by a number of bins.
+ * @param {number[] | undefined} range @param {number[]} span @param {number} by @param {boolean} upper */
+export function shifted(range, [low, high], by, upper) {
+  const [from, to] = range ?? [low, high];
+  const step = (by * (high - low)) / BINS;
+  const inside = (v) => Math.max(low, Math.min(high, v));
+  return upper ? [from, Math.max(from, inside(to + step))] : [Math.min(to, inside(from + step)), to];
+}
+
 export class Finder {
-  /** `onChange()` is called after a filter of this box changes. */
-  constructor(box, scene, onChange) {
+  constructor(box, scene) {
     this.box = box;
     this.scene = scene;
-    this.onChange = onChange;
     box.innerHTML = `<label class="search"><span class="sr">Find pairs</span><input type="search" placeholder="Find pairs: name, class, domain" autocomplete="off"></label>
       <label class="alike" hidden><input type="checkbox"><span>only look-alikes: touch alone can tell <small></small></span></label>
       <div class="histograms"></div><p class="hint found" role="status"></p>`;
@@ -63,7 +70,7 @@ export class Finder {
   figure(name, title, help) {
     const [low, high] = this.spans[name];
     return `<figure data-name="${name}" title="${help}"><figcaption>${title} <button type="button" class="link" hidden>clear</button></figcaption>
-      <svg viewBox="0 0 ${BINS} ${HIGH}" preserveAspectRatio="none" role="slider" tabindex="0" aria-label="${title}: drag to keep a range; arrows move its lower end" aria-valuemin="${low}" aria-valuemax="${high}" aria-valuenow="${low}"><path class="all"/><path class="kept"/></svg>
+      <svg viewBox="0 0 ${BINS} ${HIGH}" preserveAspectRatio="none" role="slider" tabindex="0" aria-label="${title}: drag to keep a range; arrows move its lower end, Shift and arrows its upper end" aria-valuemin="${low}" aria-valuemax="${high}" aria-valuenow="${low}"><path class="all"/><path class="kept"/></svg>
       <span class="ends"><small>${low.toFixed(2)}</small><small>${high.toFixed(2)}</small></span></figure>`;
   }
 
@@ -88,18 +95,20 @@ export class Finder {
       const by = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 }[event.key];
       if (!by) return;
       event.preventDefault();
-      const [low, high] = this.spans[name];
-      const now = this.scene.ranges[name]?.[0] ?? low;
-      this.set(name, [Math.max(low, Math.min(high, now + (by * (high - low)) / BINS)), high]);
+      this.set(name, shifted(this.scene.ranges[name], this.spans[name], by, event.shiftKey));
     };
     svg.parentElement.querySelector("button").onclick = () => this.set(name, null);
   }
 
   set(name, range) {
+    const { ranges } = this.scene;
     if (range && range[1] > range[0] && range[0] + range[1] !== this.spans[name][0] + this.spans[name][1])
-      this.scene.ranges[name] = range;
-    else delete this.scene.ranges[name];
-    this.onChange();
+      ranges[name] = range;
+    else delete ranges[name];
+    const parts = Object.entries(ranges).map(([key, ends]) =>
+      [key, ...ends.map((end) => +end.toFixed(4))].join(":"),
+    );
+    change({ range: parts.join("~") });
   }
 
   /** Draw the kept pairs and show their number. */

@@ -51,7 +51,7 @@ export class Page {
     this.balance = new Balance($(".balance"), () => state.gap);
     this.strangers = new Strangers($(".strangers"), scene, (cell) => this.acts.onlyCell(cell));
     this.toy = new Toy($(".toy"));
-    this.finder = new Finder($(".finder"), scene, () => this.refilter());
+    this.finder = new Finder($(".finder"), scene);
     this.saving = new Saving($, scene, this.maps);
     this.modes = new Modes($, scene, choices.modes, { onFrames: (shown) => this.replace(shown), say });
     this.sample = frames.label.findIndex(
@@ -86,7 +86,8 @@ export class Page {
       this.strangers.show();
     }
     this.finder.show();
-    if (state.find || state.alike) this.refilter();
+    if (state.find || state.alike || state.range) this.refilter();
+    if (facts.unseen && state.cell) this.strangers.follow();
   }
 
   /** Finer frames of the head itself have been computed. */

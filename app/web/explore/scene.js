@@ -3,6 +3,8 @@
 import { hidden, state } from "../shared/store.js";
 import { HISTOGRAMS } from "./finder.js";
 
+const isHistogram = (name) => HISTOGRAMS.some((one) => one.name === name);
+
 export class Scene {
   /** `own` are the frames of the head; another mode shows other frames of the same pairs. */
   constructor(own, sprite) {
@@ -15,9 +17,17 @@ export class Scene {
     this.selected = new Set(); // points
     this.highlight = null; // {kind, name} of the filter under the pointer
     this.only = null; // {pairs: Set, words}: a cell of the confusion matrix
-    this.ranges = {}; // histogram -> [from, to]
     this.facts = { unseen: null, pairs: null };
     this.mask = new Uint8Array(2 * own.pairs).fill(1);
+  }
+
+  /** The kept ranges: histogram -> [from, to]. */
+  get ranges() {
+    const parts = state.range.split("~").map((one) => one.split(":"));
+    const known = parts.filter(
+      ([name, ...ends]) => isHistogram(name) && ends.length === 2 && ends.map(Number).every(Number.isFinite),
+    );
+    return Object.fromEntries(known.map(([name, from, to]) => [name, [+from, +to]]));
   }
 
   get p() {

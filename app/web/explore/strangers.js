@@ -30,11 +30,11 @@ export const inWords = (n) => NUMBERS[n] ?? String(n);
 const times = (counts) => counts.flat().reduce((a, b) => Math.max(a, b), 1);
 
 /** The story in one line; the source is marked. */
-export function story({ source, domains, signals }) {
+export function story({ source, domains }) {
   const others = domains.filter((name) => name !== source).length;
   const known = others < domains.length;
   if (!source) return "";
-  return `Learned from <b class="source">${escaped(source)}</b>${known ? "" : " (not in this set)"}; meets <b>${inWords(others)} ${others === 1 ? "stranger" : "strangers"}</b>.${signals ? " Each pair is two recordings of one signal: “photo” stands for the first, “touch” for the second." : ""}`;
+  return `Learned from <b class="source">${escaped(source)}</b>${known ? "" : " (not in this set)"}; meets <b>${inWords(others)} ${others === 1 ? "stranger" : "strangers"}</b>.`;
 }
 
 /** The accuracy in unseen domains at the learned p, and the chance level. */
@@ -150,7 +150,17 @@ export class Strangers {
   /** Filter the map by a cell; a second click, or null, shows all pairs. */
   choose(cell) {
     const again = cell && this.cell?.truth === cell.truth && this.cell?.answer === cell.answer;
-    this.cell = again ? null : cell;
+    change({ cell: again || !cell ? "" : [cell.truth, cell.answer, this.domain].join("~") });
+  }
+
+  /** Show the cell in the address, if there is such a cell. */
+  follow() {
+    const [truth, answer, ...name] = state.cell.split("~");
+    const domain = name.join("~");
+    const { classes, confusion } = this.scene.facts.unseen;
+    const known = Object.hasOwn(confusion[state.reading], domain) && classes[+truth] && classes[+answer];
+    this.cell = known ? { truth: +truth, answer: +answer } : null;
+    if (known) this.domain = this.box.querySelector(".of-domain").value = domain;
     this.showConfusion();
     this.onCell(this.cell && { ...this.cell, domain: this.domain, pairs: this.pairsOf(this.cell) });
     this.box.querySelector(".cell-words").textContent = this.cell

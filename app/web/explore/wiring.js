@@ -31,6 +31,8 @@ export function wire(page) {
     page.finder.show();
     page.refilter();
   });
+  watch(["range"], () => page.refilter());
+  watch(["cell"], () => page.scene.facts.unseen && page.strangers.follow());
   watch(["part"], () => page.showPart());
   watch(["mode"], () => page.modes.follow());
   watch(["reading"], () => page.scene.only && page.strangers.choose(null));

@@ -3,7 +3,7 @@
 import { asText, values } from "../shared/measures.js";
 import { percent } from "../shared/text.js";
 
-const ALL = { domain: "", class: "", modality: "", alike: "", find: "" }; // no filter hides a step's subject
+const ALL = { domain: "", class: "", modality: "", alike: "", find: "", range: "", cell: "" }; // no filter hides a step's subject
 const NAMES = { relu: "F, after the ReLU", f_bar: "F̄, after attention", f_hat: "F̂, after the tree" };
 const READINGS = { fused: "both", vis: "photo only", tac: "touch only" };
 const CLEAR = 0.1; // of accuracy: a smaller change over p is called small

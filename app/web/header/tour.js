@@ -20,6 +20,8 @@ const KEPT = [
   "modality",
   "alike",
   "find",
+  "range",
+  "cell",
 ];
 
 /** Start the tour; throws a Refusal if the set or its head cannot be read. */

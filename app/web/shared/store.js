@@ -16,6 +16,8 @@ const DEFAULTS = {
   gap: "modality_gap",
   alike: "",
   find: "",
+  range: "", // histogram:from:to, joined by ~
+  cell: "", // of the confusion matrix: truth~predicted~domain
   p: null,
   stage: "f_hat",
   map: "pca",
