@@ -6,9 +6,8 @@ and accuracies of `EpochReport`. A finished head is not trained again.
 
 import json
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import replace
-from multiprocessing import get_context
 from pathlib import Path
 
 from omnivat.checkpoint import SETTINGS, save_head
@@ -22,6 +21,7 @@ from omnivat.threads import pin_thread
 from omnivat.train import TrainingCancelled, Watch
 from omnivat.train.state import run_name
 from omnivat.train.watch import never
+from omnivat.workers import worker_pool
 
 Stop = tuple[float, int]  # order, seed
 
@@ -90,9 +90,7 @@ def _carried_out(
             _write_head(plan, stop, folder, Watch(cancelled=cancelled))
             yield stop
         return
-    with ProcessPoolExecutor(
-        jobs, mp_context=get_context("spawn"), initializer=_prepare, initargs=(plan, folder)
-    ) as pool:
+    with worker_pool(jobs, _prepare, plan, folder) as pool:
         waiting: set[Future[Stop]] = {pool.submit(_work, stop) for stop in stops}
         try:
             while waiting:

@@ -1,9 +1,8 @@
 """Run what is not finished yet: in sequence, in parallel processes, or on a ray cluster."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from dataclasses import replace
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +15,7 @@ from omnivat.protocol.methods import Method
 from omnivat.protocol.run import Run, choice_of, execute, resolved
 from omnivat.protocol.settings import task
 from omnivat.threads import one_thread, pin_thread
+from omnivat.workers import worker_pool
 
 ENGINES = ("local", "ray")
 
@@ -138,9 +138,7 @@ def _one_by_one(
 def _in_processes(
     runs: Sequence[Run], embeddings: Path, bank: Path | None, jobs: int
 ) -> Iterator[dict[str, Any]]:
-    with ProcessPoolExecutor(
-        jobs, mp_context=get_context("spawn"), initializer=_prepare, initargs=(embeddings, bank)
-    ) as pool:
+    with worker_pool(jobs, _prepare, embeddings, bank) as pool:
         try:
             for done in as_completed([pool.submit(_work, run) for run in runs]):
                 yield done.result()

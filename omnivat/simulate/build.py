@@ -3,9 +3,8 @@
 import csv
 import io
 from collections.abc import Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, Future, wait
 from functools import partial
-from multiprocessing import get_context
 from os import cpu_count
 from pathlib import Path
 
@@ -20,6 +19,7 @@ from omnivat.progress import OnStep, Step, ignore
 from omnivat.simulate.noise import Array
 from omnivat.simulate.plan import PAIRS, Planned, classes, planned
 from omnivat.tables import load
+from omnivat.workers import worker_pool
 
 _NAMES = ("object", "split", "part", "looks_like", "feels_like")
 COLUMNS = ("vis", "tac", "domain", "material", *_NAMES)
@@ -95,7 +95,7 @@ def _carried_out(
     if workers == 1 or len(todo) < 2:
         yield from map(work, todo)
         return
-    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+    with worker_pool(workers) as pool:
         waiting: set[Future[Planned]] = {pool.submit(work, pair) for pair in todo}
         try:
             while waiting:
