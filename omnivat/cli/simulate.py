@@ -57,6 +57,7 @@ def run(options: argparse.Namespace) -> None:
     for name in others:
         if getattr(options, name) is not None:
             raise SettingsError(f"--{name} does not apply to --set {options.set}; leave it out.")
+    require_writable(options.out / "pairs.csv")
     if options.examples:
         require_writable(options.examples / "pairs")
     made = _chirps(options) if options.set == "chirps" else _sensors(options)

@@ -1,6 +1,7 @@
 """The command line: sentences instead of tracebacks, and results as promised."""
 
 import json
+import os
 import re
 
 import pytest
@@ -206,5 +207,11 @@ def test_the_parser_knows_its_version(capsys):
 def test_a_link_to_itself_is_refused_in_a_sentence(words, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "loop").symlink_to("loop")
-    assert main(words.split()) == 2
+    assert main(words.split()) == 1
     assert re.search(r"omnivat (embed|sweep): .*\.$", capsys.readouterr().err.strip())
+
+
+def test_simulate_refuses_a_file_in_place_of_its_folder_at_once(tmp_path, capsys):
+    os.mkfifo(tmp_path / "pipe")
+    assert main(["simulate", "--out", str(tmp_path / "pipe"), "--workers", "1"]) == 1
+    assert "is a file; choose a folder." in capsys.readouterr().err
