@@ -41,7 +41,7 @@ def costly() -> Iterator[tuple[str, bytes]]:
         "PNG, soft": _file(soft, "PNG", compress_level=1),
         "PNG, transparent": _file(plain("RGBA", (3500, 3500), (1, 2, 3, 4)), "PNG"),
         "PNG, 16 bits grey": _file(Image.fromarray(np.zeros((4890, 4890), np.uint16)), "PNG"),
-        "PNG, interlaced, 16 bits RGBA": interlaced(3500, 3500),
+        "PNG, interlaced, 16 bits RGBA": interlaced(2820, 2820),
         "TIFF, deflate": _file(soft, "TIFF", compression="tiff_adobe_deflate"),
         "TIFF, LZW": _file(noise, "TIFF", compression="tiff_lzw"),
         "TIFF, floating": _file(
@@ -51,7 +51,34 @@ def costly() -> Iterator[tuple[str, bytes]]:
         "BMP": _file(soft.resize((2500, 2600)), "BMP"),
         "JPEG 2000": _file(plain("RGB", (4000, 4000)), "JPEG2000"),
         "PPM, a comment of 19 MB": b"P6\n#" + b"x" * 19_000_000 + b"\n9 9\n255\n" + bytes(243),
+        **_noted(),
     }.items()
+
+
+def _noted() -> dict[str, bytes]:
+    """Return small pictures with large notes: EXIF tables, comments, fill bytes."""
+    small = Image.new("RGB", (600, 600), 5)
+    jpeg, png = _file(small, "JPEG"), _file(small, "PNG")
+    gif = _file(small.convert("P"), "GIF")
+    entries = b"".join(struct.pack("<HHII", k, 2, 200_000, 8) for k in range(65_000))
+    table = b"II*\0\x08\0\0\0" + struct.pack("<H", 65_000) + entries + bytes(200_000)
+    at = png.index(b"IDAT") - 4
+    part = b"\xff\xe1" + struct.pack(">H", 65_008) + b"Exif\0\0" + bytes(65_000)
+    return {
+        "PNG, 1 MB of EXIF entries": png[:at] + _chunk(b"eXIf", table) + png[at:],
+        "JPEG, 300 EXIF parts": jpeg[:2] + part * 300 + jpeg[2:],
+        "JPEG, 19 MB of fill bytes": jpeg[:2] + b"\xff" * 19_000_000 + jpeg[2:],
+        "JPEG, 9 million starts of a scan": _file(small, "JPEG", progressive=True)
+        + b"\xff\xda" * 9_000_000,
+        "GIF, 1.2 MB of comments": gif.replace(
+            b"\x2c", b"\x21\xfe" + (b"\xff" + bytes(255)) * 4_900 + b"\0\x2c", 1
+        ),
+        "PNG, 8 x 1.9 million": _file(Image.new("RGBA", (8, 1_900_000)), "PNG"),
+    }
+
+
+def _chunk(name: bytes, body: bytes) -> bytes:
+    return struct.pack(">I", len(body)) + name + body + struct.pack(">I", zlib.crc32(name + body))
 
 
 def _file(image: Image.Image, kind: str, **options: Any) -> bytes:
@@ -69,10 +96,7 @@ def interlaced(width: int, height: int) -> bytes:
         parts += [packer.compress(row) for _ in range(-(-(height - top) // down))]
     head = struct.pack(">IIBBBBB", width, height, 16, 6, 0, 0, 1)
     chunks = ((b"IHDR", head), (b"IDAT", b"".join(parts) + packer.flush()), (b"IEND", b""))
-    return b"\x89PNG\r\n\x1a\n" + b"".join(
-        struct.pack(">I", len(body)) + name + body + struct.pack(">I", zlib.crc32(name + body))
-        for name, body in chunks
-    )
+    return b"\x89PNG\r\n\x1a\n" + b"".join(_chunk(name, body) for name, body in chunks)
 
 
 def measured(decoder: Any, on_file: Callable[[str, dict[str, Any]], None]) -> dict[str, Any]:
