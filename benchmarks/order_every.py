@@ -5,10 +5,10 @@
                                      [--stops 0,0.25,...] [--jobs N] [--out FILE] [--table]
 
 The head for every order draws a random p (`order_draw`) and trains for `--steps` steps with the
-settings EVERY. "every" learns the logits of a teacher at p = 0.5, "plain" the labels. Heads at a
-stop train for 60 epochs with the usual settings ("alone"), or as the head of the page does
-("noisy"). Averages are over 11 orders from 0 to 1. A row of the JSON lines file is one seed of one
-source and width; finished rows are kept. --table prints them.
+settings EVERY. "every" learns the mean logits of four teachers, "plain" the labels, without LANG.
+Heads at a stop train for 60 epochs with the usual settings ("alone"), or as the head of the page
+does ("noisy"). Averages are over 11 orders from 0 to 1. A row of the JSON lines file is one seed of
+one source and width; finished rows are kept. --table prints them.
 """
 
 import argparse
@@ -32,8 +32,8 @@ from omnivat.model.head import OmniVaT
 from omnivat.train import TrainSettings, train
 from omnivat.unseen.masks import counted, mean_over_domains
 
-# helpful settings (docs/order.md): noise, no LANG, large steps, orders slightly beyond [0, 1]
-EVERY = TrainSettings(batch=64, lr=0.1, lang=False, noise=2.0, order_low=-0.1, order_high=1.1)
+# helpful settings (docs/order.md): noise, large steps, orders slightly beyond [0, 1]
+EVERY = TrainSettings(batch=64, lr=0.1, noise=2.0, order_low=-0.1, order_high=1.1)
 NOISY = replace(SENSORS, noise=2.0, epochs=120)  # those of the page's head
 AVERAGED = tuple(float(p) for p in np.linspace(0, 1, 11))
 STOPS = "0,0.25,0.5,0.75,1"
@@ -73,15 +73,15 @@ def _at_stops(
 def every(
     file: Path, source: str, width: int, seed: int, steps: int, draw: str, stops: Sequence[float]
 ) -> Row:
-    """Train one head for every order, with a teacher; return its accuracies (%)."""
-    return _one_head(file, source, width, seed, steps, draw, stops, teacher=True)
+    """Train one head for every order, with teachers; return its accuracies (%)."""
+    return _one_head(file, source, width, seed, steps, draw, stops, teachers=4)
 
 
 def plain(
     file: Path, source: str, width: int, seed: int, steps: int, draw: str, stops: Sequence[float]
 ) -> Row:
-    """The same without a teacher."""
-    return _one_head(file, source, width, seed, steps, draw, stops, teacher=False)
+    """The same without teachers and LANG."""
+    return _one_head(file, source, width, seed, steps, draw, stops, teachers=0)
 
 
 def _one_head(
@@ -93,13 +93,15 @@ def _one_head(
     draw: str,
     stops: Sequence[float],
     *,
-    teacher: bool,
+    teachers: int,
 ) -> Row:
     """Return the accuracies (%) of one head at the stops, and averaged."""
     embeddings = load_embeddings(file)
     count = len(embeddings.in_domain(source, split="train"))
     epochs = round(steps / ceil(count / EVERY.batch))
-    training = replace(EVERY, epochs=epochs, order_draw=draw, order_teacher=teacher)
+    training = replace(
+        EVERY, epochs=epochs, order_draw=draw, order_teachers=teachers, lang=teachers > 0
+    )
     plan = plan_training(embeddings, source, head={"width": width}, training=training)
     began = time.process_time()
     model = train(plan.pairs, plan.settings, plan.training, bank=plan.bank, seed=seed).model

@@ -117,7 +117,7 @@ def every_order(rows: Rows) -> str:
     names = {
         "noisy": "a head at each stop, with noise",
         "alone": "a head at each stop",
-        "every": "one head for every order, with a teacher",
+        "every": "one head for every order, with teachers",
         "plain": "one head for every order",
     }
     light = [row for row in rows if row["width"] == 64]

@@ -34,7 +34,7 @@ class TrainingPlan:
         """Return the same plan with p fixed at `order`, and another seed."""
         settings = replace(self.settings, order=order, learn_order=False)
         training = replace(
-            self.training, order_search=False, order_draw="none", order_teacher=False
+            self.training, order_search=False, order_draw="none", order_teachers=0
         )
         return replace(self, settings=settings, training=training, seed=seed)
 

@@ -1,7 +1,7 @@
 """One training on the embeddings of one domain, from a seed to the final weights."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -42,11 +42,11 @@ def train_once(
     seed: int,
     resume: Path | None,
     watch: Watch,
-    teacher: OmniVaT | None = None,
+    teachers: Sequence[OmniVaT] = (),
 ) -> Trained:
     """Train from the initial p in `head`; arguments and errors as in `train`.
 
-    teacher  a trained head whose logits are learned, in place of the labels
+    teachers  trained heads whose mean logits are learned, in place of the labels
     """
     labels = labels_of(source, head)
     fit, held = held_out(source, labels, settings, seed)
@@ -55,11 +55,11 @@ def train_once(
     run = run_name(source, head, settings, bank, seed) if resume else ""
     progress = load_state(resume, run, model, optimiser) if resume else Progress()
     steps = steps_of(len(fit), settings)
-    teacher = None if teacher is None else teacher.eval().to(current())
+    teachers = [teacher.eval().to(current()) for teacher in teachers]
     for epoch in range(len(progress.epochs), settings.epochs):
         stream = derive_seed(seed, "epoch", epoch)
         drawn = batches(source, labels, fit, bank, settings, stream)
-        record = _epoch(model, optimiser, drawn, settings, epoch, steps, watch, teacher)
+        record = _epoch(model, optimiser, drawn, settings, epoch, steps, watch, teachers)
         if len(held):
             record["source_val_macro_f1"] = _source_score(
                 model, source, held, labels[held], settings
@@ -90,14 +90,14 @@ def _epoch(
     epoch: int,
     steps: int,
     watch: Watch,
-    teacher: OmniVaT | None,
+    teachers: Sequence[OmniVaT],
 ) -> dict[str, float]:
     """Run the steps of one epoch; return its mean losses and p."""
     sums: dict[str, float] = {}
     device = model.classifier.device
     for step, batch in enumerate(on_host.to(device) for on_host in drawn):
         set_rate(optimiser, settings, (epoch * steps + step) / steps, 1 / steps)
-        losses = learn(model, optimiser, batch, settings, teacher)
+        losses = learn(model, optimiser, batch, settings, teachers)
         for name, value in losses.items():
             sums[name] = sums.get(name, 0.0) + value / steps
         done = epoch * steps + step + 1

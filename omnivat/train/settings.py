@@ -44,7 +44,7 @@ class TrainSettings:
     order_draw: OrderDraw = "none"  # draw p at random for each "batch" or each "row"
     order_low: Order = 0.0  # range of the draw
     order_high: Order = 1.0
-    order_teacher: bool = False  # with drawn orders: learn the logits of a head at one order
+    order_teachers: Annotated[int, Within(0, 100)] = 0  # heads at one order each, to learn from
     noise: Annotated[float, Within(0.0, 100.0)] = 0.0  # on embeddings, in std of each channel
 
     def __post_init__(self) -> None:
@@ -54,10 +54,10 @@ class TrainSettings:
                 f"order_low is {self.order_low} and order_high {self.order_high}; "
                 "give the smaller one first."
             )
-        if self.order_teacher and self.order_draw == "none":
+        if self.order_teachers and self.order_draw == "none":
             raise SettingsError(
-                "order_teacher is true and order_draw is none: a teacher serves a head for every "
-                "order. Set order_draw to row or batch, or order_teacher to false."
+                f"order_teachers is {self.order_teachers} and order_draw is none: teachers serve a "
+                "head for every order. Set order_draw to row or batch, or order_teachers to 0."
             )
         if self.order_search and self.order_draw != "none":
             raise SettingsError(

@@ -1,6 +1,7 @@
 """The optimiser, its learning rate, and one step."""
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import torch
@@ -54,10 +55,10 @@ def pairs_of(kind: str, batch: Batch) -> Tensor | None:
 
 
 @torch.no_grad()
-def taught_logits(teacher: OmniVaT, batch: Batch) -> dict[str, Tensor]:
-    """Return the teacher's logits (B, K) of VIS and TAC, at its own order and without LANG."""
-    logits: dict[str, Tensor] = teacher(batch.vis, batch.tac).logits
-    return logits
+def taught_logits(teachers: Sequence[OmniVaT], batch: Batch) -> dict[str, Tensor]:
+    """Return the teachers' mean logits (B, K) of VIS and TAC, each at its own order, without LANG."""
+    found = [teacher(batch.vis, batch.tac).logits for teacher in teachers]
+    return {name: torch.stack([one[name] for one in found]).mean(0) for name in found[0]}
 
 
 def learn(
@@ -65,11 +66,11 @@ def learn(
     optimiser: torch.optim.SGD,
     batch: Batch,
     settings: TrainSettings,
-    teacher: OmniVaT | None = None,
+    teachers: Sequence[OmniVaT] = (),
 ) -> dict[str, float]:
     """Take one optimiser step; return the losses as numbers.
 
-    teacher  a head whose logits for the batch are the targets, in place of the labels
+    teachers  heads whose mean logits for the batch are the targets, in place of the labels
 
     "clipped" and "order_clipped" are 1 if a gradient was clipped.
     Raises OmniVatError if the loss or a gradient is not finite.
@@ -92,7 +93,7 @@ def learn(
         labels=batch.labels,
         mma_weight=settings.mma_weight,
         nod_weight=settings.nod_weight,
-        targets=None if teacher is None else taught_logits(teacher, batch),
+        targets=taught_logits(teachers, batch) if teachers else None,
     )
     parameters = [p for group in optimiser.param_groups for p in group["params"]]
     for parameter in parameters:

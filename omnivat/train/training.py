@@ -1,7 +1,6 @@
 """Train a head on the embeddings of one domain. No other domain is used here."""
 
 import json
-import math
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -22,7 +21,7 @@ from omnivat.train.state import run_name
 from omnivat.train.watch import Watch
 
 SEARCH = "order_search.json"  # next to the state of a resumable training
-TEACHER = 0.25  # epochs of a teacher, as a share of those of the head for every order
+TEACHER = TrainSettings(epochs=120)  # its epochs, batch and rate serve every teacher
 AFTER = 0.1  # factor of p's rate after a search: little remains to be found
 
 
@@ -49,7 +48,8 @@ def train(
     watch    more callbacks, instead of `on_step`
 
     If settings.order_draw draws orders, the model's own order keeps its initial value. With
-    settings.order_teacher, a head at that order is trained first, and this head learns its logits.
+    settings.order_teachers, heads with p held at evenly spaced orders are trained first, with LANG
+    if there is any; this head then learns their mean logits, without LANG.
 
     Raises DataError if there is nothing to learn, if `resume` belongs to another training, or if
     `bank` belongs to another checkpoint than the images; OmniVatError if the loss is not finite;
@@ -66,9 +66,10 @@ def train(
             search, watch = _searched(source, head, settings, bank, seed, resume, watch)
             head = replace(head, order=search["start"])
             settings = replace(settings, order_lr_scale=AFTER * settings.order_lr_scale)
-        teacher = None
-        if settings.order_teacher:
-            teacher, watch = _teacher(source, head, settings, bank, seed, watch)
+        teachers: list[OmniVaT] = []
+        if settings.order_teachers:
+            teachers, watch = _teachers(source, head, settings, bank, seed, watch)
+            settings, bank = replace(settings, lang=False), None  # LANG was for the teachers
         trained = train_once(
             source,
             head,
@@ -77,7 +78,7 @@ def train(
             seed=seed,
             resume=resume,
             watch=watch,
-            teacher=teacher,
+            teachers=teachers,
         )
     if resume:
         resume.with_name(SEARCH).unlink(missing_ok=True)
@@ -86,33 +87,44 @@ def train(
     return replace(trained, search=search)
 
 
-def _teacher(
+def _teachers(
     source: Embeddings,
     head: HeadSettings,
     settings: TrainSettings,
     bank: LangBank | None,
     seed: int,
     watch: Watch,
-) -> tuple[OmniVaT, Watch]:
-    """Return a head trained at the order of `head`, and the watch of the rest.
+) -> tuple[list[OmniVaT], Watch]:
+    """Return heads with p held at evenly spaced orders of [0, 1], and the watch of the rest.
 
-    It keeps no state: a resumed training makes the same teacher again.
+    They keep no state: a resumed training makes the same teachers again.
     """
-    epochs = math.ceil(TEACHER * settings.epochs)
-    own = replace(settings, epochs=epochs, order_draw="none", order_teacher=False)
-    fit, _ = held_out(source, labels_of(source, head), settings, seed)
-    steps = steps_of(len(fit), settings)
-    whole = steps * (epochs + settings.epochs)
-    made = train_once(
-        source,
-        head,
-        own,
-        bank=bank,
-        seed=derive_seed(seed, "teacher"),
-        resume=None,
-        watch=watch.part(0, whole).steps_only(),
+    count = settings.order_teachers
+    own = replace(
+        settings,
+        epochs=min(settings.epochs, TEACHER.epochs),
+        batch=TEACHER.batch,
+        lr=TEACHER.lr,
+        order_draw="none",
+        order_teachers=0,
     )
-    return made.model, watch.part(steps * epochs, whole)
+    orders = [k / (count - 1) for k in range(count)] if count > 1 else [head.order]
+    pairs = len(held_out(source, labels_of(source, head), settings, seed)[0])
+    each = own.epochs * steps_of(pairs, own)
+    whole = count * each + settings.epochs * steps_of(pairs, settings)
+    made = [
+        train_once(
+            source,
+            replace(head, order=order),
+            own,
+            bank=bank,
+            seed=derive_seed(seed, "teacher", k),
+            resume=None,
+            watch=watch.part(k * each, whole).steps_only(),
+        ).model
+        for k, order in enumerate(orders)
+    ]
+    return made, watch.part(count * each, whole)
 
 
 def _searched(

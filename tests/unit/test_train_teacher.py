@@ -1,4 +1,4 @@
-"""A head for every order learns the logits of a teacher: a head trained before at one order."""
+"""A head for every order learns the mean logits of teachers: heads at one order each."""
 
 from dataclasses import replace
 
@@ -13,7 +13,7 @@ from omnivat.train import TrainSettings, train
 from omnivat.train.training import Watch
 
 CLASSES = ("wood", "steel", "plastic", "ceramic", "glass")
-EVERY = TrainSettings(epochs=8, lang=False, order_draw="row", order_teacher=True)
+EVERY = TrainSettings(epochs=8, lang=False, order_draw="row", order_teachers=2)
 
 
 @pytest.fixture(scope="module")
@@ -52,13 +52,20 @@ def test_a_taught_head_never_sees_the_labels(source):
     """Given a teacher, wrong labels change nothing but the reported cross-entropy."""
     from omnivat.train import loop
 
-    teacher = made(source, replace(EVERY, order_draw="none", order_teacher=False)).model
+    teacher = made(source, replace(EVERY, order_draw="none", order_teachers=0)).model
     shuffled = replace(source, label=source.label[::-1].copy())
     settings = replace(EVERY, epochs=2)
     plain = head(class_token=False, learn_order=False)
     first, second = (
         loop.train_once(
-            pairs, plain, settings, bank=None, seed=2, resume=None, watch=Watch(), teacher=teacher
+            pairs,
+            plain,
+            settings,
+            bank=None,
+            seed=2,
+            resume=None,
+            watch=Watch(),
+            teachers=[teacher],
         ).model.state_dict()
         for pairs in (source, shuffled)
     )
@@ -72,12 +79,12 @@ def test_a_taught_head_predicts_its_source_at_every_order(source):
         assert (shares.argmax(-1).numpy() == source.label).mean() > 0.9
 
 
-def test_a_stopped_training_makes_the_same_teacher_again(source, tmp_path):
+def test_a_stopped_training_makes_the_same_teachers_again(source, tmp_path):
     whole = made(source, EVERY).model.state_dict()
     state = tmp_path / "training.safetensors"
 
     def stop_late(step):
-        if step.done > 0.7 * step.total:
+        if step.done > 0.85 * step.total:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
@@ -88,15 +95,39 @@ def test_a_stopped_training_makes_the_same_teacher_again(source, tmp_path):
     assert not state.exists()
 
 
-def test_progress_counts_the_steps_of_the_teacher_too(source):
+def test_progress_counts_the_steps_of_the_teachers_too(source):
     steps, epochs = [], []
     watch = Watch(on_step=steps.append, on_epoch=lambda record, model: epochs.append(record))
     made(source, EVERY, watch=watch)
     assert [step.done for step in steps] == list(range(1, steps[-1].total + 1))
-    assert {step.total for step in steps} == {50}  # 5 steps for 8 epochs and for 2 of the teacher
+    assert {step.total for step in steps} == {
+        120
+    }  # 5 steps × 8 epochs × (two teachers and the head)
     assert len(epochs) == EVERY.epochs
 
 
-def test_a_teacher_without_drawn_orders_is_refused():
+def test_teachers_hold_evenly_spaced_orders_and_only_they_use_lang(source, monkeypatch):
+    from omnivat.lang.bank import load_bank
+    from omnivat.train import training
+
+    made_at = []
+    once = training.train_once
+
+    def noted(pairs, settings, own, **more):
+        made_at.append((settings.order, own.order_draw, more["bank"] is not None, own.lang))
+        return once(pairs, settings, own, **more)
+
+    monkeypatch.setattr(training, "train_once", noted)
+    settings = replace(EVERY, lang=True, epochs=1, order_teachers=3)
+    train(source, head(), settings, bank=load_bank())
+    assert made_at == [
+        (0.0, "none", True, True),
+        (0.5, "none", True, True),
+        (1.0, "none", True, True),
+        (0.5, "row", False, False),
+    ]
+
+
+def test_teachers_without_drawn_orders_are_refused():
     with pytest.raises(SettingsError, match="order_draw"):
-        TrainSettings(order_teacher=True)
+        TrainSettings(order_teachers=1)
