@@ -65,10 +65,14 @@ def taught_name(resources: Resources, question: Mapping[str, Any]) -> dict[str, 
     """Teach a head and return its name, for requests whose body is an image.
 
     question  {"lessons": […]}
-    return    `taught`: the name for `head_taught`; "" without lessons
+    return    `taught`: the name for `head_taught`
+
+    Raises DataError without lessons.
     """
+    if not lessons_in(question):
+        raise DataError("No pair is labelled yet, so no head can be taught. Label two or more.")
     head_for(resources, question)
-    return {"taught": _name(question) if lessons_in(question) else ""}
+    return {"taught": _name(question)}
 
 
 def head_taught(resources: Resources, name: str) -> "Head":
