@@ -99,8 +99,9 @@ def test_requests_with_an_image_use_the_taught_head_as_the_headline_does(resourc
     assert said[1] == "cork"
 
 
-def test_without_lessons_no_head_is_taught_and_a_forgotten_one_is_told(resources):
-    assert taught_name(resources, {"lessons": []}) == {"taught": ""}
+def test_without_lessons_no_head_is_taught_and_a_forgotten_one_gives_a_sentence(resources):
+    with pytest.raises(DataError, match="No pair is labelled"):
+        taught_name(resources, {"lessons": []})
     assert head_taught(resources, "") is resources.head()
     with pytest.raises(ForgottenError, match="no longer has the taught head"):
         head_taught(resources, "0" * 32)
