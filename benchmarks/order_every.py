@@ -22,6 +22,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from benchmarks._order_runs import SENSORS, carried_out, head_at, labels_of, scored
 from omnivat.averaged import averaged_probabilities
@@ -137,7 +138,7 @@ def made(
 
 
 def compared(rows: Sequence[Row], width: int) -> list[Row]:
-    """Return for each source of a width: means over seeds (S,) of both kinds, and their difference."""
+    """Return for each source of a width the means over seeds (S,) of every kind, by name."""
     found = []
     for source in dict.fromkeys(row["source"] for row in rows if row["width"] == width):
         own = [row for row in rows if (row["source"], row["width"]) == (source, width)]
@@ -146,35 +147,41 @@ def compared(rows: Sequence[Row], width: int) -> list[Row]:
             for kind in KINDS
             if any(row["kind"] == kind for row in own)
         }
-        if len(means) == 2:
-            ours = [row for row in own if row["kind"] == "every"]
-            found.append(
-                {
-                    "source": source,
-                    **means,
-                    "less": means["every"] - means["alone"],
-                    "averaged": float(np.mean([row["averaged"] - row["single"] for row in ours])),
-                }
-            )
+        if {"alone", "every"} <= set(means):
+            gains = [row["averaged"] - row["single"] for row in own if row["kind"] == "every"]
+            found.append({"source": source, **means, "averaging": float(np.mean(gains))})
     return found
 
 
 def table(rows: Sequence[Row]) -> str:
-    """Return both kinds of head side by side, in Markdown."""
+    """Return all kinds of head side by side, in Markdown."""
     lines = []
     for width in sorted({row["width"] for row in rows}):
         lines += [
             f"\nD = {width}\n",
-            "| source | heads at each stop | one head | mean difference | worst stop | averaging |",
-            "| --- | --- | --- | --- | --- | --- |",
+            "| source | at each stop | ... with noise | one head, labels | one head, teachers "
+            "| less at each stop: mean, worst | less with noise: mean, worst | averaging |",
+            "| --- | --- | --- | --- | --- | --- | --- | --- |",
         ]
         for one in compared(rows, width):
-            alone, every = (f"{one[k].mean():.1f} ({one[k].min():.1f}-{one[k].max():.1f})" for k in ("alone", "every"))  # fmt: skip
-            lines.append(
-                f"| {one['source']} | {alone} | {every} | {one['less'].mean():+.1f} "
-                f"| {one['less'].min():+.1f} | {one['averaged']:+.1f} |"
-            )
+            means = " | ".join(_means(one.get(kind)) for kind in KINDS)
+            less = " | ".join(_less(one["every"], one.get(kind)) for kind in ("alone", "noisy"))
+            lines.append(f"| {one['source']} | {means} | {less} | {one['averaging']:+.1f} |")
     return "\n".join(lines)
+
+
+def _means(values: NDArray[np.float64] | None) -> str:
+    """Return the mean over stops with the lowest and the highest."""
+    if values is None:
+        return "–"
+    return f"{values.mean():.1f} ({values.min():.1f}-{values.max():.1f})"
+
+
+def _less(values: NDArray[np.float64], others: NDArray[np.float64] | None) -> str:
+    """Return the mean difference over stops and the lowest one."""
+    if others is None:
+        return "–"
+    return f"{(values - others).mean():+.1f}, {(values - others).min():+.1f}"
 
 
 def main() -> None:

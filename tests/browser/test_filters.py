@@ -14,7 +14,9 @@ TITLE = ".explore .now .map-title"
 
 def drag_over(page: Any, name: str) -> None:
     """Drag over the middle of a histogram."""
-    box = page.locator(f'.explore .histograms [data-name="{name}"] svg').bounding_box()
+    histogram = page.locator(f'.explore .histograms [data-name="{name}"] svg')
+    histogram.scroll_into_view_if_needed()
+    box = histogram.bounding_box()
     middle = box["y"] + box["height"] / 2
     page.mouse.move(box["x"] + 0.3 * box["width"], middle)
     page.mouse.down()

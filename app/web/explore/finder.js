@@ -102,8 +102,8 @@ export class Finder {
 
   set(name, range) {
     const { ranges } = this.scene;
-    if (range && range[1] > range[0] && range[0] + range[1] !== this.spans[name][0] + this.spans[name][1])
-      ranges[name] = range;
+    const [low, high] = this.spans[name];
+    if (range && range[1] > range[0] && (range[0] > low || range[1] < high)) ranges[name] = range;
     else delete ranges[name];
     const parts = Object.entries(ranges).map(([key, ends]) =>
       [key, ...ends.map((end) => +end.toFixed(4))].join(":"),
