@@ -115,10 +115,10 @@ def searched(head: Path) -> str:
 def every_order(rows: Rows) -> str:
     """Accuracy against p: heads of one stop and one head for every order, spread over sources."""
     names = {
-        "noisy": "a head at each stop, with noise",
-        "alone": "a head at each stop",
-        "every": "one head for every order, with teachers",
-        "plain": "one head for every order",
+        "noisy": "each stop, noise",
+        "alone": "each stop",
+        "every": "every, teachers",
+        "plain": "every order",
     }
     light = [row for row in rows if row["width"] == 64]
     both = set.intersection(*({r["source"] for r in light if r["kind"] == kind} for kind in names))
