@@ -33,9 +33,7 @@ class TrainingPlan:
     def at(self, order: float, seed: int) -> "TrainingPlan":
         """Return the same plan with p fixed at `order`, and another seed."""
         settings = replace(self.settings, order=order, learn_order=False)
-        training = replace(
-            self.training, order_search=False, order_draw="none", order_teachers=0
-        )
+        training = replace(self.training, order_search=False, order_draw="none", order_teachers=0)
         return replace(self, settings=settings, training=training, seed=seed)
 
     @property
