@@ -34,18 +34,25 @@ def picture_rows(file: Path) -> Embeddings:
     and centred. VIS is the photo's row, TAC that of the tactile image.
     """
     embeddings = load_embeddings(file)
-    sheet = Image.open(sheet_of(file)).convert("L")
-    layout = json.loads(sheet_of(file).with_suffix(".json").read_text(encoding="utf-8"))
-    tile, columns = layout["tile"], layout["columns"]
-    rows = [_row(sheet, tile, columns, place) for place in range(2 * len(embeddings))]
-    signals = np.stack(rows).astype(np.float32)
+    signals = np.stack([_row(tile) for tile in pictures(file)]).astype(np.float32)
     return _with(embeddings, signals[: len(embeddings)], signals[len(embeddings) :])
 
 
-def _row(sheet: Image.Image, tile: int, columns: int, place: int) -> NDArray[np.float32]:
-    left, top = tile * (place % columns), tile * (place // columns)
-    middle = top + tile // 2
-    strip = sheet.crop((left, middle - 4, left + tile, middle + 4)).convert("F")
+def pictures(file: Path) -> list[Image.Image]:
+    """Return the set's 2N thumbnails: photos, then tactile images."""
+    sheet = Image.open(sheet_of(file)).convert("RGB")
+    layout = json.loads(sheet_of(file).with_suffix(".json").read_text(encoding="utf-8"))
+    tile, columns = layout["tile"], layout["columns"]
+    corners = (
+        (tile * (place % columns), tile * (place // columns))
+        for place in range(2 * len(load_embeddings(file)))
+    )
+    return [sheet.crop((x, y, x + tile, y + tile)) for x, y in corners]
+
+
+def _row(tile: Image.Image) -> NDArray[np.float32]:
+    middle = tile.height // 2
+    strip = tile.convert("L").crop((0, middle - 4, tile.width, middle + 4)).convert("F")
     row = np.asarray(strip.resize((WIDTH, 1), Image.Resampling.BOX), dtype=np.float32)[0]
     signal: NDArray[np.float32] = row - row.mean() + np.float32(1e-3)  # never of length zero
     return signal

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from PIL import Image
 from torch import Tensor
 
+from benchmarks._order_sets import pictures
 from benchmarks.measure import machine
 from benchmarks.simulated_probe import fitted
 from omnivat.data.store import Embeddings, load_embeddings
@@ -29,7 +30,6 @@ from omnivat.encoders.efficientnet import EfficientNetLite0, load_lite0
 from omnivat.fractional import dfrft
 from omnivat.heads import default_embeddings
 from omnivat.reports.intervals import t_interval
-from omnivat.thumbnails import sheet_of
 from omnivat.unseen.masks import counted, mean_over_domains
 
 STOPS = (0.0, 0.25, 0.5, 0.75, 1.0)
@@ -43,18 +43,6 @@ KINDS = (
     "patches of photos",
 )
 Row = dict[str, Any]
-
-
-def pictures(file: Path) -> list[Image.Image]:
-    """Return the set's 2N thumbnails: photos, then tactile images."""
-    sheet = Image.open(sheet_of(file)).convert("RGB")
-    layout = json.loads(sheet_of(file).with_suffix(".json").read_text(encoding="utf-8"))
-    tile, columns = layout["tile"], layout["columns"]
-    corners = (
-        (tile * (place % columns), tile * (place // columns))
-        for place in range(2 * len(load_embeddings(file)))
-    )
-    return [sheet.crop((x, y, x + tile, y + tile)) for x, y in corners]
 
 
 def grey_rows(tiles: list[Image.Image]) -> Tensor:

@@ -35,31 +35,25 @@ from omnivat.unseen.masks import counted, mean_over_domains
 
 # helpful settings (docs/order.md): noise, large steps, orders slightly beyond [0, 1]
 EVERY = TrainSettings(batch=64, lr=0.1, noise=2.0, order_low=-0.1, order_high=1.1)
-NOISY = replace(SENSORS, noise=2.0, epochs=120)  # those of the page's head
+# heads at a stop: the usual settings, and those of the page's head
+AT_STOPS = {"alone": SENSORS, "noisy": replace(SENSORS, noise=2.0, epochs=120)}
+TEACHERS = {"plain": 0, "every": 4}  # of one head for every order
+KINDS = (*AT_STOPS, *TEACHERS)
 AVERAGED = tuple(float(p) for p in np.linspace(0, 1, 11))
 STOPS = "0,0.25,0.5,0.75,1"
 Row = dict[str, Any]
 NAMED = ("kind", "source", "width", "seed", "steps", "draw", "stops")  # key of a row
 
 
-def alone(
-    file: Path, source: str, width: int, seed: int, steps: int, draw: str, stops: Sequence[float]
+def at_stops(
+    embeddings: Embeddings,
+    source: str,
+    width: int,
+    seed: int,
+    stops: Sequence[float],
+    training: TrainSettings,
 ) -> Row:
-    """Train a head at each stop; return their accuracies (%). Steps and draw do not apply."""
-    return _at_stops(file, source, width, seed, stops, SENSORS)
-
-
-def noisy(
-    file: Path, source: str, width: int, seed: int, steps: int, draw: str, stops: Sequence[float]
-) -> Row:
-    """The same, with the settings of the page's head: noise on the embeddings, 120 epochs."""
-    return _at_stops(file, source, width, seed, stops, NOISY)
-
-
-def _at_stops(
-    file: Path, source: str, width: int, seed: int, stops: Sequence[float], training: TrainSettings
-) -> Row:
-    embeddings = load_embeddings(file)
+    """Train a head at each stop; return their accuracies (%)."""
     began = time.process_time()
     heads = [head_at(embeddings, source, p, seed, training, {"width": width}) for p in stops]
     cpu = time.process_time() - began
@@ -71,38 +65,15 @@ def _at_stops(
     }
 
 
-def every(
-    file: Path, source: str, width: int, seed: int, steps: int, draw: str, stops: Sequence[float]
-) -> Row:
-    """Train one head for every order, with teachers; return its accuracies (%)."""
-    return _one_head(file, source, width, seed, steps, draw, stops, teachers=4)
-
-
-def plain(
-    file: Path, source: str, width: int, seed: int, steps: int, draw: str, stops: Sequence[float]
-) -> Row:
-    """The same without teachers and LANG."""
-    return _one_head(file, source, width, seed, steps, draw, stops, teachers=0)
-
-
-def _one_head(
-    file: Path,
+def one_head(
+    embeddings: Embeddings,
     source: str,
     width: int,
     seed: int,
-    steps: int,
-    draw: str,
     stops: Sequence[float],
-    *,
-    teachers: int,
+    training: TrainSettings,
 ) -> Row:
-    """Return the accuracies (%) of one head at the stops, and averaged."""
-    embeddings = load_embeddings(file)
-    count = len(embeddings.in_domain(source, split="train"))
-    epochs = round(steps / ceil(count / EVERY.batch))
-    training = replace(
-        EVERY, epochs=epochs, order_draw=draw, order_teachers=teachers, lang=teachers > 0
-    )
+    """Train one head for every order; return its accuracies (%) at the stops, and averaged."""
     plan = plan_training(embeddings, source, head={"width": width}, training=training)
     began = time.process_time()
     model = train(plan.pairs, plan.settings, plan.training, bank=plan.bank, seed=seed).model
@@ -117,7 +88,12 @@ def _one_head(
     }
 
 
-KINDS = {"alone": alone, "noisy": noisy, "plain": plain, "every": every}
+def every_settings(pairs: int, steps: int, draw: str, teachers: int) -> TrainSettings:
+    """Return the settings of a head for every order; LANG serves the teachers alone."""
+    epochs = round(steps / ceil(pairs / EVERY.batch))
+    return replace(
+        EVERY, epochs=epochs, order_draw=draw, order_teachers=teachers, lang=teachers > 0
+    )
 
 
 def averaged(model: OmniVaT, embeddings: Embeddings, source: str) -> float:
@@ -134,7 +110,12 @@ def made(
     """Return a complete row: its key and its results."""
     places = tuple(map(float, stops.split(",")))
     known = dict(zip(NAMED, (kind, source, width, seed, steps, draw, stops), strict=True))
-    return known | KINDS[kind](file, source, width, seed, steps, draw, places)
+    embeddings = load_embeddings(file)
+    if kind in AT_STOPS:
+        return known | at_stops(embeddings, source, width, seed, places, AT_STOPS[kind])
+    pairs = len(embeddings.in_domain(source, split="train"))
+    training = every_settings(pairs, steps, draw, TEACHERS[kind])
+    return known | one_head(embeddings, source, width, seed, places, training)
 
 
 def compared(rows: Sequence[Row], width: int) -> list[Row]:
@@ -222,7 +203,7 @@ def main() -> None:
 def _job(
     kind: str, source: str, width: int, seed: int, options: argparse.Namespace
 ) -> tuple[Any, ...]:
-    own = (options.steps, options.draw) if kind in ("every", "plain") else (0, "none")
+    own = (options.steps, options.draw) if kind in TEACHERS else (0, "none")
     return (kind, source, width, seed, *own, options.stops)
 
 
