@@ -3,17 +3,17 @@
 import base64
 import json
 import re
+from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 from posixpath import normpath
+from typing import Any
 
 from app.components import WEB
-from app.curve_pictures import curves_picture
-from app.drawing import write_picture
 from app.modes import fitting_files, modes
-from app.pictures import map_picture
 from app.places import Places, places
 from app.resources import Resources
+from app.routes import sheet
 from app.theme import STYLES
 from app.views import explore
 from omnivat.errors import DataError
@@ -21,36 +21,30 @@ from omnivat.files import write_text
 from omnivat.progress import OnStep, Step, ignore
 
 IMPORT = re.compile(r'(\bfrom\s+|\bimport\s+|\bimport\()"(\.{1,2}/[\w./]+\.js)"')
+KINDS = {".js": "text/javascript", ".json": "application/json", ".webp": "image/webp"}
 PREFIX = "omnivat-web/"  # a bare name, which an import map can resolve to a data: address
-FIRST, TOUR = "explore/explore.js", "header/tour.js"
+FIRST, HEADER = "explore/explore.js", "header/header.js"
 
 PAGE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width">
-<title>OmniVaT: {title}</title>
-<style>
-body {{ margin: 0; background: var(--ov-page); }}
-.saved .tool.link, .saved .card .open, .saved .card .near {{ display: none; }}
-{styles}
-</style></head>
-<body class="saved"><div class="gradio-container"><div class="main app"><main>
-<header class="ov top"><div class="name"><h1>OmniVaT</h1><p>{title}</p></div><div class="marks">
-<span class="badge" {badge}>simulated<span class="long"> data</span></span>
-<button type="button" class="tour-start">Guided tour</button>
-<button type="button" class="theme" aria-label="Switch between light and dark">&#9680;</button>
-</div></header>
-<div id="explore">{explore}</div></main></div></div>
-<script>globalThis.omnivatHeld = {held};</script>
-<script type="importmap">{modules}</script>
-<script type="module">
-import {{ start }} from "{first}";
-import {{ startTour }} from "{tour}";
-const dark = matchMedia("(prefers-color-scheme: dark)").matches;
-document.body.classList.toggle("dark", dark);
-document.querySelector(".theme").onclick = () => document.body.classList.toggle("dark");
-document.querySelector(".tour-start").onclick = () => startTour();
-start(document.querySelector("#explore"));
-</script></body></html>
+{head}
+</head>
+<body{kind}><div class="gradio-container"><div class="main app"><main>
+<div id="omnivat-header">{header}</div>
+{body}
+</main></div></div>
+<script type="application/json" id="omnivat-held">{held}</script>
+{scripts}</body></html>
 """
+ALONE = "This page is a single file without a server, so this does not work here."
+SCRIPTS = f"""<script type="importmap">{{modules}}</script>
+<script type="module">
+import {{{{ start }}}} from "{PREFIX}{FIRST}";
+import {{{{ start as startHeader }}}} from "{PREFIX}{HEADER}";
+document.body.classList.toggle("dark", matchMedia("(prefers-color-scheme: dark)").matches);
+startHeader(document.querySelector("#omnivat-header"));
+start(document.querySelector("#view-explore"));
+</script>"""
 
 
 def where_from(head: Path | None, embeddings: Path | None) -> Places:
@@ -75,21 +69,22 @@ def frames_file(where: Places, on_step: OnStep = ignore) -> Path:
 def export_picture(
     frames: Path, out: Path, *, what: str, order: float | None, stage: str, kind: str, colour: str
 ) -> None:
-    """Write the map or the curves as SVG or PNG.
+    """Write the map or the curves as a figure: HTML, SVG, PNG or Plotly's JSON.
 
     order  None: the learned one
 
     Raises SettingsError for an unknown map, colouring or ending.
     """
+    from omnivat.figures import frames_map, gap_curves, write
     from omnivat.frames import read_frames
 
     found = read_frames(frames)
     at = float(found.head.get("learned_order") or 0.5) if order is None else order
     if what == "curves":
-        picture = curves_picture(found, stage=stage, order=at)
+        figure = gap_curves(found, stage=stage, order=at)
     else:
-        picture = map_picture(found, order=at, stage=stage, kind=kind, colour=colour)
-    write_picture(out, picture)
+        figure = frames_map(found, order=at, stage=stage, kind=kind, colour=colour)
+    write(out, figure)
 
 
 def export_page(where: Places, frames: Path, out: Path) -> None:
@@ -100,49 +95,62 @@ def export_page(where: Places, frames: Path, out: Path) -> None:
     from omnivat.frames import read_frames
 
     found = read_frames(frames)
-    held = held_files(where, frames)
-    simulated = bool(found.embeddings.get("simulated"))
     title = f"{found.pairs} VIS-TAC pairs of {len(found.domains)} domains, {len(found.orders)} stops of p"
-    page = PAGE.format(
-        title=title,
-        badge="" if simulated else "hidden",
-        styles="\n".join((WEB / f"{name}.css").read_text(encoding="utf-8") for name in STYLES),
-        explore=(WEB / "explore" / "explore.html").read_text(encoding="utf-8"),
-        held=json.dumps(held),
-        modules=json.dumps({"imports": scripts()}),
-        first=PREFIX + FIRST,
-        tour=PREFIX + TOUR,
+    styles = "\n".join((WEB / f"{name}.css").read_text(encoding="utf-8") for name in STYLES)
+    page = document(
+        head=f"<title>OmniVaT: {title}</title>\n<style>{styles}</style>",
+        kind=' class="saved"',
+        body=f'<div id="view-explore">{html_of("explore")}</div>',
+        held={"files": held_files(where, frames), "home": "", "alone": ALONE},
+        scripts=SCRIPTS.format(modules=json.dumps({"imports": scripts()})),
     )
     write_text(out, page)
 
 
+def document(*, held: Mapping[str, Any], **parts: str) -> str:
+    """Return a page that needs no server.
+
+    held   what its scripts have instead of one; see `app/web/shared/held.js`
+    parts  head, kind (attributes of the body), body, scripts: HTML
+    """
+    index = json.dumps(held, ensure_ascii=False, separators=(",", ":")).replace("</", "<\\/")
+    return PAGE.format(held=index, header=html_of("header"), **parts)
+
+
+def html_of(name: str) -> str:
+    """Return the HTML of the component `web/<name>`."""
+    return (WEB / name / f"{name}.html").read_text(encoding="utf-8")
+
+
 def held_files(where: Places, frames: Path) -> dict[str, str]:
-    """Return all server data of a saved page, by path, as data: addresses."""
+    """Return all server data of a saved page, by request, as data: addresses."""
     resources = Resources(where)
-    binary = "application/octet-stream"
-    held = {"frames": data_address(frames.read_bytes(), binary)}
-    listed = {"sets": [], "modes": modes(resources)["modes"]}
-    for mode, file in fitting_files(resources).items():
-        held[f"frames?mode={mode}"] = data_address(file.read_bytes(), binary)
     facts = {
-        "modes": listed,
-        "pairs": explore.pairs(resources),
-        "toy": explore.mechanism(resources),
-        "unseen": explore.unseen(resources),
+        "/modes": {"sets": [], "modes": modes(resources)["modes"]},
+        "/pairs": explore.pairs(resources),
+        "/toy": explore.mechanism(resources),
+        "/unseen": explore.unseen(resources),
     }
-    for name, fact in facts.items():
-        held[name] = data_address(json.dumps(fact).encode(), "application/json")
-    sheet = where.sprite.with_suffix(".json") if where.sprite else None
-    if where.sprite is not None and sheet is not None and sheet.is_file():
-        held["thumbnails.webp"] = data_address(where.sprite.read_bytes(), "image/webp")
-        held["thumbnails.json"] = data_address(sheet.read_bytes(), "application/json")
-    return held
+    files = set_files(resources, frames)
+    return {
+        **{name: data_address(file.read_bytes(), file.suffix) for name, file in files.items()},
+        **{name: data_address(json.dumps(fact).encode(), ".json") for name, fact in facts.items()},
+    }
+
+
+def set_files(resources: Resources, frames: Path) -> dict[str, Path]:
+    """Return the files of a set that the server serves unchanged, by request."""
+    found = {"/frames": frames}
+    found |= {f"/frames?mode={mode}": file for mode, file in fitting_files(resources).items()}
+    if (drawn := sheet(resources)) is not None:
+        found |= {f"/thumbnails{kind}": drawn.with_suffix(kind) for kind in (".webp", ".json")}
+    return found
 
 
 def scripts() -> dict[str, str]:
     """Return every script that Explore and its tour need, by bare name, as a data: address."""
     found: dict[str, str] = {}
-    waiting = [FIRST, TOUR]
+    waiting = [FIRST, HEADER]
     while waiting:
         name = waiting.pop()
         if PREFIX + name in found:
@@ -151,7 +159,7 @@ def scripts() -> dict[str, str]:
         folder = name.rpartition("/")[0]
         waiting += [_beside(folder, match[2]) for match in IMPORT.finditer(source)]
         bare = IMPORT.sub(partial(_bare, folder), source)
-        found[PREFIX + name] = data_address(bare.encode(), "text/javascript")
+        found[PREFIX + name] = data_address(bare.encode(), ".js")
     return found
 
 
@@ -165,6 +173,7 @@ def _bare(folder: str, match: re.Match[str]) -> str:
     return f'{match[1]}"{PREFIX}{_beside(folder, match[2])}"'
 
 
-def data_address(content: bytes, kind: str) -> str:
+def data_address(content: bytes, suffix: str) -> str:
     """Return the content as a data: address."""
+    kind = KINDS.get(suffix, "application/octet-stream")
     return f"data:{kind};base64," + base64.b64encode(content).decode()

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from app.pair_input import embedded, refs_from
+from app.pair_input import embedded, refs_from, rounded
 from app.resources import Resources
 from omnivat.errors import DataError
 
@@ -11,12 +11,14 @@ if TYPE_CHECKING:
     import numpy as np
     import torch
 
+    from app.state import Ref
     from omnivat.checkpoint import Head
 
     Index = np.ndarray[Any, Any]
 
 NEAREST = 3
-UNLIKE = 0.05  # below this quantile, the prediction is a guess
+MOST_LOOKED_AT = 2000  # pairs of the set among which the first one is chosen
+OTHER = {"vis": "tac", "tac": "vis"}
 
 
 def familiar(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
@@ -26,21 +28,25 @@ def familiar(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any
     return    `images`: modality -> `nearest`, the nearest training pairs of the loaded set and
               their cosines in E; and, if the head's folder has the training embeddings, `cosine`,
               `quantile` (share of the training images with a less similar nearest neighbour),
-              `words` and `guess`; `of`: the set of the `nearest` pairs
+              `words` and `guess`; `strays`: true if an uploaded image is nearer to the training
+              images of the other modality; `of`: the set of the `nearest` pairs
 
     Raises DataError if the set has another encoder.
     """
     head, embeddings = resources.head(), resources.embeddings()
     head.require_embeddings(embeddings)
     refs = refs_from(question)
-    pair = embedded(resources, refs)
-    index, of = _training_pairs(resources)
+    pair = embedded(resources, refs, question)
+    index, of = training_pairs(resources)
     images: dict[str, dict[str, Any]] = {}
     for name, raw in pair.items():
         if raw is not None:
             own = refs[name]
             row = int(own.name) if own is not None and own.kind == "row" else -1
-            images[name] = {"nearest": _nearest(resources, name, raw, index, row)}
+            near = _nearest(resources, name, raw, index, row)
+            images[name] = {"nearest": near}
+            if own is not None and own.kind == "image" and not question.get("profile"):
+                images[name]["strays"] = _strays(resources, own, name, near[0]["cosine"], index)
     for name, looked in looked_at(head, pair["vis"], pair["tac"]).items():
         images[name] |= looked
     return {"images": images, "of": of}
@@ -53,13 +59,54 @@ def looked_at(
 
     Empty if the head's folder lacks the training embeddings.
     """
+    from omnivat.calibration.familiarity import UNLIKE
+
     if head.familiarity is None:
         return {}
     found = head.familiarity.look(vis, tac)[0]
     return {name: {**one, "guess": one["quantile"] < UNLIKE} for name, one in found.items()}
 
 
-def _training_pairs(resources: Resources) -> "tuple[Index, str]":
+def predict_one(
+    head: "Head", pair: "Mapping[str, torch.Tensor | None]", order: float | None = None
+) -> dict[str, Any]:
+    """Return `readings`, the class probabilities, and `images`, the familiarity, of one pair.
+
+    order  p in quarter turns; None: the learned one
+    """
+    out = head.model(pair["vis"], pair["tac"], order=order)
+    readings = {name: rounded(values.numpy())[0] for name, values in out.readings.items()}
+    return {"readings": readings, "images": looked_at(head, pair["vis"], pair["tac"])}
+
+
+def first(resources: Resources) -> dict[str, Any]:
+    """Return the pair to open with: the most familiar one that the head was not trained on.
+
+    return  `ref` of an example, or else of a pair of the set; None if each would be a guess
+    """
+    import numpy as np
+    import torch
+
+    from omnivat.calibration.familiarity import UNLIKE
+    from omnivat.unseen.masks import counted
+
+    head, embeddings = resources.head(), resources.embeddings()
+    head.require_embeddings(embeddings)
+    tested = counted(embeddings, head.source)
+    refs = {row: f"example:{name}" for name, row in resources.example_rows().items() if tested[row]}
+    if not refs:
+        refs = {int(row): f"row:{row}" for row in np.flatnonzero(tested)[:MOST_LOOKED_AT]}
+    if head.familiarity is None or not refs:
+        return {"ref": next(iter(refs.values()), None)}
+    rows = np.array(list(refs))
+    vis, tac = (torch.from_numpy(getattr(embeddings, name)[rows]) for name in ("vis", "tac"))
+    looks = head.familiarity.look(vis, tac)
+    least = [min(one["quantile"] for one in look.values()) for look in looks]
+    best = int(np.argmax(least))
+    return {"ref": refs[int(rows[best])] if least[best] >= UNLIKE else None}
+
+
+def training_pairs(resources: Resources) -> "tuple[Index, str]":
     """Return the training rows of the set, and their description.
 
     If the set lacks the head's source, all rows.
@@ -73,6 +120,14 @@ def _training_pairs(resources: Resources) -> "tuple[Index, str]":
     split = np.array(embeddings.rows["split"], dtype=object)
     keep = own & (split != "test")
     return np.flatnonzero(keep if keep.any() else own), f"the training pairs of {source}"
+
+
+def _strays(resources: Resources, ref: "Ref", name: str, own: float, index: "Index") -> bool:
+    """True if the image, embedded as the other modality, has a nearer training image there."""
+    import torch
+
+    raw = torch.from_numpy(resources.embedding(ref, OTHER[name]).copy())[None]
+    return bool(_nearest(resources, OTHER[name], raw, index, -1)[0]["cosine"] > own)
 
 
 def _nearest(

@@ -162,9 +162,8 @@ class FramesJob:
         """Compute and write the frames of some stops; `linear` computes PCA only."""
         from omnivat.checkpoint import head_hash
         from omnivat.frames import build_frames, write_frames
-        from omnivat.frames.build import DEFAULT_MAPS
-        from omnivat.frames.kinds import kind_of
-        from omnivat.frames.stops import with_learned
+        from omnivat.frames.builder import DEFAULT_MAPS
+        from omnivat.frames.records import kind_of, with_learned
 
         frames = build_frames(
             head.model,

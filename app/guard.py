@@ -1,13 +1,16 @@
 """Access rules of the server and its page, checked before any route.
 
-Pages of other sites may not send requests. Host names that others bind to this machine (DNS
-rebinding) are not served. The page itself loads nothing from other hosts.
+Pages of other sites may neither send nor read. Host names that others bind to this machine (DNS
+rebinding) are not served. Of Gradio's routes, only those of the page are open: its event streams and
+its API would cost a connection each, for as long as a visitor likes. The page itself loads nothing
+from other hosts.
 """
 
 import json
 import re
 from base64 import b64encode
-from collections.abc import Awaitable, Callable, Iterable, MutableMapping
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterable, MutableMapping
+from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from hashlib import sha256
 from ipaddress import ip_address
@@ -22,6 +25,10 @@ App = Callable[[Scope, Receive, Send], Awaitable[None]]
 
 LOOPBACK = frozenset({"localhost", "127.0.0.1", "::1"})
 SAFE = ("GET", "HEAD")
+OPEN = ("/omnivat/", "/assets/", "/static/", "/svelte/", "/custom_component/", "/pwa_icon")
+PAGE = frozenset(
+    ("/", "/config", "/theme.css", "/favicon.ico", "/manifest.json", "/robots.txt")
+) | {"/gradio_api/startup-events"}  # Gradio requests the last one itself when it starts
 INLINE = re.compile(rb"<script(?![^>]*\ssrc=)[^>]*>(.*?)</script>", re.DOTALL)
 
 
@@ -65,11 +72,13 @@ class Guard:
         if scope["type"] not in ("http", "websocket"):
             await self._app(scope, receive, send)
             return
-        problem = refused(scope, self._rules)
-        if problem:
-            await _refuse(scope, send, problem)
+        if problem := refused(scope, self._rules):
+            await _refuse(scope, send, problem, 403)
             return
-        await self._app(scope, receive, self._guarded(send) if scope["type"] == "http" else send)
+        if not is_open(scope):
+            await _refuse(scope, send, "The page has no such address; open it at '/'.", 404)
+            return
+        await self._app(scope, receive, self._guarded(send))
 
     def _guarded(self, send: Send) -> Send:
         """Return a `send` that adds the headers; a page is buffered until it is complete."""
@@ -110,14 +119,31 @@ def refused(scope: Scope, rules: Rules) -> str:
     mode = _header(scope["headers"], b"sec-fetch-mode")
     origin = _header(scope["headers"], b"origin").decode("latin-1")
     foreign = "A page of another site may not use this server; open the page itself."
-    changes = scope["type"] == "websocket" or scope.get("method") not in SAFE
-    if changes and origin and _place(origin) != _place(f"http://{host}"):
+    if origin and _place(origin) != _place(f"http://{host}"):  # browsers send it with any method
         return foreign
     if site in (b"cross-site", b"same-site"):
         opened = mode == b"navigate" and scope.get("method") in SAFE
         if not opened:
             return foreign
     return ""
+
+
+def is_open(scope: Scope) -> bool:
+    """True for the addresses of the page; it has no WebSocket."""
+    path = scope["path"].removeprefix(scope.get("root_path", ""))
+    return scope["type"] == "http" and (path in PAGE or path.startswith(OPEN))
+
+
+@asynccontextmanager
+async def alone(app: Any) -> AsyncIterator[None]:
+    """Serve a Gradio application without its own CORS headers, which allow any origin with cookies."""
+    from gradio.route_utils import CustomCORSMiddleware
+
+    app.user_middleware = [
+        one for one in app.user_middleware if one.cls is not CustomCORSMiddleware
+    ]
+    app.middleware_stack = app.build_middleware_stack()
+    yield
 
 
 def _known(name: str, rules: Rules) -> bool:
@@ -186,13 +212,13 @@ def _header(headers: Iterable[tuple[bytes, bytes]], name: bytes) -> bytes:
     return next((value for key, value in headers if key.lower() == name), b"")
 
 
-async def _refuse(scope: Scope, send: Send, problem: str) -> None:
+async def _refuse(scope: Scope, send: Send, problem: str, status: int) -> None:
     if scope["type"] == "websocket":
         await send({"type": "websocket.close", "code": 1008})
         return
     body = json.dumps({"error": problem}).encode()
     headers = [(b"content-type", b"application/json"), (b"content-length", str(len(body)).encode())]
-    await send({"type": "http.response.start", "status": 403, "headers": headers})
+    await send({"type": "http.response.start", "status": status, "headers": headers})
     await send({"type": "http.response.body", "body": body})
 
 

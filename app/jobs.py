@@ -5,22 +5,24 @@ stops if its visitor is gone or its time is over, and waits for jobs of higher p
 """
 
 import logging
-from bisect import insort
+from collections import Counter, OrderedDict
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import count
 from threading import Condition, Thread
 from time import monotonic
 from typing import Any, Generic, Literal, TypeVar
 
-from app.limits import OWN_JOBS, SLOTS, WAITING_JOBS
+from app.limits import AGE_S, OWN_JOBS, SLOTS, WAITING_JOBS
 from app.messages import UNEXPECTED, BusyError, CancelledError, UnexpectedError
+from app.state import VISITOR
 from omnivat.errors import OmniVatError
-from omnivat.progress import Step
+from omnivat.progress import Pace, Step
 
 log = logging.getLogger(__name__)
 T = TypeVar("T")
+VISITORS = 1000  # whose turns are remembered
 State = Literal["waiting", "running", "done", "failed", "cancelled"]
 
 
@@ -53,25 +55,28 @@ class Job(Generic[T]):
         *,
         lane: str,
         owner: str,
+        visitor: str,
         priority: int,
         deadline_s: float | None,
         number: int,
     ) -> None:
-        self.owner, self.priority, self.lane = owner, priority, lane
+        self.owner, self.visitor, self.lane = owner, visitor, lane
+        self.priority, self.number = priority, number
         self.future: Future[T] = Future()
         self.future.set_running_or_notify_cancel()  # only `cancel` below cancels
-        self.rank = (priority, number)
         self.cancelled = False
+        self.queued = 0.0  # when it last started waiting
         self.left_s = deadline_s
         self.since = 0.0  # when it last started running
         self.thread: Thread | None = None
         self._jobs, self._work = jobs, work
         self._step: Step | None = None
+        self._pace = Pace()
         self._state: State = "waiting"
 
     def report(self, step: Step) -> None:
         """Report progress; raises the errors of `check`."""
-        self._step = step
+        self._step = replace(step, left=self._pace.left(step))
         self.check()
 
     def check(self) -> None:
@@ -80,7 +85,7 @@ class Job(Generic[T]):
 
     def go_on_at(self, priority: int) -> None:
         """Continue at another priority; raises the errors of `check`."""
-        self.priority, self.rank = priority, (priority, self.rank[1])
+        self.priority = priority
         self.check()
 
     def cancel(self) -> None:
@@ -104,6 +109,7 @@ class Job(Generic[T]):
     def run(self) -> None:
         """Run the work and store its result; called in the job's own thread."""
         self._state = "running"
+        VISITOR.set(self.visitor)
         try:
             value = self._work(self)
         except JobStopped:
@@ -125,30 +131,57 @@ class Job(Generic[T]):
 
 
 class _Lane:
-    """Jobs of one kind: at most `slots` running, and the waiting ones, highest priority first."""
+    """Jobs of one kind: at most `slots` running, and the waiting ones.
 
-    def __init__(self, slots: int) -> None:
-        self.slots = slots
+    Higher priority goes first; after `age_s` of waiting a job counts as of the next one. Among equals,
+    paused jobs go first, then those of the visitor who was served longest ago.
+    """
+
+    def __init__(self, slots: int, age_s: float) -> None:
+        self.slots, self.age_s = slots, age_s
         self.running: set[Job[Any]] = set()
         self.waiting: list[Job[Any]] = []
+        self._served: OrderedDict[str, int] = OrderedDict()  # visitor -> number of the last turn
+        self._turns = count(1)
 
     def add(self, job: Job[Any]) -> None:
-        insort(self.waiting, job, key=lambda one: one.rank)
+        job.queued = monotonic()
+        self.waiting.append(job)
+
+    def rank(self, job: Job[Any]) -> tuple[int, int, int]:
+        """Return the key by which waiting jobs are sorted."""
+        level = max(0, job.priority - int((monotonic() - job.queued) / self.age_s))
+        turn = self._served.get(job.visitor, 0) if job.thread is None else -1
+        return level, turn, job.number
 
     def next(self) -> Job[Any] | None:
         """Move the first waiting job to the running ones; None if there is no slot."""
         if len(self.running) >= self.slots or not self.waiting:
             return None
-        job = self.waiting.pop(0)
+        job = min(self.waiting, key=self.rank)
+        self.waiting.remove(job)
         self.running.add(job)
+        self._served[job.visitor] = next(self._turns)
+        self._served.move_to_end(job.visitor)
+        if len(self._served) > VISITORS:
+            self._served.popitem(last=False)
         return job
+
+    def hog(self, visitor: str) -> Job[Any] | None:
+        """Return the newest waiting job of the visitor with most, if that is not `visitor`."""
+        unborn = [job for job in self.waiting if job.thread is None]
+        held = Counter(job.visitor for job in unborn)
+        most = max(held, key=lambda one: held[one], default=visitor)
+        if held[most] <= held[visitor] + 1:
+            return None
+        return max((job for job in unborn if job.visitor == most), key=lambda job: job.number)
 
 
 class Jobs:
     """Runs jobs in lanes; lanes are independent of one another."""
 
     def __init__(self, slots: Mapping[str, int] = SLOTS) -> None:
-        self._lanes = {name: _Lane(number) for name, number in slots.items()}
+        self._lanes = {name: _Lane(number, AGE_S[name]) for name, number in slots.items()}
         self._changed = Condition()
         self._numbers = count()
         self._closed = False
@@ -159,12 +192,14 @@ class Jobs:
         *,
         lane: str,
         owner: str = "",
+        visitor: str = "",
         priority: int = 0,
         deadline_s: float | None = None,
     ) -> Job[T]:
         """Put work in the queue of a lane; return the job.
 
         owner       owner of the job, for `cancel_owner`; an owner has at most OWN_JOBS jobs
+        visitor     who takes turns with others; see `app.requests.visitor_of`
         priority    smaller numbers run first; a running job yields at its next check
         deadline_s  seconds of running, without waiting; None: no limit
 
@@ -172,12 +207,13 @@ class Jobs:
         """
         line = self._lanes[lane]
         with self._changed:
-            self._require_room(line, owner)
+            self._require_room(line, owner, visitor)
             job: Job[T] = Job(
                 self,
                 work,
                 lane=lane,
                 owner=owner,
+                visitor=visitor,
                 priority=priority,
                 deadline_s=deadline_s,
                 number=next(self._numbers),
@@ -191,7 +227,7 @@ class Jobs:
         line = self._lanes[job.lane]
         with self._changed:
             self._require_time(job)
-            better = line.waiting and line.waiting[0].priority < job.priority
+            better = any(one.priority < job.priority for one in line.waiting)
             if better and job in line.running and not job.cancelled:
                 self._spend(job)
                 line.running.discard(job)
@@ -201,8 +237,8 @@ class Jobs:
         if job.cancelled:
             raise JobStopped
 
-    def cancel(self, job: Job[Any]) -> None:
-        """Stop one job."""
+    def cancel(self, job: Job[Any], why: OmniVatError | None = None) -> None:
+        """Stop one job; with `why`, one that waits fails with that error."""
         line = self._lanes[job.lane]
         with self._changed:
             job.cancelled = True
@@ -210,7 +246,9 @@ class Jobs:
             if job in line.waiting:
                 line.waiting.remove(job)
             self._changed.notify_all()
-        if unborn:
+        if unborn and why is not None:
+            job.end("failed", why)
+        elif unborn:
             job.end("cancelled", CancelledError("This work was cancelled."))
 
     def cancel_owner(self, owner: str) -> None:
@@ -235,18 +273,25 @@ class Jobs:
     def place(self, job: Job[Any]) -> int:
         """Return the job's position in its queue, from 1; 0 if it is not waiting."""
         with self._changed:
-            waiting = self._lanes[job.lane].waiting
-            return waiting.index(job) + 1 if job in waiting else 0
+            line = self._lanes[job.lane]
+            if job not in line.waiting:
+                return 0
+            return sorted(line.waiting, key=line.rank).index(job) + 1
 
     def _all(self) -> list[Job[Any]]:
         return [job for line in self._lanes.values() for job in (*line.running, *line.waiting)]
 
-    def _require_room(self, line: _Lane, owner: str) -> None:
+    def _require_room(self, line: _Lane, owner: str, visitor: str) -> None:
         if self._closed:
             raise BusyError("The server is stopping; start it again.")
         own = sum(job.owner == owner for job in (*line.running, *line.waiting)) if owner else 0
-        if len(line.waiting) >= WAITING_JOBS or own >= OWN_JOBS:
-            raise BusyError("Too much is waiting here already; try again in a minute.")
+        full = BusyError("Too much is waiting here already; try again in a minute.")
+        if own >= OWN_JOBS:
+            raise full
+        if len(line.waiting) >= WAITING_JOBS:
+            if (last := line.hog(visitor)) is None:
+                raise full
+            self.cancel(last, full)
 
     def _require_time(self, job: Job[Any]) -> None:
         if job.left_s is not None and monotonic() - job.since > job.left_s:

@@ -41,11 +41,11 @@ def place(resources: Resources, question: Mapping[str, Any], features: Rows) -> 
     import torch
 
     from omnivat.gaps.unit import unit
-    from omnivat.projection.place import placed
+    from omnivat.projection.neighbours import placed
 
     drawn = _drawn(resources, question)
     refs = refs_from(question)
-    own, nodes = _features(resources, refs, drawn, question.get("nodes") is True)
+    own, nodes = _features(resources, refs, drawn, question)
     queries = torch.cat([*own.values(), *([] if nodes is None else [nodes])])
     rows = torch.from_numpy(features(resources, drawn.stage, drawn.order))
     found = placed(unit(queries), rows, torch.from_numpy(drawn.flat))
@@ -81,7 +81,10 @@ def _drawn(resources: Resources, question: Mapping[str, Any]) -> Drawn:
 
 
 def _features(
-    resources: Resources, refs: Mapping[str, Ref | None], drawn: Drawn, nodes: bool
+    resources: Resources,
+    refs: Mapping[str, Ref | None],
+    drawn: Drawn,
+    question: Mapping[str, Any],
 ) -> "tuple[dict[str, Tensor], Tensor | None]":
     """Return the pair's rows (1, W) at the map's stage by modality, and its nodes (M, W).
 
@@ -91,7 +94,7 @@ def _features(
 
     from omnivat.sweep.walk import stage_features
 
-    pair = embedded(resources, refs)
+    pair, nodes = embedded(resources, refs, question), question.get("nodes") is True
     with torch.inference_mode():
         out = resources.head().model(pair["vis"], pair["tac"], order=drawn.order, nodes=nodes)
         if drawn.stage == "raw":

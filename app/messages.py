@@ -1,5 +1,6 @@
 """Error messages of the page; tracebacks go to the log."""
 
+import errno
 import logging
 import re
 from collections.abc import Awaitable, Callable
@@ -19,6 +20,7 @@ UNEXPECTED = (
     "The page still works: try again, or choose another pair."
 )
 
+FULL = (errno.ENOSPC, errno.EDQUOT, errno.EMFILE, errno.ENFILE)  # disk, share of it, descriptors
 PLACE = re.compile(r"(?:/|[A-Za-z]:\\)(?:[^/\\'\"\n]+[/\\])+")  # a path without its last part
 
 
@@ -51,7 +53,12 @@ def without_places(sentence: str) -> str:
 
 def refusal(sentence: str, status: int = 400) -> JSONResponse:
     """Return the error response, which the page shows as one sentence."""
-    return JSONResponse({"error": without_places(sentence)}, status_code=status)
+    return JSONResponse({"error": readable(sentence)}, status_code=status)
+
+
+def readable(sentence: str) -> str:
+    """Return a sentence as it may be sent: no folder of the server, no half of a surrogate pair."""
+    return without_places(sentence).encode("utf-8", "replace").decode()
 
 
 def status_of(error: OmniVatError) -> int:
@@ -72,6 +79,11 @@ def in_sentences(handler: Handler) -> Handler:
         except ClientDisconnect:
             log.info("%s: the visitor went", request.url.path)
             return refusal("The request was not finished.", 499)
+        except OSError as error:
+            if error.errno not in FULL:
+                log.exception("%s failed", request.url.path)
+                return refusal(UNEXPECTED, 500)
+            return refusal("The server has no room for this now; try again in a minute.", 503)
         except Exception:
             log.exception("%s failed", request.url.path)
             return refusal(UNEXPECTED, 500)

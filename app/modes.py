@@ -58,7 +58,8 @@ def fitting_files(resources: Resources) -> dict[str, Path]:
 def modes(resources: Resources) -> dict[str, Any]:
     """Return the choices of a visitor: the modes of p and the sets of the project.
 
-    return  {"modes": names in the page's order, "sets": [{"name", "title", "shown"}, …]}
+    return  {"modes": names in the page's order, "sets": [{"name", "title", "shown", "curve"}, …]};
+            `curve` is the accuracy of heads trained at each p, {"title", "orders", "share"} or None
     """
     try:
         fitting = fitting_files(resources)
@@ -68,7 +69,24 @@ def modes(resources: Resources) -> dict[str, Any]:
     listed = [mode for mode in ("trained", MOVED, "every") if mode == MOVED or mode in fitting]
     shown = resources.where.embeddings.resolve()
     sets = [
-        {"name": name, "title": SETS.get(name, name), "shown": embeddings.resolve() == shown}
-        for name, (_, embeddings) in shipped_sets().items()
+        {
+            "name": name,
+            "title": SETS.get(name, name),
+            "shown": embeddings.resolve() == shown,
+            "curve": _curve(folder / FILES["trained"], SETS.get(name, name)),
+        }
+        for name, (folder, embeddings) in shipped_sets().items()
     ]
     return {"modes": listed, "sets": sets}
+
+
+def _curve(file: Path, title: str) -> dict[str, Any] | None:
+    """Return the accuracy in unseen domains of the heads trained at each p, if there are any."""
+    from omnivat.frames.file import frames_header
+
+    try:
+        record = frames_header(file)
+        share = record["curves"]["seeds:accuracy/unseen/mean"]
+    except (DataError, KeyError):
+        return None
+    return {"title": title, "orders": record["orders"], "share": share}

@@ -5,6 +5,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
+from app.pair_input import moved, of_ref
 from app.resources import Resources
 from app.state import Ref
 from app.teaching import head_taught
@@ -28,6 +29,7 @@ def occlusion(
     order: float | None,
     name: str = "the image",
     taught: str = "",
+    profile: str = "",
     check: Callable[[], None] = lambda: None,
 ) -> dict[str, Any]:
     """Hide each part of an image in turn and predict again.
@@ -38,6 +40,7 @@ def occlusion(
     other     the other image of the pair, unchanged; None to predict without it
     order     p in quarter turns; None: the learned one
     taught    name of a taught head, from `app.teaching.taught_name`; "": the head as trained
+    profile   name of a profile, from `app.sensor`; "": images as they come
     return    the predicted class, its probability, and `drops` (CELLS, CELLS): the decrease of
               the probability when a part is hidden; negative for an increase
 
@@ -47,7 +50,7 @@ def occlusion(
         raise DataError(f"modality is '{modality:.20}'; it is vis or tac.")
     import torch
 
-    from omnivat.encoders.paired import for_modality
+    from omnivat.encoders.base import for_modality
 
     began = perf_counter()
     image = resources.picture(content, name, check).image
@@ -60,12 +63,12 @@ def occlusion(
         for few in torch.stack(pixels).split(AT_ONCE):
             check()
             parts.append(encoder.embed(few))
-        varied = torch.cat(parts)
+        asked = {"profile": profile}
+        varied = moved(resources, asked, modality, torch.cat(parts))
         pair: dict[str, Any] = {"vis": None, "tac": None, modality: varied}
         if other is not None:
             rest = "tac" if modality == "vis" else "vis"
-            fixed = torch.from_numpy(resources.embedding(other, rest).copy())
-            pair[rest] = fixed.expand(len(varied), -1)
+            pair[rest] = of_ref(resources, other, rest, asked).expand(len(varied), -1)
         probabilities = head.model(pair["vis"], pair["tac"], order=order).probabilities
         predicted = int(probabilities[0].argmax())
         falls = probabilities[0, predicted] - probabilities[1:, predicted]

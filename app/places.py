@@ -19,6 +19,7 @@ class Places:
     pairs: Path | None  # example images; None: the gallery shows pairs of the set
     compare: tuple[Path, ...] = ()  # folders of comparison heads
     computed: Path | None = None  # folder of computed frames; None: the cache
+    profile: Path | None = None  # of the visitor's sensor, in use from the start
     drawn: int = DRAWN_PAIRS  # of a larger set so many pairs are drawn at random
 
 

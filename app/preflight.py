@@ -30,8 +30,17 @@ def pair_count(text: str) -> int:
     return int(text)
 
 
-def require_files(head: Path | None, embeddings: Path | None, compare: Sequence[Path]) -> None:
-    """Raise DataError for a named head or set that does not exist."""
+def require_files(
+    head: Path | None,
+    embeddings: Path | None,
+    compare: Sequence[Path],
+    profile: Path | None = None,
+) -> None:
+    """Raise DataError for a named head or set that does not exist, or a profile that does not load."""
+    if profile is not None:
+        from omnivat.data.profile_file import load_profile
+
+        load_profile(profile)
     for folder in filter(None, (head, *compare)):
         if not (folder / "settings.json").is_file():
             raise DataError(

@@ -10,7 +10,7 @@ from typing import TypeVar
 from starlette.requests import Request
 
 from app.jobs import Job, Jobs
-from app.requests import blocks
+from app.requests import blocks, visitor_of
 from app.scratch import Scratch
 
 T = TypeVar("T")
@@ -24,13 +24,15 @@ async def done(
     work: Callable[[Job[T]], T],
     *,
     priority: int = 0,
+    lane: str = "quick",
     deadline_s: float = QUESTION_S,
 ) -> T:
-    """Run `work` as a job of the quick lane; return its result.
+    """Run `work` as a job of a lane; return its result.
 
     The job is cancelled when the visitor disconnects. Raises its OmniVatError.
     """
-    job = jobs.start(work, lane="quick", priority=priority, deadline_s=deadline_s)
+    visitor = visitor_of(request)
+    job = jobs.start(work, lane=lane, visitor=visitor, priority=priority, deadline_s=deadline_s)
     end = asyncio.wrap_future(job.future)
     try:
         while not (await asyncio.wait({end}, timeout=LOOK_S))[0]:

@@ -5,6 +5,7 @@ import base64
 import json
 from collections.abc import AsyncIterator, Mapping
 from io import BytesIO
+from ipaddress import IPv4Address, ip_address, ip_network
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +18,12 @@ if TYPE_CHECKING:
     from PIL import Image
 
 PREVIEW_SIDE = 320  # pixels of the preview
+
+
+class TooLargeError(DataError):
+    """A body is over its limit."""
+
+    status = 413
 
 
 class StalledError(DataError):
@@ -43,10 +50,25 @@ def desk_name(request: Request) -> str:
     return request.query_params.get("set", "")[:64]
 
 
+def visitor_of(request: Request) -> str:
+    """Return the visitor's address; of IPv6 the network, as one visitor has 2^64 addresses.
+
+    Behind a proxy on this machine it is the address that the proxy reports (X-Forwarded-For).
+    """
+    host = request.client.host if request.client else ""
+    try:
+        address = ip_address(host.partition("%")[0])
+    except ValueError:
+        return host
+    if isinstance(address, IPv4Address):
+        return host
+    return str(address.ipv4_mapped or ip_network((address, 64), strict=False))
+
+
 async def blocks(request: Request, limit: int, what: str) -> AsyncIterator[bytes]:
     """Yield the request's bytes as they arrive, at most `limit`.
 
-    Raises DataError for more bytes, StalledError if the upload stalls or takes too long.
+    Raises TooLargeError for more bytes, StalledError if the upload stalls or takes too long.
     """
     size, began, stream = 0, monotonic(), aiter(request.stream())
     while True:
@@ -59,7 +81,7 @@ async def blocks(request: Request, limit: int, what: str) -> AsyncIterator[bytes
             raise StalledError(f"{what} did not arrive in time; send it again.") from error
         size += len(block)
         if size > limit:
-            raise DataError(
+            raise TooLargeError(
                 f"{what} is larger than {limit / 1e6:.3g} MB; scale it down and try again."
             )
         yield block

@@ -22,12 +22,14 @@ if TYPE_CHECKING:
 
     from app.decoder import Check, Picture
     from omnivat.checkpoint import Head
+    from omnivat.data.profile import Profile
     from omnivat.data.store import Embeddings
     from omnivat.encoders.base import Encoder
 
 log = logging.getLogger(__name__)
 KEPT_IMAGES = 512  # embeddings of uploaded images; about 5 kB each
 KEPT_TAUGHT = 8  # they share all weights except the classifier
+KEPT_PROFILES = 200  # 20 kB each
 KEPT_FEATURES = 6  # the whole set at one stage and order; some MB each
 
 
@@ -67,9 +69,11 @@ class Resources:
         self.frames = self.frame_jobs[""]
         self.features: Recent[np.ndarray[Any, Any]] = Recent(KEPT_FEATURES)  # by stage and order
         self.results: Recent[dict[str, Any]] = Recent(KEPT_FEATURES)  # by method or tree
-        self.taught: Recent[Head] = Recent(KEPT_TAUGHT)  # from visitors' labelled pairs
+        self.taught: Recent[Head] = Recent(KEPT_TAUGHT, own=True)  # from visitors' labelled pairs
+        self.profiles: Recent[Profile] = Recent(KEPT_PROFILES, own=True)  # of visitors' sensors
         self._row_of: Lazy[dict[str, int]] = Lazy(self._rows_by_file)
-        self._sent: Recent[np.ndarray[Any, Any]] = Recent(KEPT_IMAGES)
+        self._sent: Recent[np.ndarray[Any, Any]] = Recent(KEPT_IMAGES, own=True)
+        self._shown: Recent[np.ndarray[Any, Any]] = Recent(KEPT_IMAGES)  # of examples
 
     @property
     def holds(self) -> str:
@@ -137,26 +141,30 @@ class Resources:
         """
         key = content_name(source if isinstance(source, bytes) else source.read_bytes())
         found = self.picture(source, name, check)
-        self._embedded(key, found)
+        self._embedded(key, found, self._sent)
         return Ref("image", key), found
 
     def _encoded(self, source: Path, name: str) -> "np.ndarray[Any, Any]":
         key = content_name(source.read_bytes())
-        kept = self._sent.get(key)
-        return self._embedded(key, self.picture(source, name)) if kept is None else kept
+        kept = self._shown.get(key)
+        if kept is None:
+            kept = self._embedded(key, self.picture(source, name), self._shown)
+        return kept
 
-    def _embedded(self, key: str, found: "Picture") -> "np.ndarray[Any, Any]":
-        kept = self._sent.get(key)
+    def _embedded(
+        self, key: str, found: "Picture", into: "Recent[np.ndarray[Any, Any]]"
+    ) -> "np.ndarray[Any, Any]":
+        kept = into.get(key)
         if kept is not None:
             return kept
         import numpy as np
 
-        from omnivat.encoders.paired import for_modality
+        from omnivat.encoders.base import for_modality
 
         # One vector, or VIS and TAC if each modality has its own encoder.
         encoders = dict.fromkeys(for_modality(self.encoder(), name) for name in ("vis", "tac"))
         rows = [one.embed(one.preprocess(found.image)[None])[0].numpy() for one in encoders]
-        return self._sent.keep(key, rows[0] if len(rows) == 1 else np.stack(rows))
+        return into.keep(key, rows[0] if len(rows) == 1 else np.stack(rows))
 
     def _from_set(self, row: int, modality: str) -> "np.ndarray[Any, Any]":
         embeddings = self.embeddings()
@@ -170,6 +178,11 @@ class Resources:
         if not name.isascii() or not name.isdigit() or int(name) >= count:
             raise DataError(f"No pair has the number '{name:.20}'; there are 0 to {count - 1}.")
         return int(name)
+
+    def example_rows(self) -> dict[str, int]:
+        """Return example -> row of the set, for the examples that are in it; nothing is encoded."""
+        rows = self._row_of()
+        return {name: rows[f"{name}/vis"] for name in self.examples() if f"{name}/vis" in rows}
 
     def _rows_by_file(self) -> dict[str, int]:
         """Return the row of each example in the set: "domain/class/stem/modality" -> row."""

@@ -14,17 +14,20 @@ from starlette.requests import Request
 from starlette.responses import FileResponse, JSONResponse, Response
 from starlette.routing import Route
 
-from app import teaching
+from app import sensor, teaching
+from app.api import api_routes
 from app.components import WEB
 from app.examples import example_named, listed
-from app.familiar import familiar
+from app.familiar import familiar, first
 from app.limits import MAX_QUESTION_BYTES
+from app.mcp import mcp
 from app.measuring import measured
 from app.messages import Handler, in_sentences, refusal
 from app.modes import mode_files, modes
 from app.request_work import done
 from app.requests import body, desk_name, question_from
 from app.resources import Resources, require_name
+from app.saving import save_figure
 from app.training_routes import training_routes
 from app.uploads import upload_routes
 from app.views import compare, data, explore, pair, tree
@@ -33,29 +36,37 @@ from app.visitor_sets import VisitorSets
 Computed = Callable[[Resources, Mapping[str, Any]], dict[str, Any]]
 QUESTIONS: dict[str, Computed] = {
     "pair": pair.predicted,
+    "many": pair.many,
     "attention": pair.attention,
     "tree": tree.tree,
     "votes": tree.votes,
     "neighbours": explore.neighbours,
+    "ladder": explore.ladder,
     "place": explore.place,
     "predictions": compare.predictions,
     "measure": measured,
     "familiar": familiar,
+    "profile": sensor.profile,
     "teach": teaching.teach,
     "taught": teaching.taught_name,
 }
 DOWNLOADS: dict[str, Callable[[Resources, Mapping[str, Any]], bytes]] = {
     "save/set": teaching.save_set,
     "save/head": teaching.save_taught,
+    "save/sensor": sensor.save_sensor,
+    "save/figure": save_figure,
 }
 FACTS: dict[str, Callable[[Resources], Any]] = {
     "about": data.about,
     "heads": compare.heads,
     "matrix": compare.matrix,
     "modes": modes,
+    "first": first,
     "pairs": explore.pairs,
     "toy": explore.mechanism,
     "unseen": explore.unseen,
+    "centred/pca": partial(explore.centred, method="pca"),
+    "centred/umap": partial(explore.centred, method="umap"),
     "examples": lambda resources: listed(resources.examples()),
 }
 TYPES = {".js": "text/javascript", ".css": "text/css"}
@@ -63,8 +74,11 @@ HOLDS = "X-Holds"  # a page that was opened on another head or set shows a notic
 FRESH = {"Cache-Control": "no-cache"}  # revalidate each time
 
 
-def routes(first: Resources) -> list[Route]:
-    """Return all routes; each turns errors into a sentence."""
+def routes(first: Resources, *, api: bool = False) -> list[Route]:
+    """Return all routes; each turns errors into a sentence.
+
+    api  True opens the API for programs (app/api.py)
+    """
     sets = VisitorSets(first)
     gets: dict[str, Handler] = {
         "/omnivat/web/{name:path}": web_file,
@@ -79,21 +93,16 @@ def routes(first: Resources) -> list[Route]:
     posts |= {f"/omnivat/{name}": partial(download, sets, made) for name, made in DOWNLOADS.items()}
     posts |= upload_routes(sets)
     posts |= training_routes(sets)
-    posts["/gradio_api/{anything:path}"] = nothing_here
     return [
         *(Route(path, in_sentences(handler)) for path, handler in gets.items()),
         *(Route(path, in_sentences(handler), methods=["POST"]) for path, handler in posts.items()),
+        *api_routes(sets, partial(mcp, sets), opened=api),
     ]
 
 
 def set_of(sets: VisitorSets, request: Request) -> Resources:
     """Return the visitor set of a request: the server's own, or a loaded one."""
     return sets.named(desk_name(request))
-
-
-async def nothing_here(_: Request) -> Response:
-    """Refuse requests to Gradio itself, which only lays out the tabs."""
-    return refusal("The page takes nothing here; its own routes are under omnivat/.", 404)
 
 
 async def web_file(request: Request) -> Response:
@@ -144,8 +153,12 @@ async def frames(sets: VisitorSets, request: Request) -> Response:
     require_name(name, resources.frame_jobs)
     state = resources.frame_jobs[name].state()
     step = (
-        {"done": state.step.done, "total": state.step.total, "text": state.step.text}
-        if (state.step)
+        {
+            "done": state.step.done,
+            "total": state.step.total,
+            "text": ", ".join(filter(None, (state.step.text, state.step.left))),
+        }
+        if state.step
         else None
     )
     if state.problem:
@@ -239,8 +252,8 @@ async def download(
     made: Callable[[Resources, Mapping[str, Any]], bytes],
     request: Request,
 ) -> Response:
-    """Return a zip for one JSON request."""
+    """Return a file for one JSON request: a zip, or a page of figures."""
     resources = set_of(sets, request)
     question = question_from(await body(request, MAX_QUESTION_BYTES, "The question"))
     content = await done(request, sets.shared.jobs, lambda _: made(resources, question))
-    return Response(content, media_type="application/zip")
+    return Response(content, media_type="text/html" if made is save_figure else "application/zip")

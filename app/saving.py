@@ -1,10 +1,16 @@
-"""Heads and sets made in the page, as zip files to download."""
+"""What the page saves: heads and sets as zip files, the open view as an interactive figure."""
 
 import zipfile
+from collections.abc import Mapping
 from io import BytesIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+from app.modes import mode_files
+from app.resources import Resources
+from app.state import order_from
+from omnivat.errors import DataError
 
 if TYPE_CHECKING:
     from omnivat.checkpoint import Head
@@ -40,6 +46,37 @@ def set_zip(embeddings: "Embeddings", name: str) -> bytes:
         place.mkdir()
         save_embeddings(place / "embeddings.safetensors", embeddings)
         return _zipped(place, name, SET_NOTE)
+
+
+def save_figure(resources: Resources, question: Mapping[str, Any]) -> bytes:
+    """Return the open map, the curves against p and the staircase as one HTML page without a server.
+
+    question  {"order": p or None, "stage", "map", "colour", "mode": as in the page's address}
+
+    Raises DataError while there are no frames, SettingsError for an unknown map or colouring.
+    """
+    from omnivat.figures import frames_map, gap_curves, html_page, pictures, staircase
+    from omnivat.frames import read_frames
+    from omnivat.stages import STAGES
+
+    file = (
+        mode_files(resources.where).get(str(question.get("mode"))) or resources.frames.state().file
+    )
+    if file is None:
+        raise DataError("The map is not ready yet; save it when it is shown.")
+    frames = read_frames(file)
+    stage = question.get("stage", STAGES[-1])
+    if stage not in STAGES:
+        raise DataError(f"The step is '{stage!s:.20}'; there are {', '.join(STAGES)}.")
+    order = order_from(question.get("order"))
+    at = float(frames.head.get("learned_order") or 0.5) if order is None else order
+    kind, colour = (str(question.get(k, v))[:20] for k, v in (("map", "pca"), ("colour", "domain")))
+    sheet = None if resources.drawn() else resources.where.sprite
+    tiles = pictures(sheet) if sheet else None
+    drawn = frames_map(frames, order=at, stage=stage, kind=kind, colour=colour, pictures=tiles)
+    parts = [drawn, gap_curves(frames, stage=stage, order=at), staircase(frames, order=at)]
+    whole: str = html_page(f"OmniVaT: {frames.pairs} VIS-TAC pairs", parts)
+    return whole.encode()
 
 
 def _zipped(folder: Path, name: str, note: str) -> bytes:

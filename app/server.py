@@ -11,14 +11,15 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from app import hosted
-from app.guard import Guard, rules, warning
+from app import hosted, logs
+from app.guard import Guard, alone, rules, warning
+from app.light import light_imports
 from app.limits import DRAWN_PAIRS
 from app.preflight import free_port, pair_count, port_number, require_files
 from app.scratch import sweep
 from app.views import VIEWS
 from omnivat.errors import MissingPackageError, OmniVatError
-from omnivat.packages import need
+from omnivat.tables import need
 
 log = logging.getLogger(__name__)
 ICON = Path(__file__).parent / "web" / "shared" / "icon.svg"
@@ -29,6 +30,9 @@ def parser(environ: Mapping[str, str] = os.environ) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="app.py", description="Open the OmniVaT page.")
     parser.add_argument("--head", type=Path, help="folder of a trained head")
     parser.add_argument("--embeddings", type=Path, help="embeddings file to show")
+    parser.add_argument(
+        "--profile", type=Path, metavar="FILE", help="profile of your sensor (`omnivat profile`)"
+    )
     parser.add_argument(
         "--sample",
         type=pair_count,
@@ -69,6 +73,11 @@ def parser(environ: Mapping[str, str] = os.environ) -> argparse.ArgumentParser:
         help="let other pages show this one in a frame, for notebooks and hosted demos",
     )
     parser.add_argument(
+        "--api",
+        action="store_true",
+        help="open the API for programs, over HTTP and MCP (docs/api.md)",
+    )
+    parser.add_argument(
         "--no-browser",
         action="store_true",
         default=hosted.is_hosted(environ),
@@ -82,7 +91,8 @@ def parser(environ: Mapping[str, str] = os.environ) -> argparse.ArgumentParser:
 
 def build() -> Any:
     """Return the Gradio page with all tabs, without loading anything heavy."""
-    import gradio as gr
+    with light_imports():
+        import gradio as gr
 
     with gr.Blocks(title="OmniVaT", fill_width=True, delete_cache=(3600, 3600)) as page:
         from app.components import component
@@ -113,8 +123,9 @@ def launch(page: Any, resources: Any, arguments: argparse.Namespace, **more: Any
         server_port=arguments.port,
         inbrowser=not arguments.no_browser,
         app_kwargs={
-            "routes": routes(resources),
+            "routes": routes(resources, api=arguments.api),
             "middleware": [Middleware(Guard, rules=guarded)],
+            "lifespan": alone,
             "docs_url": None,
             "redoc_url": None,
         },
@@ -133,14 +144,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the page until it is stopped."""
     chosen = parser().parse_args(arguments)
     os.environ["GRADIO_ANALYTICS_ENABLED"] = "False"
-    logging.basicConfig(level=logging.INFO, format="%(levelname)s %(name)s: %(message)s")
-    logging.getLogger("httpx").setLevel(logging.WARNING)
+    logs.start()
     from app.places import places
     from app.resources import Resources
     from app.shared import Shared
 
     try:
-        require_files(chosen.head, chosen.embeddings, chosen.compare)
+        require_files(chosen.head, chosen.embeddings, chosen.compare, chosen.profile)
         chosen.port = free_port(chosen.host, chosen.port)
     except OmniVatError as error:
         print(f"app.py: {error}", file=sys.stderr)
@@ -151,7 +161,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         signal.signal(one, signal.default_int_handler)  # ends like Ctrl+C, with all clean-up
     sweep()
     shared, where = Shared(), places(chosen.head, chosen.embeddings, chosen.compare)
-    where = replace(where, drawn=chosen.sample)
+    where = replace(where, drawn=chosen.sample, profile=chosen.profile)
     if hosted.keeps_nothing(os.environ):
         where = replace(where, computed=shared.scratch.folder("maps"))
     resources = Resources(where, shared)

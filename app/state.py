@@ -1,17 +1,18 @@
 """References in requests: a pair of the set, an example, or an uploaded image.
 
-Of uploaded images, the server keeps only embeddings, named by a hash of their content. Two visitors
-share an entry only if they upload the same image.
+Of uploaded images, the server keeps only embeddings, named by a hash of their content. A visitor
+finds only what came from its own address.
 """
 
-from collections import OrderedDict
+from collections import Counter, OrderedDict
+from contextvars import ContextVar
 from dataclasses import dataclass
 from hashlib import blake2b
 from threading import Lock
 from typing import Any, Generic, TypeVar
 
 from omnivat.errors import DataError
-from omnivat.orders import optional_order
+from omnivat.stages import optional_order
 
 
 class ForgottenError(DataError):
@@ -23,6 +24,8 @@ class ForgottenError(DataError):
 KINDS = ("row", "example", "image")
 LONGEST_NAME = 200
 V = TypeVar("V")
+# address of the visitor whose job runs here; "" for the server's own work
+VISITOR: ContextVar[str] = ContextVar("visitor", default="")
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,25 +72,34 @@ def content_name(content: bytes) -> str:
 
 
 class Recent(Generic[V]):
-    """The most recently used values, at most `limit` of them; safe between threads."""
+    """The most recently used values, at most `limit` of them; safe between threads.
 
-    def __init__(self, limit: int) -> None:
-        self._limit = limit
-        self._values: OrderedDict[str, V] = OrderedDict()
+    own  a visitor finds only its own values, and beyond the limit, the visitor with most loses one
+    """
+
+    def __init__(self, limit: int, *, own: bool = False) -> None:
+        self._limit, self._own = limit, own
+        self._values: OrderedDict[tuple[str, str], V] = OrderedDict()
         self._lock = Lock()
 
     def get(self, name: str) -> V | None:
         """Return the value called `name`, or None if it is not kept."""
+        key = self._key(name)
         with self._lock:
-            if name in self._values:
-                self._values.move_to_end(name)
-            return self._values.get(name)
+            if key in self._values:
+                self._values.move_to_end(key)
+            return self._values.get(key)
 
     def keep(self, name: str, value: V) -> V:
         """Keep `value`; drop the least recently used one beyond the limit."""
+        key = self._key(name)
         with self._lock:
-            self._values[name] = value
-            self._values.move_to_end(name)
+            self._values[key] = value
+            self._values.move_to_end(key)
             while len(self._values) > self._limit:
-                self._values.popitem(last=False)
+                shares = Counter(visitor for visitor, _ in self._values)
+                self._values.pop(min(self._values, key=lambda one: -shares[one[0]]))  # the first
         return value
+
+    def _key(self, name: str) -> tuple[str, str]:
+        return VISITOR.get() if self._own else "", name

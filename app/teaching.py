@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from hashlib import blake2b
 from typing import TYPE_CHECKING, Any
 
-from app.pair_input import embedded, refs_from
+from app.pair_input import embedded, mixed, refs_from
 from app.resources import Resources
 from app.saving import head_zip, set_zip
 from app.state import ForgottenError
@@ -40,6 +40,11 @@ def lessons_in(question: Mapping[str, Any]) -> list[Mapping[str, Any]]:
             raise DataError(
                 f"A label is {label!r:.60}; give a name of 1 to {LONGEST_LABEL} letters."
             )
+        if mixed(refs_from(one)):
+            raise DataError(
+                f"The photo and the touch labelled '{label}' come from different pairs; label pairs "
+                "of two pictures of one object."
+            )
     return given
 
 
@@ -57,7 +62,7 @@ def head_for(resources: Resources, question: Mapping[str, Any]) -> "Head":
     if kept is None:
         from omnivat.teach import taught
 
-        kept = resources.taught.keep(key, taught(head, _lessons(resources, given)))
+        kept = resources.taught.keep(key, taught(head, _lessons(resources, given, question)))
     return kept
 
 
@@ -93,21 +98,21 @@ def teach(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
 
     question  {"lessons": […]}
     return    `judged`: label, before, after of each pair, where "after" comes from a head taught
-              from all other pairs; `right`: correct predictions before and after; `classes` of
-              the taught head
+              from all other pairs; `right`: correct predictions before and after; `method` of
+              teaching, chosen by leaving pairs out, and `methods`: right predictions of each;
+              `classes` of the taught head
 
     Raises DataError for too few pairs or classes.
     """
     from omnivat.teach import judged
 
     given = lessons_in(question)
-    found = judged(resources.head(), _lessons(resources, given))
+    found = judged(resources.head(), _lessons(resources, given, question))
     return {
-        "judged": [{"label": j.label, "before": j.before, "after": j.after} for j in found],
-        "right": {
-            "before": sum(j.before == j.label for j in found),
-            "after": sum(j.after == j.label for j in found),
-        },
+        "judged": [{"label": j.label, "before": j.before, "after": j.after} for j in found.judged],
+        "right": {"before": found.before, "after": found.after},
+        "method": found.method,
+        "methods": dict(found.right),
         "classes": list(head_for(resources, question).settings.classes),
     }
 
@@ -126,7 +131,7 @@ def own_set(resources: Resources, question: Mapping[str, Any]) -> "Embeddings":
         raise DataError(
             "A set needs pairs of both images; label at least one photo with its touch."
         )
-    lessons = _lessons(resources, given)
+    lessons = _lessons(resources, given, {})  # as they come: a profile is a file of its own
     labels = [one.label for one in lessons]
     classes = tuple(dict.fromkeys(labels))
     head = resources.head()
@@ -165,15 +170,19 @@ def save_taught(resources: Resources, question: Mapping[str, Any]) -> bytes:
 
 
 def _name(question: Mapping[str, Any]) -> str:
-    text = json.dumps([question.get("head"), question.get("lessons")], sort_keys=True)
+    text = json.dumps(
+        [question.get(name) for name in ("head", "profile", "lessons")], sort_keys=True
+    )
     return blake2b(text.encode("utf-8", "replace"), digest_size=16).hexdigest()
 
 
-def _lessons(resources: Resources, given: Sequence[Mapping[str, Any]]) -> "list[Lesson]":
+def _lessons(
+    resources: Resources, given: Sequence[Mapping[str, Any]], question: Mapping[str, Any]
+) -> "list[Lesson]":
     from omnivat.teach import Lesson
 
     found = []
     for one in given:
-        pair = embedded(resources, refs_from(one))
+        pair = embedded(resources, refs_from(one), question)
         found.append(Lesson(label=one["label"].strip(), vis=pair["vis"], tac=pair["tac"]))
     return found

@@ -19,20 +19,20 @@ STYLES = (
 
 EARLY = ("cloud", "store", "frames", "measures", "api")  # scripts that the first tab needs
 
-HEAD = "\n".join(
-    [
-        *(f'<link rel="stylesheet" href="{WEB}/{name}.css">' for name in STYLES),
-        *(
-            f'<link rel="modulepreload" href="{WEB}/{name}">'
-            for name in ("explore/explore.js", *(f"shared/{part}.js" for part in EARLY))
-        ),
-    ]
-)
 
+def head(views: Sequence[str], web: str = WEB) -> str:
+    """Return the HTML head: styles, early scripts, and the names of the tabs.
 
-def head(views: Sequence[str]) -> str:
-    """Return the HTML head: styles, early scripts, and the names of the tabs."""
-    return f'{HEAD}\n<meta name="omnivat-views" content="{" ".join(views)}">'
+    web  where the scripts and styles are, relative to the page
+    """
+    early = ("explore/explore.js", *(f"shared/{part}.js" for part in EARLY))
+    return "\n".join(
+        [
+            *(f'<link rel="stylesheet" href="{web}/{name}.css">' for name in STYLES),
+            *(f'<link rel="modulepreload" href="{web}/{name}">' for name in early),
+            f'<meta name="omnivat-views" content="{" ".join(views)}">',
+        ]
+    )
 
 
 def theme() -> Any:

@@ -2,6 +2,7 @@
 
 import base64
 import os
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from threading import Lock
@@ -24,7 +25,8 @@ if TYPE_CHECKING:
     from omnivat.checkpoint import Head
     from omnivat.data.store import Embeddings
 
-KEPT_RUNS = 12  # also the most that run or wait
+MOST_RUNS = 12  # that run or wait
+KEPT_RUNS = 48  # whose results are kept
 ABANDONED_S = 150.0  # without a request for its state; a hidden tab sends one each minute
 PRIORITY = 1  # after the first stops of a map, before the rest
 DEADLINE_S = 300.0
@@ -39,7 +41,7 @@ class Run:
     """One training: its plan and its results so far."""
 
     plan: Plan
-    visitor: str
+    address: str  # of the visitor
     rows: "np.ndarray[Any, Any]"  # pairs on the maps
     job: Job[None] | None = None
     epochs: list[dict[str, Any]] = field(default_factory=list)
@@ -78,29 +80,30 @@ class Trainings:
         self._sets = sets
         self._runs: Recent[Run] = Recent(KEPT_RUNS)
         self._lock = Lock()
-        self._active: dict[str, Run] = {}  # by visitor: one at a time each
+        self._active: dict[tuple[str, str], Run] = {}  # by address and visitor: one at a time each
 
     def offers(self, resources: Resources) -> dict[str, Any]:
         """Return the choices and the defaults."""
         return offers(resources.embeddings().header, resources.head().source)
 
     def start(
-        self, resources: Resources, question: Mapping[str, Any], beside: str
+        self, resources: Resources, question: Mapping[str, Any], beside: str, address: str = ""
     ) -> dict[str, Any]:
         """Queue a training; return its name and the pairs on its maps.
 
         question  {"visitor": name, "source", "width", …}: see `app.training_plan`
-        beside    the set, as named in the address
+        beside    the set, as named in the page's address
+        address   of the visitor: addresses take turns, and the one with most places makes way
 
         It is cancelled if its state is not requested for ABANDONED_S seconds.
 
         Raises DataError for invalid settings, or if the visitor already has one in the queue;
         BusyError if the queue is full.
         """
-        visitor = _visitor(question)
+        visitor = address, _visitor(question)
         plan = plan_from(question, resources.embeddings())
         embeddings = looked_at(resources.embeddings(), plan.source)
-        run = Run(plan=plan, visitor=visitor, rows=_thinned(len(embeddings)))
+        run = Run(plan=plan, address=address, rows=_thinned(len(embeddings)))
         with self._lock:
             before = self._active.get(visitor)
             if before is not None and before.active:
@@ -108,13 +111,12 @@ class Trainings:
                     "Your training before this one still runs or waits; cancel it first."
                 )
             self._active = {name: one for name, one in self._active.items() if one.active}
-            if len(self._active) >= KEPT_RUNS:
-                raise BusyError(
-                    f"{KEPT_RUNS} trainings run or wait here already; try again in a few minutes."
-                )
+            if len(self._active) >= MOST_RUNS:
+                self._make_way(address)
             run.job = self._sets.shared.jobs.start(
                 lambda job: self._work(job, run, embeddings, beside),
                 lane="long",
+                visitor=address,
                 priority=PRIORITY,
                 deadline_s=DEADLINE_S,
             )
@@ -127,6 +129,19 @@ class Trainings:
             "source": plan.source,
             **_drawn_pairs(embeddings, run.rows),
         }
+
+    def _make_way(self, address: str) -> None:
+        """End the last waiting training of the address with most. Raises BusyError if that is `address`."""
+        held = Counter(run.address for run in self._active.values())
+        most = max(held, key=lambda one: held[one])
+        theirs = [run.job for run in self._active.values() if run.address == most and run.job]
+        waiting = [job for job in theirs if job.status().state == "waiting"]
+        if held[most] <= held[address] + 1 or not waiting:
+            raise BusyError(
+                f"{MOST_RUNS} trainings run or wait here already; try again in a few minutes."
+            )
+        why = "Your place was needed by another visitor; start the training again in a few minutes."
+        self._sets.shared.jobs.cancel(waiting[-1], BusyError(why))
 
     def state(self, question: Mapping[str, Any]) -> dict[str, Any]:
         """Return the state of a training, and its epochs from number `since` on."""
@@ -146,6 +161,7 @@ class Trainings:
             "place": status.place,
             "problem": status.problem if status.state == "failed" else "",
             "text": step.text if step else "",
+            "left": step.left if step else "",
             "epochs": epochs,
             "set": run.loaded,
         }
@@ -203,7 +219,7 @@ class Trainings:
         except TrainingCancelled:
             job.check()  # ends the job as cancelled
             raise
-        run.loaded = self._sets.adopt(run.head, beside=beside)
+        run.loaded = self._sets.adopt(run.head, beside=beside, visitor=run.address)
 
 
 def coded_map(flat: "np.ndarray[Any, Any]", rows: "np.ndarray[Any, Any]") -> str:

@@ -103,7 +103,7 @@ def plan_from(question: Mapping[str, Any], embeddings: "Embeddings") -> Plan:
         },
         training=training,
         seed=int(number["seed"]),
-        first="searching p by short trainings" if order == "search" else "loading",
+        first="searching p" if order == "search" else "loading",
     )
 
 

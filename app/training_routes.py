@@ -10,7 +10,7 @@ from starlette.responses import JSONResponse, Response
 from app.limits import MAX_QUESTION_BYTES
 from app.messages import Handler
 from app.request_work import done
-from app.requests import body, desk_name, question_from
+from app.requests import body, desk_name, question_from, visitor_of
 from app.training import Trainings
 from app.visitor_sets import VisitorSets
 
@@ -40,7 +40,7 @@ async def start(sets: VisitorSets, trainings: Trainings, request: Request) -> Re
     name = desk_name(request)
     resources = sets.named(name)
     question = await question_of(request)
-    work = partial(trainings.start, resources, question, name)
+    work = partial(trainings.start, resources, question, name, visitor_of(request))
     return JSONResponse(await done(request, sets.shared.jobs, lambda _: work()))
 
 

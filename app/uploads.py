@@ -13,7 +13,17 @@ from app.limits import MAX_IMAGE_BYTES, MAX_QUESTION_BYTES, PARTS
 from app.messages import Handler, refusal
 from app.occlusion import occlusion
 from app.request_work import done, received
-from app.requests import blocks, body, desk_name, file_name, number_from, preview, question_from
+from app.requests import (
+    blocks,
+    body,
+    desk_name,
+    file_name,
+    number_from,
+    preview,
+    question_from,
+    visitor_of,
+)
+from app.sensor import load_sensor
 from app.state import order_from, ref_from
 from app.visitor_sets import VisitorSets
 
@@ -26,6 +36,7 @@ def upload_routes(sets: VisitorSets) -> dict[str, Handler]:
         "/omnivat/image": partial(take_image, sets),
         "/omnivat/occlusion": partial(of_image, occlusion, SLOW, sets),
         "/omnivat/live": partial(of_image, live, LIVE, sets),
+        "/omnivat/sensor": partial(take_sensor, sets),
         "/omnivat/part": partial(take_part, sets),
         "/omnivat/load": partial(load, sets),
     }
@@ -55,13 +66,16 @@ async def of_image(
     """Run `work` on an uploaded image that is not kept, with the parameters of the address."""
     query = request.query_params
     resources = sets.named(desk_name(request))
-    known = {
+    known: dict[str, Any] = {
         "modality": query.get("modality", ""),
         "other": ref_from(query.get("other")),
         "order": order_from(number_from(query.get("order"))),
         "name": file_name(request),
         "taught": query.get("taught", ""),
+        "profile": query.get("profile", ""),
     }
+    if query.get("split", "").isdecimal():  # two pictures in one body
+        known["split"] = int(query["split"][:9])
     async with received(request, sets.shared.scratch, MAX_IMAGE_BYTES, "The image") as file:
 
         def computed(job: Job[dict[str, Any]]) -> dict[str, Any]:
@@ -71,11 +85,20 @@ async def of_image(
         return JSONResponse(await done(request, jobs, computed, priority=priority))
 
 
+async def take_sensor(sets: VisitorSets, request: Request) -> Response:
+    """Receive a saved profile of a sensor."""
+    resources = sets.named(desk_name(request))
+    limit = PARTS["profile.safetensors"]
+    async with received(request, sets.shared.scratch, limit, "The profile") as file:
+        work = partial(load_sensor, resources, file)
+        return JSONResponse(await done(request, sets.shared.jobs, lambda _: work()))
+
+
 async def take_part(sets: VisitorSets, request: Request) -> Response:
     """Receive one file of a head or set."""
     name = request.query_params.get("name", "")
     content = blocks(request, max(PARTS.values()), "The file")
-    return JSONResponse({"part": await sets.keep_part(name, content)})
+    return JSONResponse({"part": await sets.keep_part(name, content, visitor_of(request))})
 
 
 async def load(sets: VisitorSets, request: Request) -> Response:
@@ -87,7 +110,8 @@ async def load(sets: VisitorSets, request: Request) -> Response:
     compare = question.get("compare") is True
 
     def loaded(job: Job[str]) -> str:
-        return sets.load(parts, beside=desk_name(request), compare=compare, check=job.check)
+        beside, visitor = desk_name(request), visitor_of(request)
+        return sets.load(parts, beside=beside, compare=compare, check=job.check, visitor=visitor)
 
     name = await done(request, sets.shared.jobs, loaded, priority=LOADED)
     return JSONResponse({"set": name})

@@ -1,25 +1,26 @@
 """Heads and sets loaded by visitors, each named by a hash of its content.
 
 A visitor set is the head and the set of pairs that a visitor uses. The server starts with one. A loaded head or set
-makes another, which only those with its name can reach. Files are in the server's temporary folder;
-removing a visitor set removes its files and cancels its unfinished jobs.
+makes another, which only those with its name can reach. Its folder in the server's temporary folder
+holds all that visitors have loaded of it, so that no set needs another; removing it removes the folder
+and cancels its unfinished jobs.
 """
 
 import os
 import shutil
-from collections import OrderedDict
+from collections import Counter, OrderedDict
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from hashlib import blake2b
 from pathlib import Path
 from threading import Lock
 from typing import TYPE_CHECKING
 
-from app.limits import KEPT_DESKS
+from app.limits import DESKS_BYTES, KEPT_DESKS
 from app.places import Places, shipped_places
 from app.resources import Resources
 from app.state import ForgottenError
-from app.upload_store import UploadStore
+from app.upload_store import UploadStore, linked
 from omnivat.errors import DataError
 from omnivat.heads import shipped_sets
 
@@ -28,10 +29,26 @@ if TYPE_CHECKING:
 
     from omnivat.checkpoint import Head
 
-HEAD = ("weights.safetensors", "settings.json", "metrics.json", "familiarity.safetensors")
+HEAD = (
+    "weights.safetensors",
+    "settings.json",
+    "metrics.json",
+    "familiarity.safetensors",
+    "profile.safetensors",
+)
 NEEDED_HEAD = HEAD[:2]
 SET = "embeddings.safetensors"
 SHEET = ("embeddings.thumbnails.webp", "embeddings.thumbnails.json")
+
+
+@dataclass(frozen=True, slots=True)
+class Loaded:
+    """A loaded set, its folder and the size of that, and the address of its visitor."""
+
+    resources: Resources
+    folder: Path
+    size: int
+    visitor: str
 
 
 class VisitorSets:
@@ -40,10 +57,8 @@ class VisitorSets:
     def __init__(self, first: Resources) -> None:
         self.first, self.shared = first, first.shared
         self._lock = Lock()
-        self._loaded: OrderedDict[str, Resources] = OrderedDict()
+        self._loaded: OrderedDict[str, Loaded] = OrderedDict()  # least recently used first
         self._shipped: dict[str, Resources] = {}
-        self._beside: dict[str, str] = {}  # visitor set -> another visitor set whose files it uses
-        self._folders: dict[str, Path] = {}
         self._parts = UploadStore(self.shared.scratch)
 
     def named(self, name: str) -> Resources:
@@ -58,7 +73,7 @@ class VisitorSets:
         with self._lock:
             if name in self._loaded:
                 self._loaded.move_to_end(name)
-                return self._loaded[name]
+                return self._loaded[name].resources
         raise ForgottenError(
             "The server no longer has the head or set of this address. Load it again in "
             "Data & limits, or go back to the page without `set` in its address."
@@ -74,12 +89,12 @@ class VisitorSets:
                 self._shipped[name] = Resources(where, self.shared, owner=name)
             return self._shipped[name]
 
-    async def keep_part(self, name: str, content: "AsyncIterator[bytes]") -> str:
+    async def keep_part(self, name: str, content: "AsyncIterator[bytes]", visitor: str = "") -> str:
         """Write one file of a head or set as it arrives; return its name for `load`.
 
         Raises DataError for a file of another kind, or one that is too large.
         """
-        return await self._parts.keep(name, content)
+        return await self._parts.keep(name, content, visitor)
 
     def load(
         self,
@@ -88,6 +103,7 @@ class VisitorSets:
         beside: str,
         compare: bool,
         check: Callable[[], None] = lambda: None,
+        visitor: str = "",
     ) -> str:
         """Make a visitor set from uploaded files; return its name.
 
@@ -95,6 +111,7 @@ class VisitorSets:
         beside   the visitor set that provides what is not among the parts
         compare  True adds the head for comparison instead of replacing its own
         check    called between steps; an error it raises ends the work
+        visitor  the address of the visitor, whose share of loaded sets it is
 
         Two equal loads at the same time make one visitor set. Raises DataError, one sentence, if the files
         are not a head or set, or do not fit together.
@@ -103,14 +120,15 @@ class VisitorSets:
         key = _key(parts, beside, compare)
         with self._lock:
             if key in self._loaded:
+                self._loaded.move_to_end(key)
                 return key
 
         def placed(folder: Path) -> Places:
             return self._placed(folder, parts, base.where, compare=compare)
 
-        return self._made(key, beside, placed, check)
+        return self._made(key, placed, check, visitor)
 
-    def adopt(self, head: "Head", *, beside: str) -> str:
+    def adopt(self, head: "Head", *, beside: str, visitor: str = "") -> str:
         """Make a visitor set from a head trained on the server; return its name.
 
         beside  the visitor set that provides the set
@@ -122,16 +140,16 @@ class VisitorSets:
 
         def placed(folder: Path) -> Places:
             saved = save_head(folder / "head", head)
-            return replace(base, head=saved, computed=folder, frames=None)
+            return self._alone(replace(base, head=saved, computed=folder, frames=None), folder)
 
-        return self._made(os.urandom(12).hex(), beside, placed, lambda: None)
+        return self._made(os.urandom(12).hex(), placed, lambda: None, visitor)
 
     def _made(
         self,
         key: str,
-        beside: str,
         placed: Callable[[Path], Places],
         check: Callable[[], None],
+        visitor: str,
     ) -> str:
         """Fill a new folder, check its content, and add it as a visitor set."""
         folder = self.shared.scratch.folder(os.urandom(8).hex())
@@ -148,27 +166,38 @@ class VisitorSets:
         except BaseException:
             shutil.rmtree(folder, ignore_errors=True)
             raise
+        size = sum(file.stat().st_size for file in folder.rglob("*") if file.is_file())
         with self._lock:
             if first := key not in self._loaded:  # no other request made the same visitor set
-                self._loaded[key], self._beside[key], self._folders[key] = made, beside, folder
+                self._loaded[key] = Loaded(made, folder, size, visitor)
+            self._loaded.move_to_end(key)
             dropped = self._too_many()
         for owner, old in dropped.items():
             self.shared.jobs.cancel_owner(owner)
-            shutil.rmtree(old, ignore_errors=True)
+            shutil.rmtree(old.folder, ignore_errors=True)
         if not first:
             shutil.rmtree(folder, ignore_errors=True)
         return key
 
-    def _too_many(self) -> dict[str, Path]:
-        """Remove the least recently used sets without shared files; return their folders."""
-        dropped: dict[str, Path] = {}
-        while len(self._loaded) > KEPT_DESKS:
-            used = set(self._beside.values())
-            old = next((name for name in self._loaded if name not in used), None)
-            if old is None:
+    def _too_many(self) -> dict[str, Loaded]:
+        """Remove and return the sets beyond the limits; never the newest.
+
+        The visitor with the largest share loses the set that was used least recently.
+        """
+        dropped: dict[str, Loaded] = {}
+        newest = next(reversed(self._loaded))
+        while len(self._loaded) > 1:
+            shares: Counter[str] = Counter()
+            for one in self._loaded.values():
+                shares[one.visitor] += one.size + DESKS_BYTES // KEPT_DESKS
+            bytes_held = sum(one.size for one in self._loaded.values())
+            if len(self._loaded) <= KEPT_DESKS and bytes_held <= DESKS_BYTES:
                 break
-            del self._loaded[old], self._beside[old]
-            dropped[old] = self._folders.pop(old)
+            old = min(
+                (name for name in self._loaded if name != newest),
+                key=lambda name: -shares[self._loaded[name].visitor],  # the first of equals
+            )
+            dropped[old] = self._loaded.pop(old)
         return dropped
 
     def _placed(
@@ -192,7 +221,29 @@ class VisitorSets:
             where = replace(where, frames=base.frames)
         if not any(name in parts for name in (*HEAD, SET)):
             raise DataError("Choose the folder of a head, an embeddings file, or both.")
-        return where
+        return self._alone(where, folder)
+
+    def _alone(self, where: Places, folder: Path) -> Places:
+        """Return `where` with links under `folder` to what visitors loaded into other folders."""
+        home = self.shared.scratch.home
+
+        def here(path: Path) -> Path:
+            if home not in path.parents or folder in path.parents:
+                return path
+            if path.is_dir():
+                return Path(shutil.copytree(path, folder / path.name, copy_function=linked))
+            for file in path.parent.glob(f"{path.stem}.*"):  # a sheet has a description beside it
+                if not (folder / file.name).exists():
+                    linked(file, folder / file.name)
+            return folder / path.name
+
+        return replace(
+            where,
+            head=here(where.head),
+            embeddings=here(where.embeddings),
+            sprite=here(where.sprite) if where.sprite else None,
+            compare=tuple(map(here, where.compare)),
+        )
 
 
 def _with_head(where: Places, head: Path, parts: Mapping[str, str], *, compare: bool) -> Places:

@@ -50,14 +50,17 @@ def spoilt(value: Any, chance: random.Random) -> Any:
 
 
 def heads(folder: Path, chance: random.Random, count: int) -> Iterator[dict[str, bytes]]:
-    """Yield the files of heads with one damaged part."""
-    good = {
-        name: (folder / name).read_bytes()
-        for name in ("weights.safetensors", "settings.json", "metrics.json")
-    }
+    """Yield the files of heads, profiles among them, with one damaged part."""
+    names = ["weights.safetensors", "settings.json", "metrics.json"]
+    names += [
+        f"{k}.safetensors"
+        for k in ("profile", "familiarity")
+        if (folder / f"{k}.safetensors").is_file()
+    ]
+    good = {name: (folder / name).read_bytes() for name in names}
     for k in range(count):
-        name = ("settings.json", "weights.safetensors", "settings.json", "metrics.json")[k % 4]
-        if name == "weights.safetensors":
+        name = ("settings.json", *names)[k % (len(names) + 1)]
+        if name.endswith(".safetensors"):
             changed = spoilt_tensors(good[name], chance)
         else:
             changed = json.dumps(spoilt(json.loads(good[name]), chance)).encode()
@@ -121,7 +124,7 @@ def spoilt_rows(content: bytes, chance: random.Random) -> bytes:
 def questions(chance: random.Random, count: int) -> Iterator[dict[str, Any]]:
     """Yield requests with valid and hostile values under the page's names."""
     names = ("vis", "tac", "order", "stage", "map", "point", "nodes", "method", "head", "lessons",
-             "reading", "modality", "row", "rows", "class", "domain", "pair", "k", "label")  # fmt: skip
+             "reading", "modality", "row", "rows", "class", "domain", "pair", "k", "label", "measure", "set")  # fmt: skip
     for _ in range(count):
         asked = {name: chance.choice(ATOMS) for name in chance.sample(names, chance.randint(0, 6))}
         for name in ("vis", "tac"):

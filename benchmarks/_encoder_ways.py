@@ -146,7 +146,7 @@ def vit_b16() -> torch.nn.Module:
 
 def rn50(width: int = 64, blocks: tuple[int, ...] = (3, 4, 6, 3)) -> torch.nn.Module:
     """Return the image tower of CLIP RN50 with random weights under the published names."""
-    from omnivat.encoders.clip_resnet import Tower
+    from omnivat.encoders.clip_towers import Tower
 
     torch.manual_seed(0)
     state: dict[str, Tensor] = {}

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from omnivat.errors import MissingPackageError
-from omnivat.packages import need
+from omnivat.tables import need
 
 TASKS = ("build", "new p", "new x", "forward + backward")
 PEER = "torch-frft dfrft"

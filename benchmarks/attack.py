@@ -1,14 +1,16 @@
 """Attack the page and count the results: `python -m benchmarks.attack`.
 
-Hostile images, heads, sets, requests and callers are sent to the page's routes. A case passes if
+Hostile images, heads, sets, requests (to the page, the API and MCP) and callers are sent to the page's routes. A case passes if
 the status is below 500 within the time limit, an error is one sentence, and no sentence contains a
-folder of the server. Failures are printed with their seed.
+folder of the server. What an earlier attack broke is tried again (`_attack_falls`). Failures are
+printed with their seed.
 """
 
 import argparse
 import json
 import random
 import sys
+from base64 import b64encode
 from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,9 +18,11 @@ from time import perf_counter
 from typing import Any
 
 from benchmarks._attack_costly import FOUR_MB, MOST_MB, MOST_S, measured
-from benchmarks._attack_files import heads, images, questions, sets
+from benchmarks._attack_falls import falls
+from benchmarks._attack_files import heads, images, questions, sets, spoilt_tensors
 
 SLOW_S = 5.0  # seconds; a slower reply is a failure
+TOOLS = ("about", "predict", "gaps")  # of the API; a report takes minutes
 OUT = Path("docs/benchmarks/attack.json")
 
 
@@ -52,6 +56,7 @@ def judged(response: Any, seconds: float) -> str:
         return ""
     try:
         said = response.json()["error"]
+        said = said["message"] if isinstance(said, dict) else said  # of JSON-RPC
     except (ValueError, KeyError, TypeError):
         return f"no sentence: {response.text[:80]!r}"
     if not said.endswith(".") or "\n" in said or "Traceback" in said:
@@ -64,7 +69,8 @@ def attack(client: Any, resources: Any, seed: int, count: int) -> dict[str, Coun
     """Send `count` hostile inputs of each kind; return the results."""
     from app.routes import QUESTIONS
 
-    found = {name: Counts() for name in ("images", "questions", "heads", "sets", "callers")}
+    kinds = ("images", "questions", "api", "heads", "sets", "profiles", "callers")
+    found = {name: Counts() for name in kinds}
 
     def send(kind: str, what: str, address: str, **more: Any) -> Any:
         began = perf_counter()
@@ -76,10 +82,18 @@ def attack(client: Any, resources: Any, seed: int, count: int) -> dict[str, Coun
     client.post("/omnivat/image", content=next(iter(images(random.Random(0), 1))))  # the encoder
     for k, content in enumerate(images(random.Random(seed), count)):
         send("images", f"image {k}", "/omnivat/image?name=x", content=content)
+        if len(content) < 2_000_000:
+            address = "data:image/png;base64," + b64encode(content).decode()
+            send("api", f"image {k}", "/omnivat/api/predict", json={"vis": address})
     for k, asked in enumerate(questions(random.Random(seed), count)):
         name = list(QUESTIONS)[k % len(QUESTIONS)]
         content = json.dumps(asked).encode()
         send("questions", f"{name} {asked!r:.200}", f"/omnivat/{name}", content=content)
+        tool = TOOLS[k % len(TOOLS)]
+        call = {"jsonrpc": "2.0", "method": "tools/call", "id": asked.get("k", k)}
+        call["params"] = {"name": tool, "arguments": asked}
+        send("api", f"{tool} {asked!r:.200}", f"/omnivat/api/{tool}", content=content)
+        send("api", f"mcp {call!r:.200}", "/omnivat/mcp", content=json.dumps(call).encode())
     where = resources.where
     for kind, files in (
         ("heads", heads(where.head, random.Random(seed), count)),
@@ -90,6 +104,13 @@ def attack(client: Any, resources: Any, seed: int, count: int) -> dict[str, Coun
             response = send(kind, f"{kind} {k}", "/omnivat/load", json={"parts": loaded})
             if response.status_code == 200:
                 used(client, response.json()["set"], found[kind], f"seed {seed}, {kind} {k}")
+    chance = random.Random(seed)
+    for k in range(count):
+        content = spoilt_tensors((where.head / "profile.safetensors").read_bytes(), chance)
+        response = send("profiles", f"profile {k}", "/omnivat/sensor", content=content)
+        if response.status_code == 200:
+            asked = {"vis": "row:1", "profile": response.json()["profile"]}
+            send("profiles", f"profile {k}, then a pair", "/omnivat/pair", json=asked)
     for k, headers in enumerate(callers(random.Random(seed), count)):
         response = send("callers", f"caller {k}", "/omnivat/pair", json={}, headers=headers)
         if response.status_code != 403:
@@ -164,19 +185,24 @@ def main(arguments: list[str] | None = None) -> int:
     from starlette.middleware import Middleware
     from starlette.testclient import TestClient
 
-    from app import upload_store
     from app.guard import Guard, rules
     from app.places import places
     from app.resources import Resources
     from app.routes import routes
     from omnivat.files import write_json
 
-    vars(upload_store)["KEPT_PARTS"] = 10**6  # one process plays all visitors
     resources = Resources(places())
-    guarded = [Middleware(Guard, rules=rules("127.0.0.1"))]
-    application = Starlette(routes=routes(resources), middleware=guarded)
-    with TestClient(application, base_url="http://127.0.0.1") as client:
+
+    def application() -> Starlette:
+        guarded = [Middleware(Guard, rules=rules("127.0.0.1", ["demo.example"]))]
+        return Starlette(routes=routes(resources, api=True), middleware=guarded)
+
+    with TestClient(application(), base_url="http://127.0.0.1") as client:
         found = attack(client, resources, chosen.seed, chosen.count)
+    found["falls"] = Counts()
+    for what, held in falls(application, resources):
+        found["falls"].held += held
+        found["falls"].fell += [] if held else [what]
     found["costly"], costly = costs(resources.shared.decoder)
     resources.shared.close()
     record: dict[str, dict[str, Any]] = {

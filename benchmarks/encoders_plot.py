@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from omnivat.errors import MissingPackageError
-from omnivat.packages import need
+from omnivat.tables import need
 
 FLOOR = 1e-13  # an error below this is drawn here; rounding of the cosine itself is near it
 CAPTION = (

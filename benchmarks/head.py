@@ -25,6 +25,7 @@ from benchmarks.measure import machine, timed
 from benchmarks.sweep import made_embeddings
 from omnivat.data.materials import MATERIALS
 from omnivat.lang.bank import LangBank
+from omnivat.model import reference
 from omnivat.model.head import OmniVaT, build_head
 from omnivat.model.settings import HeadSettings
 from omnivat.threads import LIGHT, one_thread
@@ -119,15 +120,14 @@ def row(what: str, width: int, seconds: Seconds, operations: int, rate: float) -
 
 @torch.inference_mode()
 def predictions(width: int, runs: int) -> list[dict[str, Any]]:
-    """Time prediction from raw embeddings, and check it against the unfolded head."""
+    """Time prediction from raw embeddings, and check it against the reference."""
     settings = HeadSettings(classes=MATERIALS, input_width=INPUT, lang_width=INPUT, width=width)
     model = build_head(settings).eval()
     random = torch.Generator().manual_seed(0)
     vis, tac = (torch.randn(PAIRS, INPUT, generator=random) for _ in range(2))
     folded = model(vis[:50], tac[:50]).probabilities
-    model.mffa.as_printed = True
-    torch.testing.assert_close(model(vis[:50], tac[:50]).probabilities, folded, atol=1e-6, rtol=0)
-    model.mffa.as_printed = False
+    plain = reference.predict(model, {"vis": vis[:50], "tac": tac[:50]}).probabilities
+    torch.testing.assert_close(plain, folded, atol=1e-6, rtol=0)
     before, each = wall_rate(), prediction_operations(model)
     one = measured(lambda: model(vis[:1], tac[:1]).probabilities, 30 * runs)
     many = measured(lambda: model(vis, tac).probabilities, runs)

@@ -1,4 +1,4 @@
-"""Make the README's pictures in a real browser: the page, a drag of p on chirps, and three close-ups.
+"""Make the README's pictures in a real browser: three views of the page, and a drag of p on chirps.
 
     python -m benchmarks.pictures [--out docs]
 
@@ -17,6 +17,7 @@ from benchmarks._page_browser import FLAGS, opened
 from benchmarks.page import CHROMIUM, ROOT, started
 
 WIDTH, HEIGHT = 1280, 800
+LARGE = {"width": 1440, "height": 900}
 STOPS = (*range(0, 101, 5), *range(95, 30, -5))  # hundredths of p: there, and back to p*
 MOVE = """value => {
   const slider = document.querySelector('.explore .order');
@@ -38,17 +39,18 @@ def drag(page: Any, to: Path) -> None:
     first.save(to, save_all=True, append_images=others, duration=220, loop=0, quality=55, method=6)
 
 
-def close_up(page: Any, selector: str, to: Path) -> None:
-    """Write the picture of one element."""
-    page.wait_for_selector(selector, state="visible")
-    page.locator(selector).first.screenshot(path=to)
+def shot(page: Any, to: Path) -> None:
+    """Write the window as a PNG of 256 colours, a third as large."""
+    seen = Image.open(io.BytesIO(page.screenshot())).convert("RGB")
+    seen.quantize(256).save(to, optimize=True)
 
 
-def strangers(page: Any, to: Path) -> None:
-    """Write the bars of every unseen domain."""
-    page.click('.explore [data-part="strangers"]')
-    page.wait_for_timeout(1500)
-    close_up(page, ".explore .board .left", to)
+def chapter(page: Any, name: str, ready: str, to: Path) -> None:
+    """Write a chapter of Explore once `ready` is there."""
+    page.click(f'.explore [data-chapter="{name}"]')
+    page.wait_for_selector(ready, timeout=120_000)
+    page.wait_for_timeout(2500)
+    shot(page, to)
 
 
 def own_picture(page: Any, photo: Path, touch: Path, to: Path) -> None:
@@ -57,7 +59,7 @@ def own_picture(page: Any, photo: Path, touch: Path, to: Path) -> None:
     for modality, file in (("vis", photo), ("tac", touch)):
         page.set_input_files(f'.pair .slot[data-modality="{modality}"] input[type=file]', file)
     page.wait_for_timeout(5000)
-    page.screenshot(path=to)
+    shot(page, to)
 
 
 def main() -> None:
@@ -77,13 +79,13 @@ def main() -> None:
     try:
         with sync_playwright() as driver:
             browser = driver.chromium.launch(executable_path=binary, args=FLAGS)
-            page = opened(browser, address, "?pin=67")
-            page.set_viewport_size({"width": WIDTH, "height": HEIGHT})
-            page.wait_for_load_state("networkidle")
-            page.screenshot(path=chosen.out / "page.png")
-            strangers(page, chosen.out / "strangers.png")
+            page = opened(browser, address, "?chapter=order&p=0.35")
+            page.set_viewport_size(LARGE)
+            chapter(page, "order", ".explore .map[data-order]", chosen.out / "page.png")
+            all_bars = ".explore .waterfall [data-rung=n20]"
+            chapter(page, "failure", all_bars, chosen.out / "failure.png")
             own_picture(page, photo, touch, chosen.out / "own.png")
-            page = opened(browser, address, "?set=chirps&colour=class")
+            page = opened(browser, address, "?chapter=order")
             page.set_viewport_size({"width": WIDTH, "height": HEIGHT})
             page.wait_for_load_state("networkidle")
             drag(page, chosen.out / "drag.webp")

@@ -13,6 +13,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from resource import RUSAGE_SELF, getrusage
 from tempfile import TemporaryDirectory
@@ -20,6 +21,7 @@ from time import perf_counter
 from typing import Any
 
 from benchmarks.measure import machine
+from omnivat.gaps import GAPS
 
 SIZES = (1_000, 10_000, 100_000, 500_000)
 WIDTH, CLASSES, DOMAINS = 512, 5, 4
@@ -86,15 +88,25 @@ def evaluate(head: Path, file: Path, out: Path) -> None:
     command("evaluate", "--head", head, "--embeddings", file)
 
 
-def gaps(head: Path, file: Path, out: Path) -> None:
-    """Gaussian MMD between modalities and domains, of raw embeddings."""
-    command("gaps", "--stage", "raw", "--measure", "mmd_rbf", "--embeddings", file)
+def gaps(measure: str, head: Path, file: Path, out: Path) -> None:
+    """One gap between modalities and domains, of raw embeddings."""
+    command("gaps", "--stage", "raw", "--measure", measure, "--embeddings", file)
 
 
-def project(head: Path, file: Path, out: Path) -> None:
-    """PCA of raw embeddings, with its faithfulness."""
-    map_of = ("--stage", "raw", "--method", "pca", "--embeddings", file)
+def project(method: str, head: Path, file: Path, out: Path) -> None:
+    """A map of raw embeddings, with its faithfulness."""
+    map_of = ("--stage", "raw", "--method", method, "--embeddings", file)
     command("project", *map_of, "--out", out / "map.csv")
+
+
+def profile(head: Path, file: Path, out: Path) -> None:
+    """The profile of one domain."""
+    command("profile", file, "--domain", "domain 0", "--out", out / "profile.safetensors")
+
+
+def report(head: Path, file: Path, out: Path) -> None:
+    """The report without a head, of 4,000 random pairs."""
+    command("report", file, "--out", out / "report")
 
 
 def sweep(head: Path, file: Path, out: Path) -> None:
@@ -136,8 +148,11 @@ def page(head: Path, file: Path, out: Path) -> None:
 
 TASKS: dict[str, Callable[[Path, Path, Path], None]] = {
     "evaluate": evaluate,
-    "gaps": gaps,
-    "project": project,
+    **{f"gaps {name}": partial(gaps, name) for name in GAPS},
+    "project pca": partial(project, "pca"),
+    "project umap": partial(project, "umap"),
+    "profile": profile,
+    "report": report,
     "sweep": sweep,
     "train": train,
     "page": page,
@@ -216,7 +231,7 @@ def main(arguments: list[str] | None = None) -> int:
             for task in chosen.tasks:
                 row = run_apart(task, head, file, chosen.limit)
                 found[task][str(size)] = row
-                print(f"{task:9} {size:8,} {row}", flush=True)
+                print(f"{task:15} {size:8,} {row}", flush=True)
                 write(chosen.out, found)
             file.unlink()
     return 0

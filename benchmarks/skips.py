@@ -29,10 +29,10 @@ from omnivat.encoders import load_encoder
 from omnivat.fractional import Coefficients, coefficients, dfrft, synthesise
 from omnivat.gaps.centroid import modality_gap
 from omnivat.heads import default_embeddings, default_head
-from omnivat.modalities import IMAGES
 from omnivat.model.head import OmniVaT
 from omnivat.projection import chain, torch_umap
 from omnivat.projection.quality import drift, trustworthiness
+from omnivat.stages import IMAGES
 
 ORDERS = tuple(step / 10 for step in range(11))
 

@@ -47,6 +47,7 @@ def gains(head: Head, pairs: Embeddings, count: int, draws: int) -> Iterator[tup
 
 def _lesson(head: Head, pairs: Embeddings, row: int, label: int) -> Lesson:
     return Lesson(
+        object=pairs.rows["object"][row],
         label=head.settings.classes[label],
         vis=torch.from_numpy(pairs.vis[row : row + 1].copy()),
         tac=torch.from_numpy(pairs.tac[row : row + 1].copy()),
@@ -92,8 +93,8 @@ def main() -> None:
     text = (
         "# Teaching a head a few pairs\n\n"
         "`python -m benchmarks.teach`: accuracy (percent, both images) on pairs of other objects of "
-        "each unseen domain, before and after a few of its pairs moved the class directions "
-        f"(`omnivat.teach`). Mean over {len(embeddings.header.domains) - 1} domains and "
+        "each unseen domain, before and after a few of its pairs taught the head, by the method that "
+        f"`omnivat.teach` chooses from them. Mean over {len(embeddings.header.domains) - 1} domains and "
         f"{options.draws} draws; 95 % interval of the gain over both. Head of {head.source}, "
         f"D = {head.settings.width}.\n\n{found}\n\n"
         f"{here['machine']}, Python {here['python']}, torch {here['torch']}.\n"

@@ -8,8 +8,9 @@ full=${1:-build/simulated}
 python -m omnivat simulate --out "$full" --examples examples/pairs
 python -m omnivat embed "$full" --out examples/simulated.safetensors --dtype float16
 python -m omnivat thumbnails "$full" --embeddings examples/simulated.safetensors --tile 56
+python -m omnivat project --centred --embeddings examples/simulated.safetensors
 python -m omnivat train --embeddings examples/simulated.safetensors --source TAG-sim \
-    --out examples/head --repeat 1,2 --set width=64 --set noise=2 --set epochs=120
+    --out examples/head --repeat 1,2 --set width=64 --set noise=4 --set shift=1 --set epochs=120
 python -m omnivat sweep --out examples/frames.bin
 python -m omnivat sweep --retrain 21 --seeds 0,1 --out examples/trained.bin
 # One head for every order; what familiarity needs lies in the other head's folder.

@@ -35,6 +35,10 @@ evidence=(python -m omnivat protocol "${common[@]}" --seeds 0 --folds 3 --set wi
 "${evidence[@]}" "${longer[@]}" --set noise=2 --out "$out/evidence_noise"
 # Ablations of the light head on the sources of the paper's tables.
 "${ablate[@]}" --only expansion,details,generation,class_token,modalities,levels,balance,order,fixed_order
+# What is known about the target, rung by rung.
+python -m benchmarks.ladder --out "$out/ladder.jsonl" --pack examples/records/ladder.jsonl.gz
+python -m benchmarks.ladder_table
+python -m benchmarks.ladder_check
 python -m benchmarks.cost
 cat "$out/noise/runs.jsonl" "$out/long/runs.jsonl" | gzip -9n >docs/benchmarks/noise.jsonl.gz
 python -m benchmarks.noise

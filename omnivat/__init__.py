@@ -3,9 +3,7 @@
 Importing this loads nothing heavy; names load on first use.
 """
 
-from typing import Any
-
-from omnivat.tables import load as _load
+from omnivat.tables import late
 
 __version__ = "0.1.0"
 
@@ -20,9 +18,4 @@ _PUBLIC = {
     "load_head": "omnivat.checkpoint:load_head",
 }
 __all__ = ["__version__", *_PUBLIC]
-
-
-def __getattr__(name: str) -> Any:
-    if name not in _PUBLIC:
-        raise AttributeError(f"module 'omnivat' has no attribute {name!r}")
-    return _load(_PUBLIC, name, kind="public name")
+__getattr__ = late(__name__, _PUBLIC)

@@ -16,7 +16,7 @@ TWO_SOURCES = ("TAG", "OF 2.0 A")  # the sources of the paper's ablations
 ALL_SOURCES = tuple(DOMAINS)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Row:
     """One variant. `base` is the head unless it names a baseline."""
 
@@ -28,7 +28,7 @@ class Row:
     value: float | None = None  # position in a figure
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Ablation:
     """One table or figure of the paper."""
 
@@ -38,18 +38,18 @@ class Ablation:
     axis: str = ""  # a figure's horizontal axis
 
 
-FULL = Row(label="OmniVaT")
-BASELINE = Row(label="Baseline", base="baseline")
+FULL = Row("OmniVaT")
+BASELINE = Row("Baseline", base="baseline")
 
 
 def _generation(kind: str, label: str) -> Row:
-    return Row(label=f"OmniVaT ({label})", head={"generation": kind})
+    return Row(f"OmniVaT ({label})", head={"generation": kind})
 
 
 def _modalities(lang: bool, names: tuple[str, ...]) -> Row:
     label = " / ".join(name.upper() for name in (("lang",) if lang else ()) + names)
     train = {"lang": lang, "modalities": "+".join(names)}
-    return Row(label=label, train=train, modalities=names)
+    return Row(label, train=train, modalities=names)
 
 
 ONLY_MFFA = {"generation": "none"}
@@ -57,22 +57,22 @@ ONLY_DTG = {"mffa": False}
 
 ABLATIONS = {
     "components": Ablation(
-        title="Key components",
+        "Key components",
         rows={
             "baseline": BASELINE,
             "mffa without MMA": Row(
-                label="+ MFFA (without L_MMA)", head=ONLY_MFFA, train={"mma_weight": 0.0}
+                "+ MFFA (without L_MMA)", head=ONLY_MFFA, train={"mma_weight": 0.0}
             ),
-            "mffa": Row(label="+ MFFA", head=ONLY_MFFA),
+            "mffa": Row("+ MFFA", head=ONLY_MFFA),
             "dtg without NOD": Row(
-                label="+ DTG (without L_NOD)", head=ONLY_DTG, train={"nod_weight": 0.0}
+                "+ DTG (without L_NOD)", head=ONLY_DTG, train={"nod_weight": 0.0}
             ),
-            "dtg": Row(label="+ DTG", head=ONLY_DTG),
+            "dtg": Row("+ DTG", head=ONLY_DTG),
             "full": FULL,
         },
     ),
     "generation": Ablation(
-        title="Feature generation, seven nodes each",
+        "Feature generation, seven nodes each",
         rows={
             "baseline": BASELINE,
             "interpolation": _generation("interpolation", "linear interpolation"),
@@ -82,17 +82,17 @@ ABLATIONS = {
         },
     ),
     "class_token": Ablation(
-        title="Global class token",
+        "Global class token",
         rows={
             "baseline": BASELINE,
             "without class token": Row(
-                label="OmniVaT (without class token)", head={"class_token": False}
+                "OmniVaT (without class token)", head={"class_token": False}
             ),
             "full": FULL,
         },
     ),
     "modalities": Ablation(
-        title="Modalities in training and prediction",
+        "Modalities in training and prediction",
         sources=("TAG",),
         rows={
             "vis": _modalities(False, ("vis",)),
@@ -104,72 +104,68 @@ ABLATIONS = {
         },
     ),
     "order": Ablation(
-        title="Fractional order p: fixed at 0 and 1, learnable from elsewhere",
+        "Fractional order p: fixed at 0 and 1, learnable from elsewhere",
         sources=("TAG",),
         axis="p",
         rows={
             **{
                 f"p {p:g}": Row(
-                    label=f"p = {p:g}" + (" (fixed)" if p in (0.0, 1.0) else ""),
+                    f"p = {p:g}" + (" (fixed)" if p in (0.0, 1.0) else ""),
                     head={"order": p, "learn_order": p not in (0.0, 1.0)},
                     value=p,
                 )
                 for p in (0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 1.0)
             },
-            "p 0.5 fixed": Row(label="p = 0.5 (fixed)", head={"order": 0.5, "learn_order": False}),
+            "p 0.5 fixed": Row("p = 0.5 (fixed)", head={"order": 0.5, "learn_order": False}),
             "p per modality": Row(
-                label="p = 0.5, one for each modality", head={"order_per_modality": True}
+                "p = 0.5, one for each modality", head={"order_per_modality": True}
             ),
         },
     ),
     "fixed_order": Ablation(
-        title="Fractional order p: a head trained anew at each fixed value",
+        "Fractional order p: a head trained anew at each fixed value",
         axis="p, fixed",
         rows={
             **{
                 f"p {p:g} fixed": Row(
-                    label=f"p = {p:g} (fixed)", head={"order": p, "learn_order": False}, value=p
+                    f"p = {p:g} (fixed)", head={"order": p, "learn_order": False}, value=p
                 )
                 for p in (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
             },
-            "full": Row(label="OmniVaT, p learned from 0.5"),
+            "full": Row("OmniVaT, p learned from 0.5"),
         },
     ),
     "projection": Ablation(
-        title="Projection to the head's width (ours): one map for VIS and TAC, or one each",
+        "Projection to the head's width (ours): one map for VIS and TAC, or one each",
         sources=ALL_SOURCES,
         rows={
             "shared projection": Row(
-                label="OmniVaT (one map for VIS and TAC)", head={"shared_projection": True}
+                "OmniVaT (one map for VIS and TAC)", head={"shared_projection": True}
             ),
             "full": FULL,
         },
     ),
     "details": Ablation(
-        title="Details that the paper leaves open (ours)",
+        "Details that the paper leaves open (ours)",
         rows={
-            "theta ones": Row(label="θ_e all ones at the start", head={"theta_init": "ones"}),
-            "guide added": Row(label="guide added only (Eq. 5)", head={"guide": "added"}),
-            "guide query": Row(label="guide as query only (Eq. 6)", head={"guide": "query"}),
-            "guide unit": Row(
-                label="guide of length 1 in place of √D", head={"guide_length": "unit"}
-            ),
+            "theta ones": Row("θ_e all ones at the start", head={"theta_init": "ones"}),
+            "guide added": Row("guide added only (Eq. 5)", head={"guide": "added"}),
+            "guide query": Row("guide as query only (Eq. 6)", head={"guide": "query"}),
+            "guide unit": Row("guide of length 1 in place of √D", head={"guide_length": "unit"}),
             "bank all": Row(
-                label="class tokens of guided pairs in the bank, too", train={"bank_from": "all"}
+                "class tokens of guided pairs in the bank, too", train={"bank_from": "all"}
             ),
-            "mma guided": Row(
-                label="L_MMA on pairs guided by LANG only", train={"mma_on": "guided"}
-            ),
+            "mma guided": Row("L_MMA on pairs guided by LANG only", train={"mma_on": "guided"}),
             "full": FULL,
         },
     ),
     "levels": Ablation(
-        title="Depth R of the tree",
+        "Depth R of the tree",
         sources=("TAG",),
         axis="R",
         rows={
             f"R {levels}": Row(
-                label=f"R = {levels}, {2**levels - 1} node{'s' if levels > 1 else ''}",
+                f"R = {levels}, {2**levels - 1} node{'s' if levels > 1 else ''}",
                 head={"levels": levels},
                 value=levels,
             )
@@ -177,22 +173,20 @@ ABLATIONS = {
         },
     ),
     "expansion": Ablation(
-        title="Expansion E",
+        "Expansion E",
         sources=("TAG",),
         axis="E",
         rows={
-            f"E {count}": Row(label=f"E = {count}", head={"expansion": count}, value=count)
+            f"E {count}": Row(f"E = {count}", head={"expansion": count}, value=count)
             for count in (1, 2, 3, 4, 6, 8)
         },
     ),
     "balance": Ablation(
-        title="Balance weight λ of L_MMA",
+        "Balance weight λ of L_MMA",
         sources=("TAG",),
         axis="λ",
         rows={
-            f"λ {weight:g}": Row(
-                label=f"λ = {weight:g}", train={"mma_weight": weight}, value=weight
-            )
+            f"λ {weight:g}": Row(f"λ = {weight:g}", train={"mma_weight": weight}, value=weight)
             for weight in (0.0, 0.1, 1.0, 10.0, 100.0)
         },
     ),

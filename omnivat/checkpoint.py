@@ -1,7 +1,8 @@
 """A head on disk: a folder of `weights.safetensors`, `settings.json` and `metrics.json`.
 
-`settings.json` has the calibration; `familiarity.safetensors` has the training embeddings. Heads
-without them also load, with temperature 1 and familiarity None.
+`settings.json` has the calibration; `familiarity.safetensors` has the training embeddings;
+`profile.safetensors` has their channel statistics. Heads without them also load, with temperature 1
+and None.
 """
 
 import shutil
@@ -17,10 +18,13 @@ from typing import Any
 import torch
 from safetensors import SafetensorError
 from safetensors.torch import load_file, save
+from torch import Tensor
 
-from omnivat.calibration.familiarity import Familiarity
-from omnivat.calibration.familiarity_file import load_familiarity, save_familiarity
+from omnivat.calibration.familiarity import Familiarity, load_familiarity, save_familiarity
 from omnivat.config import settings_dict, settings_from
+from omnivat.data.profile import Profile, domain_of, moved, profiled, require_key
+from omnivat.data.profile_file import load_profile, save_profile
+from omnivat.data.rest import RESTED
 from omnivat.data.store import Embeddings
 from omnivat.devices import current
 from omnivat.errors import DataError, SettingsError
@@ -28,12 +32,12 @@ from omnivat.files import UNFINISHED_S, require_writable, write_json, writing
 from omnivat.model.fusion import Calibration, plain
 from omnivat.model.head import OmniVaT
 from omnivat.model.settings import HeadSettings
-from omnivat.orders import LIMIT
 from omnivat.schema import read_object, tensor_table, texts
+from omnivat.stages import IMAGES, LIMIT
 
 FORMAT = "omnivat-head-1"
 WEIGHTS, SETTINGS, METRICS = "weights.safetensors", "settings.json", "metrics.json"
-FAMILIARITY = "familiarity.safetensors"
+FAMILIARITY, PROFILE = "familiarity.safetensors", "profile.safetensors"
 ENCODER = ("name", "weights_hash", "preprocessing")
 
 
@@ -48,6 +52,7 @@ class Head:
     metrics: dict[str, Any] = field(default_factory=dict)
     path: Path | None = None
     familiarity: Familiarity | None = None
+    profile: Profile | None = None  # of the training pairs
 
     @property
     def source(self) -> str:
@@ -62,11 +67,51 @@ class Head:
         wanted = tuple(self.encoder[name] for name in ENCODER)
         if key == wanted and width == self.settings.input_width:
             return
+        if key != wanted and "".join(key).removesuffix(RESTED) == "".join(wanted).removesuffix(
+            RESTED
+        ):
+            less, more = ("with", "without") if wanted[2].endswith(RESTED) else ("without", "with")
+            raise DataError(
+                f"{what} are made {more} a rest picture subtracted from touch, and this head was "
+                f"trained {less} one. Embed the pairs {less} --tac-rest, or choose a head that fits."
+            )
         raise DataError(
             f"{what} come from {_describe(key, width)}, and this head was trained with "
             f"{_describe(wanted, self.settings.input_width)}. Embed the pairs with the head's "
             "encoder, or choose a head that fits."
         )
+
+    def profiled(self, embeddings: Embeddings, profiles: Sequence[Profile]) -> Embeddings:
+        """Return embeddings with the pairs of profiled domains moved onto the source's statistics.
+
+        Raises DataError if the head lacks its source's profile, or a profile does not fit the set.
+        """
+        domains = embeddings.header.domains
+        owners = {domain_of(one, domains, self.source): one for one in profiles}
+        return profiled(embeddings, owners, self.source_profile) if owners else embeddings
+
+    @property
+    def source_profile(self) -> Profile:
+        """The profile of the training pairs; raises DataError for a head without one."""
+        if self.profile is None:
+            raise DataError(
+                "This head has no profile of its source, so no sensor's profile can be matched to it. "
+                "Train it again, or copy profile.safetensors into its folder."
+            )
+        return self.profile
+
+    def moved(self, name: str, rows: Tensor, profile: Profile) -> Tensor:
+        """Return rows (B, input_width) of a modality, moved from a profiled sensor to the source's.
+
+        A modality that the profile lacks stays as it is. Raises DataError as `profiled` does.
+        """
+        source = self.source_profile
+        require_key(profile, source.key, source.width)
+        target = profile.channels.get(name)
+        if target is None:
+            return rows
+        near = moved(rows.detach().cpu().numpy(), target, source.channels[name])
+        return torch.from_numpy(near).to(rows)
 
     def require_embeddings(self, embeddings: Embeddings) -> None:
         """Raise DataError for a set of embeddings that does not fit this head."""
@@ -109,6 +154,8 @@ def _fill(temporary: Path, target: Path, head: Head) -> None:
         write_json(temporary / METRICS, head.metrics)
         if head.familiarity is not None:
             save_familiarity(temporary / FAMILIARITY, head.familiarity)
+        if head.profile is not None:
+            save_profile(temporary / PROFILE, head.profile)
         temporary.chmod(0o755)
         (temporary / WEIGHTS).chmod(0o644)
         _swap(temporary, target)
@@ -128,7 +175,7 @@ def require_head_folder(folder: str | Path, *, also: Sequence[str] = ()) -> None
     target = Path(folder)
     if target.exists() and not target.is_dir():
         raise DataError(f"'{target}' is a file; name a folder for the head.")
-    allowed = {WEIGHTS, SETTINGS, METRICS, FAMILIARITY, *also}
+    allowed = {WEIGHTS, SETTINGS, METRICS, FAMILIARITY, PROFILE, *also}
     foreign = (
         sorted(p.name for p in target.iterdir() if p.name not in allowed) if target.is_dir() else []
     )
@@ -178,13 +225,15 @@ def load_head(folder: str | Path, *, dtype: torch.dtype | None = None) -> Head:
     if record.get("format") != FORMAT:
         raise DataError(f"'{path / SETTINGS}' is not the settings of a head ('{FORMAT}').")
     try:
-        settings = settings_from(HeadSettings, record["head"])
+        older = {"standardize": False}  # heads from before profiles take embeddings as they come
+        settings = settings_from(HeadSettings, older | record["head"])
         encoder = texts(record["encoder"], f"{path / SETTINGS} (encoder)")
         if missing := [name for name in ENCODER if name not in encoder]:
             raise DataError(f"'{path / SETTINGS}' lacks the encoder's {missing[0]}.")
         provenance = record["provenance"]
         if not isinstance(provenance, dict):
             raise DataError(f"'{path / SETTINGS}' should hold its provenance as an object.")
+        _require_training(provenance.get("train", {}), path / SETTINGS)
     except (KeyError, TypeError, AttributeError, SettingsError) as error:
         why = f"{error!s:.300}"
         raise DataError(
@@ -202,6 +251,7 @@ def load_head(folder: str | Path, *, dtype: torch.dtype | None = None) -> Head:
         metrics=metrics,
         path=path,
         familiarity=load_familiarity(path / FAMILIARITY, settings.input_width),
+        profile=_profile(path / PROFILE, settings.input_width),
     )
 
 
@@ -228,6 +278,30 @@ def _calibration(file: Path, given: Any) -> Calibration:
             "and the share is 0 to 1. Copy the head folder again."
         )
     return Calibration(temperature=temperature, share=share)
+
+
+def _require_training(train: Any, file: Path) -> None:
+    """Raise DataError if the training settings that others read are of another kind."""
+    kinds = {
+        "order_draw": str,
+        "modalities": str,
+        "order_low": int | float,
+        "order_high": int | float,
+    }
+    if not isinstance(train, dict) or any(
+        not isinstance(train[name], kind) for name, kind in kinds.items() if name in train
+    ):
+        raise DataError(f"'{file}' should hold its training settings as an object; train it again.")
+
+
+def _profile(file: Path, width: int) -> Profile | None:
+    """Return the source's profile, or None for a head without one."""
+    if not file.is_file():
+        return None
+    profile = load_profile(file)
+    if profile.width != width or set(profile.channels) != set(IMAGES):
+        raise DataError(f"'{file}' does not fit this head; copy the head folder again.")
+    return profile
 
 
 def _load_weights(file: Path, settings: HeadSettings) -> OmniVaT:

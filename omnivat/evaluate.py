@@ -15,6 +15,7 @@ from omnivat.errors import DataError
 from omnivat.gaps.confusion import accuracy, confusion, macro_f1
 from omnivat.model.head import OmniVaT
 from omnivat.model.output import HeadOutput
+from omnivat.progress import OnStep, Step, ignore
 
 Rows = NDArray[np.int64]
 CHUNK = 512  # pairs in a forward pass; it bounds the memory for any set
@@ -92,6 +93,7 @@ def evaluate(
     *,
     order: float | None = None,
     modalities: Sequence[str] | None = None,
+    on_step: OnStep = ignore,
 ) -> list[dict[str, Any]]:
     """Return one record for each domain: counts, ACC and macro-F1 of every reading.
 
@@ -107,17 +109,16 @@ def evaluate(
     """
     head.require_embeddings(embeddings)
     given = trained_modalities(head) if modalities is None else tuple(modalities)
-    return [
-        _evaluate_domain(head, embeddings, name, order, given) for name in embeddings.header.domains
-    ]
+    records, done = [], 0
+    for name in embeddings.header.domains:
+        records.append(_evaluate_domain(head, embeddings, name, order, given))
+        done += int((embeddings.domain == embeddings.header.domains.index(name)).sum())
+        on_step(Step(done=done, total=len(embeddings), text=name))
+    return records
 
 
 def _evaluate_domain(
-    head: Head,
-    embeddings: Embeddings,
-    domain: str,
-    order: float | None,
-    modalities: Sequence[str],
+    head: Head, embeddings: Embeddings, domain: str, order: float | None, modalities: Sequence[str]
 ) -> dict[str, Any]:
     classes = head.settings.classes
     rows = embeddings.rows_of(domain, split="test")

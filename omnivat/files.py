@@ -1,14 +1,15 @@
-"""Write files completely or not at all."""
+"""Write files completely or not at all; numbers as text."""
 
+import csv
 import json
 import os
 import stat
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from glob import escape
 from pathlib import Path
-from tempfile import NamedTemporaryFile
+from tempfile import NamedTemporaryFile, TemporaryDirectory
 from time import time
 from typing import IO, Any
 
@@ -17,6 +18,7 @@ from omnivat.errors import DataError, WriteError
 if sys.platform != "win32":  # Windows has no such locks
     import fcntl
 
+FORMULA = ("=", "+", "-", "@", "\t", "\r")  # starts of a cell that a spreadsheet computes
 UNFINISHED_S = 60  # seconds without a byte; younger files may not have their lock yet
 
 
@@ -40,6 +42,29 @@ def replacing(path: str | Path) -> Iterator[Path]:
             os.replace(temporary, target)
 
 
+def safe_cell(value: object) -> object:
+    """Return a cell of a table that no spreadsheet takes for a formula; numbers stay numbers.
+
+    >>> safe_cell("=1+2"), safe_cell("-0.5"), safe_cell(-0.5), safe_cell("wood")
+    ("'=1+2", '-0.5', -0.5, 'wood')
+    """
+    if not isinstance(value, str) or not value.lstrip(" ").startswith(FORMULA):
+        return value
+    try:
+        float(value)
+    except ValueError:
+        return f"'{value}"
+    return value
+
+
+def write_csv(path: str | Path, header: Iterable[str], rows: Iterable[Iterable[object]]) -> None:
+    """Write a table completely or not at all; every cell is a `safe_cell`. Raises WriteError."""
+    with replacing(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as handle:
+        writer = csv.writer(handle)
+        writer.writerow(map(safe_cell, header))
+        writer.writerows(map(safe_cell, row) for row in rows)
+
+
 @contextmanager
 def writing(target: Path) -> Iterator[None]:
     """Turn a failed write into a WriteError with the name of `target` and the reason."""
@@ -52,6 +77,25 @@ def writing(target: Path) -> Iterator[None]:
         raise WriteError(
             f"'{target}' was not written ({why}); check the folder, its permissions and the free space."
         ) from error
+
+
+@contextmanager
+def replacing_folder(path: Path) -> Iterator[Path]:
+    """Yield an empty folder; it takes the place of `path` if the block ends without an error.
+
+    What stood at `path` goes. Raises WriteError if nothing can be written there.
+    """
+    parent = path.absolute().parent
+    with writing(path):
+        parent.mkdir(parents=True, exist_ok=True)
+        with TemporaryDirectory(dir=parent, prefix=f".{path.name}.") as beside:
+            made = Path(beside) / "new"
+            made.mkdir()
+            yield made
+            made.chmod(0o755)
+            if path.exists():
+                os.replace(path, Path(beside) / "old")
+            os.replace(made, path)
 
 
 def sweep_unfinished(target: Path) -> None:

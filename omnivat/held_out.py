@@ -3,8 +3,7 @@
 One fold: a quarter of the source's objects is held out, and a head is trained on the rest with the
 same settings. It predicts the held-out pairs as they are and under imitated sensors
 (omnivat/selection.py). With plain pairs alone, a head would be as confident on a new sensor as on
-its own.
-"""
+its own."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,11 +14,14 @@ from torch import Tensor
 
 from omnivat.calibration.fit import fit_calibration
 from omnivat.data.store import Embeddings
-from omnivat.evaluate import label_map, predicted_logits
+from omnivat.errors import DataError
+from omnivat.evaluate import CHUNK, label_map, predicted_logits, predicted_probabilities
+from omnivat.gaps.confusion import accuracy
 from omnivat.lang.bank import LangBank
-from omnivat.model.fusion import Calibration
+from omnivat.model.fusion import Calibration, fuse
 from omnivat.model.head import OmniVaT
 from omnivat.model.settings import HeadSettings
+from omnivat.seeding import derive_seed
 from omnivat.selection import Evidence, evidence
 from omnivat.train import TrainSettings, train
 
@@ -36,10 +38,7 @@ class HeldOut:
 
 
 def held_out_logits(
-    model: OmniVaT,
-    fold: Evidence,
-    *,
-    modalities: Sequence[str] = ("vis", "tac"),
+    model: OmniVaT, fold: Evidence, *, modalities: Sequence[str] = ("vis", "tac")
 ) -> HeldOut:
     """Return a model's logits on the held-out pairs of a fold, plain and under imitated sensors."""
     parts, labels, plain = [], [], []
@@ -71,3 +70,54 @@ def calibration_of(
     trained = train(fold.fit, head, settings, bank=bank, seed=seed)
     found = held_out_logits(trained.model, fold, modalities=settings.given)
     return fit_calibration(found.logits, found.labels, fusion=head.fusion)
+
+
+def lang_guard(
+    model: OmniVaT, pairs: Embeddings, bank: LangBank, *, seed: int = 0
+) -> dict[str, float]:
+    """Return ACC on pairs "with" the text of their class, "without" it, and the "gap".
+
+    pairs  test pairs of the source; classes that the head lacks are left out
+    bank   LANG of the head's classes; each pair gets a random style of its class
+
+    Raises DataError if there are no pairs.
+    """
+    labels = label_map(model.settings.classes, pairs.header.classes)[pairs.label]
+    known = np.flatnonzero(labels >= 0)
+    if not len(known):
+        raise DataError("The LANG guard needs pairs of the head's classes; there are none.")
+    pairs, truth = pairs.select(known), torch.from_numpy(labels[known])
+    random = np.random.default_rng(derive_seed(seed, "guard"))
+    styles = random.integers(bank.embeddings.shape[1], size=len(truth))
+    texts = torch.from_numpy(bank.embeddings[truth.numpy(), styles])
+    guided = guided_probabilities(model, pairs, texts, truth)
+    plain = predicted_probabilities(model, pairs)["fused"]
+    found = {
+        "with": float(accuracy(truth, guided.argmax(-1))),
+        "without": float(accuracy(truth, plain.argmax(-1))),
+    }
+    return found | {"gap": found["with"] - found["without"]}
+
+
+@torch.no_grad()
+def guided_probabilities(
+    model: OmniVaT, pairs: Embeddings, texts: Tensor, labels: Tensor
+) -> Tensor:
+    """Return fused probabilities (N, K) of pairs guided by texts (N, lang_width), as in training.
+
+    labels  (N,) not used by the head: class tokens are the class-agnostic ones
+    """
+    found = []
+    for start in range(0, len(pairs), CHUNK):
+        rows = slice(start, start + CHUNK)
+        own = labels[rows]
+        output = model.training_pass(
+            torch.from_numpy(np.array(pairs.vis[rows])),
+            torch.from_numpy(np.array(pairs.tac[rows])),
+            texts[rows].to(model.dtype),
+            own,
+            lang_on=torch.ones_like(own, dtype=torch.bool),
+            token_on=torch.zeros_like(own, dtype=torch.bool),
+        )
+        found.append(fuse("mean", output.logits, None, model.calibration))
+    return torch.cat(found)

@@ -9,7 +9,7 @@ from torch.nn.functional import normalize
 from omnivat.checkpoint import Head
 from omnivat.data.store import Embeddings
 from omnivat.errors import DataError
-from omnivat.losses.nod import nod_loss
+from omnivat.losses import nod_loss
 from omnivat.model.dtg import groups, parents
 from omnivat.model.head import OmniVaT
 from omnivat.sweep.walk import coefficients_of

@@ -1,16 +1,18 @@
 """Progress reports."""
 
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Step:
-    """One progress report: `done` of `total` (0 if unknown), and the current step."""
+    """One progress report: `done` of `total` (0 if unknown), the current step, and the time left."""
 
     done: int
     total: int
     text: str = ""
+    left: str = ""
 
 
 OnStep = Callable[[Step], None]
@@ -18,3 +20,40 @@ OnStep = Callable[[Step], None]
 
 def ignore(_: Step) -> None:
     """Ignore a progress report."""
+
+
+def never() -> bool:
+    """Return False: nobody cancels the work."""
+    return False
+
+
+def time_text(seconds: float) -> str:
+    """Return a duration as text, in at most two units.
+
+    >>> time_text(5), time_text(200), time_text(7300)
+    ('5 s', '3 min 20 s', '2 h 1 min')
+    """
+    whole = round(seconds)
+    if whole < 60:
+        return f"{whole} s"
+    if whole < 3600:
+        return f"{whole // 60} min {whole % 60} s"
+    return f"{whole // 3600} h {whole % 3600 // 60} min"
+
+
+class Pace:
+    """The time left of some work, at the mean rate since its stage began."""
+
+    def __init__(self) -> None:
+        self._first: int | None = None  # steps at the start: an earlier run did some
+        self._last, self._begun = 0, 0.0
+
+    def left(self, step: Step) -> str:
+        """Return "6 min 40 s left"; "" at the start, without a total, or where the text has it."""
+        now = time.monotonic()
+        if self._first is None or step.done < self._last:
+            self._first, self._begun = step.done, now
+        self._last, done = step.done, step.done - self._first
+        if not step.total or done <= 0 or " left" in step.text:
+            return ""
+        return f"{time_text((now - self._begun) * (step.total - step.done) / done)} left"

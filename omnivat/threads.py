@@ -2,14 +2,17 @@
 
 `torch.set_num_threads` changes the calling thread, and also the default of threads started later. A
 thread started during a small job would then keep one torch thread for ever, so a helper thread
-resets the default at once.
-"""
+resets the default at once."""
 
 import os
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
+from multiprocessing import get_context, parent_process
 from queue import SimpleQueue
+from threading import Thread
+from typing import Any
 
 import torch
 
@@ -60,3 +63,30 @@ def _keep() -> None:
 
 if hasattr(os, "register_at_fork"):  # a forked child has no helper thread yet
     os.register_at_fork(after_in_child=_keeper.clear)
+
+
+def worker_pool(
+    count: int, prepare: Callable[..., None] | None = None, *given: Any
+) -> ProcessPoolExecutor:
+    """Return a pool of `count` fresh processes.
+
+    prepare  called once in each, with `given`
+
+    By themselves, the workers of a killed process would wait for ever, with all they loaded.
+    """
+    return ProcessPoolExecutor(
+        count, mp_context=get_context("spawn"), initializer=_begin, initargs=(prepare, given)
+    )
+
+
+def _begin(prepare: Callable[..., None] | None, given: tuple[Any, ...]) -> None:
+    Thread(target=_end_with_parent, name="parent", daemon=True).start()
+    if prepare is not None:
+        prepare(*given)
+
+
+def _end_with_parent() -> None:
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)

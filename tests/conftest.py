@@ -22,18 +22,16 @@ CLASSES = ("wood", "steel", "plastic", "ceramic", "glass")
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Mark browser tests as slow; run tests that start an event loop first: the browser keeps one.
 
-    In several processes (`-n 2 --dist loadgroup`), one of them runs all journeys, and each other
-    file stays in one.
+    Tests marked as long run with `-m long` alone.
     """
     items.sort(key=lambda item: not item.nodeid.startswith("tests/app/"))
+    if "long" not in config.option.markexpr:
+        long = [item for item in items if item.get_closest_marker("long")]
+        config.hook.pytest_deselected(items=long)
+        items[:] = [item for item in items if item not in long]
     for item in items:
         if item.get_closest_marker("browser"):
             item.add_marker("slow")
-    if config.getoption("dist", "no") == "loadgroup":
-        for item in items:
-            browser = item.get_closest_marker("browser")
-            file = item.nodeid.partition("::")[0]
-            item.add_marker(pytest.mark.xdist_group("browser" if browser else file))
 
 
 @pytest.fixture(scope="session")

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 TITLE = "Compare"
 METHODS = {"nearest_mean": "nearest class mean"}  # fast to fit; slower ones are in the matrix
+METRICS = ("accuracy", "macro_f1")
+DRAWS = 2000  # of a bootstrap
 _MEASURED = EXAMPLES / "records"
 RECORDS = (_MEASURED / "protocol_full.jsonl.gz", _MEASURED / "protocol.jsonl.gz")
 
@@ -73,7 +75,7 @@ def _fitted(resources: Resources, method: str) -> dict[str, Any]:
     import torch
 
     from omnivat.baselines import BASELINES
-    from omnivat.protocol.fold import source_arrays
+    from omnivat.protocol.choosing import source_arrays
     from omnivat.protocol.methods import methods_named
     from omnivat.protocol.run import Run, task_of
     from omnivat.tables import load
@@ -127,21 +129,29 @@ def matrix(resources: Resources) -> dict[str, Any]:
     """Return scores by source and target, and the paper's printed figures.
 
     return  `rows`: method, label, source, seeds, cells {target: [accuracy, macro-F1]} as shares;
+            `ranking`: the methods in order, with intervals;
             `origin`: "protocol" or "heads"; `paper`: method -> source -> [ACC, F1] in percent;
             `why`: why the paper's are not comparable, "" if they are
     """
+    kept = resources.results.get("matrix")
+    return kept or resources.results.keep("matrix", _matrix(resources))
+
+
+def _matrix(resources: Resources) -> dict[str, Any]:
     from omnivat.protocol.records import fingerprint
     from omnivat.reports.paper import BACKBONE, not_comparable, paper
 
     embeddings = resources.embeddings()
     header = embeddings.header
-    rows, origin = protocol_rows(fingerprint(embeddings)), "protocol"
+    runs = protocol_runs(fingerprint(embeddings))
+    rows, origin = protocol_rows(runs), "protocol"
     own = [row for one in resources.heads if (row := head_row(resources, one))]
     if not rows:
         origin = "heads"
     sources = list(dict.fromkeys(row["source"] for row in (*rows, *own)))
     return {
         "rows": rows + own,
+        "ranking": ranking(runs),
         "origin": origin,
         "targets": list(header.domains),
         "backbone": BACKBONE,
@@ -181,36 +191,74 @@ def head_row(resources: Resources, name: str) -> dict[str, Any] | None:
     return {"method": name, "label": label, "source": head.source, "seeds": 1, "cells": cells}
 
 
-def protocol_rows(content: str) -> list[dict[str, Any]]:
-    """Return a row for each method and source of the protocol's records, mean over seeds.
+def protocol_runs(content: str) -> dict[tuple[str, str], list[Mapping[str, Any]]]:
+    """Return (method, source) -> runs of the protocol's records.
 
     content  fingerprint of the embeddings shown; records of other embeddings are left out. Without
-             a file there are no rows
+             a file there are none
 
     Heads of different widths are different methods.
     """
     from omnivat.protocol.records import read
+    from omnivat.reports.reading import settled
 
     grouped: dict[tuple[str, str], list[Mapping[str, Any]]] = {}
-    for record in (record for file in RECORDS for record in read(file)):
-        if "targets" not in record:  # this method cannot learn from this source
+    for record in (settled(record) for file in RECORDS for record in read(file)):
+        if "targets" not in record or record["fold"] is not None:  # this method cannot learn it
             continue
-        of_this_set = record["data"]["fingerprint"] == content and record["fold"] is None
-        if of_this_set and "targets" in record:  # a skipped run has none
+        if record["data"]["fingerprint"] == content:
             label = record.get("label") or record["method"]
             width = record.get("settings", {}).get("head", {}).get("width")
             label += f", D = {width}" if width else ""
             grouped.setdefault((label, record["source"]), []).append(record)
+    return grouped
+
+
+def protocol_rows(runs: Mapping[tuple[str, str], Sequence[Any]]) -> list[dict[str, Any]]:
+    """Return a row for each method and source, mean over seeds."""
     return [
         {
-            "method": runs[0]["method"],
+            "method": some[0]["method"],
             "label": label,
             "source": source,
-            "seeds": len(runs),
-            "cells": mean_cells(runs),
+            "seeds": len(some),
+            "cells": mean_cells(some),
         }
-        for (label, source), runs in grouped.items()
+        for (label, source), some in runs.items()
     ]
+
+
+def ranking(runs: Mapping[tuple[str, str], Sequence[Any]]) -> list[dict[str, Any]]:
+    """Return each method with several sources: [mean, low, high] of accuracy and macro-F1.
+
+    A mean over unseen domains, then over sources; 95 % intervals by drawing sources, then seeds.
+    `seeds` is the standard deviation over seeds of one source, pooled over sources; None for one
+    seed. The best method comes first.
+    """
+    from omnivat.reports.intervals import bootstrap_interval, spread
+    from omnivat.reports.reading import record_mean
+
+    found = []
+    for label in dict.fromkeys(label for label, _ in runs):
+        own = {source: some for (name, source), some in runs.items() if name == label}
+        if len(own) < 2:
+            continue
+        scores = {
+            metric: {
+                source: [record_mean(one, metric) for one in some] for source, some in own.items()
+            }
+            for metric in METRICS
+        }
+        intervals = [bootstrap_interval(scores[metric], draws=DRAWS) for metric in METRICS]
+        stds = [spread(values).std for values in scores["accuracy"].values() if len(values) > 1]
+        found.append(
+            {
+                "label": label,
+                "scores": [[one.mean, one.low, one.high] for one in intervals],
+                "seeds": (sum(std**2 for std in stds) / len(stds)) ** 0.5 if stds else None,
+            }
+        )
+    return sorted(found, key=lambda one: -one["scores"][0][0])
 
 
 def mean_cells(runs: Sequence[Mapping[str, Any]]) -> dict[str, list[float]]:
@@ -220,10 +268,7 @@ def mean_cells(runs: Sequence[Mapping[str, Any]]) -> dict[str, list[float]]:
         scores = [
             run["targets"][target]["scores"]["fused"] for run in runs if target in run["targets"]
         ]
-        cells[target] = [
-            sum(score[metric] for score in scores) / len(scores)
-            for metric in ("accuracy", "macro_f1")
-        ]
+        cells[target] = [sum(score[metric] for score in scores) / len(scores) for metric in METRICS]
     return cells
 
 

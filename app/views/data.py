@@ -8,6 +8,7 @@ from app.components import component
 from app.limits import MAX_IMAGE_BYTES, MAX_PIXELS
 from app.messages import without_places
 from app.resources import Resources
+from app.sensor import from_the_start
 from omnivat.errors import DataError
 
 TITLE = "Data & limits"
@@ -18,6 +19,7 @@ def about(resources: Resources) -> dict[str, Any]:
     return {
         "head": _or_problem(lambda: head_facts(resources)),
         "embeddings": _or_problem(lambda: embedding_facts(resources)),
+        "sensor": _or_problem(lambda: from_the_start(resources)),
         "examples": len(resources.examples()),
         "limits": {"image_bytes": MAX_IMAGE_BYTES, "image_pixels": MAX_PIXELS},
     }

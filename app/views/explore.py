@@ -1,6 +1,5 @@
 """Explore: the whole set on a map that follows p."""
 
-from base64 import b64encode
 from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
@@ -8,8 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 from app import map_place
 from app.components import component
+from app.limits import CENTRED_PAIRS
 from app.resources import Resources
 from app.state import order_from
+from omnivat.data.packing import packed
 from omnivat.errors import DataError
 
 if TYPE_CHECKING:
@@ -113,21 +114,49 @@ def unseen(resources: Resources) -> dict[str, Any]:
     return kept
 
 
-def packed(values: "Array", kind: str, steps: int = 1) -> dict[str, Any]:
-    """Return numbers (N,) as integers in units of 1 / steps, little-endian, in base64.
+def ladder(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the ladder of a source domain; see `omnivat.ladder`.
 
-    kind  "u1", "u2" or "i2", numpy's names
+    question  {"source": a domain, "" for the head's}
+    return    {"rungs": […], "sources": domains that have a ladder, the head's first}
 
-    Raises DataError if a number is not finite.
+    Raises DataError for a domain that the set lacks.
     """
-    import numpy as np
+    from omnivat.ladder import recorded, rungs
 
-    if not np.isfinite(values).all():
-        raise DataError(
-            "The head gives values that are not finite numbers; its weights are damaged. Train it again."
+    head, embeddings = resources.head(), resources.embeddings()
+    source, domains = question.get("source"), embeddings.header.domains
+    if not isinstance(source, str) or (source and source not in domains):
+        raise DataError(f"The set has no domain {source!r:.40}; there are {', '.join(domains)}.")
+    kept = resources.results.get(f"ladder {source}")
+    if kept is None:
+        others = [name for name in domains if name != head.source and recorded(name)]
+        own = [head.source] if head.source in domains else []
+        found = {"rungs": rungs(head, embeddings, source=source), "sources": [*own, *others]}
+        kept = resources.results.keep(f"ladder {source}", found)
+    return kept
+
+
+def centred(resources: Resources, method: str) -> dict[str, Any]:
+    """Return a map of the touches' raw embedding as it comes, and with each domain's mean taken away.
+
+    method  "pca", or "umap", which takes seconds where no file has it
+    return  the maps, as `omnivat.frames.centred.centred_reply` has them
+
+    Raises DataError if the set is too large for maps on request.
+    """
+    from omnivat.frames.centred import centred_reply, kept_reply
+
+    kept = resources.results.get(f"centred {method}")
+    if kept is None:
+        embeddings = resources.embeddings()
+        if len(embeddings) > CENTRED_PAIRS:
+            raise DataError(f"Domains are centred in sets of at most {CENTRED_PAIRS:,} pairs.")
+        found = kept_reply(resources.where.embeddings, embeddings, method)
+        kept = resources.results.keep(
+            f"centred {method}", found or centred_reply(embeddings, method)
         )
-    whole = np.rint(values.astype(np.float64) * steps).astype(f"<{kind}")
-    return {"kind": kind, "steps": steps, "data": b64encode(whole.tobytes()).decode()}
+    return kept
 
 
 def pairs(resources: Resources) -> dict[str, list[str]]:

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from app.components import component
+from app.familiar import predict_one
 from app.pair_input import embedded, refs_from, rounded
 from app.resources import Resources
 from app.state import order_from
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 TITLE = "Try a pair"
 READINGS = ("fused", "vis", "tac")  # both, photo only, touch only
 STOPS = tuple(k / 100 for k in range(101))
+MOST_AT_ONCE = 25  # pairs of one request; a page with more sends several
 COLUMNS = 256  # columns of the spectrum; each shows the maximum of its entries
 
 
@@ -36,7 +38,7 @@ def predicted(resources: Resources, question: Mapping[str, Any]) -> dict[str, An
     """
     refs = refs_from(question)
     order = order_from(question.get("order"))
-    pair = embedded(resources, refs)
+    pair = embedded(resources, refs, question)
     head = head_for(resources, question)
     exact = head.model.order if order is None else order
     swept = sweep(head.model, pair["vis"], pair["tac"], (*STOPS, exact))
@@ -55,6 +57,27 @@ def predicted(resources: Resources, question: Mapping[str, Any]) -> dict[str, An
     }
 
 
+def many(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the head's predictions for several pairs at its learned order.
+
+    question  {"pairs": [{"vis", "tac": references}, …], at most MOST_AT_ONCE; "lessons"}
+    return    classes; `pairs`: `readings` and `images` of each, as `app.familiar.predict_one` has them
+
+    Raises DataError for another number of pairs, ForgottenError for a picture that is not kept.
+    """
+    import torch
+
+    given = question.get("pairs")
+    if not isinstance(given, list) or not all(isinstance(one, dict) for one in given):
+        raise DataError("pairs has to be a list of pairs with a photo, a touch or both.")
+    if not 0 < len(given) <= MOST_AT_ONCE:
+        raise DataError(f"{len(given)} pairs were sent; send 1 to {MOST_AT_ONCE} at a time.")
+    head = head_for(resources, question)
+    with torch.inference_mode():
+        found = [predict_one(head, embedded(resources, refs_from(one), question)) for one in given]
+    return {"classes": list(head.settings.classes), "pairs": found}
+
+
 def trained_span(head: "Head") -> list[float]:
     """Return the orders [low, high] that the head was trained for.
 
@@ -62,7 +85,7 @@ def trained_span(head: "Head") -> list[float]:
     """
     train = head.provenance.get("train", {})
     if train.get("order_draw", "none") != "none":
-        return [float(train["order_low"]), float(train["order_high"])]
+        return [float(train.get("order_low", 0)), float(train.get("order_high", 1))]
     return [head.model.order, head.model.order]
 
 
@@ -85,7 +108,7 @@ def sweep(
         out = model.from_coefficients(many, torch.tensor(orders))
         return {
             "readings": {name: p.numpy() for name, p in out.readings.items()},
-            "magnitudes": {name: f.norm(dim=1).numpy() for name, f in out.frft.items()},
+            "magnitudes": {name: f.norm(dim=0).numpy() for name, f in out.frft.items()},
         }
 
 
@@ -102,7 +125,7 @@ def attention(resources: Resources, question: Mapping[str, Any]) -> dict[str, An
     import numpy as np
     import torch
 
-    pair = embedded(resources, refs_from(question))
+    pair = embedded(resources, refs_from(question), question)
     head = head_for(resources, question)
     if not head.settings.mffa:
         raise DataError("This head has no MFFA, so there is no attention to show.")

@@ -89,7 +89,7 @@ def _pairs(
     """Return the requested embeddings and, for a domain, the class index of each pair."""
     domain = question.get("domain")
     if not domain:
-        return embedded(resources, refs_from(question)), None
+        return embedded(resources, refs_from(question), question), None
     import torch
 
     from omnivat.evaluate import label_map

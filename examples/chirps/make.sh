@@ -22,7 +22,7 @@ rm "$here/every/familiarity.safetensors"
 orders=$(python - "$here/head" <<'END'
 import sys
 from omnivat.checkpoint import load_head
-from omnivat.frames.stops import with_learned
+from omnivat.frames.records import with_learned
 print(*with_learned([k / 50 for k in range(51)], load_head(sys.argv[1]).model.order), sep=",")
 END
 )

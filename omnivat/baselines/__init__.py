@@ -67,20 +67,25 @@ LABELS = {
         "the paper's Baseline as far as it is described; text of another encoder than the images' "
         "passes one linear map more",
     ),
-    "promptstyler": Label("PromptStyler (source-free)", "exact: stage 2 with ArcFace as published"),
+    "promptstyler": Label(
+        "PromptStyler (source-free)",
+        "exact: stage 2 with ArcFace at the paper's rate of 0.005, which stays; the LANG bank is stage 1",
+    ),
     "promptstyler_ce": Label(
-        "PromptStyler, cross-entropy", "exact but for the loss, as in public re-implementations"
+        "PromptStyler, cross-entropy",
+        "exact but for the loss, rate (0.05, cosine) and decay, those of a public re-implementation",
     ),
     "zero_shot": Label(
         "CLIP zero-shot", 'exact: "a photo of a CLASS.", the model\'s own logit scale'
     ),
     "zero_shot_styles": Label("CLIP zero-shot, mean of styles", "ours: the LANG bank's styles"),
     "spg": Label(
-        "SPG", "exact over pooled embeddings; one noise vector for all, so that results repeat"
+        "SPG",
+        "exact over pooled embeddings but for random crops, with the rate and the clips that its code "
+        "has for other sets than PACS; one noise vector for all, so that results repeat",
     ),
     "mmrl": Label(
-        "MMRL",
-        "exact but for random crops, through both live towers; VIS and TAC are images alike",
+        "MMRL", "exact but for random crops, through both live towers; VIS and TAC are images alike"
     ),
     "mixup": Label("mixup", "exact, over frozen embeddings"),
     "mixstyle": Label(
@@ -104,8 +109,9 @@ LABELS = {
     ),
     "ldc_icd": Label(
         "LDC-ICD",
-        "logit de-confusion only: the adapters of inner image tokens are in `ldc`; base "
-        "logits come from source class means where no text of the image encoder is at hand",
+        "surrogate, logit de-confusion only: the adapters of inner image tokens are in `ldc`; logits and "
+        "embedding are concatenated, not added, a gate for each class, no BatchNorm, gradients clipped at "
+        "5; base logits come from source class means where no text of the image encoder is at hand",
     ),
     "robust_vish": Label(
         "RobustVisH-2", "two branches: the kinaesthetic one has no counterpart in these data"

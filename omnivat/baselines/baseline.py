@@ -52,12 +52,7 @@ class Baseline(nn.Module):
 
 def fit(source: Source) -> Fitted:
     """Train with SGD as in the paper; held-out objects choose rate and weight of text."""
-    chosen = best(
-        source,
-        CANDIDATES,
-        lambda part, choice: _fused(_train(part, *choice)),
-        repeats=1,
-    )
+    chosen = best(source, CANDIDATES, lambda part, choice: _fused(_train(part, *choice)), repeats=1)
     model = _train(source, *CANDIDATES[chosen])
 
     @torch.inference_mode()

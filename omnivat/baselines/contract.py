@@ -3,14 +3,73 @@
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import torch
+from PIL import Image
 from torch import Tensor
 from torch.nn.functional import normalize
 
-from omnivat.baselines.live import ImageInput, Live
+from omnivat.encoders.running import pixels
 from omnivat.errors import DataError
+
+if TYPE_CHECKING:
+    from omnivat.encoders.clip_live import LiveClip
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ImageInput:
+    """Image preprocessing: resize to `side` pixels, scale to 0..1, then (x - mean) / std."""
+
+    side: int
+    mean: tuple[float, ...]
+    std: tuple[float, ...]
+
+    def __call__(self, image: Image.Image) -> Tensor:
+        """Return the image as (3, side, side)."""
+        return pixels(image, self.mean, self.std, self.side)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Live:
+    """The images of a source's embeddings, and the CLIP that made them.
+
+    read    ("vis" or "tac", row among all pairs) -> an RGB image
+    load    returns the live towers; they are frozen and shared, and no method changes them
+    rows    (N,) indices of these pairs among all pairs
+    """
+
+    read: Callable[[str, int], Image.Image]
+    load: "Callable[[], LiveClip]"
+    rows: Tensor
+
+    def select(self, rows: Tensor) -> "Live":
+        """Return the pairs with these indices (n,)."""
+        return replace(self, rows=self.rows[rows])
+
+    def images(self, name: str, rows: Tensor, given: ImageInput) -> Tensor:
+        """Return the "vis" or "tac" images (B, 3, side, side) of the pairs `rows` (B,)."""
+        return torch.stack([given(self.read(name, int(row))) for row in self.rows[rows]])
+
+    def drawn(self, rows: Tensor, given: ImageInput) -> Tensor:
+        """Return VIS, then TAC of the pairs (2 B, 3, side, side), each mirrored at random."""
+        found = torch.cat([self.images(name, rows, given) for name in ("vis", "tac")])
+        mirror = torch.rand(len(found), 1, 1, 1) < 0.5
+        return torch.where(mirror, found.flip(-1), found)
+
+
+def live_towers(source: "Source", what: str) -> "tuple[Live, LiveClip, ImageInput]":
+    """Return a source's images, live towers and preprocessing. Raises DataError without them."""
+    if source.live is None:
+        raise DataError(
+            f"{what} learns inside CLIP and needs the images and the checkpoint behind these embeddings, "
+            f"which are not at hand. {source.why_not_live}".strip()
+        )
+    clip = source.live.load()
+    return source.live, clip, ImageInput(side=clip.side, mean=clip.mean, std=clip.std)
+
+
+COPIES = 4  # of each image with noise, for methods that are solved
 
 
 class PromptTower(Protocol):
@@ -46,6 +105,9 @@ class Source:
     prompts             loads the live text tower, for methods that learn prompts; None without one
     live                images and live towers, for methods that learn inside them; or None
     why_not_live        the reason, if live is None
+    noise               white noise in training, in standard deviations of each channel
+    epochs              of a method trained by gradient steps; 0: its own
+    settled             names of candidates that another seed chose on this source
 
     Raises DataError if an embedding is not finite.
     """
@@ -66,6 +128,9 @@ class Source:
     live: Live | None = None
     why_not_live: str = ""
     seed: int = 0
+    noise: float = 0.0
+    epochs: int = 0
+    settled: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         for name in ("vis", "tac", "vis_flip", "tac_flip", "lang", "plain"):
@@ -98,26 +163,41 @@ class Source:
         )
 
     def both_views(self) -> "Source":
-        """Return every pair, then its mirrored copy if mirrored images are available."""
-        if self.vis_flip is None or self.tac_flip is None:
-            return self
+        """Return every pair, then its mirrored copy if mirrored images are available.
+
+        With noise: `COPIES` noisy copies of each in its place.
+        """
+        vis, tac = [self.vis], [self.tac]
+        if self.vis_flip is not None and self.tac_flip is not None:
+            vis, tac = [self.vis, self.vis_flip], [self.tac, self.tac_flip]
+        if self.noise:
+            with seeded(self.seed):
+                vis = [self._noisy(rows, self.vis) for rows in vis * COPIES]
+                tac = [self._noisy(rows, self.tac) for rows in tac * COPIES]
         return replace(
             self,
-            vis=torch.cat((self.vis, self.vis_flip)),
-            tac=torch.cat((self.tac, self.tac_flip)),
-            labels=torch.cat((self.labels, self.labels)),
-            objects=self.objects * 2,
+            vis=torch.cat(vis),
+            tac=torch.cat(tac),
+            labels=self.labels.repeat(len(vis)),
+            objects=self.objects * len(vis),
             vis_flip=None,
             tac_flip=None,
             live=None,
+            noise=0.0,
         )
 
     def drawn(self, rows: Tensor) -> tuple[Tensor, Tensor]:
-        """Return VIS and TAC of the rows, each mirrored with probability 1/2."""
+        """Return VIS and TAC of the rows, each mirrored with probability 1/2, then with noise."""
         return (
-            _drawn(self.vis, self.vis_flip, rows),
-            _drawn(self.tac, self.tac_flip, rows),
+            self._noisy(_drawn(self.vis, self.vis_flip, rows), self.vis),
+            self._noisy(_drawn(self.tac, self.tac_flip, rows), self.tac),
         )
+
+    def _noisy(self, rows: Tensor, every: Tensor) -> Tensor:
+        """Return rows (B, D) with noise in the standard deviations of all rows (N, D)."""
+        if not self.noise:
+            return rows
+        return rows + self.noise * every.std(0, correction=0) * torch.randn_like(rows)
 
 
 def _drawn(plain: Tensor, flipped: Tensor | None, rows: Tensor) -> Tensor:

@@ -1,4 +1,4 @@
-"""Minibatch gradient descent for the baselines: warm-up, then cosine to zero."""
+"""Minibatch gradient descent for the baselines: by default a warm-up, then cosine to zero."""
 
 import math
 from collections.abc import Callable
@@ -19,6 +19,8 @@ class Descent:
     weight_decay: float = 5e-4
     method: str = "sgd"
     warmup: float = 0.05  # share of all steps
+    cosine: bool = True  # else the rate stays
+    clip: float = 5.0  # of the gradient's norm; 0 leaves it out
     sharpness: float = 0.0  # ρ of sharpness-aware minimisation; 0 leaves it out
     eps: float = 1e-8  # of AdamW
 
@@ -32,7 +34,7 @@ def descend(module: nn.Module, count: int, how: Descent, loss: Callable[[Tensor]
     optimiser: torch.optim.Optimizer
     if how.method == "adam":
         optimiser = torch.optim.AdamW(
-            module.parameters(), lr=how.lr, weight_decay=how.weight_decay, eps=how.eps
+            module.parameters(), how.lr, weight_decay=how.weight_decay, eps=how.eps, fused=True
         )
     else:
         optimiser = torch.optim.SGD(
@@ -44,13 +46,14 @@ def descend(module: nn.Module, count: int, how: Descent, loss: Callable[[Tensor]
     for _ in range(how.epochs):
         for rows in torch.split(torch.randperm(count), how.batch):
             for group in optimiser.param_groups:
-                group["lr"] = how.lr * rate(step, total, how.warmup)
+                group["lr"] = how.lr * (rate(step, total, how.warmup) if how.cosine else 1.0)
             optimiser.zero_grad(set_to_none=True)
             drawn = torch.random.get_rng_state()
             loss(rows).backward()
             if how.sharpness:
                 _at_the_worst_near(module, how.sharpness, drawn, partial(loss, rows))
-            torch.nn.utils.clip_grad_norm_(module.parameters(), 5.0)
+            if how.clip:
+                torch.nn.utils.clip_grad_norm_(module.parameters(), how.clip)
             optimiser.step()
             step += 1
     module.eval()

@@ -82,7 +82,7 @@ def _train(source: Source, lr: float, decay: float, inputs: tuple[str, ...]) -> 
         descend(
             model,
             len(source),
-            Descent(lr=lr, epochs=EPOCHS, weight_decay=decay, method="adam"),
+            Descent(lr=lr, epochs=source.epochs or EPOCHS, weight_decay=decay, method="adam"),
             lambda rows: cross_entropy(model(*source.drawn(rows)), source.labels[rows]),
         )
     return model

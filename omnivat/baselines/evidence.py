@@ -69,9 +69,12 @@ def best(
     """Return the candidate with the lowest log loss on held-out objects; accuracy breaks ties.
 
     fit      (part of the source, candidate) -> (vis, tac) -> probabilities (B, K)
-    return   its name; the first candidate if it is the only one or nothing can be held out
+    return   its name; what another seed chose on this source (`Source.settled`); the first
+             candidate if it is the only one or nothing can be held out
     """
     first = next(iter(candidates))
+    if found := [name for name in candidates if name in source.settled]:
+        return found[0]
     splits = folds(source, repeats) if len(candidates) > 1 else []
     if not splits:
         return first

@@ -15,20 +15,27 @@ import torch
 from torch import Tensor, nn
 from torch.nn.functional import cross_entropy, l1_loss, normalize
 
-from omnivat.baselines.contract import Fitted, Source, fused, joined, seeded
+from omnivat.baselines.contract import (
+    Fitted,
+    ImageInput,
+    Live,
+    Source,
+    fused,
+    joined,
+    live_towers,
+    seeded,
+)
 from omnivat.baselines.descent import Descent, descend
-from omnivat.baselines.live import ImageInput, Live, live_towers
 from omnivat.baselines.mmrl import PROMPT
 from omnivat.encoders.clip_live import LiveClip
 from omnivat.seeding import derive_seed
 
-WEIGHTS, STEP, HIDDEN = (
-    (0.1, 0.2, 0.3, 0.4),
-    2,
-    2048,
-)  # of the levels; layers between two; of the head
+WEIGHTS = (0.1, 0.2, 0.3, 0.4)  # of the levels
+STEP, HIDDEN = 2, 2048  # layers between two levels; width of the head
 # 32 pairs are the published batch of 64 images.
-HOW = Descent(lr=1e-4, epochs=50, batch=32, weight_decay=1e-4, method="adam", warmup=0.0, eps=1e-4)
+HOW = Descent(
+    lr=1e-4, epochs=50, batch=32, weight_decay=1e-4, method="adam", warmup=0.0, eps=1e-4, clip=0.0
+)
 LEAST = 200  # steps
 
 

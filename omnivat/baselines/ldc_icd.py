@@ -1,8 +1,10 @@
 """LDC-ICD: a small network over the image corrects logits that confuse classes.
 
-Source: Li et al., CVPR 2025, the logit part only. The published method also adapts inner tokens of
-the image encoder, which pooled embeddings lack, so the feature here is the embedding. `ldc` has
-both parts, and needs images and the live tower.
+After Li et al., CVPR 2025, the logit part only. The published method also adapts inner tokens of
+the image encoder, which pooled embeddings lack, so the feature here is the embedding. This network
+is ours besides: logits and feature are concatenated where the published one adds two perceptrons,
+the estimate is subtracted, each class has a gate of its own, layers have biases and no BatchNorm, and
+gradients are clipped at 5. `ldc` has both parts as published, and needs images and the live tower.
 """
 
 import torch

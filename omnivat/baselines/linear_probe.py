@@ -61,10 +61,7 @@ def _fit_mixed(source: Source, mix: Mix) -> Fitted:
 
     return Fitted(
         predict=predict,
-        features=lambda seen, touched: {
-            **joined(seen, touched),
-            "pair": mix(seen, touched),
-        },
+        features=lambda seen, touched: {**joined(seen, touched), "pair": mix(seen, touched)},
         chosen={"C": both.strength, "scaling": both.kind},
         parameters=both.parameters,
     )
@@ -75,7 +72,7 @@ def _one_each(source: Source) -> tuple[Logistic, Logistic]:
 
     The three methods share them.
     """
-    digest = blake2b(str((source.seed, source.objects, source.classes)).encode(), digest_size=16)
+    digest = blake2b(str((source.seed, source.noise, source.objects, source.classes)).encode())
     for rows in (source.vis, source.tac, source.labels):
         digest.update(rows.numpy().tobytes())
     key = digest.hexdigest()

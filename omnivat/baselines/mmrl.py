@@ -15,22 +15,27 @@ import torch
 from torch import Tensor, nn
 from torch.nn.functional import cosine_similarity, cross_entropy, normalize
 
-from omnivat.baselines.contract import Fitted, Source, fused, joined, seeded
+from omnivat.baselines.contract import (
+    Fitted,
+    ImageInput,
+    Live,
+    Source,
+    fused,
+    joined,
+    live_towers,
+    seeded,
+)
 from omnivat.baselines.descent import Descent, descend
-from omnivat.baselines.live import ImageInput, Live, live_towers
 from omnivat.encoders.clip_live import LiveClip
 from omnivat.errors import DataError
 from omnivat.seeding import derive_seed
 
 TOKENS, WIDTH, UPPER = 5, 512, 7  # shared vectors, their length, layers that get them
-SHARE, KEEP, SCALE = (
-    0.7,
-    0.5,
-    100.0,
-)  # of the class token's loss; weight of staying near CLIP; of cosines
+SHARE, KEEP = 0.7, 0.5  # of the class token's loss; weight of staying near CLIP
+SCALE = 100.0  # of cosines
 PROMPT = "a photo of a {}."
 # Sixteen pairs are the published batch of 32 images.
-HOW = Descent(lr=1e-3, epochs=50, batch=16, weight_decay=5e-4, method="adam", warmup=0.02)
+HOW = Descent(lr=1e-3, epochs=50, batch=16, weight_decay=5e-4, method="adam", warmup=0.02, clip=0.0)
 
 
 class Representations(nn.Module):
@@ -131,11 +136,7 @@ def _prompts(clip: LiveClip, classes: tuple[str, ...]) -> tuple[Tensor, Tensor]:
 
 
 def _train(
-    model: Representations,
-    clip: LiveClip,
-    source: Source,
-    live: Live,
-    given: ImageInput,
+    model: Representations, clip: LiveClip, source: Source, live: Live, given: ImageInput
 ) -> None:
     with torch.no_grad():
         prompts = _prompts(clip, source.classes)

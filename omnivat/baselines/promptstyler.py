@@ -1,8 +1,9 @@
 """PromptStyler, source-free: a linear head trained on style texts alone classifies images.
 
-Stage 1, the styles, is the LANG bank. Stage 2 is trained here: with ArcFace as published, or with
-plain cross-entropy as in public re-implementations. Source: Cho et al., PromptStyler, ICCV 2023;
-ArcFace: Deng et al., CVPR 2019.
+Stage 1, the styles, is the LANG bank. Stage 2 is trained here: with ArcFace, at the paper's rate,
+which stays, for the paper states no schedule, decay or clip; or with plain cross-entropy, at the rate
+and with the schedule of a public re-implementation (Dassl's warm-up, cosine and decay). Source: Cho
+et al., PromptStyler, ICCV 2023; ArcFace: Deng et al., CVPR 2019.
 """
 
 from collections.abc import Callable
@@ -16,7 +17,8 @@ from omnivat.baselines.descent import Descent, descend
 from omnivat.baselines.zero_shot import texts_of_the_image_encoder
 from omnivat.seeding import derive_seed
 
-HOW = Descent(lr=0.05, epochs=50, batch=128)  # as published
+PAPER = Descent(lr=0.005, epochs=50, batch=128, weight_decay=0.0, cosine=False, clip=0.0)
+PUBLIC = Descent(lr=0.05, epochs=50, batch=128, warmup=0.02, clip=0.0)
 SCALE, MARGIN = 5.0, 0.5  # of ArcFace, as published; the margin in radians
 Logits = Callable[[Tensor, Tensor], Tensor]
 Loss = Callable[[Tensor, Tensor, Tensor], Tensor]
@@ -27,7 +29,7 @@ def fit(source: Source) -> Fitted:
 
     Raises DataError where the texts are not of the image encoder's own text tower.
     """
-    return _fit(source, scaled_cosines, arcface)
+    return _fit(source, scaled_cosines, arcface, PAPER)
 
 
 def fit_cross_entropy(source: Source) -> Fitted:
@@ -35,7 +37,7 @@ def fit_cross_entropy(source: Source) -> Fitted:
 
     Raises DataError where the texts are not of the image encoder's own text tower.
     """
-    return _fit(source, linear, lambda rows, weight, labels: cross_entropy(rows @ weight.T, labels))
+    return _fit(source, linear, lambda rows, w, labels: cross_entropy(rows @ w.T, labels), PUBLIC)
 
 
 def arcface(rows: Tensor, weight: Tensor, labels: Tensor) -> Tensor:
@@ -54,13 +56,13 @@ def scaled_cosines(rows: Tensor, weight: Tensor) -> Tensor:
     return SCALE * linear(normalize(rows, dim=-1), normalize(weight, dim=-1))
 
 
-def _fit(source: Source, logits: Logits, loss: Loss) -> Fitted:
+def _fit(source: Source, logits: Logits, loss: Loss, how: Descent) -> Fitted:
     lang = normalize(texts_of_the_image_encoder(source, "Source-free PromptStyler"), dim=-1)
     classes, styles, width = lang.shape
     rows, labels = lang.flatten(0, 1), torch.arange(classes).repeat_interleave(styles)
     with seeded(derive_seed(source.seed, "promptstyler")):
         head = nn.Linear(width, classes, bias=False)
-        descend(head, len(rows), HOW, lambda some: loss(rows[some], head.weight, labels[some]))
+        descend(head, len(rows), how, lambda some: loss(rows[some], head.weight, labels[some]))
     weight = head.weight.detach()
 
     def predict(vis: Tensor, tac: Tensor) -> dict[str, Tensor]:

@@ -3,23 +3,28 @@
 The distance is the cosine in E, the encoder's space, to the nearest training image of the modality.
 A cosine alone means little, so it is compared with the training set: the cosine of each training
 image to the nearest image of another object. A quantile of 0.02 means that 98 % of the training
-images have a closer neighbour.
-"""
+images have a closer neighbour."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import torch
+from safetensors import SafetensorError
+from safetensors.torch import load_file, save
 from torch import Tensor
 from torch.nn.functional import normalize
 
 from omnivat.errors import DataError
+from omnivat.schema import FLOATS, tensor_table
+from omnivat.stages import IMAGES
 
 MOST_ROWS = 2000  # training images for each modality; bounds the file and the search
 QUANTILES = 101
 CHUNK = 512
-WORDS = ((0.05, "unlike the training images"), (0.25, "unusual"), (2.0, "familiar"))
+UNLIKE = 0.05  # below this quantile a prediction is a guess; above it lies any ordinary rank
+WORDS = ((UNLIKE, "unlike the training images"), (2.0, "familiar"))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,10 +33,14 @@ class Familiarity:
 
     rows       modality -> (N, D) unit rows
     quantiles  modality -> (101,) ascending cosines, from quantile 0 to 1
+    lengths    modality -> (N,) lengths of the rows before; empty for an older head
+    labels     (N,) class indices of the head; None for an older head
     """
 
     rows: dict[str, Tensor]
     quantiles: dict[str, Tensor]
+    lengths: dict[str, Tensor] = field(default_factory=dict)
+    labels: Tensor | None = None
 
     def look(self, vis: Tensor | None, tac: Tensor | None) -> list[dict[str, dict[str, Any]]]:
         """Return one record for each pair: modality -> cosine, quantile in [0, 1] and words.
@@ -57,11 +66,14 @@ def words(quantile: float) -> str:
     return next(text for limit, text in WORDS if quantile < limit)
 
 
-def familiarity_of(vis: Tensor | None, tac: Tensor | None, objects: Sequence[str]) -> Familiarity:
+def familiarity_of(
+    vis: Tensor | None, tac: Tensor | None, objects: Sequence[str], labels: Tensor | None = None
+) -> Familiarity:
     """Return the familiarity of a training set.
 
     vis, tac  (N, D) raw embeddings; at most 2,000 evenly spread rows are kept of each
     objects   N names; an image's neighbours of the same object do not count
+    labels    (N,) class indices, kept for teaching
 
     Raises DataError if all images are of one object.
     """
@@ -80,6 +92,8 @@ def familiarity_of(vis: Tensor | None, tac: Tensor | None, objects: Sequence[str
             name: torch.quantile(nearest_cosine(x, x, owner, owner), levels)
             for name, x in rows.items()
         },
+        lengths={name: x[::step].float().norm(dim=-1) for name, x in given.items()},
+        labels=None if labels is None else labels[::step].long(),
     )
 
 
@@ -114,3 +128,47 @@ def quantile_of(values: Tensor, quantiles: Tensor) -> Tensor:
     inside = ((values - low) / (high - low).clamp_min(1e-12)).clamp(0, 1)
     place: Tensor = (upper - 1 + inside) / last
     return place
+
+
+def save_familiarity(file: Path, found: Familiarity) -> None:
+    """Write the rows in half precision, and the quantiles."""
+    tensors = {name: rows.half().contiguous() for name, rows in found.rows.items()}
+    tensors |= {f"{name}_quantiles": q.contiguous() for name, q in found.quantiles.items()}
+    tensors |= {f"{name}_lengths": x.float().contiguous() for name, x in found.lengths.items()}
+    if found.labels is not None:
+        tensors["labels"] = found.labels.to(torch.int64).contiguous()
+    file.write_bytes(save(tensors, metadata={"format": "omnivat-familiarity-1"}))
+    file.chmod(0o644)
+
+
+def load_familiarity(file: Path, width: int) -> Familiarity | None:
+    """Return the saved familiarity, or None if there is no file.
+
+    Raises DataError for a file that cannot be read or does not fit the width.
+    """
+    if not file.is_file():
+        return None
+    try:
+        tensor_table(file, types=(*FLOATS, "I64"))
+        tensors = load_file(file)
+    except (SafetensorError, OSError) as error:
+        raise DataError(
+            f"'{file}' cannot be read ({error}); copy the head folder again."
+        ) from error
+    names = [name for name in IMAGES if name in tensors]
+    fits = names and all(
+        tensors[n].ndim == 2 and tensors[n].shape[1] == width and f"{n}_quantiles" in tensors
+        for n in names
+    )
+    count = len(tensors[names[0]]) if names else 0
+    others = [
+        tensors[key] for key in ("labels", *(f"{n}_lengths" for n in names)) if key in tensors
+    ]
+    if not fits or any(one.shape != (count,) for one in others):
+        raise DataError(f"'{file}' does not fit this head; copy the head folder again.")
+    return Familiarity(
+        rows={name: tensors[name].float() for name in names},
+        quantiles={name: tensors[f"{name}_quantiles"].float() for name in names},
+        lengths={n: tensors[f"{n}_lengths"].float() for n in names if f"{n}_lengths" in tensors},
+        labels=tensors.get("labels"),
+    )

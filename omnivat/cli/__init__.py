@@ -4,47 +4,22 @@ import argparse
 import logging
 import sys
 from collections.abc import Sequence
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import AbstractContextManager, nullcontext, suppress
+from importlib import import_module
+from io import TextIOWrapper
 
 from omnivat import __version__
-from omnivat.cli import (
-    ablate,
-    embed,
-    evaluate,
-    export,
-    gaps,
-    imports,
-    predict,
-    project,
-    prompts,
-    protocol,
-    reproduce,
-    simulate,
-    sweep,
-    thumbnails,
-    train,
-)
 from omnivat.devices import computing_on, named
-from omnivat.errors import OmniVatError, printable
+from omnivat.errors import OmniVatError, WriteError, printable
 from omnivat.tables import suggestion
 
-COMMANDS = {
-    "predict": predict,
-    "embed": embed,
-    "import": imports,
-    "train": train,
-    "evaluate": evaluate,
-    "protocol": protocol,
-    "ablate": ablate,
-    "reproduce": reproduce,
-    "sweep": sweep,
-    "gaps": gaps,
-    "project": project,
-    "thumbnails": thumbnails,
-    "export": export,
-    "simulate": simulate,
-    "prompts": prompts,
-}
+NAMES = (  # in the order of the help; a command's file has its name, or that in FILES
+    "try", "predict", "embed", "import", "train", "evaluate", "profile", "teach", "protocol",
+    "ablate", "report", "reproduce", "sweep", "gaps", "project", "thumbnails", "export", "simulate",
+    "prompts",
+)  # fmt: skip
+FILES = {"try": "try_pairs", "import": "imports"}  # two keywords of Python
+COMMANDS = {name: import_module(f"omnivat.cli.{FILES.get(name, name)}") for name in NAMES}
 
 
 def parser() -> argparse.ArgumentParser:
@@ -72,13 +47,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
         known = f"There is no command '{printable(given[0])}'.{suggestion(given[0], COMMANDS)}"
         print(f"omnivat: {known} `omnivat --help` lists them.", file=sys.stderr)
         return 2
+    for stream in (sys.stdout, sys.stderr):  # a name that cannot be encoded is escaped
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
     options = parser().parse_args(given)
     if options.command is None:
         parser().print_help()
         return 0
     try:
+        if sys.stdout is None:
+            raise WriteError("Standard output is closed; leave it open, or send it to a file.")
         with _device(options):
             COMMANDS[options.command].run(options)
+        sys.stdout.flush()
     except OmniVatError as error:
         print(f"omnivat {options.command}: {error}", file=sys.stderr)
         return 1
@@ -86,12 +67,22 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print("Stopped. Nothing is half-written.", file=sys.stderr)
         return 130
     except BrokenPipeError:  # the reader of the pipe closed, as `head` does
-        sys.stderr.close()
+        _drop_output()
         return 1
     except OSError as error:  # a full disk or a lost network folder: a traceback does not help
         print(f"omnivat {options.command}: {_what_failed(error)}", file=sys.stderr)
+        _drop_output()
         return 1
     return 0
+
+
+def _drop_output() -> None:
+    """Close standard output without another error: the interpreter would write the rest at its end."""
+    with suppress(OSError, AttributeError):
+        sys.stdout.flush()
+        return
+    with suppress(OSError):
+        sys.stdout.close()
 
 
 def _device(options: argparse.Namespace) -> AbstractContextManager[None]:

@@ -1,15 +1,103 @@
-"""Arguments shared by several commands."""
+"""Arguments that several commands share, and progress on stderr."""
 
 import argparse
-from collections.abc import Callable
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from omnivat.config import field_names, parse_assignments
+from omnivat.devices import named
 from omnivat.errors import SettingsError
+from omnivat.files import require_writable
 from omnivat.heads import default_embeddings, default_head
-from omnivat.orders import checked_order
+from omnivat.progress import OnStep, Pace, Step
+from omnivat.stages import checked_order
 from omnivat.tables import suggestion
+
+if TYPE_CHECKING:
+    from omnivat.checkpoint import Head
+    from omnivat.data.store import Embeddings
+
+
+def add_device(parser: argparse.ArgumentParser) -> None:
+    """Declare --device; see `omnivat.devices.device_from`."""
+    parser.add_argument(
+        "--device",
+        default=named(),
+        help="cpu (default), cuda, cuda:1, or auto: a GPU if there is one; $OMNIVAT_DEVICE holds "
+        "where this is left out",
+    )
+
+
+def add_download(parser: argparse.ArgumentParser) -> None:
+    """Declare --download and --offline, for weights that are not on this machine."""
+    group = parser.add_mutually_exclusive_group()
+    group.add_argument(
+        "--download",
+        action="store_const",
+        const="yes",
+        default="ask",
+        help="fetch missing weights from the hub without asking",
+    )
+    group.add_argument(
+        "--offline",
+        action="store_const",
+        const="no",
+        dest="download",
+        default="ask",
+        help="never fetch weights",
+    )
+
+
+EVERY_S = 2.0  # seconds between two lines of a log, at least: short work writes none
+AT_MOST_S = 60.0  # seconds after which a line comes before the next tenth
+
+
+@contextmanager
+def progress_bar(title: str) -> Iterator[OnStep]:
+    """Yield a function that draws progress reports: a bar, or lines if stderr is a file or a pipe."""
+    if not sys.stderr.isatty():
+        yield _Lines(title).show
+        return
+    from tqdm import tqdm
+
+    bar = tqdm(desc=title, leave=False, dynamic_ncols=True)
+
+    def show(step: Step) -> None:
+        if step.total:
+            bar.total = step.total
+        bar.set_postfix_str(step.text, refresh=False)
+        bar.update(step.done - bar.n)
+
+    try:
+        yield show
+    finally:
+        bar.close()
+
+
+class _Lines:
+    """Writes a line for every tenth of the work, with the time left at the mean rate so far."""
+
+    def __init__(self, title: str) -> None:
+        self.title, self.tenth, self.pace = title, 10, Pace()
+        self.written = time.monotonic()
+
+    def show(self, step: Step) -> None:
+        now, left = time.monotonic(), self.pace.left(step)
+        tenth = 10 * step.done // step.total if step.total else 0
+        self.tenth = min(self.tenth, tenth)  # another stage of the same work begins again
+        due = tenth > self.tenth or now - self.written > AT_MOST_S
+        if not due or now - self.written < EVERY_S:
+            return
+        self.tenth, self.written = tenth, now
+        parts = [f"{step.done:,} done"]
+        if step.total:
+            parts = [f"{100 * step.done // step.total} %", f"{step.done:,} of {step.total:,}"]
+        text = ", ".join(filter(None, [*parts, left, step.text]))
+        print(f"{self.title}: {text}", file=sys.stderr, flush=True)
 
 
 def add_head(parser: argparse.ArgumentParser, *, note: str = "") -> None:
@@ -38,6 +126,41 @@ def add_order(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_rest(parser: argparse.ArgumentParser) -> None:
+    """Declare --tac-rest: a picture of the untouched sensor."""
+    parser.add_argument(
+        "--tac-rest",
+        metavar="FILE|auto|all|none",
+        help="picture of the untouched sensor, subtracted from each tactile image; auto: the "
+        "nearest rest.png above each image, but not for gels with markers; all: for those, too",
+    )
+
+
+def add_profile(parser: argparse.ArgumentParser) -> None:
+    """Declare --profile, files from `omnivat profile`."""
+    parser.add_argument(
+        "--profile",
+        type=Path,
+        action="append",
+        default=[],
+        metavar="FILE",
+        help="profile of a sensor (`omnivat profile`); once or for several domains",
+    )
+
+
+def with_profiles(head: "Head | None", embeddings: "Embeddings", files: list[Path]) -> "Embeddings":
+    """Return the embeddings, with the domains of profile files moved onto the head's source."""
+    if not files:
+        return embeddings
+    from omnivat.data.profile_file import load_profile
+
+    if head is None:
+        raise SettingsError(
+            "--profile needs a head, and stage raw uses none; choose another stage."
+        )
+    return head.profiled(embeddings, [load_profile(file) for file in files])
+
+
 def add_seed(parser: argparse.ArgumentParser, *, of: str = "all random choices") -> None:
     """Declare --seed."""
     parser.add_argument("--seed", type=int, default=0, help=f"seed of {of}; default: 0")
@@ -46,6 +169,25 @@ def add_seed(parser: argparse.ArgumentParser, *, of: str = "all random choices")
 def add_json(parser: argparse.ArgumentParser) -> None:
     """Declare --json."""
     parser.add_argument("--json", action="store_true", help="print JSON")
+
+
+def add_figure(parser: argparse.ArgumentParser, *, of: str) -> None:
+    """Declare --figure, the file of an interactive figure; --html is another name for it."""
+    parser.add_argument(
+        "--figure",
+        "--html",
+        type=Path,
+        metavar="FILE",
+        help=f"also draw {of}: .html (interactive, opens offline), .svg, .png or .json (Plotly)",
+    )
+
+
+def check_figure(options: argparse.Namespace) -> None:
+    """Check, before long work, that --figure can be written; raises SettingsError or WriteError."""
+    if options.figure is not None:
+        from omnivat.figures.page import require_ending
+
+        require_writable(require_ending(options.figure))
 
 
 def order(text: str) -> float:

@@ -8,12 +8,9 @@ import argparse
 from os.path import realpath
 from pathlib import Path
 
-from omnivat.cli.arguments import whole
-from omnivat.cli.bar import progress_bar
-from omnivat.cli.computing import add_device, add_download
+from omnivat.cli.arguments import add_device, add_download, add_rest, progress_bar, whole
 from omnivat.data.readers import READERS
-from omnivat.encoders.base import DEFAULT_ENCODER, ENCODERS
-from omnivat.encoders.paired import JOINED
+from omnivat.encoders.base import DEFAULT_ENCODER, ENCODERS, JOINED
 from omnivat.errors import SettingsError
 from omnivat.files import require_writable
 
@@ -72,6 +69,7 @@ def add(parser: argparse.ArgumentParser) -> None:
         default="csv",
         help="kind of the table next to the embeddings",
     )
+    add_rest(parser)
     parser.add_argument("--no-flips", action="store_true", help="leave out the mirrored copies")
     parser.add_argument("--workers", type=whole(1), help="threads; default: all cores")
 
@@ -81,6 +79,7 @@ def run(options: argparse.Namespace) -> None:
     from omnivat.data.manifest import manifest_place
     from omnivat.data.pairs import summary_table
     from omnivat.data.readers import read_pairs
+    from omnivat.data.rest import with_rest
     from omnivat.embed import embed_pairs
 
     require_writable(options.out, ".safetensors")
@@ -97,7 +96,10 @@ def run(options: argparse.Namespace) -> None:
         seed=options.seed,
         **reader_options(options.set),
     )
+    found = with_rest(found, options.tac_rest or "none")
     print(summary_table(found))
+    if rested := sum(pair.tac_rest is not None for pair in found.pairs):
+        print(f"a rest picture is subtracted from {rested} of {len(found.pairs)} tactile images")
     with progress_bar(f"embed with {encoder}") as show:
         report = embed_pairs(
             found,

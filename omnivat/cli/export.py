@@ -1,17 +1,18 @@
-"""Write the page's pictures, or Explore as one HTML file.
+"""Write the page's pictures, Explore as one HTML file, or the page as a folder.
 
 python -m omnivat export --what map|curves|page --out FILE [--order P] [--stage STAGE]
+python -m omnivat export --site DIR [--head H] [--embeddings E] [--sets NAME …]
 """
 
 import argparse
+from dataclasses import replace
 from pathlib import Path
 
-from omnivat.cli.arguments import order
-from omnivat.cli.bar import progress_bar
+from omnivat.cli.arguments import order, progress_bar
 from omnivat.errors import SettingsError
 from omnivat.stages import STAGES
 
-COLOURS = ("domain", "class", "modality", "correctness")
+COLOURS = ("domain", "class", "modality", "correctness", "confidence")
 
 
 def add(parser: argparse.ArgumentParser) -> None:
@@ -22,7 +23,30 @@ def add(parser: argparse.ArgumentParser) -> None:
         default="map",
         help="the picture to write; default: the map",
     )
-    parser.add_argument("--out", type=Path, required=True, help=".svg or .png; .html for the page")
+    target = parser.add_mutually_exclusive_group(required=True)
+    target.add_argument(
+        "--site", type=Path, help="folder for the whole page, to be served by any file server"
+    )
+    parser.add_argument(
+        "--sets", nargs="+", metavar="NAME", help="sets of the project in the site; default: all"
+    )
+    parser.add_argument(
+        "--runtime",
+        type=Path,
+        metavar="DIR",
+        help="folder of the npm package onnxruntime-web for the site; default: npm fetches it",
+    )
+    parser.add_argument(
+        "--no-models",
+        dest="models",
+        action="store_false",
+        help="leave out of the site what the browser computes with: own pictures, trees",
+    )
+    target.add_argument(
+        "--out",
+        type=Path,
+        help=".html (interactive), .svg, .png or .json (Plotly); .html for the page",
+    )
     parser.add_argument("--head", type=Path, help="head folder; default: the project's own")
     parser.add_argument(
         "--embeddings", type=Path, help="embeddings file; default: the project's own"
@@ -53,9 +77,36 @@ def add(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def write_site(options: argparse.Namespace) -> None:
+    """Write the page as a folder."""
+    from app.export import where_from
+    from app.site import export_site
+
+    where = where_from(options.head, options.embeddings)
+    if options.frames:
+        where = replace(where, frames=options.frames)
+    with progress_bar("site") as show:
+        sizes = export_site(
+            where,
+            options.site,
+            options.sets,
+            models=options.models,
+            runtime=options.runtime,
+            on_step=show,
+        )
+    print(
+        f"{len(sizes)} files, {sum(sizes.values()) / 1e6:.1f} MB, in {options.site}; "
+        f"`python -m http.server --directory {options.site}` serves them"
+    )
+
+
 def run(options: argparse.Namespace) -> None:
     """Find or make the frames, then write."""
-    wanted = (".html",) if options.what == "page" else (".svg", ".png")
+    if options.site:
+        return write_site(options)
+    if options.sets or options.runtime or not options.models:
+        raise SettingsError("--sets, --runtime and --no-models belong to --site; leave them out.")
+    wanted = (".html",) if options.what == "page" else (".html", ".svg", ".png", ".json")
     if options.out.suffix.lower() not in wanted:
         raise SettingsError(
             f"--out is '{options.out.name}'; for the {options.what} it ends in "

@@ -2,12 +2,21 @@
 
 import argparse
 import sys
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from omnivat.cli.arguments import add_embeddings, add_head, add_order
-from omnivat.cli.computing import add_device
+from omnivat.cli.arguments import (
+    add_device,
+    add_embeddings,
+    add_head,
+    add_order,
+    add_profile,
+    progress_bar,
+    with_profiles,
+)
 from omnivat.errors import SettingsError
+from omnivat.progress import Step
 from omnivat.stages import STAGES
 
 if TYPE_CHECKING:
@@ -22,17 +31,12 @@ COPIES = 2  # of the features that are held at once
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StageFeatures:
-    """Unit points (2N, W), VIS then TAC, and their origin; no order at "raw"."""
+    """A set of N pairs and the stage to compute of it; no head and no order at "raw"."""
 
     embeddings: "Embeddings"
-    points: "Tensor"
+    head: "Head | None"
     order: float | None
-
-    @property
-    def rows(self) -> "dict[str, Tensor]":
-        """Rows of VIS and TAC, (N, W) each."""
-        vis, tac = self.points.chunk(2)
-        return {"vis": vis, "tac": tac}
+    stage: str
 
     @property
     def about(self) -> str:
@@ -40,6 +44,37 @@ class StageFeatures:
         order = "no order" if self.order is None else f"p = {self.order:.4g}"
         simulated = ", simulated data" if self.embeddings.header.simulated else ""
         return f"{len(self.embeddings)} pairs, {order}{simulated}"
+
+    def blocks(self) -> "Iterator[tuple[slice, dict[str, Tensor]]]":
+        """Yield unit rows of VIS and TAC, some pairs at a time, with their slice and a bar."""
+        from omnivat.gaps.unit import unit
+        from omnivat.sweep.walk import CHUNK, stage_blocks
+
+        model, count = self.head.model if self.head else None, len(self.embeddings)
+        chunk = (
+            CHUNK if model else 8 * CHUNK
+        )  # without a head, larger blocks cost no memory to speak of
+        blocks = stage_blocks(model, self.embeddings, self.order, self.stage, chunk=chunk)
+        with progress_bar(f"features at {self.stage}") as show:
+            for rows, found in blocks:
+                yield rows, {name: unit(own) for name, own in found.items()}
+                show(Step(done=min(rows.stop, count), total=count))
+
+    def points(self) -> "Tensor":
+        """Return unit rows (2N, W), VIS then TAC, all in memory."""
+        import torch
+
+        from omnivat.devices import current
+
+        if warning := size_warning(len(self.embeddings), self.embeddings.width):
+            print(warning, file=sys.stderr, flush=True)
+        count, points = len(self.embeddings), torch.empty(0, 0)
+        for rows, found in self.blocks():
+            if not len(points):
+                points = torch.empty(2 * count, found["vis"].shape[1], device=current())
+            for k, name in enumerate(("vis", "tac")):
+                points[k * count + rows.start :][: len(found[name])] = found[name].to(points)
+        return points
 
 
 def add_stage(parser: argparse.ArgumentParser) -> None:
@@ -53,6 +88,7 @@ def add_stage(parser: argparse.ArgumentParser) -> None:
         help="raw embedding, raw DFrFT, F after ReLU, after FrATT, after DTG (default)",
     )
     add_order(parser)
+    add_profile(parser)
     add_device(parser)
     parser.add_argument(
         "--sample",
@@ -78,24 +114,13 @@ def size_warning(pairs: int, width: int) -> str:
     )
 
 
-def stage_features(options: argparse.Namespace, *, by_domain: bool = False) -> StageFeatures:
-    """Load head and set and compute one stage; "raw" needs no head.
-
-    by_domain  put the points in the order of their domains, so that a domain's lie together
-    """
-    import numpy as np
-    import torch
-
+def stage_features(options: argparse.Namespace) -> StageFeatures:
+    """Load head and set; "raw" needs no head."""
     from omnivat.data.store import load_embeddings
 
     if options.sample < 0:
         raise SettingsError(f"--sample is {options.sample}; give a number of pairs, or 0 for all.")
     embeddings = load_embeddings(options.embeddings).sampled(options.sample)
-    if warning := size_warning(len(embeddings), embeddings.width):
-        print(warning, file=sys.stderr, flush=True)
-    place = np.arange(len(embeddings))
-    if by_domain:
-        place[np.argsort(embeddings.domain, kind="stable")] = np.arange(len(embeddings))
     head, order = None, None
     if options.stage != "raw":
         from omnivat.checkpoint import load_head
@@ -103,28 +128,5 @@ def stage_features(options: argparse.Namespace, *, by_domain: bool = False) -> S
         head = load_head(options.head)
         head.require_embeddings(embeddings)
         order = head.model.order if options.order is None else options.order
-    points = _points(head, embeddings, order, options.stage, torch.from_numpy(place))
-    return StageFeatures(embeddings=embeddings, points=points, order=order)
-
-
-def _points(
-    head: "Head | None",
-    embeddings: "Embeddings",
-    order: float | None,
-    stage: str,
-    place: "Tensor",
-) -> "Tensor":
-    """Return unit rows (2N, W): VIS, then TAC, in the given order."""
-    import torch
-
-    from omnivat.devices import current
-    from omnivat.gaps.unit import unit
-    from omnivat.sweep.walk import stage_blocks
-
-    count, points = len(embeddings), torch.empty(0, 0)
-    for rows, found in stage_blocks(head.model if head else None, embeddings, order, stage):
-        for k, name in enumerate(("vis", "tac")):
-            if not len(points):
-                points = torch.empty(2 * count, found[name].shape[1], device=current())
-            points[k * count + place[rows]] = unit(found[name]).to(points)
-    return points
+    embeddings = with_profiles(head, embeddings, options.profile)
+    return StageFeatures(embeddings=embeddings, head=head, order=order, stage=options.stage)

@@ -1,20 +1,22 @@
 """Measure the gaps of a set at one stage: between modalities, and between all pairs of domains.
 
-python -m omnivat gaps [--stage S] [--order P] [--measure M] [--json]
+python -m omnivat gaps [--stage S] [--order P] [--measure M] [--json] [--figure FILE]
 """
 
 import argparse
 import json
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from omnivat.cli.arguments import add_json
-from omnivat.cli.features import StageFeatures, add_stage, stage_features
+from omnivat.cli.arguments import add_figure, add_json, check_figure
+from omnivat.cli.features import LARGE, StageFeatures, add_stage, stage_features
 from omnivat.gaps import GAPS
 
 if TYPE_CHECKING:
-    from torch import Tensor
+    from omnivat.gaps.unit import Estimate
 
 
 def add(parser: argparse.ArgumentParser) -> None:
@@ -24,11 +26,13 @@ def add(parser: argparse.ArgumentParser) -> None:
         "--measure", choices=list(GAPS), default="centroid", help="default: centroid"
     )
     add_json(parser)
+    add_figure(parser, of="the gaps between domains")
 
 
 def run(options: argparse.Namespace) -> None:
     """Compute the features, measure, print the matrices."""
-    found = stage_features(options, by_domain=True)
+    check_figure(options)
+    found = stage_features(options)
     record = {
         "stage": options.stage,
         "order": found.order,
@@ -37,6 +41,10 @@ def run(options: argparse.Namespace) -> None:
         "simulated": found.embeddings.header.simulated,
         **gaps_of(found, options.measure),
     }
+    if options.figure:
+        from omnivat.figures import gap_tables, write
+
+        write(options.figure, gap_tables(record))
     if options.json:
         json.dump(record, sys.stdout, indent=2, ensure_ascii=False)
         print()
@@ -44,8 +52,8 @@ def run(options: argparse.Namespace) -> None:
     print(f"{options.measure} at {options.stage}: {found.about}\n")
     if "standard_error" in record:
         print(
-            f"estimated by random features, because the set is large; standard error of the gap over all "
-            f"pairs ± {record['standard_error']:.2g}\n"
+            f"estimated from {record['drawn']:,} random pairs, because the set is large; standard error "
+            f"of a gap at most ± {record['standard_error']:.2g}\n"
         )
     print("between VIS and TAC")
     for name, value in record["modality_gap"].items():
@@ -56,47 +64,39 @@ def run(options: argparse.Namespace) -> None:
 
 
 def gaps_of(found: StageFeatures, measure: str) -> dict[str, Any]:
-    """Return "modality_gap": domain (or "all") -> value, "domain_gap": modality -> a -> b -> value.
+    """Return the gaps as `omnivat.gaps.domain.gap_record` has them.
 
-    found  points in the order of their domains, from `stage_features(by_domain=True)`
+    Of a large set, exact measures come from moments, and the others from random pairs of each domain:
+    then also "drawn" pairs and the largest "standard_error" of a value.
     """
-    import numpy as np
-
-    from omnivat.gaps.domain import pairwise_gaps
+    from omnivat.gaps.domain import gap_record
+    from omnivat.gaps.large import ESTIMATES, MOMENT_GAPS, drawn, moments_of, parts_of
+    from omnivat.gaps.mmd import MOST_ROWS
     from omnivat.tables import load
 
-    gap = load(GAPS, measure, kind="gap")
-    names = found.embeddings.header.domains
-    sizes = np.bincount(found.embeddings.domain, minlength=len(names)).tolist()
-    sets = {
-        modality: {
-            name: rows for name, rows in zip(names, every.split(sizes), strict=True) if len(rows)
-        }
-        for modality, every in found.rows.items()
-    }
-    vis, tac = found.rows["vis"], found.rows["tac"]
-    modality_gap = {"all": float(gap(vis, tac))}
-    modality_gap |= {name: float(gap(sets["vis"][name], sets["tac"][name])) for name in sets["vis"]}
-    domain_gap: dict[str, dict[str, dict[str, float]]] = {}
-    for modality, own in sets.items():
-        table = {a: dict.fromkeys(own, 0.0) for a in own}
-        for (a, b), value in pairwise_gaps(own, gap).items():
-            table[a][b] = table[b][a] = float(value)
-        domain_gap[modality] = table
-    return {
-        "modality_gap": modality_gap,
-        "domain_gap": domain_gap,
-        **error_of(measure, vis, tac),
-    }
+    data, names = found.embeddings, found.embeddings.header.domains
+    more: dict[str, Any] = {}
+    sets: dict[str, dict[str, Any]]
+    every: Mapping[str, Any]
+    gap: Callable[[Any, Any], Any] = load(GAPS, measure, kind="gap")
+    if measure in ESTIMATES and 2 * len(data) > MOST_ROWS:
+        rows, alike = drawn(data.domain)
+        found = replace(found, embeddings=data.select(rows))
+        sets, every = parts_of(found.points(), data.domain[rows], names, alike)
+        gap = partial(_estimated, ESTIMATES[measure], more)
+        more |= {"drawn": len(rows), "standard_error": 0.0}
+    elif measure in MOMENT_GAPS and len(data) > LARGE:
+        sets, every = moments_of(found.blocks(), data.domain, names, squares=measure == "frechet")
+        gap = MOMENT_GAPS[measure]
+    else:
+        sets, every = parts_of(found.points(), data.domain, names)
+    return gap_record(every, sets, gap) | more
 
 
-def error_of(measure: str, vis: "Tensor", tac: "Tensor") -> dict[str, float]:
-    """Return the standard error of the gap over all pairs if the measure is an estimate."""
-    from omnivat.gaps.mmd import is_estimated, mmd_rbf_estimate
-
-    if measure != "mmd_rbf" or not is_estimated(vis, tac):
-        return {}
-    return {"standard_error": float(mmd_rbf_estimate(vis, tac).error)}
+def _estimated(estimate: Callable[..., "Estimate"], more: dict[str, Any], a: Any, b: Any) -> Any:
+    found = estimate(a, b)
+    more["standard_error"] = max(more["standard_error"], float(found.error))
+    return found.value
 
 
 def matrix(table: Mapping[str, Mapping[str, float]]) -> str:

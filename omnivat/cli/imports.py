@@ -1,22 +1,86 @@
-"""Import embeddings from another program: NPZ, Parquet, HDF5 or a CSV of vectors.
+"""Import embeddings from another program, windows of contact signals, or pictures of recordings.
 
 python -m omnivat import FILE --encoder NAME --out set.safetensors [--domain NAME] [--column material=class]
+python -m omnivat import FOLDER --encoder strip --out set.safetensors [--window 64]
+python -m omnivat import LEROBOT --out PAIRS [--frames 5] [--pick even|contact] [--labels episodes.csv]
+python -m omnivat import videos.csv --out PAIRS
 """
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from omnivat.cli.arguments import progress_bar, whole
 from omnivat.errors import SettingsError
 from omnivat.files import require_writable
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from omnivat.data.embeddings import Embeddings
+    from omnivat.data.pairs import Skipped
 
 
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("file", type=Path, help=".npz, .parquet, .h5 or .csv (docs/encoders.md)")
-    parser.add_argument("--out", type=Path, required=True, help="the .safetensors file to write")
     parser.add_argument(
-        "--encoder", required=True, metavar="NAME", help="name of the vectors' encoder"
+        "file",
+        type=Path,
+        help=".npz, .parquet, .h5 or .csv (docs/encoders.md), a folder of signals, a LeRobot data set, or a "
+        "table of videos (docs/data.md)",
     )
+    parser.add_argument(
+        "--out",
+        type=Path,
+        required=True,
+        help="the .safetensors file to write; of recordings, a new folder of pairs",
+    )
+    parser.add_argument(
+        "--encoder",
+        default="",
+        metavar="NAME",
+        help="name of the vectors' encoder; recordings need none",
+    )
+    add_foreign(parser)
+    parser.add_argument("--preprocessing", default="", help="preprocessing of the images")
+    parser.add_argument("--origin", default="", help="one line on the file's origin")
+    parser.add_argument(
+        "--window", type=int, default=64, help="samples of each row, for a folder of signals"
+    )
+    parser.add_argument(
+        "--frames",
+        type=whole(1),
+        default=5,
+        metavar="N",
+        help="pairs of each recording; default: 5",
+    )
+    parser.add_argument(
+        "--pick",
+        choices=["even", "contact"],
+        default="even",
+        help="moments: evenly spaced, or where the touch differs most",
+    )
+    parser.add_argument("--vis", default="", metavar="CAMERA", help="LeRobot: camera of the photos")
+    parser.add_argument(
+        "--tac",
+        action="append",
+        default=[],
+        metavar="CAMERA",
+        help="LeRobot: tactile camera; can be given several times",
+    )
+    parser.add_argument(
+        "--labels",
+        type=Path,
+        metavar="CSV",
+        help="LeRobot: columns episode, material, perhaps domain, object, split",
+    )
+    parser.add_argument(
+        "--dtype", choices=["float32", "float16"], default="float32", help="of the written file"
+    )
+
+
+def add_foreign(parser: argparse.ArgumentParser) -> None:
+    """Declare what a file of another program may lack."""
     parser.add_argument("--domain", default="", help="of all pairs, if the file has none")
     parser.add_argument("--classes", default="", help="names of numbered materials, with commas")
     parser.add_argument(
@@ -26,32 +90,25 @@ def add(parser: argparse.ArgumentParser) -> None:
         metavar="OURS=THEIRS",
         help="another name of a column, such as material=label; can be given several times",
     )
-    parser.add_argument("--preprocessing", default="", help="preprocessing of the images")
-    parser.add_argument("--origin", default="", help="one line on the file's origin")
     parser.add_argument("--simulated", action="store_true", help="the pairs are simulated")
-    parser.add_argument(
-        "--dtype", choices=["float32", "float16"], default="float32", help="of the written file"
-    )
 
 
 def run(options: argparse.Namespace) -> None:
     """Read, check, write; print a summary."""
-    from omnivat.data.foreign import import_embeddings
     from omnivat.data.manifest import manifest_place, require_own
+    from omnivat.data.recordings import is_recording
     from omnivat.data.store import save_embeddings
 
+    if is_recording(options.file):
+        _recordings(options)
+        return
+    if not options.encoder:
+        raise SettingsError(
+            f"'{options.file}' is no recording, so --encoder has to name the encoder of its vectors."
+        )
     require_writable(options.out, ".safetensors")
     require_own(manifest_place(options.out, "csv"))
-    found = import_embeddings(
-        options.file,
-        encoder=options.encoder,
-        domain=options.domain,
-        classes=[name.strip() for name in options.classes.split(",") if name.strip()],
-        columns=_columns(options.column),
-        preprocessing=options.preprocessing,
-        origin=options.origin,
-        simulated=options.simulated,
-    )
+    found = _signals(options) if options.file.is_dir() else _vectors(options)
     save_embeddings(options.out, found, dtype=options.dtype)
     header = found.header
     print(
@@ -60,7 +117,61 @@ def run(options: argparse.Namespace) -> None:
     )
 
 
-def _columns(texts: list[str]) -> dict[str, str]:
+def _recordings(options: argparse.Namespace) -> None:
+    """Write pictures of recordings as a folder of pairs."""
+    from omnivat.data.recordings import clips_of, write_pairs
+
+    clips = clips_of(
+        options.file, vis=options.vis, tac=options.tac, domain=options.domain, labels=options.labels
+    )
+    with progress_bar("import") as show:
+        count, skipped = write_pairs(
+            clips, options.out, frames=options.frames, pick=options.pick, on_step=show
+        )
+    _tell(skipped)
+    print(
+        f"{count} pairs of {len(clips) - len(skipped)} recordings; next: python -m omnivat try {options.out}"
+    )
+
+
+def _tell(skipped: "Sequence[Skipped]") -> None:
+    for one in skipped[:3]:
+        print(f"left out: {one.what}: {one.why}")
+    if len(skipped) > 3:
+        print(f"left out: {len(skipped) - 3} more")
+
+
+def _signals(options: argparse.Namespace) -> "Embeddings":
+    from omnivat.data.readers.signals import signal_embeddings
+    from omnivat.data.strips import ENCODER
+
+    if options.encoder != ENCODER:
+        raise SettingsError(
+            f"'{options.file}' is a folder, which is read as signals: pass --encoder {ENCODER}, or "
+            "name a file of vectors."
+        )
+    found, skipped = signal_embeddings(options.file, window=options.window)
+    _tell(skipped)
+    return found
+
+
+def _vectors(options: argparse.Namespace) -> "Embeddings":
+    from omnivat.data.foreign import import_embeddings
+
+    return import_embeddings(
+        options.file,
+        encoder=options.encoder,
+        domain=options.domain,
+        classes=[name.strip() for name in options.classes.split(",") if name.strip()],
+        columns=columns_of(options.column),
+        preprocessing=options.preprocessing,
+        origin=options.origin,
+        simulated=options.simulated,
+    )
+
+
+def columns_of(texts: list[str]) -> dict[str, str]:
+    """Return --column OURS=THEIRS as a table; raises SettingsError for another form."""
     for text in texts:
         if not all(text.partition("=")):
             raise SettingsError(f"--column got '{text}'; write it as OURS=THEIRS.")

@@ -1,6 +1,7 @@
 """Predict the material of VIS + TAC pairs.
 
-    python -m omnivat predict VIS TAC [VIS TAC ...] [--head DIR] [--order P] [--json]
+    python -m omnivat predict VIS TAC [VIS TAC ...] [--head DIR] [--order P] [--tac-rest FILE]
+        [--profile FILE] [--json]
 
 Write "-" for a missing VIS or TAC. Of --pairs, pairs with an unreadable image are named on stderr
 and left out.
@@ -12,9 +13,17 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from omnivat.cli.arguments import add_head, add_json, add_order
-from omnivat.cli.computing import add_device, add_download
+from omnivat.cli.arguments import (
+    add_device,
+    add_download,
+    add_head,
+    add_json,
+    add_order,
+    add_rest,
+    progress_bar,
+)
 from omnivat.errors import DataError, SettingsError
+from omnivat.progress import Step
 
 MISSING = "-"
 WORDS = {"vis": "photo only", "tac": "touch only"}
@@ -31,6 +40,10 @@ def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--pairs", help="a folder or CSV of pairs, instead of single images")
     add_head(parser)
     add_order(parser)
+    add_rest(parser)
+    parser.add_argument(
+        "--profile", type=Path, metavar="FILE", help="profile of the sensor (`omnivat profile`)"
+    )
     parser.add_argument("--weights", type=Path, help="checkpoint of the encoder")
     parser.add_argument(
         "--tac-weights", type=Path, help="checkpoint of the encoder of tactile images, if another"
@@ -43,16 +56,21 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Load the head and its encoder, embed the pairs, print the predictions."""
-    pairs = _pairs(options)
+    _check(options)
     import torch
 
     from omnivat.checkpoint import load_head
+    from omnivat.data.profile_file import load_profile
+    from omnivat.data.rest import RESTED
     from omnivat.devices import current, precise
     from omnivat.encoders import load_encoder
     from omnivat.encoders.cache import default_cache, embed_pair
     from omnivat.predict import predict_embeddings
 
     head = load_head(options.head, dtype=precise(current()))
+    profile = load_profile(options.profile) if options.profile else None
+    rested = head.encoder["preprocessing"].endswith(RESTED)
+    pairs = _pairs(options, _rest(options, rested))
     encoder = load_encoder(
         head.encoder["name"],
         weights=options.weights,
@@ -62,23 +80,25 @@ def run(options: argparse.Namespace) -> None:
         weights_hash=head.encoder["weights_hash"],
     )
     head.require(
-        (encoder.name, encoder.weights_hash, encoder.preprocessing),
+        (encoder.name, encoder.weights_hash, encoder.preprocessing + (RESTED if rested else "")),
         encoder.width,
         what="Embeddings of these images",
     )
     cache = None if options.no_cache else default_cache()
     predictions: list[dict[str, Any]] = []
-    for vis, tac, crop in pairs:
-        try:
-            embedded = embed_pair(encoder, vis, tac, cache, tac_crop=crop)
-        except DataError as error:
-            if not options.pairs:
-                raise
-            print(f"skipped: {error}", file=sys.stderr)
-            continue
-        given = [None if e is None else torch.from_numpy(e[None].copy()) for e in embedded]
-        predicted = predict_embeddings(head, *given, order=options.order)[0]
-        predictions.append({"vis": vis and str(vis), "tac": tac and str(tac), **predicted})
+    with progress_bar("predict") as show:
+        for done, (vis, tac, crop, rest) in enumerate(pairs):
+            show(Step(done=done, total=len(pairs)))
+            try:
+                embedded = embed_pair(encoder, vis, tac, cache, tac_crop=crop, tac_rest=rest)
+            except DataError as error:
+                if not options.pairs:
+                    raise
+                print(f"skipped: {error}", file=sys.stderr)
+                continue
+            given = [None if e is None else torch.from_numpy(e[None].copy()) for e in embedded]
+            predicted = predict_embeddings(head, *given, order=options.order, profile=profile)[0]
+            predictions.append({"vis": vis and str(vis), "tac": tac and str(tac), **predicted})
     if not predictions:
         raise DataError(f"None of the {len(pairs)} pairs in '{options.pairs}' could be read.")
     context = {"head": str(options.head), "source": head.source, "encoder": encoder.name}
@@ -92,22 +112,50 @@ def run(options: argparse.Namespace) -> None:
             print(_readable(predicted, head.source))
 
 
-def _pairs(options: argparse.Namespace) -> list[tuple[Path | None, Path | None, int]]:
-    """Return VIS, TAC and the side of the square crop of TAC, for each pair."""
-    if options.pairs and options.images:
-        raise SettingsError("Give either images or --pairs, not both.")
-    if options.pairs:
-        from omnivat.data.readers import read_pairs
-
-        return [(pair.vis, pair.tac, pair.tac_crop) for pair in read_pairs(options.pairs).pairs]
+def _check(options: argparse.Namespace) -> None:
+    """Raise SettingsError for images that are no pairs, before torch is loaded."""
     given = len(options.images)
-    if not given or given % 2:
+    if options.pairs and given:
+        raise SettingsError("Give either images or --pairs, not both.")
+    if not options.pairs and (not given or given % 2):
         raise SettingsError(
             f"Got {given} image{'' if given == 1 else 's'}; give VIS and TAC for each pair, with '-' for a "
             "missing one."
         )
+
+
+def _rest(options: argparse.Namespace, rested: bool) -> str:
+    """Return --tac-rest for a head that was trained with rest pictures or without.
+
+    Raises SettingsError if the two do not fit.
+    """
+    choice = options.tac_rest or ("none" if not rested else "auto" if options.pairs else "")
+    if not rested and choice != "none":
+        raise SettingsError(
+            f"--tac-rest is '{choice}', and this head was trained on tactile images as they come; "
+            "leave it out."
+        )
+    if not choice and any(name != MISSING for name in options.images[1::2]):
+        raise SettingsError(
+            "This head was trained on tactile images minus a rest picture; name the picture of your "
+            "untouched sensor with --tac-rest FILE (none: predict without)."
+        )
+    return choice or "none"
+
+
+def _pairs(
+    options: argparse.Namespace, rest: str
+) -> list[tuple[Path | None, Path | None, int, Path | None]]:
+    """Return VIS, TAC, the side of the square crop of TAC, and its rest picture, for each pair."""
+    if options.pairs:
+        from omnivat.data.readers import read_pairs
+        from omnivat.data.rest import with_rest
+
+        found = with_rest(read_pairs(options.pairs), rest).pairs
+        return [(pair.vis, pair.tac, pair.tac_crop, pair.tac_rest) for pair in found]
     paths = [None if name == MISSING else Path(name) for name in options.images]
-    return [(vis, tac, 0) for vis, tac in zip(paths[::2], paths[1::2], strict=True)]
+    calm = None if rest == "none" else Path(rest)
+    return [(vis, tac, 0, calm) for vis, tac in zip(paths[::2], paths[1::2], strict=True)]
 
 
 def _readable(predicted: dict[str, Any], source: str) -> str:

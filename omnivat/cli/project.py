@@ -1,18 +1,18 @@
-"""Draw a map of a set at one stage: x and y of every VIS and TAC point, as a CSV.
+"""Draw a map of a set at one stage: a CSV of every VIS and TAC point, or an interactive figure.
 
-python -m omnivat project --out MAP.csv [--stage S] [--order P] [--method umap|pca|umap-learn]
+python -m omnivat project [--out MAP.csv] [--figure MAP.html] [--stage S] [--order P] [--method umap|pca|umap-learn]
+python -m omnivat project --centred --embeddings FILE
 """
 
 import argparse
-import csv
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from omnivat.cli.arguments import add_seed
+from omnivat.cli.arguments import add_figure, add_seed, check_figure
 from omnivat.cli.features import StageFeatures, add_stage, stage_features
 from omnivat.errors import SettingsError
-from omnivat.files import replacing, require_writable
+from omnivat.files import require_writable, write_csv
 from omnivat.projection import PROJECTIONS
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from omnivat.projection.quality import Quality
 
-COLUMNS = ("x", "y", "modality", "domain", "class", "pair", "name")
+COLUMNS = ("modality", "domain", "class", "pair", "name")
 NEIGHBOURS = 15
 LEAST = 2 * NEIGHBOURS + 1  # fewest points for a faithfulness value
 
@@ -35,34 +35,82 @@ def add(parser: argparse.ArgumentParser) -> None:
         help="method of the map; default: umap",
     )
     add_seed(parser, of="the layout")
-    parser.add_argument("--out", type=Path, required=True, help="the CSV to write")
+    parser.add_argument("--out", type=Path, help="the CSV to write")
+    parser.add_argument(
+        "--dimensions", type=int, choices=(2, 3), default=2, help="of the map; default: 2"
+    )
+    parser.add_argument(
+        "--centred",
+        action="store_true",
+        help="write the page's maps of the touches, as they come and with each domain centred, next to "
+        "the embeddings, and nothing else",
+    )
+    add_figure(parser, of="the map")
 
 
 def run(options: argparse.Namespace) -> None:
     """Compute the features, map them, write the CSV, print the faithfulness."""
-    if options.out.suffix.lower() != ".csv":
-        raise SettingsError(f"--out is '{options.out}'; name a file that ends in .csv.")
-    require_writable(options.out)
+    check_figure(options)
+    if options.centred:
+        _centre(options)
+        return
+    if options.out is None and options.figure is None:
+        raise SettingsError("There is no output; give --out MAP.csv or --figure MAP.html.")
+    if options.out is not None:
+        if options.out.suffix.lower() != ".csv":
+            raise SettingsError(f"--out is '{options.out}'; name a file that ends in .csv.")
+        require_writable(options.out)
     from omnivat.projection.quality import quality
     from omnivat.projection.torch_umap import MOST_ROWS
     from omnivat.tables import load
 
     found = stage_features(options)
-    points = found.points
-    flat = load(PROJECTIONS, options.method, kind="map")(points, seed=options.seed)
-    with (
-        replacing(options.out) as temporary,
-        temporary.open("w", newline="", encoding="utf-8") as handle,
-    ):
-        writer = csv.writer(handle)
-        writer.writerow(COLUMNS)
-        writer.writerows(_rows(found, flat))
+    points = found.points()
+    project = load(PROJECTIONS, options.method, kind="map")
+    flat = project(points, seed=options.seed, dimensions=options.dimensions)
+    if options.out is not None:
+        write_csv(options.out, (*"xyz"[: flat.shape[1]], *COLUMNS), _rows(found, flat))
     print(f"{options.method} of {options.stage}: {found.about}")
+    trust = ""
     if len(points) >= LEAST:
-        print(faithfulness(quality(points, flat, k=NEIGHBOURS)))
+        trust = faithfulness(quality(points, flat, k=NEIGHBOURS))
+        print(trust)
+    if options.figure is not None:
+        _draw(options, found, flat, trust)
     if options.method == "umap" and len(points) > MOST_ROWS:
         print(f"{MOST_ROWS:,} points were mapped; the others are placed between their neighbours")
-    print(f"{len(points)} points written to {options.out}")
+    written = " and ".join(str(path) for path in (options.out, options.figure) if path)
+    print(f"{len(points)} points written to {written}")
+
+
+def _centre(options: argparse.Namespace) -> None:
+    from omnivat.data.store import load_embeddings
+    from omnivat.frames.centred import write_centred
+
+    if options.out is not None or options.figure is not None:
+        raise SettingsError(
+            "--centred writes next to the embeddings; leave out --out and --figure."
+        )
+    print(f"written: {write_centred(options.embeddings, load_embeddings(options.embeddings))}")
+
+
+def _draw(options: argparse.Namespace, found: StageFeatures, flat: "Tensor", trust: str) -> None:
+    from omnivat.figures import map_figure, pictures, write
+    from omnivat.stages import STAGE_TITLES
+    from omnivat.thumbnails import sheet_of
+
+    header, domain = found.embeddings.header, found.embeddings.domain
+    classes = [header.classes[k] for k in found.embeddings.label]
+    figure = map_figure(
+        flat.cpu().numpy(),
+        domain,
+        header.domains,
+        title=f"{STAGE_TITLES[options.stage]}: {options.method}",
+        caption=". ".join(part for part in (found.about, trust) if part),
+        hover=[f"{header.domains[d]} · {c}" for d, c in zip(domain, classes, strict=True)],
+        pictures=None if options.sample else pictures(sheet_of(options.embeddings)),
+    )
+    write(options.figure, figure)
 
 
 def faithfulness(found: "Quality") -> str:
@@ -87,11 +135,9 @@ def _rows(found: StageFeatures, flat: "Tensor") -> Iterator[list[str]]:
     embeddings = found.embeddings
     header, count = embeddings.header, len(embeddings)
     for point, place in enumerate(flat):
-        x, y = place.tolist()
         modality, pair = ("vis", "tac")[point // count], point % count
         yield [
-            f"{x:.6g}",
-            f"{y:.6g}",
+            *(f"{x:.6g}" for x in place.tolist()),
             modality,
             header.domains[int(embeddings.domain[pair])],
             header.classes[int(embeddings.label[pair])],

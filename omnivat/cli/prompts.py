@@ -8,7 +8,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from omnivat.cli.computing import add_device, add_download
+from omnivat.cli.arguments import add_device, add_download
 from omnivat.data.materials import MATERIALS
 from omnivat.errors import SettingsError
 from omnivat.files import require_writable
@@ -35,10 +35,7 @@ def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, required=True, help="the .safetensors file to write")
     parser.add_argument("--classes", default=",".join(MATERIALS), help="names, with commas")
     parser.add_argument(
-        "--encoder",
-        choices=TEXT_ENCODERS,
-        default="minilm",
-        help="text encoder; default: minilm",
+        "--encoder", choices=TEXT_ENCODERS, default="minilm", help="text encoder; default: minilm"
     )
     parser.add_argument("--weights", type=Path, help="checkpoint of a CLIP encoder")
     add_device(parser)
@@ -72,14 +69,13 @@ def _phrases(options: argparse.Namespace, classes: tuple[str, ...]) -> "LangBank
     """Embed the classes in fixed phrases."""
     import numpy as np
 
-    from omnivat.lang import minilm
     from omnivat.lang.bank import LangBank
-    from omnivat.lang.prompts import STYLES, prompts_for
+    from omnivat.lang.prompts import ORIGIN, STYLES, embed_texts, prompts_for
 
     texts = [text for name in classes for text in prompts_for(name)]
     clip = None if options.encoder == "minilm" else _clip(options)
     if clip is None:
-        values, origin = minilm.embed_texts(texts), minilm.ORIGIN
+        values, origin = embed_texts(texts), ORIGIN
     else:
         values = clip.embed_texts(texts).cpu().numpy()
         origin = f"{clip.name}, fixed style phrases, not PromptStyler"
@@ -97,8 +93,8 @@ def _learned(options: argparse.Namespace, classes: tuple[str, ...]) -> "LangBank
         )
     if options.styles < 1 or options.steps < 1:
         raise SettingsError("--styles and --steps must be 1 or more.")
-    from omnivat.cli.bar import progress_bar
-    from omnivat.lang.clip_words import ClipWords
+    from omnivat.cli.arguments import progress_bar
+    from omnivat.lang.clip_prompts import ClipWords
     from omnivat.lang.promptstyler import learn_styles, styled_bank
 
     clip = _clip(options)
@@ -121,10 +117,7 @@ def _clip(options: argparse.Namespace) -> "ClipText":
     from omnivat.encoders.clip_text import load_text_encoder
 
     return load_text_encoder(
-        options.encoder,
-        weights=options.weights,
-        device=options.device,
-        download=options.download,
+        options.encoder, weights=options.weights, device=options.device, download=options.download
     )
 
 
@@ -132,7 +125,7 @@ def _of_clip(bank: "LangBank", clip: "ClipText") -> "LangBank":
     """Return the bank with the plain prompts, the tower's hash and the model's logit scale."""
     from dataclasses import replace
 
-    from omnivat.encoders.places import remember
+    from omnivat.encoders.hub import remember
     from omnivat.lang.bank import PLAIN
 
     remember(clip.weights_hash, clip.place)

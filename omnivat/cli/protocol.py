@@ -7,9 +7,15 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from omnivat.cli.arguments import add_embeddings, listed, numbers, split_settings, whole
-from omnivat.cli.bar import progress_bar
-from omnivat.cli.computing import add_device
+from omnivat.cli.arguments import (
+    add_device,
+    add_embeddings,
+    listed,
+    numbers,
+    progress_bar,
+    split_settings,
+    whole,
+)
 from omnivat.errors import DataError, SettingsError
 from omnivat.files import require_writable
 
@@ -27,10 +33,7 @@ def add(parser: argparse.ArgumentParser) -> None:
         "--methods", default="", metavar="a,b,c", help="methods by name; default: all fast ones"
     )
     parser.add_argument(
-        "--sources",
-        default="",
-        metavar="A,B",
-        help="domains to train on; default: all in the set",
+        "--sources", default="", metavar="A,B", help="domains to train on; default: all in the set"
     )
     parser.add_argument(
         "--folds",
@@ -123,7 +126,7 @@ def run(options: argparse.Namespace) -> None:
 def note_images(embeddings: "Embeddings", pairs: Path) -> None:
     """Remember the image folder of a set. Raises DataError if it does not exist."""
     from omnivat.cli.thumbnails import start_of
-    from omnivat.encoders.places import images_key, remember
+    from omnivat.encoders.hub import images_key, remember
 
     if not pairs.exists():
         raise DataError(f"There is no folder or file at '{pairs}'. Check --images.")

@@ -11,9 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from omnivat.cli import ablate, prompts, protocol
-from omnivat.cli.arguments import whole
-from omnivat.cli.bar import progress_bar
-from omnivat.cli.computing import add_device, add_download
+from omnivat.cli.arguments import add_device, add_download, progress_bar, whole
 from omnivat.errors import DataError
 from omnivat.files import write_json, write_text
 

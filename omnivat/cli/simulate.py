@@ -10,8 +10,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from omnivat.cli.arguments import add_seed, whole
-from omnivat.cli.bar import progress_bar
+from omnivat.cli.arguments import add_seed, progress_bar, whole
 from omnivat.errors import SettingsError
 from omnivat.files import require_writable
 
@@ -51,7 +50,7 @@ def add(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Write a set of pairs; existing rendered files are kept."""
     from omnivat.data.pairs import summary_table
-    from omnivat.simulate.examples import write_examples
+    from omnivat.simulate.build import write_examples
 
     others = SENSOR_OPTIONS if options.set == "chirps" else CHIRP_OPTIONS
     for name in others:
@@ -85,8 +84,7 @@ def _sensors(options: argparse.Namespace) -> "PairSet":
 
 
 def _chirps(options: argparse.Namespace) -> "PairSet":
-    from omnivat.simulate.chirps import ChirpSettings
-    from omnivat.simulate.chirps.pictures import write_chirps
+    from omnivat.simulate.chirps import ChirpSettings, write_chirps
 
     names = (*CHIRP_OPTIONS, "pairs_per_class")
     given = {name: value for name in names if (value := getattr(options, name)) is not None}

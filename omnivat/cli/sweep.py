@@ -16,13 +16,20 @@ from os.path import realpath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from omnivat.cli.arguments import add_embeddings, add_head
-from omnivat.cli.bar import progress_bar
-from omnivat.cli.computing import add_device
+from omnivat.cli.arguments import (
+    add_device,
+    add_embeddings,
+    add_figure,
+    add_head,
+    add_profile,
+    check_figure,
+    progress_bar,
+    with_profiles,
+)
 from omnivat.cli.sweep_retrain import add_retrain, check_retrain, retrained
 from omnivat.errors import SettingsError
 from omnivat.files import require_writable
-from omnivat.orders import checked_order
+from omnivat.stages import checked_order
 
 if TYPE_CHECKING:
     from omnivat.checkpoint import Head
@@ -36,6 +43,7 @@ def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     add_head(parser)
     add_embeddings(parser)
+    add_profile(parser)
     parser.add_argument("--out", type=Path, help="the frames file for the page, with maps")
     parser.add_argument("--json", type=Path, help="the curves over p as JSON")
     parser.add_argument("--csv", type=Path, help="the curves over p as a table, one column each")
@@ -48,8 +56,7 @@ def add(parser: argparse.ArgumentParser) -> None:
         help="of raw, frft, relu, f_bar, f_hat, separated by commas; default: all, for the page",
     )
     parser.add_argument(
-        "--measures",
-        help="of docs/gaps.md, separated by commas, or 'all'; default: the fast ones",
+        "--measures", help="of docs/gaps.md, separated by commas, or 'all'; default: the fast ones"
     )
     parser.add_argument(
         "--engine",
@@ -58,12 +65,17 @@ def add(parser: argparse.ArgumentParser) -> None:
         help="this machine, or a Ray cluster (curves alone: --json or --csv)",
     )
     add_retrain(parser)
+    add_figure(parser, of="the curves against p")
 
 
 def run(options: argparse.Namespace) -> None:
     """Measure, write the outputs, print the ends of the curves."""
-    require_outputs([path for path in (options.out, options.json, options.csv) if path])
+    outputs = [p for p in (options.out, options.json, options.csv, options.figure) if p]
+    require_outputs(outputs)
+    check_figure(options)
     check_retrain(options)
+    if options.profile and (options.engine == "ray" or options.retrain is not None):
+        raise SettingsError("--profile goes with one head on this machine: no --retrain, no ray.")
     if options.engine == "ray" and (options.out or options.retrain is not None):
         raise SettingsError("--engine ray computes curves; give --json or --csv, without --out.")
     stops = options.retrain if options.retrain is not None else options.stops
@@ -71,17 +83,17 @@ def run(options: argparse.Namespace) -> None:
     from omnivat.checkpoint import head_hash, load_head
     from omnivat.data.store import load_embeddings
     from omnivat.frames import write_frames
-    from omnivat.frames.kinds import kind_of
-    from omnivat.frames.stops import with_learned
+    from omnivat.frames.records import kind_of, with_learned
     from omnivat.gaps.measures import PREDICTION_MEASURES, STAGE_MEASURES
     from omnivat.sweep import MEASURES, STAGES
-    from omnivat.sweep.export import write_curves_csv, write_curves_json
+    from omnivat.sweep.curves import write_curves_csv, write_curves_json
 
     stages = names_of(options.stages, STAGES, "stage")
     known = (*STAGE_MEASURES, *PREDICTION_MEASURES)
     measures = names_of(options.measures, known, "measure") if options.measures else MEASURES
     head, embeddings = load_head(options.head), load_embeddings(options.embeddings)
     head.require_embeddings(embeddings)
+    embeddings = with_profiles(head, embeddings, options.profile)
     provenance = {
         "hash": head_hash(options.head),
         "source": head.source,
@@ -89,6 +101,7 @@ def run(options: argparse.Namespace) -> None:
         "simulated": head.provenance.get("simulated", False),
         "kind": kind_of(head),
     }
+    frames: Any = None
     if options.retrain is not None:
         frames = retrained(options, head, embeddings, orders, stages, measures)
         write_frames(options.out, frames)
@@ -106,17 +119,35 @@ def run(options: argparse.Namespace) -> None:
     if options.csv:
         write_curves_csv(options.csv, orders, curves)
     print(table(orders, curves))
-    written = ", ".join(str(path) for path in (options.out, options.json, options.csv) if path)
+    if options.figure:
+        _draw(options.figure, orders, curves, frames)
+    written = ", ".join(map(str, outputs))
     print(f"{len(orders)} stops of {len(embeddings)} pairs written to {written}")
+
+
+def _draw(
+    file: Path, orders: Sequence[float], curves: Mapping[str, Sequence[float | None]], frames: Any
+) -> None:
+    """Draw the page's four charts, or without frames every curve of the whole set."""
+    from omnivat.figures import gap_curves, lines, write
+    from omnivat.stages import STAGES
+
+    if frames is not None:
+        write(file, gap_curves(frames))
+        return
+    whole = (*STAGES, "all", "unseen")
+    series = {n: (orders, v) for n, v in curves.items() if n.partition("/")[2] in whole}
+    title = "Measures against p"
+    write(file, lines(series, title=title, across="order p", up="gap, margin or share"))
 
 
 def require_outputs(paths: Sequence[Path]) -> None:
     """Check the output files: at least one, all different, all writable."""
     if not paths:
-        raise SettingsError("There is no output; give --out, --json or --csv.")
+        raise SettingsError("There is no output; give --out, --json, --csv or --figure.")
     if len({realpath(path) for path in paths}) < len(paths):
         raise SettingsError(
-            "Two of --out, --json and --csv name the same file; give each its own file."
+            "Two of --out, --json, --csv and --figure name the same file; give each its own file."
         )
     for path in paths:
         require_writable(path)
@@ -131,7 +162,7 @@ def _frames(
     provenance: Mapping[str, Any],
 ) -> Any:
     from omnivat.frames import build_frames
-    from omnivat.frames.build import DEFAULT_MAPS
+    from omnivat.frames.builder import DEFAULT_MAPS
 
     maps = {name: stops for name, stops in DEFAULT_MAPS.items() if name.split("/")[1] in stages}
     with progress_bar("sweep") as show:

@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from omnivat.cli.arguments import numbers, split_settings, whole
-from omnivat.cli.bar import progress_bar
+from omnivat.cli.arguments import numbers, progress_bar, split_settings, whole
 from omnivat.errors import SettingsError
 
 if TYPE_CHECKING:

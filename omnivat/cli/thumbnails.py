@@ -7,8 +7,7 @@ import argparse
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from omnivat.cli.arguments import add_embeddings
-from omnivat.cli.bar import progress_bar
+from omnivat.cli.arguments import add_embeddings, progress_bar
 from omnivat.errors import DataError, SettingsError
 from omnivat.files import require_writable
 

@@ -10,9 +10,14 @@ the temperatures to the last quarter; --no-calibration skips it.
 import argparse
 from pathlib import Path
 
-from omnivat.cli.arguments import add_embeddings, add_seed, numbers, split_settings
-from omnivat.cli.bar import progress_bar
-from omnivat.cli.computing import add_device
+from omnivat.cli.arguments import (
+    add_device,
+    add_embeddings,
+    add_seed,
+    numbers,
+    progress_bar,
+    split_settings,
+)
 
 
 def add(parser: argparse.ArgumentParser) -> None:
@@ -50,10 +55,10 @@ def run(options: argparse.Namespace) -> None:
     from omnivat.from_pairs import plan_training, trained_head
     from omnivat.model.head import parameter_count
     from omnivat.model.settings import HeadSettings
-    from omnivat.train import SEARCH, STATE, TrainSettings, Watch
+    from omnivat.train import STATE, TrainSettings, Watch
 
     repeat = numbers(options.repeat, name="--repeat") if options.repeat else ()
-    require_head_folder(options.out, also=(STATE, SEARCH))
+    require_head_folder(options.out, also=(STATE,))
     head_values, train_values = split_settings(options.set, HeadSettings, TrainSettings)
     plan = plan_training(
         load_embeddings(options.embeddings),
@@ -66,8 +71,7 @@ def run(options: argparse.Namespace) -> None:
     )
     print(f"{parameter_count(plan.settings):,} trainable parameters, {len(plan.pairs)} pairs")
     if not options.resume:
-        for name in (STATE, SEARCH):
-            (options.out / name).unlink(missing_ok=True)
+        (options.out / STATE).unlink(missing_ok=True)
     with progress_bar(f"train on {options.source}") as show:
         head = trained_head(
             plan,
@@ -80,4 +84,6 @@ def run(options: argparse.Namespace) -> None:
     from omnivat.cli.evaluate import table
 
     print(table(head.metrics["domains"]))
+    if search := head.metrics.get("order_search"):
+        print(f"Order search: {search['note']}")
     print(f"Head written to {options.out}, learned order p = {head.model.order:.4f}")

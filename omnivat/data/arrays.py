@@ -101,12 +101,14 @@ def walked(
     """
     wide = np.dtype(np.float32) if array.dtype == np.float16 else array.dtype
     count, read = len(array) if rows is None else len(rows), 0
+    if rows is not None and not array.flags.writeable:
+        size = min(size, 256)  # scattered rows map whole pages and their neighbours
     for start in range(0, count, size):
         some = slice(start, start + size)
         if rows is None:
             block = np.array(array[some], wide)
             read += array[some].nbytes
-        else:  # whole pages are mapped, and their neighbours
+        else:
             block, own = np.array(array[rows[some]], wide), rows[some]
             read += array[:1].nbytes * int(own.max() - own.min() + 1)
         if read >= WALKED_BYTES or start + size >= count:

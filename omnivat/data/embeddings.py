@@ -1,6 +1,7 @@
 """Embeddings of a set of pairs in memory: vectors, names, and a header with their origin."""
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,8 @@ class Header:
     origin: str = ""
     precision: str = "fp32"  # of the encoder
     text_hash: str = ""  # of the text tower in the encoder's checkpoint, if any
+    # domain -> hashes of the rest pictures that were subtracted from its tactile images
+    tac_rest: Mapping[str, Sequence[str]] = field(default_factory=dict)
 
     @property
     def key(self) -> tuple[str, str, str]:

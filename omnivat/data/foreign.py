@@ -33,6 +33,7 @@ def import_embeddings(
     *,
     encoder: str,
     domain: str = "",
+    material: str = "",
     classes: Sequence[str] = (),
     columns: Mapping[str, str] | None = None,
     preprocessing: str = "",
@@ -43,6 +44,7 @@ def import_embeddings(
 
     encoder         name of their encoder; files with the same name count as the same encoder
     domain          of all pairs, if the file has no such column
+    material        of all pairs, if the file has no such column
     classes         names of the numbers in `material`, if it has numbers
     columns         name here -> name in the file, if they differ
     preprocessing   preprocessing of the images, if known
@@ -69,6 +71,8 @@ def import_embeddings(
     texts = {name: _texts(found[name], name, count, place) for name in TEXTS if name in found}
     if domain and "domain" not in texts:
         texts["domain"] = [domain] * count
+    if material and "material" not in texts:
+        texts["material"] = [material] * count
     _require_names(texts, place)
     texts["material"] = _materials(texts["material"], classes, place)
     return _named(place, encoder, vectors, found, texts, preprocessing, origin, simulated)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omnivat.errors import DataError, OmniVatError
-from omnivat.packages import need
+from omnivat.tables import need
 
 Columns = dict[str, NDArray[Any]]
 

@@ -1,12 +1,11 @@
 """A readable table next to a set of embeddings: CSV, or Parquet on request."""
 
-import csv
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from omnivat.errors import SettingsError, WriteError
-from omnivat.files import replacing
-from omnivat.packages import need
+from omnivat.files import replacing, write_csv
+from omnivat.tables import need
 
 MANIFESTS = ("csv", "parquet")
 _EARLIER = ("domain", "material", "vis", "tac", "object", "split", "part")
@@ -21,11 +20,11 @@ def write_manifest(path: Path, columns: Mapping[str, Sequence[str]], kind: str =
     """
     place = manifest_place(path, kind)
     require_own(place)
-    with replacing(place) as temporary:
-        if kind == "parquet":
+    if kind == "parquet":
+        with replacing(place) as temporary:
             _write_parquet(temporary, columns)
-        else:
-            _write_csv(temporary, columns)
+    else:
+        write_csv(place, columns, zip(*columns.values(), strict=True))
     return place
 
 
@@ -47,13 +46,6 @@ def require_own(place: Path) -> None:
             f"'{place}' is another table and would be replaced by that of the embeddings; "
             "choose another name for the embeddings, or move the table."
         )
-
-
-def _write_csv(path: Path, columns: Mapping[str, Sequence[str]]) -> None:
-    with path.open("w", newline="", encoding="utf-8") as handle:
-        writer = csv.writer(handle)
-        writer.writerow(columns)
-        writer.writerows(zip(*columns.values(), strict=True))
 
 
 def _write_parquet(path: Path, columns: Mapping[str, Sequence[str]]) -> None:

@@ -9,6 +9,7 @@ from functools import cache
 from pathlib import Path
 
 MATERIALS = ("wood", "steel", "plastic", "ceramic", "glass")
+NO_CLASS = "unlabelled"  # of pairs without a class
 RULES_FILE = Path(__file__).with_name("materials.json")
 
 

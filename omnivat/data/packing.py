@@ -1,7 +1,14 @@
-"""Labels and object numbers of many pairs as short text, for records."""
+"""Labels, object numbers and probabilities of many pairs as short text, for records and the page."""
 
 import string
+from base64 import b64decode, b64encode
 from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from omnivat.errors import DataError
 
 DIGITS = string.digits + string.ascii_lowercase + string.ascii_uppercase
 
@@ -41,3 +48,39 @@ def unpacked(text: str) -> list[int]:
         first, _, last = part.partition("-")
         found += range(int(first), int(last or first) + 1)
     return found
+
+
+def odds(logs: ArrayLike) -> str:
+    """Return logits (N, K) in half precision: each less that of the last class, as base64.
+
+    >>> unodds(odds([[2.0, 1.0, 0.0]]), 3).round(3)
+    array([[0.665, 0.245, 0.09 ]])
+    """
+    values = np.asarray(logs, dtype=np.float64)
+    return b64encode(
+        (values[:, :-1] - values[:, -1:]).clip(-6e4, 6e4).astype("<f2").tobytes()
+    ).decode()
+
+
+def unodds(text: str, classes: int) -> NDArray[np.float64]:
+    """Return the probabilities (N, K) whose log-odds `odds` wrote."""
+    found = np.frombuffer(b64decode(text), dtype="<f2").reshape(-1, classes - 1).astype(np.float64)
+    values = np.pad(found, ((0, 0), (0, 1)))
+    shares: NDArray[np.float64] = np.exp(values - values.max(1, keepdims=True))
+    shares /= shares.sum(1, keepdims=True)
+    return shares
+
+
+def packed(values: NDArray[Any], kind: str, steps: int = 1) -> dict[str, Any]:
+    """Return numbers (N,) as integers in units of 1 / steps, little-endian, in base64.
+
+    kind  "u1", "u2" or "i2", numpy's names
+
+    Raises DataError if a number is not finite.
+    """
+    if not np.isfinite(values).all():
+        raise DataError(
+            "The head gives values that are not finite numbers; its weights are damaged. Train it again."
+        )
+    whole = np.rint(values.astype(np.float64) * steps).astype(f"<{kind}")
+    return {"kind": kind, "steps": steps, "data": b64encode(whole.tobytes()).decode()}

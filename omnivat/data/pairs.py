@@ -22,6 +22,7 @@ class Pair:
     looks_like: str = ""  # the class that the object imitates visually, or ""
     feels_like: str = ""  # the class that it imitates by touch, or ""
     tac_crop: int = 0  # central square before resizing, pixels; 0: no crop
+    tac_rest: Path | None = None  # picture of the untouched sensor, to be subtracted
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

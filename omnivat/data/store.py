@@ -29,7 +29,7 @@ from omnivat.data.embeddings import Array, Embeddings, Header
 from omnivat.data.manifest import write_manifest
 from omnivat.errors import DataError, SettingsError
 from omnivat.files import replacing
-from omnivat.schema import columns_in, json_in, name_list
+from omnivat.schema import columns_in, json_in, name_list, object_in
 
 FORMAT = "omnivat-embeddings-1"
 ROW_NAMES = ("vis", "tac", "object", "split", "part", "looks_like", "feels_like")
@@ -160,6 +160,7 @@ def _metadata(header: Header, count: int, width: int) -> dict[str, str]:
         "domains": json.dumps(header.domains),
         "classes": json.dumps(header.classes),
         "simulated": json.dumps(header.simulated),
+        **({"tac_rest": json.dumps(header.tac_rest)} if header.tac_rest else {}),
         "origin": header.origin,
         "pairs": str(count),
         "width": str(width),
@@ -231,6 +232,10 @@ def _header(metadata: dict[str, str]) -> Header:
         origin=metadata["origin"],
         precision=metadata.get("precision", "fp32"),
         text_hash=metadata.get("text_hash", ""),
+        tac_rest={
+            domain: name_list(hashes, "tac_rest", MOST_NAMES)
+            for domain, hashes in object_in(metadata.get("tac_rest", "{}").encode(), "rest").items()
+        },
     )
 
 

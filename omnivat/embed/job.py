@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from omnivat.data.pairs import Pair, Skipped
 from omnivat.encoders import Encoder, load_encoder
+from omnivat.encoders.base import for_modality
 from omnivat.encoders.cache import EmbeddingCache, embed_views
-from omnivat.encoders.paired import for_modality
 from omnivat.errors import DataError
 
 CHUNK = 128  # pairs in one part file, the most that an interruption loses
@@ -75,7 +75,15 @@ def chunks_of(
     ]
     for index, start in enumerate(range(0, len(pairs), size)):
         part = tuple(pairs[start : start + size])
-        files = [[*_state(pair.vis), *_state(pair.tac), pair.tac_crop] for pair in part]
+        files = [
+            [
+                *_state(pair.vis),
+                *_state(pair.tac),
+                pair.tac_crop,
+                *(_state(pair.tac_rest) if pair.tac_rest else ()),
+            ]
+            for pair in part
+        ]
         text = json.dumps([made_by, files])
         fingerprint = blake2b(text.encode(), digest_size=16).hexdigest()
         yield Chunk(index=index, pairs=part, fingerprint=fingerprint)
@@ -96,7 +104,12 @@ def embed_one(
     try:
         vis = embed_views(for_modality(encoder, "vis"), pair.vis, cache, flips=job.views)
         tac = embed_views(
-            for_modality(encoder, "tac"), pair.tac, cache, flips=job.views, crop=pair.tac_crop
+            for_modality(encoder, "tac"),
+            pair.tac,
+            cache,
+            flips=job.views,
+            crop=pair.tac_crop,
+            rest=pair.tac_rest,
         )
     except DataError as error:
         return Skipped(what=f"{pair.vis} + {pair.tac}", why=str(error))

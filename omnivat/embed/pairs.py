@@ -15,13 +15,10 @@ from omnivat.embed.job import Chunk, Job, chunks_of
 from omnivat.embed.parts import Part, Parts, merge
 from omnivat.errors import DataError, SettingsError
 from omnivat.files import require_writable
-from omnivat.progress import OnStep, Step, ignore
+from omnivat.progress import OnStep, Step, ignore, time_text
 from omnivat.tables import load
 
-ENGINES = {
-    "local": "omnivat.embed.local:run",
-    "ray": "omnivat.embed.cluster:run",
-}
+ENGINES = {"local": "omnivat.embed.engines:run_local", "ray": "omnivat.embed.engines:run_on_ray"}
 _log = logging.getLogger(__name__)
 
 
@@ -175,17 +172,3 @@ def _progress(total: int, done: int, on_step: OnStep) -> Callable[[int], None]:
 
     on_step(Step(done=done, total=total, text="embedding pairs"))
     return on_pairs
-
-
-def time_text(seconds: float) -> str:
-    """Return a duration as text, in at most two units.
-
-    >>> time_text(5), time_text(200), time_text(7300)
-    ('5 s', '3 min 20 s', '2 h 1 min')
-    """
-    whole = round(seconds)
-    if whole < 60:
-        return f"{whole} s"
-    if whole < 3600:
-        return f"{whole // 60} min {whole % 60} s"
-    return f"{whole // 3600} h {whole % 3600 // 60} min"

@@ -15,10 +15,11 @@ from safetensors.numpy import save
 
 from omnivat.data.arrays import Column, read_arrays
 from omnivat.data.pairs import Pair, PairSet, Skipped
+from omnivat.data.rest import RESTED, rests_of
 from omnivat.data.store import ROW_NAMES, Header, vector_type, write_columns
 from omnivat.embed.job import Array, Chunk, Job
 from omnivat.encoders import Encoder
-from omnivat.encoders.places import images_key, remember
+from omnivat.encoders.hub import images_key, remember
 from omnivat.errors import WriteError
 from omnivat.files import locked, replacing, writing
 
@@ -118,16 +119,18 @@ def merge(
 ) -> Header:
     """Write the parts as one set of embeddings, with one part in memory at a time."""
     found = PairSet(pairs=tuple(pair for part in parts for pair in part.pairs))
+    rests = rests_of(found.pairs)
     header = Header(
         encoder=encoder.name,
         weights_hash=encoder.weights_hash,
-        preprocessing=encoder.preprocessing,
+        preprocessing=encoder.preprocessing + (RESTED if rests else ""),
         precision=encoder.precision,
         text_hash=getattr(encoder, "text_hash", ""),
         domains=found.domains(),
         classes=found.materials(),
         simulated=source.simulated,
         origin=source.origin,
+        tac_rest=rests,
     )
     shape = (len(found.pairs), encoder.width)
     vectors = {

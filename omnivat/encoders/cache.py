@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from omnivat.data.images import central_square, read_bytes, read_image
-from omnivat.encoders.base import Encoder
-from omnivat.encoders.paired import for_modality
+from omnivat.data.rest import minus_rest
+from omnivat.encoders.base import Encoder, for_modality
 from omnivat.files import cache_folder, replacing
 
 if TYPE_CHECKING:
@@ -102,18 +102,20 @@ def embed_image(
     *,
     crop: int = 0,
     flip: bool = False,
+    rest: Path | None = None,
     name: str = "",
 ) -> Array:
     """Return the embedding (D,) of one image: a path, a file's bytes or an open image.
 
     crop    side of the central square to crop to, in pixels; 0: no crop
     flip    mirror left and right
+    rest    picture of the untouched sensor, to be subtracted
     name    name of the image in errors
 
     With a cache, the same image is neither decoded nor encoded twice.
     Raises DataError as `read_image` does.
     """
-    return embed_views(encoder, source, cache, crop=crop, flips=(flip,), name=name)[0]
+    return embed_views(encoder, source, cache, crop=crop, flips=(flip,), rest=rest, name=name)[0]
 
 
 def embed_views(
@@ -123,15 +125,21 @@ def embed_views(
     *,
     crop: int = 0,
     flips: Sequence[bool] = (False, True),
+    rest: Path | None = None,
     name: str = "",
 ) -> list[Array]:
     """Return an embedding (D,) for each of `flips`, mirrored or not; the image is decoded once."""
     name = name or ("the image" if isinstance(source, bytes | Image.Image) else str(source))
     content = source if isinstance(source, Image.Image) else read_bytes(source, name)
+    calm = b"" if rest is None else read_bytes(rest)
 
     @lru_cache(maxsize=1)
     def pixels() -> "torch.Tensor":
-        return encoder.preprocess(central_square(read_image(content, name, reduced=not crop), crop))
+        seen = central_square(read_image(content, name, reduced=not crop), crop)
+        if calm:
+            still = central_square(read_image(calm, str(rest), reduced=not crop), crop)
+            seen = minus_rest(seen, still)
+        return encoder.preprocess(seen)
 
     def compute(flip: bool) -> Array:
         seen = pixels().flip(-1) if flip else pixels()
@@ -140,7 +148,7 @@ def embed_views(
 
     if cache is None:
         return [compute(flip) for flip in flips]
-    keys = _keys(encoder, content, crop, flips)
+    keys = _keys(encoder, content, crop, flips, calm)
     return [
         cache.embedding(key, partial(compute, flip)) for key, flip in zip(keys, flips, strict=True)
     ]
@@ -153,6 +161,7 @@ def embed_pair(
     cache: EmbeddingCache | None = None,
     *,
     tac_crop: int = 0,
+    tac_rest: Path | None = None,
 ) -> tuple[Array | None, Array | None]:
     """Return the embeddings (D,) of a photo and a tactile image; None stays None.
 
@@ -165,7 +174,12 @@ def embed_pair(
         None
         if tac is None
         else embed_image(
-            for_modality(encoder, "tac"), tac, cache, crop=tac_crop, name=_name(tac, "TAC")
+            for_modality(encoder, "tac"),
+            tac,
+            cache,
+            crop=tac_crop,
+            rest=tac_rest,
+            name=_name(tac, "TAC"),
         ),
     )
 
@@ -175,7 +189,7 @@ def _name(source: Source, modality: str) -> str:
 
 
 def _keys(
-    encoder: Encoder, source: bytes | Image.Image, crop: int, flips: Sequence[bool]
+    encoder: Encoder, source: bytes | Image.Image, crop: int, flips: Sequence[bool], calm: bytes
 ) -> list[str]:
     content = blake2b(source if isinstance(source, bytes) else _pixel_bytes(source)).hexdigest()
     made_by = (
@@ -184,6 +198,7 @@ def _keys(
         encoder.weights_hash,
         encoder.precision,
         encoder.preprocessing,
+        *([blake2b(calm).hexdigest()] if calm else []),
     )
     texts = ("\x1f".join((*made_by, content, str(crop), str(flip))) for flip in flips)
     return [blake2b(text.encode(), digest_size=20).hexdigest() for text in texts]

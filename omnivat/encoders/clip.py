@@ -7,12 +7,18 @@ from pathlib import Path
 
 import torch
 
-from omnivat.encoders.checkpoints import Checkpoint, find
 from omnivat.encoders.clip_names import RESNET, ClipState, State, clip_state
-from omnivat.encoders.clip_resnet import ClipResNet
-from omnivat.encoders.clip_settings import GELU, ClipSettings, clip_settings
-from omnivat.encoders.clip_shapes import ANY, ImageShape, image_shape, require_name
-from omnivat.encoders.clip_vit import ClipVit
+from omnivat.encoders.clip_settings import (
+    ANY,
+    GELU,
+    ClipSettings,
+    ImageShape,
+    clip_settings,
+    image_shape,
+    require_name,
+)
+from omnivat.encoders.clip_towers import ClipTower
+from omnivat.encoders.hub import Checkpoint, find
 from omnivat.encoders.running import state_hash
 from omnivat.encoders.weights import read_weights
 from omnivat.errors import DataError
@@ -113,26 +119,21 @@ def open_clip(name: str, weights: Path | None, *, download: str = "ask") -> Clip
 
 
 def load(
-    name: str,
-    *,
-    weights: Path | None,
-    device: torch.device,
-    precision: str,
-    download: str = "ask",
-) -> ClipVit | ClipResNet:
+    name: str, *, weights: Path | None, device: torch.device, precision: str, download: str = "ask"
+) -> ClipTower:
     """Load the image tower of a CLIP checkpoint as an encoder."""
     return load_tower(open_clip(name, weights, download=download), device, precision)
 
 
-def load_tower(clip: Clip, device: torch.device, precision: str) -> ClipVit | ClipResNet:
+def load_tower(clip: Clip, device: torch.device, precision: str) -> ClipTower:
     """Return the image tower of a checkpoint. Raises DataError if it has none."""
     if clip.shape is None:
         raise DataError(f"'{clip.file}' has a text tower and no image tower; name the whole model.")
-    tower = ClipResNet if clip.weights.kind == RESNET else ClipVit
-    return tower(clip, clip.shape, device, precision)
+    vit = clip.weights.kind != RESNET
+    return ClipTower(clip, clip.shape, device, precision, vit=vit)
 
 
-Loader = Callable[..., ClipVit | ClipResNet]
+Loader = Callable[..., ClipTower]
 load_any: Loader = partial(load, ANY)
 load_vit_b32: Loader = partial(load, "clip-vit-b32")
 load_vit_b16: Loader = partial(load, "clip-vit-b16")

@@ -11,12 +11,11 @@ import torch
 from torch import Tensor, nn
 
 from omnivat.devices import current
+from omnivat.encoders.base import JOINED
 from omnivat.encoders.clip import Clip, load_tower, open_clip
-from omnivat.encoders.clip_resnet import ClipResNet
 from omnivat.encoders.clip_text import ClipText
-from omnivat.encoders.clip_vit import ClipVit
-from omnivat.encoders.paired import JOINED
-from omnivat.encoders.places import recall
+from omnivat.encoders.clip_towers import ClipTower
+from omnivat.encoders.hub import recall
 from omnivat.errors import DataError
 
 
@@ -32,11 +31,11 @@ class LiveClip:
     """
 
     def __init__(self, clip: Clip, device: torch.device) -> None:
-        encoder: ClipVit | ClipResNet = load_tower(clip, device, "fp32")
+        encoder: ClipTower = load_tower(clip, device, "fp32")
         texts = ClipText(clip, device)
         self.image: Any = encoder.network
         self.text: Any = texts.network
-        self.is_vit = isinstance(encoder, ClipVit)
+        self.is_vit = encoder.is_vit
         self.width = encoder.width
         self.side, self.mean, self.std = encoder.side, encoder.mean, encoder.std
         self.logit_scale = texts.logit_scale or 100.0

@@ -12,7 +12,7 @@ from PIL import Image
 from torch import Tensor, nn
 from torch.nn.functional import conv2d, pad, relu6
 
-from omnivat.encoders.onnx_runtime import in_onnx_runtime
+from omnivat.encoders.onnx_runtime import in_half, in_onnx_runtime, translate
 from omnivat.encoders.running import (
     ONNX,
     SIDE,
@@ -23,7 +23,8 @@ from omnivat.encoders.running import (
     state_hash,
 )
 from omnivat.errors import DataError
-from omnivat.packages import need
+from omnivat.files import replacing
+from omnivat.tables import need
 
 NAME, WIDTH = "efficientnet-lite0", 1280
 MEAN = (127 / 255,) * 3
@@ -119,7 +120,7 @@ class EfficientNetLite0:
     preprocessing = "resize 224x224 bicubic, RGB, (value - 127) / 128"
 
     def __init__(self, file: Path, device: torch.device, precision: str) -> None:
-        state = _read_state(file)
+        self._file, state = file, _read_state(file)
         self.weights_hash = state_hash(state)
         self.precision = precision
         self._type = precision_type(precision, device, onnx=True)
@@ -131,6 +132,16 @@ class EfficientNetLite0:
     def preprocess(self, image: Image.Image) -> Tensor:
         """Return an RGB image as (3, 224, 224)."""
         return pixels(image, MEAN, STD)
+
+    def write_onnx(self, file: Path) -> None:
+        """Write the network as ONNX, for one image, with weights in 16 bits.
+
+        Raises MissingPackageError if a package of ONNX is not installed.
+        """
+        network = Lite0(_read_state(self._file)).eval()
+        with replacing(file) as whole:
+            translate(network, torch.zeros(1, 3, SIDE, SIDE), whole)
+            in_half(whole)
 
     def embed(self, images: Tensor) -> Tensor:
         """Return the embeddings (B, 1280) of preprocessed images (B, 3, 224, 224)."""

@@ -1,12 +1,20 @@
-"""Download a model from the Hugging Face hub, with consent, or return the reason for failure."""
+"""Find a checkpoint: as given, from the environment, in the cache folder, or on the hub.
 
+The location of weights, and of a set's images, is remembered in one small JSON file in the cache
+folder, so that a head finds its encoder."""
+
+import json
 import os
 import sys
 from collections.abc import Callable
+from dataclasses import dataclass
+from hashlib import blake2b
 from importlib.util import find_spec
 from pathlib import Path
 
-from omnivat.errors import SettingsError
+from omnivat.data.embeddings import Header
+from omnivat.errors import DataError, SettingsError, WriteError
+from omnivat.files import cache_folder, write_json
 
 POLICIES = ("ask", "yes", "no")
 SMALL_FILES = ("*.json", "*.txt")
@@ -116,3 +124,93 @@ def _status(error: BaseException | None) -> int | None:
             return int(code)
         error = error.__cause__ or error.__context__
     return None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Checkpoint:
+    """The checkpoint of an encoder, and its sources.
+
+    fetch       a shell command, with {folder} for the destination
+    hub         its repository on the Hugging Face hub, or ""
+    megabytes   size of the download from the hub
+    """
+
+    name: str
+    fetch: str
+    hub: str = ""
+    megabytes: int = 0
+
+    @property
+    def variable(self) -> str:
+        """The environment variable for its location."""
+        return "OMNIVAT_" + self.name.upper().replace("-", "_")
+
+    @property
+    def folder(self) -> Path:
+        """The default location."""
+        return cache_folder() / self.name
+
+
+def find(checkpoint: Checkpoint, weights: Path | None, *, download: str = "ask") -> Path:
+    """Return the folder or file of a checkpoint: as given, by the environment, or by default.
+
+    If none is on disk and no location was given, the hub's cache is searched, and the checkpoint is
+    downloaded if `download` allows it (see `hub.fetch`).
+    Raises DataError with the command that fetches it.
+    """
+    given = weights or (Path(path) if (path := os.environ.get(checkpoint.variable)) else None)
+    place = given or checkpoint.folder
+    if place.exists():
+        return place
+    why = ""
+    if checkpoint.hub and not given:
+        found = fetch(checkpoint.hub, megabytes=checkpoint.megabytes, download=download)
+        if isinstance(found, Path):
+            return found
+        why = f" {found}"
+    command = checkpoint.fetch.format(folder=checkpoint.folder)
+    raise DataError(
+        f"There is no checkpoint of {checkpoint.name} at '{place}'.{why} Fetch it with `{command}`, "
+        f"or name its place with --weights or ${checkpoint.variable}."
+    )
+
+
+NEWEST = 200  # entries kept
+
+
+def remember(weights_hash: str, place: Path) -> None:
+    """Store the location of weights. If the cache cannot be written, nothing else fails."""
+    places = _read()
+    path = str(place.resolve())
+    if places.get(weights_hash) == path:
+        return
+    places.pop(weights_hash, None)
+    places[weights_hash] = path
+    try:
+        write_json(_file(), dict(list(places.items())[-NEWEST:]))
+    except WriteError:
+        return
+
+
+def recall(weights_hash: str) -> Path | None:
+    """Return the last location of weights with that hash, if they are still there."""
+    path = _read().get(weights_hash)
+    return Path(path) if path and Path(path).exists() else None
+
+
+def images_key(header: Header) -> str:
+    """Return the key for the image folder of a set."""
+    text = "\x1f".join((*header.key, *header.domains, header.origin.partition(";")[0]))
+    return "images " + blake2b(text.encode(), digest_size=8).hexdigest()
+
+
+def _file() -> Path:
+    return cache_folder() / "encoders.json"
+
+
+def _read() -> dict[str, str]:
+    try:
+        found = json.loads(_file().read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return {str(k): str(v) for k, v in found.items()} if isinstance(found, dict) else {}

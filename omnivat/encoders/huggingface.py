@@ -19,7 +19,7 @@ from omnivat.encoders import hub
 from omnivat.encoders.running import SIDE, pixels, resized
 from omnivat.encoders.wrapping import IMAGENET_MEAN, IMAGENET_STD, TorchEncoder
 from omnivat.errors import DataError
-from omnivat.packages import need
+from omnivat.tables import need
 
 FEATURES, CLASS_TOKEN = "projected image features", "class token"
 POOLED, MEAN_TOKEN = "the model's pooled output", "mean of tokens"

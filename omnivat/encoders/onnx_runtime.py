@@ -6,11 +6,13 @@ from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
+import numpy as np
 import torch
 from torch import Tensor, nn
 
-from omnivat.packages import need
+from omnivat.tables import need
 
 PACKAGES = ("onnx", "onnxscript", "onnxruntime")
 
@@ -29,23 +31,58 @@ def in_onnx_runtime(network: nn.Module, example: Tensor) -> Callable[[Tensor], T
         return running(file)
 
 
-def translate(network: nn.Module, example: Tensor, file: Path) -> None:
-    """Write `network` to `file`; its input has the shape of `example`, one image (1, 3, H, W).
+def translate(
+    network: nn.Module, example: Tensor | tuple[Tensor, ...], file: Path, **options: Any
+) -> None:
+    """Write `network` to one `file`; its inputs have the shapes of `example`.
+
+    options  of torch.onnx.export; without them one input, images (1, 3, H, W)
 
     Raises MissingPackageError if a package of ONNX is not installed.
     """
     for name in PACKAGES:
-        need(name, purpose="precision fp32-onnx", install=" ".join(PACKAGES))
+        need(name, purpose="ONNX", install=" ".join(PACKAGES))
+    given = (example,) if isinstance(example, Tensor) else example
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # warnings of torch's exporter about itself
         quiet = logging.getLogger("torch.onnx")
         before, quiet.level = quiet.level, logging.ERROR
         try:
+            settings: dict[str, Any] = {"input_names": ["images"]} | options
             torch.onnx.export(
-                network, (example,), file, input_names=["images"], dynamo=True, verbose=False
+                network, given, file, dynamo=True, verbose=False, external_data=False, **settings
             )
         finally:
             quiet.level = before
+
+
+def in_half(file: Path) -> None:
+    """Keep the large weights of a network in 16 bits, as whole numbers with a scale for each output.
+
+    The network still computes in float32. Half-precision floats of the same size change a head's
+    probabilities ten times as much.
+    """
+    onnx = import_module("onnx")
+    model = onnx.load(file)
+    graph, nodes = model.graph, []
+    for one in list(graph.initializer):
+        if one.data_type != onnx.TensorProto.FLOAT or len(one.dims) < 2:
+            continue
+        values, name = onnx.numpy_helper.to_array(one), one.name
+        top = np.abs(values).max(axis=tuple(range(1, values.ndim)), keepdims=True)
+        scale = np.maximum(top, 1e-30).astype(np.float32) / 32767
+        whole = np.rint(values / scale).astype(np.int16)
+        one.CopyFrom(onnx.numpy_helper.from_array(whole, f"{name}/whole"))
+        graph.initializer.append(onnx.numpy_helper.from_array(scale, f"{name}/scale"))
+        make = onnx.helper.make_node
+        nodes += [
+            make("Cast", [f"{name}/whole"], [f"{name}/float"], to=onnx.TensorProto.FLOAT),
+            make("Mul", [f"{name}/float", f"{name}/scale"], [name]),
+        ]
+    for node in reversed(nodes):
+        graph.node.insert(0, node)
+    del graph.value_info[:]
+    onnx.save(model, file)
 
 
 def running(file: Path) -> Callable[[Tensor], Tensor]:

@@ -16,17 +16,13 @@ from torch import Tensor, nn
 from torch.nn.functional import scaled_dot_product_attention
 
 from omnivat.data.images import read_image
-from omnivat.encoders.clip_shapes import count
+from omnivat.encoders.clip_settings import count
 from omnivat.encoders.running import pixels
 from omnivat.encoders.weights import read_weights, weights_file
 from omnivat.encoders.wrapping import TorchEncoder
 from omnivat.errors import DataError
 
-NAME, HEAD, INSIDE = (
-    "sitr",
-    64,
-    "base_model.",
-)  # head width; classifier prefix
+NAME, HEAD, INSIDE = ("sitr", 64, "base_model.")  # head width; classifier prefix
 MEAN, STD = (-1.2223, -1.8114, -1.7090), (11.7932, 12.7956, 13.6452)  # of differences, 0 to 255
 # Number of presses in a checkpoint -> indices among the 18.
 PRESSES = {

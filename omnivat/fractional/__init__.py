@@ -1,14 +1,14 @@
 """The discrete fractional Fourier transform: exact, fast, differentiable in x and in the order.
 
 `dfrft(x, order)` is the transform. To change the order of the same x, keep `coefficients(x)`:
-`synthesise(coefficients, order)` equals `dfrft(x, order)` at a fraction of the cost. `project`
-fuses it with a linear map. The mathematics: docs/fractional.md.
+`synthesise(coefficients, order)` equals `dfrft(x, order)` at a fraction of the cost. The
+mathematics: docs/fractional.md.
 """
 
 from omnivat.fractional.basis import Basis, basis
 from omnivat.fractional.coefficients import Coefficients
 from omnivat.fractional.layer import FractionalTransform
-from omnivat.fractional.transform import coefficients, dfrft, project, synthesise
+from omnivat.fractional.transform import coefficients, dfrft, synthesise
 
 __all__ = [
     "Basis",
@@ -17,6 +17,5 @@ __all__ = [
     "basis",
     "coefficients",
     "dfrft",
-    "project",
     "synthesise",
 ]

@@ -43,11 +43,17 @@ def under_transform(*tensors: Tensor) -> bool:
     return any(unpack_dual(tensor).tangent is not None for tensor in tensors)
 
 
+def readable(order: Tensor) -> bool:
+    """True if the numbers of an order can be read: on the CPU, not transformed, not exported."""
+    traced = torch.compiler.is_exporting() or under_transform(order)
+    return order.device.type == "cpu" and not traced
+
+
 def checked_order(order: float | Tensor | Any, device: torch.device) -> Tensor:
     """Return the order as float64 on `device`; it stays in the graph.
 
-    A Python int of any size is reduced modulo 4 exactly. An order on an accelerator or under a
-    `torch.func` transform is not read back, so there NaN gives NaN rows.
+    A Python int of any size is reduced modulo 4 exactly. An order on an accelerator, under a
+    `torch.func` transform or in a program being exported is not read, so there NaN gives NaN rows.
     Raises SettingsError for NaN, infinite or complex orders.
     """
     if isinstance(order, int):
@@ -62,8 +68,7 @@ def checked_order(order: float | Tensor | Any, device: torch.device) -> Tensor:
         ) from error
     if found.is_complex():
         raise SettingsError(f"The order is complex ({found.dtype}), expected real quarter turns.")
-    readable = found.device.type == "cpu" and not under_transform()
-    if readable and not bool(torch.isfinite(found).all()):
+    if readable(found) and not bool(torch.isfinite(found).all()):
         raise SettingsError(
             f"The order holds NaN or infinity ({_shortened(found)}), expected finite quarter turns."
         )

@@ -8,7 +8,6 @@ from collections import OrderedDict
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from importlib import import_module
-from importlib.util import find_spec
 from typing import Any, TypeVar
 
 import numpy as np
@@ -91,11 +90,8 @@ def one_blas_thread() -> Iterator[None]:
 
     Each parity uses one core instead, so results are identical to the last bit for any number of
     threads. The limit applies to the whole process until the build ends, so one build runs at a
-    time. Without threadpoolctl (a dependency of scikit-learn) there is no limit.
+    time.
     """
-    if find_spec("threadpoolctl") is None:
-        yield
-        return
     with _limiting, _blas_controller().limit(limits=1, user_api="blas"):
         yield
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -55,20 +54,6 @@ class Coefficients:
     def detach(self) -> Coefficients:
         """The same coefficients, detached from the graph."""
         return replace(self, values=self.values.detach())
-
-    @staticmethod
-    def cat(parts: Sequence[Coefficients]) -> Coefficients:
-        """Concatenate along the first leading axis.
-
-        Raises ShapeError if lengths, axes or centring differ.
-        """
-        if len({(part.size, part.dim, part.centered) for part in parts}) != 1:
-            sizes = sorted({part.size for part in parts})
-            raise ShapeError(
-                f"Coefficients of lengths {sizes} cannot be joined: "
-                "they need one length, one axis and one centring."
-            )
-        return replace(parts[0], values=torch.cat([part.values for part in parts]))
 
 
 def _axes_left(parts: tuple[Any, ...], shape: torch.Size, *, after: int) -> int:

@@ -132,6 +132,5 @@ def parity_blocks(size: int) -> ParityBlocks:
         return ParityBlocks(Tridiagonal(cosines, root_first=True, root_last=True), Tridiagonal(odd))
     # For odd N the two middle samples are both neighbours and mirror images.
     return ParityBlocks(
-        Tridiagonal(_shift_last(cosines, 1.0), root_first=True),
-        Tridiagonal(_shift_last(odd, -1.0)),
+        Tridiagonal(_shift_last(cosines, 1.0), root_first=True), Tridiagonal(_shift_last(odd, -1.0))
     )

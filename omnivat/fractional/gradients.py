@@ -16,11 +16,13 @@ from torch.autograd import Function
 from omnivat.fractional.arguments import under_transform
 from omnivat.fractional.batches import analyse_rows, restore_rows, synthesise_rows, turned_back
 from omnivat.fractional.phases import smooth_phases
-from omnivat.fractional.splits import Split
+from omnivat.fractional.splits import Split, kept_numbers
 
 
 def analyse(x: Tensor, split: Split) -> Tensor:
     """x V on the last axis."""
+    if torch.compiler.is_exporting():
+        return _product(x, _dense(split, x))
     if not _wants_gradient(x):
         return analyse_rows(split, x)
     return _Analyse.apply(x, split)  # type: ignore[no-any-return,no-untyped-call]
@@ -28,6 +30,8 @@ def analyse(x: Tensor, split: Split) -> Tensor:
 
 def restore(z: Tensor, split: Split) -> Tensor:
     """z Vᵀ on the last axis."""
+    if torch.compiler.is_exporting():
+        return _product(z, _dense(split, z).mT)
     if not _wants_gradient(z):
         return restore_rows(split, z)
     return _Restore.apply(z, split)  # type: ignore[no-any-return,no-untyped-call]
@@ -35,9 +39,27 @@ def restore(z: Tensor, split: Split) -> Tensor:
 
 def synthesise(values: Tensor, order: Tensor, split: Split, planar: bool) -> Tensor:
     """(λ^p ⊙ values) Vᵀ on the last axis; order (...) float64 broadcasts against the leading axes."""
+    if torch.compiler.is_exporting():
+        phases = smooth_phases(order, split.indices).to(values.dtype.to_complex())
+        found = restore(phases * values, split)
+        return torch.stack([found.real, found.imag]) if planar else found
     if not _wants_gradient(values, order):
         return synthesise_rows(split, values, order, planar=planar)
     return _Synthesise.apply(values, order, split, planar)  # type: ignore[no-any-return,no-untyped-call]
+
+
+def _dense(split: Split, like: Tensor) -> Tensor:
+    """V (N, N) as numbers: an exported program has plain products, with gradients."""
+    with kept_numbers():
+        size, kind = like.shape[-1], like.dtype.to_real()
+        return analyse_rows(split, torch.eye(size, dtype=kind, device=split.indices.device))
+
+
+def _product(x: Tensor, matrix: Tensor) -> Tensor:
+    """x @ matrix for a real matrix and real or complex x."""
+    if x.is_complex():
+        return torch.complex(x.real @ matrix, x.imag @ matrix)
+    return x @ matrix
 
 
 def _wants_gradient(*tensors: Tensor) -> bool:

@@ -1,4 +1,4 @@
-"""The transform: `dfrft`, its two halves `coefficients` and `synthesise`, and `project`."""
+"""The transform: `dfrft`, and its two halves `coefficients` and `synthesise`."""
 
 from __future__ import annotations
 
@@ -16,9 +16,7 @@ from omnivat.fractional.arguments import (
 )
 from omnivat.fractional.batches import leading_shape, synthesise_rows
 from omnivat.fractional.coefficients import Coefficients
-from omnivat.fractional.phases import smooth_phases
 from omnivat.fractional.whole_orders import fft_is_exact, quarter_turn, whole_turns
-from omnivat.shapes import require_shapes
 
 
 def coefficients(x: Tensor, dim: int = -1, *, centered: bool = False) -> Coefficients:
@@ -76,12 +74,7 @@ def synthesise(
 
 
 def dfrft(
-    x: Tensor,
-    order: float | Tensor,
-    dim: int = -1,
-    *,
-    centered: bool = False,
-    planar: bool = False,
+    x: Tensor, order: float | Tensor, dim: int = -1, *, centered: bool = False, planar: bool = False
 ) -> Tensor:
     """Return the discrete fractional Fourier transform of x along dim; order 1 is the unitary DFT.
 
@@ -122,34 +115,3 @@ def _check_out(
             f"out has shape {tuple(out.shape)} and {out.dtype}, expected contiguous "
             f"{wanted[0]} and {wanted[1]}."
         )
-
-
-def project(coefficients: Coefficients, order: float | Tensor, directions: Tensor) -> Tensor:
-    """Return the sums Σ_n F_p(x)_n directions[d, n] for every vector, complex (..., D).
-
-    order: as in `synthesise`. directions (D, N): real or complex, not conjugated. For real maps a
-    of the real part and b of the imaginary part, pass a - ib and use the real part of the result.
-
-    F_p is symmetric, so the sum is Σ_k λ_k^p c_k (Vᵀ directions)_k: one product with (N, 2D)
-    weights. A map of 20,000 vectors costs a tenth of the transform. Differentiable in all three
-    arguments.
-    """
-    values = coefficients.values
-    require_shapes(values=(values, "... N"), directions=(directions, "D N"))
-    p = checked_order(order, values.device)
-    directions = working_precision(directions).to(values.device)
-    real, wide = values.dtype.to_real(), values.dtype.to_complex()
-    directions = directions.to(wide if directions.is_complex() else real)
-    if coefficients.centered:
-        directions = torch.fft.ifftshift(directions, -1)
-    split = split_for(values)
-    with full_precision(values.device):
-        turned = gradients.analyse(directions, split)
-        one_row = p.dim() > 0 and p.shape[-1] == 1 and values.dim() > 1
-        p = p[..., 0] if one_row else p
-        weights = smooth_phases(p, split.indices).to(wide)[..., None, :] * turned
-        if p.dim() and not one_row:
-            return torch.einsum("...n,...dn->...d", values.to(wide), weights)
-        if values.is_complex():
-            return values @ weights.mT
-        return torch.complex(values @ weights.real.mT, values @ weights.imag.mT)

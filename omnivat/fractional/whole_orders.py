@@ -9,17 +9,16 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from omnivat.fractional.arguments import under_transform
+from omnivat.fractional.arguments import readable
 
 
 def whole_turns(order: float | Tensor | Any) -> int | None:
     """Return 0, 1, 2 or 3 if the order is a single whole number (mod 4), else None.
 
-    An order on an accelerator or under a `torch.func` transform is not read back and gives None.
+    An order that cannot be read (`arguments.readable`) gives None.
     """
     if isinstance(order, Tensor):
-        unreadable = order.device.type != "cpu" or under_transform(order)
-        if order.dim() or unreadable or order.is_complex():
+        if order.dim() or order.is_complex() or not readable(order):
             return None
         order = order.item()
     if isinstance(order, int):

@@ -11,14 +11,19 @@ from torch import Tensor
 
 from omnivat.data.store import Embeddings
 from omnivat.errors import DataError, SettingsError
+from omnivat.evaluate import label_map
 from omnivat.frames.records import FrameSet, MapFrames, quantised
-from omnivat.frames.unseen import UnseenAccuracy
 from omnivat.gaps.measures import STAGE_MEASURES
 from omnivat.gaps.unit import unit
+from omnivat.model.head import OmniVaT
 from omnivat.model.settings import HeadSettings
+from omnivat.progress import OnStep, Step, ignore
 from omnivat.projection import chain, pca
-from omnivat.projection.align import aligned
-from omnivat.sweep import STAGES, AtOrder, Features, facts_of, measured
+from omnivat.projection.chain import aligned
+from omnivat.projection.quality import trust
+from omnivat.stages import fitting
+from omnivat.sweep import MEASURES, STAGES, STILL, AtOrder, Features, facts_of, measured, walk
+from omnivat.unseen.masks import counted, mean_over_domains
 
 METHODS = ("pca", "umap")
 MOST_NAMES = 256  # an index is one byte
@@ -32,15 +37,51 @@ class _Track:
     stage: str
     stops: tuple[int, ...]
     maps: list[Tensor] = field(default_factory=list)
+    trust: list[float | None] = field(default_factory=list)
 
     def add(self, points: Tensor, seed: int) -> None:
         """Map the next stop."""
         before = self.maps[-1] if self.maps else None
         self.maps.append(next_map(self.method, points, before, seed=seed))
+        self.trust.append(trust(points, self.maps[-1]))
 
     def frames(self) -> MapFrames:
-        """Return the maps, quantised."""
-        return quantised([flat.double().cpu().numpy() for flat in self.maps], self.stops)
+        """Return the maps, quantised, with their trust."""
+        flats = [flat.double().cpu().numpy() for flat in self.maps]
+        return quantised(flats, self.stops, tuple(self.trust))
+
+
+NAMES = {"fused": "accuracy/unseen", "vis": "accuracy:vis/unseen", "tac": "accuracy:tac/unseen"}
+
+
+class UnseenAccuracy:
+    """Mean accuracy over unseen domains, by curve name.
+
+    `omnivat.unseen.counted` chooses the pairs; training pairs never count.
+    """
+
+    def __init__(self, embeddings: Embeddings, classes: tuple[str, ...], source: str) -> None:
+        self._embeddings, self._source = embeddings, source
+        self._label = label_map(classes, embeddings.header.classes)[embeddings.label]
+        self._keep = counted(embeddings, source) & (self._label >= 0)
+
+    def at(self, probabilities: Mapping[str, Tensor]) -> dict[str, float | None]:
+        """Return curve name -> value at one order; empty if the source is not in the set.
+
+        probabilities  reading -> (N, K) over the head's classes
+        """
+        if self._source not in self._embeddings.header.domains:
+            return {}
+        return {
+            curve: mean_over_domains(
+                probabilities[reading].argmax(1).cpu().numpy() == self._label,
+                self._embeddings,
+                self._source,
+                self._keep,
+            )
+            for reading, curve in NAMES.items()
+            if reading in probabilities
+        }
 
 
 class FrameBuilder:
@@ -187,3 +228,54 @@ def _require(orders: Sequence[float], maps: Mapping[str, int], embeddings: Embed
             )
     if not len(embeddings):
         raise DataError("There are no pairs to draw; choose a set with pairs.")
+
+
+PCA_STOPS, UMAP_STOPS = 128, 21  # PCA: more than 101 round stops and the learned order
+DEFAULT_ORDERS = tuple(k / 100 for k in range(101))
+# maps, and the largest number of evenly spaced stops of each
+DEFAULT_MAPS: Mapping[str, int] = {
+    **{f"pca/{stage}": PCA_STOPS for stage in STAGES},
+    "umap/raw": 1,
+    "umap/frft": 1,
+    "umap/f_hat": UMAP_STOPS,
+}
+
+
+def build_frames(
+    model: OmniVaT,
+    embeddings: Embeddings,
+    *,
+    orders: Sequence[float] = DEFAULT_ORDERS,
+    maps: Mapping[str, int] = DEFAULT_MAPS,
+    measures: Sequence[str] = MEASURES,
+    provenance: Mapping[str, Any] | None = None,
+    seed: int = 0,
+    on_step: OnStep = ignore,
+) -> FrameSet:
+    """Compute the frames of a set of pairs, one order at a time.
+
+    orders      stops of the slider, in quarter turns, ascending
+    maps        "method/stage" -> largest number of stops, evenly spaced with both ends; the page
+                shows the nearest one. Raw embedding and raw DFrFT have one map for all stops,
+                because the transform is unitary
+    measures    curves to compute, for the stages with a map; see docs/gaps.md
+    provenance  facts about the head, apart from its learned order: hash, source domain
+    Raises SettingsError for an unknown map or order, DataError for too many domains or classes.
+    """
+    known = dict(provenance or {})
+    builder = FrameBuilder(
+        model.settings,
+        embeddings,
+        orders=orders,
+        maps=maps,
+        measures=measures,
+        source=str(known.get("source", "")),
+        still=STILL,
+        seed=seed,
+    )
+    for found in walk(model, embeddings, orders, stages=builder.stages, predictions=True):
+        builder.add(found)
+        text = f"map at order {found.order:.2f}"
+        on_step(Step(done=found.index + 1, total=len(orders), text=text))
+    known = {"fits": list(fitting(model.order, model.settings.width))} | known
+    return builder.finish({"kind": "moved", "learned_order": model.order, **known})

@@ -66,7 +66,7 @@ def _named(frames: FrameSet) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
             "orders": list(found.orders),
             "bounds": [list(found.low), list(found.high)],
             "max_error": found.max_error,
-        }
+        } | ({"trust": list(found.trust)} if found.trust else {})
     return maps, arrays
 
 
@@ -159,4 +159,5 @@ def _map(entry: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> MapFra
         low=(float(left), float(bottom)),
         high=(float(right), float(top)),
         max_error=float(entry["max_error"]),
+        trust=tuple(entry.get("trust", ())),
     )

@@ -1,12 +1,43 @@
 """Records of frames: the maps of a stage, and all data of a set of pairs."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from omnivat.checkpoint import Head
+
+
+def kind_of(head: "Head") -> str:
+    """Return the kind of a head's frames: "every" if trained with random p, else "moved"."""
+    return (
+        "every" if head.provenance.get("train", {}).get("order_draw", "none") != "none" else "moved"
+    )
+
+
+CLOSE = 0.0005  # quarter turns: a round stop this close to the learned order is replaced by it
+
+
+def with_learned(orders: Sequence[float], learned: float | None) -> tuple[float, ...]:
+    """Return the orders with a stop at exactly `learned`, ascending.
+
+    A learned order outside the range of `orders` is not added, so the slider keeps its ends.
+
+    >>> with_learned((0.0, 0.5, 1.0), 0.4983)
+    (0.0, 0.4983, 0.5, 1.0)
+    >>> with_learned((0.0, 0.5, 1.0), 0.5002)
+    (0.0, 0.5002, 1.0)
+    """
+    given = sorted(float(order) for order in orders)
+    if learned is None or not given or not given[0] <= learned <= given[-1]:
+        return tuple(given)
+    kept = [order for order in given if abs(order - learned) >= CLOSE]
+    return tuple(sorted([*kept, float(learned)]))
+
 
 LEVELS = 65535  # steps of a quantised coordinate
 
@@ -19,6 +50,8 @@ class MapFrames:
     orders     (F,) the stop of each frame; a single frame serves every stop
     low, high  corners of a square around all frames
     max_error  largest error of a stored coordinate, in map units
+    trust      (F,) how far neighbours on the map are neighbours in space, 1 for all of them, from a
+               sample (`omnivat.projection.quality`); None where it was not measured
     """
 
     points: NDArray[np.uint16]
@@ -26,6 +59,7 @@ class MapFrames:
     low: tuple[float, float]
     high: tuple[float, float]
     max_error: float
+    trust: tuple[float | None, ...] = ()
 
     def places(self, frame: int) -> NDArray[np.float64]:
         """Return the coordinates of a frame, (2N, 2), in map units."""
@@ -98,7 +132,9 @@ def require_fit(frames: FrameSet) -> None:
             raise ValueError(f"map {name} has bounds that are not numbers")
 
 
-def quantised(maps: list[NDArray[np.float64]], orders: tuple[int, ...]) -> MapFrames:
+def quantised(
+    maps: list[NDArray[np.float64]], orders: tuple[int, ...], trust: tuple[float | None, ...] = ()
+) -> MapFrames:
     """Quantise maps (2N, 2) of one stage to u16 within one square around all of them."""
     stacked = np.stack(maps).astype(np.float64)
     flat = stacked.reshape(-1, 2)
@@ -113,4 +149,5 @@ def quantised(maps: list[NDArray[np.float64]], orders: tuple[int, ...]) -> MapFr
         low=(float(low[0]), float(low[1])),
         high=(float(high[0]), float(high[1])),
         max_error=float(np.abs(drawn - stacked).max()) if len(flat) else 0.0,
+        trust=trust,
     )

@@ -16,12 +16,10 @@ from omnivat.files import require_writable
 from omnivat.from_pairs.finish import trained_head
 from omnivat.from_pairs.plan import TrainingPlan
 from omnivat.from_pairs.report import Meter
-from omnivat.progress import OnStep, Step, ignore
-from omnivat.threads import pin_thread
+from omnivat.progress import OnStep, Step, ignore, never
+from omnivat.threads import pin_thread, worker_pool
 from omnivat.train import TrainingCancelled, Watch
 from omnivat.train.state import run_name
-from omnivat.train.watch import never
-from omnivat.workers import worker_pool
 
 Stop = tuple[float, int]  # order, seed
 

@@ -6,10 +6,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import torch
+from numpy.typing import NDArray
 
 from omnivat.calibration import Familiarity, familiarity_of
 from omnivat.checkpoint import Head
+from omnivat.data.profile import profile_of
 from omnivat.data.store import Embeddings
 from omnivat.errors import DataError
 from omnivat.evaluate import evaluate, target_mean, target_scores
@@ -19,9 +22,9 @@ from omnivat.held_out import calibration_of
 from omnivat.lang.bank import LangBank
 from omnivat.model.fusion import Calibration
 from omnivat.model.head import OmniVaT
-from omnivat.progress import OnStep, ignore
+from omnivat.progress import OnStep, ignore, never
 from omnivat.train import Trained, TrainSettings, Watch, train
-from omnivat.train.watch import never
+from omnivat.train.batches import labels_of
 
 OnReport = Callable[[EpochReport], None]
 
@@ -91,7 +94,8 @@ def trained_head(
         settings=trained.model.settings,
         encoder=plan.encoder,
         provenance=provenance,
-        familiarity=_familiarity(plan.pairs),
+        familiarity=_familiarity(plan.pairs, labels_of(plan.pairs, plan.settings)),
+        profile=profile_of(plan.pairs, domain=plan.source),
     )
     head.metrics.update(_metrics(plan, head, trained))
     steps = Watch(cancelled=watch.cancelled)
@@ -149,11 +153,11 @@ def _calibration(plan: TrainingPlan, order: float) -> tuple[Calibration | None, 
     return found, "a quarter of the source's objects, as they are and under imitated sensors"
 
 
-def _familiarity(source: Embeddings) -> Familiarity | None:
+def _familiarity(source: Embeddings, labels: NDArray[np.int64]) -> Familiarity | None:
     """Return the head's familiarity; None if all training images are of one object."""
     vis, tac = (torch.from_numpy(rows) for rows in (source.vis, source.tac))
     try:
-        return familiarity_of(vis, tac, source.rows["object"])
+        return familiarity_of(vis, tac, source.rows["object"], torch.from_numpy(labels))
     except DataError:
         return None
 

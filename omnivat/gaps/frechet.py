@@ -22,8 +22,12 @@ def frechet(a: Tensor, b: Tensor) -> Tensor:
     require_shapes(a=(a, "N D"), b=(b, "M D"))
     require_rows(2, a=a, b=b)
     a, b = unit(a), unit(b)
-    means = (a.mean(0) - b.mean(0)).square().sum()
-    root_a, root_b = _root(a), _root(b)
+    return distance(a.mean(0), _root(a), b.mean(0), _root(b))
+
+
+def distance(mean_a: Tensor, root_a: Tensor, mean_b: Tensor, root_b: Tensor) -> Tensor:
+    """Return the distance of Gaussians with means (D,) and covariances RᵀR of roots R (K, D)."""
+    means = (mean_a - mean_b).square().sum()
     spread = root_a.square().sum() + root_b.square().sum()
     shared: Tensor = torch.linalg.svdvals(root_a @ root_b.T).sum()
     return means + (spread - 2 * shared).clamp_min(0)

@@ -1,42 +1,32 @@
 """Maximum mean discrepancy (MMD) of two sets of features, linear and Gaussian kernel."""
 
-from dataclasses import dataclass
+from collections.abc import Iterator
 
 import torch
 from torch import Tensor
 
-from omnivat.gaps.unit import require_rows, unit
+from omnivat.gaps.unit import Estimate, require_rows, unit
 from omnivat.seeding import derive_seed
 from omnivat.shapes import require_shapes
 
 BLOCK, ACROSS = 1024, 16_384  # rows and columns of a kernel matrix held at once
 MOST_ROWS = 20_000  # of both sets together, up to which the kernel is summed exactly
-GROUPS, FEATURES = 16, 32  # of random Fourier features, for more rows
+GROUPS, FEATURES, SAMPLE = 16, 64, 2048  # of random Fourier features, and of rows, for more
 
 
-def mmd_linear(a: Tensor, b: Tensor, *, unbiased: bool = False) -> Tensor:
+def mmd_linear(a: Tensor, b: Tensor) -> Tensor:
     """Squared MMD with the linear kernel, on unit rows.
 
-    a, b      (N, D), (M, D) features, any length
-    unbiased  leave out each row's product with itself. The expected value for two samples of one
-              distribution is then 0, and a value may be negative; needs 2 rows or more
-    return    () in [0, 4]; if biased, the square of `centroid_gap`
+    a, b    (N, D), (M, D) features, any length
+    return  () in [0, 4], the square of `centroid_gap`
 
     Exact in O((N + M) D), without a kernel matrix.
     Raises ShapeError for sets that are too small or of differing widths.
     Source: Gretton et al., JMLR 13:723-773, 2012.
     """
     require_shapes(a=(a, "N D"), b=(b, "M D"))
-    require_rows(2 if unbiased else 1, a=a, b=b)
-    a, b = unit(a), unit(b)
-    if not unbiased:
-        return (a.mean(0) - b.mean(0)).square().sum()
-    return _others(a) + _others(b) - 2 * (a.mean(0) * b.mean(0)).sum()
-
-
-def _others(x: Tensor) -> Tensor:
-    """Mean product of a row with the other rows of its set."""
-    return (x.sum(0).square().sum() - x.square().sum()) / (len(x) * (len(x) - 1))
+    require_rows(1, a=a, b=b)
+    return (unit(a).mean(0) - unit(b).mean(0)).square().sum()
 
 
 def mmd_rbf(a: Tensor, b: Tensor, *, gamma: float | None = None) -> Tensor:
@@ -48,79 +38,74 @@ def mmd_rbf(a: Tensor, b: Tensor, *, gamma: float | None = None) -> Tensor:
     return  () in [0, 2]; 0 for equal sets. Unlike the linear kernel, it compares more than means
 
     Costs O((N + M)² D) up to MOST_ROWS rows of both together, and holds BLOCK² numbers of the kernel
-    at once. Beyond, it is estimated by `mmd_rbf_estimate`, at a cost of O((N + M) D).
+    at once. Beyond, it is estimated by `mmd_rbf_estimate`, at a cost that does not depend on N and M.
     Raises ShapeError for an empty set or differing widths.
     Source: Gretton et al., JMLR 13:723-773, 2012.
     """
     require_shapes(a=(a, "N D"), b=(b, "M D"))
     require_rows(1, a=a, b=b)
-    if is_estimated(a, b):
+    if len(a) + len(b) > MOST_ROWS:
         return mmd_rbf_estimate(a, b, gamma=gamma).value
-    width = _width(a, b, gamma)
     a, b = unit(a), unit(b)
+    share = len(a) / (len(a) + len(b))
+    width = _gamma(a, b, share) if gamma is None else torch.as_tensor(gamma, dtype=a.dtype)
     same = _mean_kernel(a, a, width) + _mean_kernel(b, b, width)
     return (same - 2 * _mean_kernel(a, b, width)).clamp_min(0)
-
-
-def is_estimated(a: Tensor, b: Tensor) -> bool:
-    """True if `mmd_rbf` of two sets is an estimate."""
-    return len(a) + len(b) > MOST_ROWS
-
-
-@dataclass(frozen=True, slots=True)
-class Estimate:
-    """A value () and its standard error ()."""
-
-    value: Tensor
-    error: Tensor
 
 
 def mmd_rbf_estimate(
     a: Tensor, b: Tensor, *, gamma: float | None = None, seed: int = 0
 ) -> Estimate:
-    """Estimate `mmd_rbf` by random Fourier features, with its standard error.
+    """Estimate `mmd_rbf` by random Fourier features of random rows, with its standard error.
 
     a, b    (N, D), (M, D) features, any length
-    return  the mean over GROUPS groups of FEATURES features. Every group is an unbiased estimate,
-            so their spread gives the error. The same seed gives the same value
+    return  the mean over GROUPS groups of FEATURES features and at most SAMPLE rows of each set. Groups
+            share no rows, so they are independent also where the rows themselves were drawn from a
+            larger set, and their spread gives the error. The same seed gives the same value
 
-    Costs O((N + M) D GROUPS FEATURES) and holds BLOCK rows of features at once.
+    For a frequency w and S of N rows, m the mean of exp(iwx) over them, (S|m|² - 1) / (S - 1) has
+    the mean of (N|φ|² - 1) / (N - 1), where φ is the mean over all rows. At most SAMPLE rows are all
+    in each group. Without `gamma`, each group has that of its rows. Costs O(D GROUPS FEATURES SAMPLE),
+    however many rows there are, and holds SAMPLE rows.
     Source: Rahimi and Recht, NeurIPS 2007; Sutherland and Schneider, UAI 2015.
     """
     require_shapes(a=(a, "N D"), b=(b, "M D"))
     require_rows(1, a=a, b=b)
-    width = _width(a, b, gamma)
     generator = torch.Generator().manual_seed(derive_seed(seed, "mmd features"))
-    drawn = torch.randn(a.shape[1], GROUPS * FEATURES, generator=generator, dtype=a.dtype)
-    waves = drawn.to(a.device) * (2 * width).sqrt()
-    apart = _mean_waves(a, waves) - _mean_waves(b, waves)  # (2, GROUPS * FEATURES)
-    each = apart.square().sum(0).view(GROUPS, FEATURES).mean(1)
-    return Estimate(each.mean(), each.std() / GROUPS**0.5)
+    each = []
+    for some in zip(_groups(a, generator), _groups(b, generator), strict=True):
+        drawn = torch.randn(a.shape[1], FEATURES, generator=generator, dtype=a.dtype)
+        width = _gamma(*some, len(a) / (len(a) + len(b))) if gamma is None else gamma
+        waves = drawn.to(a.device) * (2 * torch.as_tensor(width, dtype=a.dtype)).sqrt()
+        of_a, square_a = _waves(some[0], waves, len(a))
+        of_b, square_b = _waves(some[1], waves, len(b))
+        each.append((square_a + square_b - 2 * (of_a * of_b).sum(0)).mean())
+    found = torch.stack(each)
+    return Estimate(found.mean().clamp_min(0), found.std() / GROUPS**0.5)
 
 
-def _mean_waves(rows: Tensor, waves: Tensor) -> Tensor:
-    """Return the mean cosine and sine of unit rows (N, D) along waves (D, F): (2, F)."""
-    total = torch.zeros(2, waves.shape[1], dtype=torch.float64, device=rows.device)
-    for some in rows.split(BLOCK):
-        phase = unit(some) @ waves
-        total += torch.stack([phase.cos().sum(0), phase.sin().sum(0)])
-    return (total / len(rows)).to(rows.dtype)
+def _groups(rows: Tensor, generator: torch.Generator) -> Iterator[Tensor]:
+    """Yield GROUPS parts without common rows, each of at most SAMPLE; at most SAMPLE rows as a whole."""
+    size = min(SAMPLE, len(rows) // GROUPS)
+    mixed = torch.randperm(len(rows), generator=generator)
+    for k in range(GROUPS):
+        picked = mixed[k * size : (k + 1) * size].sort().values if len(rows) > SAMPLE else mixed
+        yield unit(rows[picked.to(rows.device)])
 
 
-def _width(a: Tensor, b: Tensor, gamma: float | None) -> Tensor:
-    """Return gamma, or the default of `mmd_rbf` if None."""
-    return _gamma(a, b) if gamma is None else torch.as_tensor(gamma, dtype=a.dtype)
+def _waves(rows: Tensor, waves: Tensor, of: int) -> tuple[Tensor, Tensor]:
+    """Return the mean cosine and sine of S of `of` rows along waves (D, F): (2, F), and |φ|² (F)."""
+    phase = rows @ waves
+    mean = torch.stack([phase.cos().mean(0), phase.sin().mean(0)])
+    square, size = mean.square().sum(0), len(rows)
+    return mean, square if size == of else (1 + (of - 1) * (size * square - 1) / (size - 1)) / of
 
 
-def _gamma(a: Tensor, b: Tensor) -> Tensor:
-    """One over the mean squared distance of two unit rows of both sets."""
-    count = len(a) + len(b)
-    lengths, summed = a.new_zeros(()), a.new_zeros(a.shape[1])
-    for part in (*a.split(ACROSS), *b.split(ACROSS)):
-        rows = unit(part)
-        lengths, summed = lengths + rows.square().sum(), summed + rows.sum(0)
-    mean = summed / count
-    distance = 2 * (lengths / count - mean.square().sum())
+def _gamma(a: Tensor, b: Tensor, share: float) -> Tensor:
+    """One over the mean squared distance of two unit rows of both sets; `share` of them is a's."""
+    lengths = share * a.square().sum(1).mean() + (1 - share) * b.square().sum(1).mean()
+    mean = share * a.mean(0) + (1 - share) * b.mean(0)
+    distance = 2 * (lengths - mean.square().sum())
     tiny = torch.finfo(a.dtype).eps
     return torch.where(distance > tiny, 1 / distance.clamp_min(tiny), torch.ones_like(distance))
 

@@ -1,9 +1,11 @@
 """Proxy-A distance: how well a linear classifier separates two sets of features."""
 
+from collections.abc import Iterator
+
 import torch
 from torch import Tensor
 
-from omnivat.gaps.unit import require_rows, unit
+from omnivat.gaps.unit import Estimate, require_rows, unit
 from omnivat.seeding import derive_seed
 from omnivat.shapes import require_shapes
 
@@ -22,17 +24,27 @@ def proxy_a(a: Tensor, b: Tensor, *, folds: int = 5, ridge: float = 1e-2, seed: 
     ShapeError for sets that are too small or of differing widths. Source: Ben-David et al.,
     NeurIPS 2007.
     """
+    return proxy_a_estimate(a, b, folds=folds, ridge=ridge, seed=seed).value
+
+
+def proxy_a_estimate(
+    a: Tensor, b: Tensor, *, folds: int = 5, ridge: float = 1e-2, seed: int = 0
+) -> Estimate:
+    """Return `proxy_a` with the standard error of its test rows, which are drawn from larger sets.
+
+    A classifier of fewer rows errs a little more; the standard error does not count that.
+    """
     require_shapes(a=(a, "N D"), b=(b, "M D"))
     require_rows(max(folds, 2), a=a, b=b)
     a, b = unit(a), unit(b)
     fold_a, fold_b = (_folds(len(x), folds, seed).to(x.device) for x in (a, b))
     wrong_a, wrong_b = torch.zeros_like(a[:, 0]), torch.zeros_like(b[:, 0])
-    for fold in range(folds):
-        weight, middle = _fit(a[fold_a != fold], b[fold_b != fold], ridge)
+    for fold, (weight, middle) in enumerate(_fits((a, fold_a), (b, fold_b), folds, ridge)):
         wrong_a[fold_a == fold] = _wrong((a[fold_a == fold] - middle) @ weight)
         wrong_b[fold_b == fold] = _wrong((middle - b[fold_b == fold]) @ weight)
     error = (wrong_a.mean() + wrong_b.mean()) / 2
-    return (2 * (1 - 2 * error)).clamp(0, 2)
+    spread = wrong_a.var() / len(a) + wrong_b.var() / len(b)
+    return Estimate((2 * (1 - 2 * error)).clamp(0, 2), 2 * spread.sqrt())
 
 
 def _folds(count: int, folds: int, seed: int) -> Tensor:
@@ -41,23 +53,51 @@ def _folds(count: int, folds: int, seed: int) -> Tensor:
     return torch.randperm(count, generator=generator) % folds
 
 
-def _fit(a: Tensor, b: Tensor, ridge: float) -> tuple[Tensor, Tensor]:
-    """Return the direction from b to a (D,) and the midpoint of the means (D,)."""
-    mean_a, mean_b = a.mean(0), b.mean(0)
-    middle = (mean_a + mean_b) / 2
-    rows = torch.cat([(a - mean_a) / len(a) ** 0.5, (b - mean_b) / len(b) ** 0.5])
-    penalty = ridge * rows.square().sum() / rows.shape[1] + torch.finfo(a.dtype).tiny
-    return _solve(rows, penalty, mean_a - mean_b), middle
+def _fits(
+    one: tuple[Tensor, Tensor], other: tuple[Tensor, Tensor], folds: int, ridge: float
+) -> Iterator[tuple[Tensor, Tensor]]:
+    """Yield, without each fold, the direction to the first set (D,) and the midpoint of means (D,).
+
+    one, other  rows (N, D) and the fold of each row (N,)
+    """
+    width, small = one[0].shape[1], len(one[0]) + len(other[0]) < 2 * one[0].shape[1]
+    origins = [rows.mean(0) for rows, _ in (one, other)]  # so that products do not cancel
+    parts = [
+        [rows[fold == k] - at for k in range(folds)]
+        for (rows, fold), at in zip((one, other), origins, strict=True)
+    ]
+    products = [] if small else [torch.stack([p.T @ p for p in each]) for each in parts]
+    sums = [torch.stack([p.sum(0) for p in each]) for each in parts]
+    tiny = torch.finfo(one[0].dtype).tiny
+    for fold in range(folds):
+        kept = [[p for k, p in enumerate(each) if k != fold] for each in parts]
+        sizes = [sum(map(len, each)) for each in kept]
+        means = [(s.sum(0) - s[fold]) / n for s, n in zip(sums, sizes, strict=True)]
+        a, b = (mean + at for mean, at in zip(means, origins, strict=True))
+        if small:
+            rows = torch.cat(
+                [
+                    (torch.cat(each) - mean) / n**0.5
+                    for each, mean, n in zip(kept, means, sizes, strict=True)
+                ]
+            )
+            direction = _solve(rows, ridge * rows.square().sum() / width + tiny, a - b)
+        else:
+            covariances = [
+                (every.sum(0) - every[fold]) / n - torch.outer(mean, mean)
+                for every, n, mean in zip(products, sizes, means, strict=True)
+            ]
+            gram = covariances[0] + covariances[1]
+            penalty = ridge * gram.trace() / width + tiny
+            gram.diagonal().add_(penalty)
+            direction = torch.linalg.solve(gram, a - b) * penalty
+        yield direction, (a + b) / 2
 
 
 def _solve(rows: Tensor, penalty: Tensor, target: Tensor) -> Tensor:
-    """Return (rowsᵀ rows + penalty I)⁻¹ target · penalty, through the smaller Gram matrix."""
-    count, width = rows.shape
-    if count >= width:
-        gram = rows.T @ rows + penalty * torch.eye(width, dtype=rows.dtype, device=rows.device)
-        direct: Tensor = torch.linalg.solve(gram, target)
-        return direct * penalty
-    gram = rows @ rows.T + penalty * torch.eye(count, dtype=rows.dtype, device=rows.device)
+    """Return (rowsᵀ rows + penalty I)⁻¹ target · penalty, through the Gram matrix of the rows."""
+    gram = rows @ rows.T
+    gram.diagonal().add_(penalty)
     inner: Tensor = torch.linalg.solve(gram, rows @ target)
     return target - rows.T @ inner
 

@@ -1,12 +1,22 @@
-"""Scale rows to unit length."""
+"""Scale rows to unit length; shared by the measures."""
+
+from dataclasses import dataclass
 
 import torch
 from torch import Tensor
 
-from omnivat import lengths
 from omnivat.errors import ShapeError
+from omnivat.shapes import unit as scaled
 
 BLOCK = 4096  # rows scaled at once, so that temporaries stay in the cache
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """A value () and its standard error ()."""
+
+    value: Tensor
+    error: Tensor
 
 
 def unit(x: Tensor) -> Tensor:
@@ -18,9 +28,9 @@ def unit(x: Tensor) -> Tensor:
     if x.ndim == 2 and len(x) > BLOCK and not x.requires_grad:
         out = torch.empty_like(x)
         for rows, into in zip(x.split(BLOCK), out.split(BLOCK), strict=True):
-            into.copy_(lengths.unit(rows))
+            into.copy_(scaled(rows))
         return out
-    return lengths.unit(x)
+    return scaled(x)
 
 
 def require_rows(least: int, **sets: Tensor) -> None:

@@ -87,11 +87,7 @@ class LangBank:
 
 def save_bank(path: str | Path, bank: LangBank) -> None:
     """Write the bank, completely or not at all; float16 is enough for text embeddings."""
-    metadata = {
-        "format": FORMAT,
-        "classes": json.dumps(bank.classes),
-        "origin": bank.origin,
-    }
+    metadata = {"format": FORMAT, "classes": json.dumps(bank.classes), "origin": bank.origin}
     if bank.text_hash:
         metadata |= {"encoder": bank.encoder, "text_hash": bank.text_hash}
     if bank.logit_scale is not None:

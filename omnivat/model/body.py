@@ -6,22 +6,39 @@ import torch
 from torch import Tensor, nn
 from torch.nn.functional import linear, normalize
 
+from omnivat.data.profile import Profile, floor_of, scale_of
 from omnivat.errors import DataError, ShapeError
-from omnivat.lengths import unit
-from omnivat.modalities import IMAGES, MODALITIES
 from omnivat.model.dtg import DTG
 from omnivat.model.fusion import Calibration
 from omnivat.model.mffa import MFFA
 from omnivat.model.settings import HeadSettings
+from omnivat.shapes import unit
+from omnivat.stages import IMAGES, MODALITIES
 
 
 class Body(nn.Module):
     """The modules of a head, and the steps at both ends: embeddings in, logits out."""
 
+    input_mean: Tensor  # (2, W) of VIS and TAC, if the head standardizes
+    input_scale: Tensor
+    taught_rows: Tensor
+    taught_bias: Tensor
+    taught_class: Tensor
+
     def __init__(self, settings: HeadSettings) -> None:
         super().__init__()
         self.settings = settings
         width = settings.width
+        if settings.standardize:  # the source's profile; training sets it
+            shape = len(IMAGES), settings.input_width
+            self.register_buffer("input_mean", torch.zeros(shape))
+            self.register_buffer("input_scale", torch.ones(shape))
+        if settings.taught:  # rows, biases and classes of `taught_logits`
+            self.register_buffer(
+                "taught_rows", torch.zeros(2, settings.taught, settings.input_width)
+            )
+            self.register_buffer("taught_bias", torch.zeros(settings.taught))
+            self.register_buffer("taught_class", torch.zeros(settings.taught, dtype=torch.int64))
         if settings.projects:
             self.project_image: nn.Module = nn.Linear(settings.input_width, width)
         else:
@@ -97,7 +114,7 @@ class Body(nn.Module):
             raise ShapeError(
                 "vis and tac have different numbers of pairs; give one of each for every pair."
             )
-        raw = torch.stack([raw.to(self.dtype) for raw in given.values()])
+        raw = torch.stack([self._standardised(n, r.to(self.dtype)) for n, r in given.items()])
         projected: Tensor
         if self.settings.projects_apart and not lang:
             projected = torch.stack(
@@ -108,6 +125,53 @@ class Body(nn.Module):
         if self.settings.feature_scale == "literal":
             return projected
         return self.length * unit(projected)
+
+    def standardize_by(self, profile: Profile) -> None:
+        """Take over the channel statistics of the source's training pairs."""
+        for name, channels in profile.channels.items():
+            row = IMAGES.index(name)
+            scale = scale_of(channels, floor_of(channels))
+            self.input_mean[row] = torch.from_numpy(channels.mean).to(self.input_mean)
+            self.input_scale[row] = torch.from_numpy(scale).to(self.input_scale)
+
+    def _standardised(self, name: str, raw: Tensor) -> Tensor:
+        """Return bounded, standardised rows (B, input_width) of length √W / 2 (data/profile.py)."""
+        if not self.settings.standardize or name not in IMAGES:
+            return raw
+        row = IMAGES.index(name)
+        rows = torch.tanh((raw - self.input_mean[row]) / self.input_scale[row])
+        length = 0.5 * float(self.settings.input_width) ** 0.5
+        standard: Tensor = length * unit(rows)
+        return standard
+
+    def standing(self, name: str, raw: Tensor) -> Tensor:
+        """Return a modality's standardised rows (B, input_width) of length √½, for teaching.
+
+        VIS and TAC side by side then have length 1.
+        """
+        rows: Tensor = 0.5**0.5 * unit(self._standardised(name, raw.to(self.dtype)))
+        return rows
+
+    def taught_logits(self, given: Mapping[str, Tensor]) -> dict[str, Tensor]:
+        """Return logits (B, K) of a taught head: "fused", and "vis", "tac" of one image alone.
+
+        A class has the largest score of its rows. One image alone counts twice. {} if not taught.
+        """
+        if not self.settings.taught:
+            return {}
+        parts = {
+            name: self.standing(name, raw) @ self.taught_rows[IMAGES.index(name)].T
+            for name, raw in given.items()
+        }
+        scores = {name: 2 * part + self.taught_bias for name, part in parts.items()}
+        together = torch.stack(list(parts.values())).sum(0) + self.taught_bias
+        scores["fused"] = together if len(parts) > 1 else next(iter(scores.values()))
+        found = {}
+        for name, each in scores.items():
+            empty = each.new_full((len(each), len(self.settings.classes)), -torch.inf)
+            place = self.taught_class.expand(len(each), -1)
+            found[name] = empty.scatter_reduce(1, place, each, "amax")
+        return found
 
     def _projection(self, name: str) -> nn.Module:
         return self.project_tac if name == "tac" else self.project_image

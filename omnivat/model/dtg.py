@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 import torch
 from torch import Tensor, nn
+from torch.nn.functional import linear
 
-from omnivat.model.growing import grown_nodes
 from omnivat.model.settings import HeadSettings
 
 
@@ -58,12 +58,7 @@ class DTG(nn.Module):
     """
 
     def __init__(
-        self,
-        width: int,
-        *,
-        levels: int = 3,
-        init: str = "orthogonal",
-        arrangement: str = "tree",
+        self, width: int, *, levels: int = 3, init: str = "orthogonal", arrangement: str = "tree"
     ) -> None:
         super().__init__()
         self.levels = levels
@@ -91,7 +86,11 @@ class DTG(nn.Module):
         if not len(self.weight):
             return Grown(root[:, None], [root[:, None]])
         count = len(self.weight) + 1
-        nodes = grown_nodes(root, self.weight, self.bias, parents(self.arrangement, count)[1:])
+        rows = [root]
+        edges = zip(parents(self.arrangement, count)[1:], self.weight, self.bias, strict=True)
+        for parent, weight, bias in edges:
+            rows.append(linear(rows[parent], weight, bias))
+        nodes = torch.stack(rows, dim=1)
         found = [nodes[:, group.start : group.stop] for group in groups(self.arrangement, count)]
         return Grown(nodes, [nodes[:, :1], *found] if self.arrangement == "series" else found)
 

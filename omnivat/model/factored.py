@@ -39,11 +39,6 @@ def _token_table(weights: Tensor, channels: int) -> Tensor:
     return torch.einsum("mhe,cd->mhcde", weights, eye).flatten(3).flatten(1, 2)
 
 
-def token_table(theta: Tensor, channels: int) -> Tensor:
-    """Return the tokens' coefficients (M, r, T) in base vectors, for θ (M, E); see `Tables`."""
-    return _token_table(_halves(theta), channels)
-
-
 def tables(theta: Tensor, channels: int) -> Tables:
     """Return the tables for θ (M, E). If no θ is negative, they need half the work."""
     weights = _halves(theta)

@@ -16,15 +16,14 @@ from torch.nn.functional import gelu, linear, normalize
 
 from omnivat.model import factored
 from omnivat.model.dtg import DTG
-from omnivat.model.fratt import FrATT
-from omnivat.model.mffa import MFFA
+from omnivat.model.mffa import MFFA, FrATT
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FoldedMFFA:
     """MFFA for given modalities with folded weights, without gradients.
 
-    Source: docs/method.md, "Folding"; `MFFA.attend` is the unfolded form.
+    Source: docs/method.md, "Folding"; `MFFA.features` is the unfolded form.
     """
 
     table: factored.Tables

@@ -9,14 +9,15 @@ feature     one classification of the sum of the two features
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 import torch
 from torch import Tensor
 
-FUSIONS = ("mean", "product", "confidence", "learned", "feature")
+from omnivat.tables import entry
+
 TINY = 1e-12
 
 
@@ -62,18 +63,31 @@ def fuse(
 
 
 def fused_logs(kind: str, vis: Tensor, tac: Tensor, share: float = 0.5) -> Tensor:
-    """Return log-probabilities (..., K) of two sets of logits (..., K) under a late fusion."""
-    first, second = torch.log_softmax(vis, dim=-1), torch.log_softmax(tac, dim=-1)
-    if kind == "product":
-        return torch.log_softmax((first + second) / 2, dim=-1)
-    if kind == "learned":
-        return torch.log_softmax(share * first + (1 - share) * second, dim=-1)
-    stacked = torch.stack((first, second))
-    if kind == "confidence":
-        weights = certainty(stacked)
-        weights = weights / weights.sum(0).clamp_min(TINY)
-        return torch.logsumexp(stacked + weights.clamp_min(TINY).log(), dim=0)
-    return torch.logsumexp(stacked, dim=0) - math.log(2)
+    """Return log-probabilities (..., K) of two sets of logits (..., K) under a late fusion.
+
+    Raises MissingNameError with the nearest name for an unknown fusion.
+    """
+    logs = torch.stack((torch.log_softmax(vis, dim=-1), torch.log_softmax(tac, dim=-1)))
+    fused: Tensor = entry(LATE, kind, kind="late fusion")(logs, share)
+    return fused
+
+
+def _confidence(logs: Tensor) -> Tensor:
+    weights = certainty(logs)
+    weights = weights / weights.sum(0).clamp_min(TINY)
+    return torch.logsumexp(logs + weights.clamp_min(TINY).log(), dim=0)
+
+
+# by name: (2, ..., K) log-probabilities of VIS and TAC, weight of VIS -> (..., K)
+LATE: dict[str, Callable[[Tensor, float], Tensor]] = {
+    "mean": lambda logs, share: torch.logsumexp(logs, dim=0) - math.log(2),
+    "product": lambda logs, share: torch.log_softmax(logs.mean(0), dim=-1),
+    "confidence": lambda logs, share: _confidence(logs),
+    "learned": lambda logs, share: torch.log_softmax(
+        share * logs[0] + (1 - share) * logs[1], dim=-1
+    ),
+}
+FUSIONS = (*LATE, "feature")
 
 
 def certainty(logs: Tensor) -> Tensor:

@@ -1,6 +1,6 @@
 """The OmniVaT head: from frozen embeddings to class probabilities and all stages."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import torch
@@ -26,10 +26,12 @@ class PairCoefficients:
 
     names: tuple[str, ...]  # of the M modalities
     stacked: Coefficients
+    taught: dict[str, Tensor] = field(default_factory=dict)  # (B, K), see `Body.taught_logits`
 
     def __getitem__(self, pairs: Any) -> "PairCoefficients":
         """Return the coefficients of some pairs: a slice, a mask or indices."""
-        return PairCoefficients(self.names, self.stacked[:, pairs])
+        taught = {name: rows[pairs] for name, rows in self.taught.items()}
+        return PairCoefficients(self.names, self.stacked[:, pairs], taught)
 
     def __len__(self) -> int:
         return self.stacked.shape[1]
@@ -69,7 +71,8 @@ class OmniVaT(Body):
         Raises DataError if both are missing, ShapeError for a wrong width or unequal B.
         """
         given = {n: e for n, e in (("vis", vis), ("tac", tac)) if e is not None}
-        return PairCoefficients(tuple(given), coefficients(self.embedded(given)))
+        kept = coefficients(self.embedded(given))
+        return PairCoefficients(tuple(given), kept, self.taught_logits(given))
 
     def from_coefficients(
         self,
@@ -90,13 +93,19 @@ class OmniVaT(Body):
         Without gradients and attention weights, the head uses folded weights and processes pairs in
         chunks that fit the processor's cache.
         """
+        return replace(
+            self._stages(kept, order, nodes=nodes, attention=attention), taught=kept.taught
+        )
+
+    def _stages(
+        self, kept: PairCoefficients, order: float | Tensor | None, *, nodes: bool, attention: bool
+    ) -> HeadOutput:
         names, stacked = kept.names, kept.stacked
         order = self.mffa.orders(names) if order is None else order
         grad = torch.is_grad_enabled() and any(
             t.requires_grad for t in (stacked.values, torch.as_tensor(order), *self.parameters())
         )
-        printed = grad or attention or self.mffa.as_printed
-        if printed or self.settings.complex_to_real == "hermitian":
+        if grad or attention or self.settings.complex_to_real == "hermitian":
             return self._output(names, stacked, order, nodes=nodes, attention=attention)
         self._folds.refresh(self)
         with one_thread(len(kept) <= FEW_PAIRS):
@@ -134,12 +143,9 @@ class OmniVaT(Body):
             own = self.mffa.expand(names, parts)
             relu = factored.mean_channels(own.base, own.table)
             if attention:
-                attended = [
-                    self.mffa.attend(name, parts[:, row].movedim(0, 1))
-                    for row, name in enumerate(names)
-                ]
-                found = torch.stack([a.feature for a in attended])
-                weights = {n: a.weights for n, a in zip(names, attended, strict=True)}
+                shown = [self.mffa.attend(name, parts[:, m]) for m, name in enumerate(names)]
+                found = torch.stack([feature for feature, _ in shown])
+                weights = {n: w for n, (_, w) in zip(names, shown, strict=True)}
             else:
                 found = self.mffa.features(names, own)
         root = found.sum(0)
@@ -218,8 +224,8 @@ class OmniVaT(Body):
 
 
 def _by_name(names: tuple[str, ...], channels: Tensor) -> dict[str, Tensor]:
-    """Return (2, M, B, D) as (B, 2, D) by modality."""
-    return {name: channels[:, row].movedim(0, 1) for row, name in enumerate(names)}
+    """Return (2, M, B, D) as (2, B, D) by modality."""
+    return {name: channels[:, row] for row, name in enumerate(names)}
 
 
 def _rows(order: float | Tensor, rows: slice) -> float | Tensor:

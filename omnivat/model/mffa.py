@@ -7,25 +7,29 @@ import torch
 from torch import Tensor, nn
 from torch.nn.functional import linear, normalize
 
-from omnivat.fractional import dfrft
-from omnivat.modalities import MODALITIES
-from omnivat.model import factored
-from omnivat.model.fratt import Attended, FrATT
+from omnivat.model import factored, reference
 from omnivat.model.settings import HeadSettings
+from omnivat.stages import MODALITIES
 
 
-def expanded(parts: Tensor, theta: Tensor) -> Tensor:
-    """Expand by θ_e and apply ReLU to each part; the results are the tokens.
+class FrATT(nn.Module):
+    """The weights of fractional Fourier attention (FrATT); `reference.attention` computes it.
 
-    parts   (B, C, D) channels of the transformed embedding, such as its real and imaginary part
-    theta   (E,) the expansion; it commutes with the linear transform
-    return  (B, C E, D), E real tokens and then E imaginary ones
-
-    The tokens are multiples of at most four vectors, so their rank is at most 4 for every E.
-    Source: paper, Eq. 3, with Re and Im stacked as tokens.
+    One head; biases on all linear layers; no output projection, residual or normalisation.
+    The same weights serve VIS, TAC and LANG. The bias of the keys and the class token in the keys
+    add a constant to a row of scores, which the softmax ignores.
     """
-    tokens = torch.relu(theta[:, None] * parts[:, :, None, :])  # (B, C, E, D)
-    return tokens.flatten(1, 2)
+
+    def __init__(self, width: int, *, ffn_ratio: int = 4, scale: str = "inside") -> None:
+        super().__init__()
+        self.query = nn.Linear(width, width)
+        self.key = nn.Linear(width, width)
+        self.value = nn.Linear(width, width)
+        self.ffn = nn.Sequential(
+            nn.Linear(width, ffn_ratio * width), nn.GELU(), nn.Linear(ffn_ratio * width, width)
+        )
+        root = float(width**0.5)  # √D divides the scores, or as printed the values
+        self.roots = (root, 1.0) if scale == "inside" else (1.0, root)
 
 
 class Expanded(NamedTuple):
@@ -49,7 +53,6 @@ class MFFA(nn.Module):
     fratt: FrATT
     bank: Tensor
     bank_seen: Tensor
-    as_printed = False  # compute token by token, like `attend`: slower, same result
 
     def __init__(self, settings: HeadSettings) -> None:
         super().__init__()
@@ -73,11 +76,6 @@ class MFFA(nn.Module):
         self.register_buffer("bank", torch.zeros(len(MODALITIES), classes, settings.width))
         self.register_buffer("bank_seen", torch.zeros(classes, dtype=torch.bool))
 
-    @property
-    def has_closed_form(self) -> bool:
-        """True if `closed` has gradients for this `complex_to_real`."""
-        return self.real in ("tokens", "real")
-
     def orders(self, names: Sequence[str]) -> Tensor:
         """Return the learned order: () for all modalities, or (M, 1) for each."""
         if self.order.ndim == 0:
@@ -88,7 +86,10 @@ class MFFA(nn.Module):
         self, names: Sequence[str], embedding: Tensor, order: Tensor | float | None = None
     ) -> Tensor:
         """Transform embeddings (M, B, D) to Re and Im (2, M, B, D). order None: the learned one."""
-        return dfrft(embedding, self.orders(names) if order is None else order, planar=True)
+        p = self.orders(names) if order is None else torch.as_tensor(order, dtype=torch.float64)
+        return reference.transform(
+            embedding, p.to(embedding.device)
+        )  # few rows: one product with V
 
     def channels(self, parts: Tensor) -> Tensor:
         """Return the channels for tokens: Re and Im, their modulus, or Re. (2, ...) -> (C, ...)."""
@@ -160,7 +161,7 @@ class MFFA(nn.Module):
         guided: Tensor | None = None,
         token: Tensor | None = None,
     ) -> Tensor:
-        """Return F-bar (M, B, D) of several modalities; equal to `attend` on each.
+        """Return F-bar (M, B, D) of several modalities, equal to that of `reference.mffa`.
 
         own     from `expand`
         guide   (B, D) F-bar of LANG: replaces token queries where guided (B,) is True
@@ -170,8 +171,8 @@ class MFFA(nn.Module):
             token = None
         elif token is None:
             token = self.class_agnostic_tokens(names)[:, None]
-        if self.as_printed or self.real == "hermitian":
-            return self._features_as_printed(names, own.parts, guide, guided, token)
+        if self.real == "hermitian":
+            return self._complex(names, own.parts, guide, guided, token)
         fratt, base, table = self.fratt, own.base, own.table
         score_root, value_root = fratt.roots
         keys = linear(base, fratt.key.weight)
@@ -188,7 +189,7 @@ class MFFA(nn.Module):
             pooled = pooled + token
         return self._finished(fratt.ffn(fratt.value(pooled) / value_root))
 
-    def _features_as_printed(
+    def _complex(
         self,
         names: Sequence[str],
         parts: Tensor,
@@ -196,69 +197,40 @@ class MFFA(nn.Module):
         guided: Tensor | None,
         token: Tensor | None,
     ) -> Tensor:
-        count = parts.shape[2]
-        token = None if token is None else token.expand(-1, count, -1)
+        """Return F-bar by complex attention, which has no base vectors: token by token."""
+        rows = [None] * len(names) if token is None else token
         return torch.stack(
             [
-                self.attend(
-                    name,
-                    parts[:, row].movedim(0, 1),
-                    guide=guide,
-                    guided=guided,
-                    token=None if token is None else token[row],
-                ).feature
-                for row, name in enumerate(names)
+                self.attend(name, parts[:, m], guide=guide, guided=guided, token=rows[m])[0]
+                for m, name in enumerate(names)
             ]
         )
 
     def attend(
         self,
-        modality: str,
+        name: str,
         parts: Tensor,
         *,
         guide: Tensor | None = None,
         guided: Tensor | None = None,
         token: Tensor | None = None,
-    ) -> Attended:
-        """Return F-bar of one modality and its attention weights, token by token as printed.
+    ) -> tuple[Tensor, Tensor]:
+        """Return F-bar (B, D) of one modality and its attention weights (B, Q, T), token by token.
 
-        parts   (B, 2, D) Re and Im of the transformed embedding
-        guide, guided  as in `features`
-        token   (B, D) or (D,) class token F_g; None: the class-agnostic one
-        return  feature (B, D), of unit length unless feature_scale is "literal", and weights
+        parts   (2, B, D) Re and Im of the transformed embedding; the rest as in `features`,
+        token   (B, D) or (1, D) for this modality
         """
-        channels = self.channels(parts.movedim(1, 0)).movedim(0, 1)
-        tokens = expanded(channels, self.thetas([modality])[0])
-        queries = tokens
-        if guide is not None and guided is not None:
-            queries = torch.where(guided[:, None, None], guide[:, None], tokens)
+        tokens = reference.tokens_of(parts, self.theta[name], self.real)
+        queries = reference.queries_of(tokens, guide, guided)
         if self.class_token and token is None:
-            token = self.class_agnostic_token(modality)
-        added = torch.zeros_like(tokens[:, :1])
-        if self.class_token and token is not None:
-            added = added + (token if token.ndim == 1 else token[:, None])
-        if self.real != "hermitian":
-            attended = self.fratt(queries, tokens + added)
-        else:
-            complex_queries = _halved(queries)
-            if guide is not None and guided is not None:  # F-bar of LANG is real
-                off = torch.zeros_like(complex_queries[:, 1:])
-                imaginary = torch.where(guided[:, None, None, None], off, complex_queries[:, 1:])
-                complex_queries = torch.cat((complex_queries[:, :1], imaginary), dim=1)
-            complex_tokens = _halved(tokens)
-            real = complex_tokens[:, :1] + added[:, None]
-            attended = self.fratt.hermitian(
-                complex_queries, torch.cat((real, complex_tokens[:, 1:]), dim=1)
-            )
-        return Attended(self._finished(attended.feature), attended.weights)
+            token = self.class_agnostic_token(name)
+        found, weights = reference.attention(
+            self.fratt, queries, reference.with_class_token(tokens, token)
+        )
+        return self._finished(found), weights
 
     def _finished(self, feature: Tensor) -> Tensor:
         return normalize(feature, dim=-1) if self.unit else feature
-
-
-def _halved(tokens: Tensor) -> Tensor:
-    """Separate real and imaginary tokens: (B, 2E, D) -> (B, 2, E, D)."""
-    return tokens.reshape(len(tokens), 2, -1, tokens.shape[-1])
 
 
 def _theta(settings: HeadSettings) -> Tensor:
@@ -269,7 +241,8 @@ def _theta(settings: HeadSettings) -> Tensor:
     """
     count = settings.expansion
     if settings.theta_init == "spread" and count > 1:
-        return torch.linspace(0.5, 1.5, count)
+        # made on the CPU: on the device "meta", torch would import sympy for it
+        return torch.linspace(0.5, 1.5, count, device="cpu").to(torch.get_default_device())
     if settings.theta_init in ("spread", "ones"):
         return torch.ones(count)
     if settings.theta_init == "signed":

@@ -28,10 +28,11 @@ class HeadOutput:
     alone      (B, K) the same with the other image absent, as in a call with one image
     pair       (B, K) of the sum of both F-hat
     fusion     late fusion of the branches, and its calibration on held-out source pairs
-    frft       (B, 2, D) Re and Im of the transformed embedding
-    relu       (B, 2, D) F: after θ_e and ReLU, mean over the E tokens
+    frft       (2, B, D) Re and Im of the transformed embedding
+    relu       (2, B, D) F: after θ_e and ReLU, mean over the E tokens
     f_bar      (B, D) after FrATT;  f_hat  (B, D) after DTG
     attention  (B, T, T) weights, if requested; T = 2E tokens, or E if Re and Im are one channel
+    taught     (B, K) logits of a taught head by reading, which replace the classifier's
     nodes      (B, 2^R - 1, D) tree nodes in heap order, if requested and present
     """
 
@@ -44,6 +45,7 @@ class HeadOutput:
     f_hat: dict[str, Tensor]
     attention: dict[str, Tensor] = field(default_factory=dict)
     nodes: Tensor | None = None
+    taught: dict[str, Tensor] = field(default_factory=dict)
 
     fusion: str = "mean"
     calibration: Calibration = field(default_factory=Calibration)
@@ -52,17 +54,23 @@ class HeadOutput:
     def branch_probabilities(self) -> dict[str, Tensor]:
         """Class probabilities (B, K) of each branch; inside a pair they depend on both images."""
         temperature = self.calibration.temperature["fused"]
+        if self.taught:  # its rows add up, so a branch is what one image adds
+            return {name: self.taught[name].softmax(-1) for name in self.logits}
         return {name: tempered(values, temperature) for name, values in self.logits.items()}
 
     @property
     def alone_probabilities(self) -> dict[str, Tensor]:
         """Class probabilities (B, K) of each image with the other one absent."""
         own = self.calibration.temperature
+        if self.taught:
+            return {name: self.taught[name].softmax(-1) for name in self.alone}
         return {name: tempered(values, own[name]) for name, values in self.alone.items()}
 
     @property
     def probabilities(self) -> Tensor:
         """Class probabilities (B, K) from all given images."""
+        if self.taught:
+            return self.taught["fused"].softmax(-1)
         if len(self.logits) == 1:
             return next(iter(self.alone_probabilities.values()))
         return fuse(self.fusion, self.logits, self.pair, self.calibration)
@@ -100,9 +108,9 @@ def joined(outputs: Sequence[HeadOutput]) -> HeadOutput:
     """Concatenate the outputs of chunks of pairs."""
     first = outputs[0]
 
-    def cat(name: str) -> dict[str, Tensor]:
+    def cat(name: str, dim: int = 0) -> dict[str, Tensor]:
         parts = [getattr(output, name) for output in outputs]
-        return {modality: torch.cat([part[modality] for part in parts]) for modality in parts[0]}
+        return {one: torch.cat([part[one] for part in parts], dim=dim) for one in parts[0]}
 
     nodes = [output.nodes for output in outputs if output.nodes is not None]
     return HeadOutput(
@@ -111,8 +119,8 @@ def joined(outputs: Sequence[HeadOutput]) -> HeadOutput:
         pair=torch.cat([output.pair for output in outputs]),
         fusion=first.fusion,
         calibration=first.calibration,
-        frft=cat("frft"),
-        relu=cat("relu"),
+        frft=cat("frft", 1),
+        relu=cat("relu", 1),
         f_bar=cat("f_bar"),
         f_hat=cat("f_hat"),
         attention=cat("attention") if first.attention else {},

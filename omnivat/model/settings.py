@@ -6,7 +6,7 @@ from typing import Annotated
 from omnivat.config import OneOf, Within, require_declared
 from omnivat.errors import SettingsError
 from omnivat.model.fusion import FUSIONS
-from omnivat.orders import LIMIT, checked_order
+from omnivat.stages import LIMIT, checked_order
 
 AttentionScale = Annotated[str, OneOf(("inside", "outside"))]
 FeatureScale = Annotated[str, OneOf(("unit", "literal"))]
@@ -29,6 +29,8 @@ class HeadSettings:
     width: Annotated[int, Within(2, 8192)] = 512  # D
     project: bool = False  # learn input projections even if widths agree
     shared_projection: bool = False  # one map for VIS and TAC (docs/decisions/0004)
+    taught: Annotated[int, Within(0, 100_000)] = 0  # rows that decide instead (omnivat/teach.py)
+    standardize: bool = True  # each channel by the source's profile (omnivat/data/profile.py)
     expansion: Annotated[int, Within(1, 64)] = 4  # E, tokens for each channel
     levels: Annotated[int, Within(1, 6)] = 3  # R, tree levels, root included
     order: Annotated[float, Within(-LIMIT, LIMIT)] = 0.5  # initial p, in quarter turns
@@ -54,11 +56,6 @@ class HeadSettings:
         require_declared(self)
         if len(self.classes) < 2 or len(set(self.classes)) < len(self.classes):
             raise SettingsError(f"classes are {self.classes}; give two or more different names.")
-
-    @property
-    def guides_by_default(self) -> bool:
-        """True if LANG guides in the default way, which the closed form covers."""
-        return self.guide == "both" and self.guide_length == "embedding"
 
     @property
     def edges(self) -> int:

@@ -4,7 +4,6 @@ import torch
 from torch import Tensor
 
 from omnivat.model.body import Body
-from omnivat.model.closed import Pass, closed_features
 from omnivat.model.dtg import grow
 from omnivat.model.mffa import Expanded
 from omnivat.model.output import TrainingOutput
@@ -25,9 +24,6 @@ def training_pass(
     lang_on = torch.ones_like(labels, dtype=torch.bool) if lang_on is None else lang_on
     if not model.settings.mffa:
         return _without_mffa(model, given, lang, lang_on)
-    closed = model.mffa.has_closed_form and model.settings.guides_by_default
-    if closed and not model.mffa.as_printed:
-        return _closed(model, given, lang, labels, lang_on, token_on, order)
     features: dict[str, Tensor] = {}
     tokens: dict[str, Tensor] = {}
     embedding = model.embedded(given)
@@ -52,49 +48,6 @@ def training_pass(
     return _output(model, features, found, root, tokens)
 
 
-def _closed(
-    model: Body,
-    given: dict[str, Tensor],
-    lang: Tensor | None,
-    labels: Tensor,
-    lang_on: Tensor,
-    token_on: Tensor | None,
-    order: Tensor | None,
-) -> TrainingOutput:
-    """The same with closed-form gradients: half the time for a step of the light head."""
-    mffa, names = model.mffa, tuple(given) if lang is None else ("lang", *given)
-    text = None if lang is None else model.embedded({"lang": lang})
-    mix, agnostic = None, None
-    if model.settings.class_token:
-        own = torch.ones_like(lang_on) if token_on is None else token_on
-        mix = class_mix(labels, model.dtype) * own[:, None]
-        agnostic = mffa.class_agnostic_tokens(names)[:, None] * ~own[:, None]
-    found, tokens = closed_features(
-        model.embedded(given),
-        text,
-        mffa.orders(names) if order is None else order.reshape(1, -1),
-        mffa.thetas(names),
-        mffa.fratt.closed_weights,
-        Pass(
-            length=model.length,
-            unit=mffa.unit,
-            roots=mffa.fratt.roots,
-            channels=1 if mffa.real == "real" else 2,
-            lang_on=lang_on,
-            class_mix=mix,
-            agnostic=agnostic,
-        ),
-    )
-    features = dict(zip(names, found, strict=True))
-    if lang is None:
-        images, root = found, found.sum(0)
-    else:
-        images = found[1:]
-        root = images.sum(0) + found[0] * lang_on[:, None]
-    means = dict(zip(names, tokens, strict=True)) if model.settings.class_token else {}
-    return _output(model, features, images, root, means)
-
-
 def _without_mffa(
     model: Body, given: dict[str, Tensor], lang: Tensor | None, lang_on: Tensor
 ) -> TrainingOutput:
@@ -107,11 +60,7 @@ def _without_mffa(
 
 
 def _output(
-    model: Body,
-    features: dict[str, Tensor],
-    found: Tensor,
-    root: Tensor,
-    tokens: dict[str, Tensor],
+    model: Body, features: dict[str, Tensor], found: Tensor, root: Tensor, tokens: dict[str, Tensor]
 ) -> TrainingOutput:
     """Grow nodes from `root` (B, D), add their mean to the features (M, B, D), classify."""
     names = [name for name in features if name != "lang"]
@@ -149,10 +98,5 @@ def _class_tokens(
 
 def class_means(values: Tensor, labels: Tensor) -> Tensor:
     """Return each sample's class mean in the batch: (..., B, D), (B,) -> (..., B, D)."""
-    return class_mix(labels, values.dtype) @ values
-
-
-def class_mix(labels: Tensor, dtype: torch.dtype) -> Tensor:
-    """Return (B, B): row i is 1/n at the n samples of the class of i, else 0."""
-    same = (labels[:, None] == labels[None]).to(dtype)
-    return same / same.sum(1, keepdim=True)
+    same = (labels[:, None] == labels[None]).to(values.dtype)
+    return same / same.sum(1, keepdim=True) @ values

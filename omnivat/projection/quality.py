@@ -10,6 +10,8 @@ from omnivat.seeding import derive_seed
 from omnivat.shapes import require_shapes
 
 SAMPLE = 1000  # rows sampled from a large map
+NEIGHBOURS = 15  # of the trust of a map on the page
+TRUST_SAMPLE = 200  # rows that it is taken from
 
 BLOCK = 16_384  # rows processed at once
 AT_ONCE = 32  # sampled rows compared with all others at once
@@ -99,6 +101,13 @@ def quality(
         recall_error=half * float(recalled.std()),
         rows=len(drawn),
     )
+
+
+def trust(points: Tensor, flat: Tensor) -> float | None:
+    """Return the sampled trustworthiness of a map of points (N, D), flat (N, 2); None for few points."""
+    if len(points) <= 4 * NEIGHBOURS:
+        return None
+    return quality(points, flat, k=NEIGHBOURS, rows=TRUST_SAMPLE).trustworthiness
 
 
 def row_squares(points: Tensor, middle: Tensor) -> Tensor:

@@ -4,18 +4,105 @@ Differences from umap-learn: neighbours are exact. Every edge attracts in every 
 weight, whereas umap-learn samples edges in proportion to it. In every step, REPELLERS random rows
 repel each row with the same mean strength. All rows move at once by force over degree; this keeps
 the equilibria and prevents hubs from overshooting. The start is spectral (`spectral.py`) or a given
-map.
-"""
+map."""
+
+import math
+from dataclasses import dataclass
 
 import torch
 from torch import Tensor
 
 from omnivat.projection import pca
-from omnivat.projection.fuzzy import Graph, fuzzy_graph
-from omnivat.projection.neighbours import nearest
-from omnivat.projection.place import place
-from omnivat.projection.spectral import spectral_map
+from omnivat.projection.neighbours import Neighbours, nearest, place
 from omnivat.seeding import derive_seed
+
+BISECTIONS = 32
+
+
+@dataclass(frozen=True, slots=True)
+class Graph:
+    """Undirected weighted edges over N rows: tail, head (M,) with tail != head, weight in (0, 1]."""
+
+    tail: Tensor
+    head: Tensor
+    weight: Tensor
+    rows: int
+
+
+def fuzzy_graph(neighbours: Neighbours) -> Graph:
+    """Connect each row to its neighbours with weight exp(-(d - nearest) / width), symmetrized.
+
+    Widths are chosen so that the weights of a row add up to log2(k + 1). Weights u and v from the
+    two ends of an edge give u + v - u v; each undirected edge is stored once. Source: McInnes,
+    Healy and Melville, arXiv:1802.03426, section 3.1.
+    """
+    index, distance = neighbours.index, neighbours.distance
+    rows, k = index.shape
+    beyond = distance - distance[:, :1]
+    weight = (-beyond / _widths(beyond, math.log2(k + 1))).exp()
+    tail = torch.arange(rows, device=index.device)[:, None].expand_as(index)
+    # the neighbour's weight for this row, or 0 if it does not list the row
+    back = torch.where(index[index] == tail[..., None], weight[index], 0).sum(2)
+    both = weight + back - weight * back
+    once = (tail < index) | (back == 0)
+    return Graph(tail[once], index[once], both[once], rows)
+
+
+def _widths(beyond: Tensor, total: float) -> Tensor:
+    """Return (N, 1) widths s with sum(exp(-beyond / s)) = total, by bisection."""
+    low = torch.zeros_like(beyond[:, :1])
+    high = torch.full_like(low, torch.inf)
+    width = beyond.mean(1, keepdim=True).clamp_min(1e-12)
+    for _ in range(BISECTIONS):
+        too_wide = (-beyond / width).exp().sum(1, keepdim=True) > total
+        high = torch.where(too_wide, width, high)
+        low = torch.where(too_wide, low, width)
+        width = torch.where(high.isinf(), 2 * width, (low + high) / 2)
+    # rows with many equal distances would have width 0 or no width
+    return width.clamp(1e-3 * beyond.mean().clamp_min(1e-12), 1e3 * beyond.max().clamp_min(1e-12))
+
+
+DIRECTIONS = 4  # vectors in the iteration; two or three are used
+ROUNDS, STRAIGHTEN = 30, 5  # iterations, and how often the vectors are orthogonalized
+RADIUS = 10.0
+
+
+def spectral_map(graph: Graph, *, seed: int = 0, dimensions: int = 2) -> Tensor:
+    """Return a rough map (N, dimensions) whose largest coordinate is RADIUS.
+
+    It approximates the first non-constant eigenvectors of the normalised graph Laplacian by
+    subspace iteration from a seeded start. Neighbours end up close together, and folds of a PCA map
+    disappear. Thirty steps suffice for a start, but the eigenvectors are not converged.
+    Source: Belkin and Niyogi, Neural Computation 15:1373-1396, 2003.
+    """
+    weight, rows = graph.weight, graph.rows
+    degree = weight.new_zeros(rows).index_add_(0, graph.tail, weight)
+    degree = degree.index_add_(0, graph.head, weight).clamp_min(1e-12)
+    ends = torch.cat([graph.tail, graph.head])
+    others = torch.cat([graph.head, graph.tail])
+    step = (weight * (degree[graph.tail] * degree[graph.head]).rsqrt()).repeat(2)[:, None]
+
+    def walked(x: Tensor) -> Tensor:
+        return torch.zeros_like(x).index_add_(0, ends, step * x[others])
+
+    constant = degree.sqrt()[:, None]
+    constant = constant / constant.norm()
+    generator = torch.Generator(weight.device).manual_seed(derive_seed(seed, "spectral"))
+    directions = torch.randn(
+        (rows, min(DIRECTIONS, rows - 1)),
+        generator=generator,
+        dtype=weight.dtype,
+        device=weight.device,
+    )
+    for done in range(1, ROUNDS + 1):
+        directions = directions + walked(directions)  # lazy walk: no negative eigenvalue
+        if done % STRAIGHTEN == 0:
+            directions = directions - constant @ (constant.T @ directions)
+            directions = torch.linalg.qr(directions).Q
+    turn = torch.linalg.eigh(directions.T @ walked(directions)).eigenvectors.flip(1)
+    flat: Tensor = (directions @ turn[:, :dimensions]) / degree.sqrt()[:, None]
+    return flat * (RADIUS / flat.abs().max().clamp_min(1e-30))
+
 
 A, B = 1.5769, 0.8951  # of the curve 1 / (1 + A d^2B) for min_dist = 0.1, spread = 1
 NEGATIVES = 5  # repulsions for each attraction, as in umap-learn
@@ -23,6 +110,7 @@ REPELLERS = 16
 STEPS, RATE = 200, 0.5
 MOST_ROWS = 12_000  # rows in the descent; more are placed afterwards
 PLACED = 8192  # rows placed at once
+CELLS_FROM, CELLS, RING = 100_000, 128, 16
 PULL_LIMIT = 4.0  # umap-learn's bound on each part of one force
 
 
@@ -30,33 +118,33 @@ def project(
     points: Tensor,
     *,
     seed: int = 0,
+    dimensions: int = 2,
     neighbours: int = 15,
     steps: int = STEPS,
     rate: float = RATE,
     start: Tensor | None = None,
 ) -> Tensor:
-    """Return a UMAP map of points (N, D) -> (N, 2).
+    """Return a UMAP map of points (N, D) -> (N, dimensions).
 
     seed        the same seed, machine and thread count give the same map
     neighbours  of each row, itself included as in umap-learn; small sets use all rows
     steps       of the descent
     rate        factor of force over degree in the first step; it decreases linearly to 0
-    start       (N, 2) initial map, such as that of a neighbouring order
+    start       (N, dimensions) initial map, such as that of a neighbouring order
 
     With more than MOST_ROWS rows, the descent uses a sample that depends only on the seed. Every
-    other row is placed between its nearest neighbours in the sample.
+    other row is placed between its nearest neighbours in the sample; see `_spread`.
     """
-    if len(points) < 4:
-        return pca.project(points)
+    if len(points) < dimensions + 2:
+        return pca.project(points, dimensions=dimensions)
     if len(points) > MOST_ROWS:
         chosen = sample_of(len(points), seed).to(points.device)
         first = None if start is None else start[chosen]
-        flat = project(
-            points[chosen], seed=seed, neighbours=neighbours, steps=steps, rate=rate, start=first
-        )
+        more = {"dimensions": dimensions, "neighbours": neighbours, "steps": steps}
+        flat = project(points[chosen], seed=seed, rate=rate, start=first, **more)
         return _spread(points, chosen, flat)
     graph = fuzzy_graph(nearest(points, min(neighbours, len(points)) - 1))
-    start = spectral_map(graph, seed=seed) if start is None else start
+    start = spectral_map(graph, seed=seed, dimensions=dimensions) if start is None else start
     return descend(graph, start, steps=steps, rate=rate, seed=seed)
 
 
@@ -67,9 +155,28 @@ def sample_of(rows: int, seed: int) -> Tensor:
 
 
 def _spread(points: Tensor, chosen: Tensor, flat: Tensor) -> Tensor:
-    """Return the map of all points: `flat` for the sample; others between neighbours."""
-    known = points[chosen]
-    whole = torch.cat([place(some, known, flat) for some in points.split(PLACED)])
+    """Return the map of all points: `flat` for the sample; others between neighbours.
+
+    Beyond CELLS_FROM points, neighbours are sought among the sample's rows near the point's cell
+    alone: rows belong to the nearest of CELLS pivots, and a cell looks at the RING nearest cells.
+    """
+    known, whole = points[chosen], flat.new_empty(len(points), flat.shape[1])
+    if len(points) <= CELLS_FROM:
+        for some, into in zip(points.split(PLACED), whole.split(PLACED), strict=True):
+            into.copy_(place(some, known, flat))
+    else:
+        pivots = known[:: -(-len(known) // CELLS)]
+        ring = torch.cdist(pivots, pivots).topk(min(RING, len(pivots)), largest=False).indices
+        cells = nearest(pivots, 1, queries=known).index[:, 0]
+        home = torch.cat(
+            [nearest(pivots, 1, queries=some).index[:, 0] for some in points.split(PLACED)]
+        )
+        for cell, own in enumerate(
+            home.argsort().split(home.bincount(minlength=len(pivots)).tolist())
+        ):
+            near = torch.isin(cells, ring[cell]).nonzero()[:, 0]
+            for some in own.split(PLACED):
+                whole[some] = place(points[some], known[near], flat[near])
     whole[chosen] = flat
     return whole
 

@@ -3,21 +3,21 @@
 import torch
 from torch import Tensor
 
-from omnivat.packages import need
 from omnivat.projection import pca
+from omnivat.tables import need
 
 
-def project(points: Tensor, *, seed: int = 0, neighbours: int = 15) -> Tensor:
-    """Return umap-learn's map of points (N, D) -> (N, 2), with its defaults and one thread.
+def project(points: Tensor, *, seed: int = 0, dimensions: int = 2, neighbours: int = 15) -> Tensor:
+    """Return umap-learn's map of points (N, D) -> (N, dimensions), with its defaults and one thread.
 
     The same seed gives the same map. The first call in a process compiles for 10 s or more;
     `omnivat.projection.torch_umap` gives maps of the same trustworthiness without compiling.
     Raises MissingPackageError if umap-learn is not installed.
     """
-    if len(points) < 4:
-        return pca.project(points)
+    if len(points) < dimensions + 2:
+        return pca.project(points, dimensions=dimensions)
     umap = need("umap", purpose="the umap-learn projection", install="umap-learn")
     k = min(neighbours, len(points) - 1)
-    model = umap.UMAP(n_neighbors=k, random_state=seed % 2**32, n_jobs=1)
+    model = umap.UMAP(n_neighbors=k, n_components=dimensions, random_state=seed % 2**32, n_jobs=1)
     flat = model.fit_transform(points.detach().cpu().numpy())
     return torch.as_tensor(flat, dtype=points.dtype, device=points.device)

@@ -8,14 +8,13 @@ from typing import Any
 
 from omnivat.data.store import Embeddings, load_embeddings
 from omnivat.lang.bank import LangBank, load_bank
-from omnivat.packages import need
 from omnivat.progress import OnStep, Step, ignore
 from omnivat.protocol import records
-from omnivat.protocol.methods import Method
+from omnivat.protocol.methods import HEAD, Method
 from omnivat.protocol.run import Run, choice_of, execute, resolved
 from omnivat.protocol.settings import task
-from omnivat.threads import one_thread, pin_thread
-from omnivat.workers import worker_pool
+from omnivat.tables import need
+from omnivat.threads import one_thread, pin_thread, worker_pool
 
 ENGINES = ("local", "ray")
 
@@ -58,11 +57,11 @@ def run_all(
     pairs, texts = _opened(embeddings, bank)
     shared = records.provenance(pairs, texts)
     records.mend(out)
-    known = {record["key"] for record in records.read(out)}
+    known = {r["key"] for r in records.read(out) if r["format"] == records.FORMAT}
     waiting = [run for run in runs if _key(run, pairs, texts, shared) not in known]
     first, done = min((run.seed for run in runs), default=0), 0
     for part in stages(waiting, first):
-        found = {record["key"]: record for record in records.read(out)}
+        found = {r["key"]: r for r in records.read(out) if r["format"] == records.FORMAT}
         priors = [
             None if run.seed == first else found.get(_key(at(run, first), pairs, texts, shared))
             for run in part
@@ -87,7 +86,7 @@ def stages(runs: Sequence[Run], first: int) -> list[list[Run]]:
 
 def chooses(run: Run) -> bool:
     """True if a run uses held-out objects of its source before it trains."""
-    return run.calibrate or bool(run.method.candidates)
+    return run.calibrate or bool(run.method.candidates) or run.method.base != HEAD
 
 
 def at(run: Run, seed: int) -> Run:

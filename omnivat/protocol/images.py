@@ -13,12 +13,11 @@ import torch
 from PIL import Image
 from torch import Tensor
 
-from omnivat.baselines.contract import Fitted
-from omnivat.baselines.live import ImageInput, Live
+from omnivat.baselines.contract import Fitted, ImageInput, Live
 from omnivat.data.images import central_square, read_image
 from omnivat.data.store import Embeddings
 from omnivat.encoders.clip_live import LiveClip, load_live
-from omnivat.encoders.places import images_key, recall
+from omnivat.encoders.hub import images_key, recall
 from omnivat.errors import DataError
 
 TOGETHER = 32  # pairs with images in memory at once

@@ -59,10 +59,10 @@ class Method:
             known = ", ".join((HEAD, *VARIANTS, *ABLATED, *BASELINES))
             hint = suggestion(self.base, (HEAD, *VARIANTS, *ABLATED, *BASELINES))
             raise MissingNameError(f"No method is called '{self.base}'; there are {known}.{hint}")
-        if self.base != HEAD and (self.head or self.train):
+        if self.base != HEAD and (self.head or not self.train.keys() <= {"noise", "epochs"}):
             raise SettingsError(
-                f"'{self.base}' takes no settings: it chooses its own on the source. Settings are "
-                f"for {HEAD}."
+                f"'{self.base}' takes no settings but noise and epochs: it chooses its own on the "
+                f"source. Settings are for {HEAD}."
             )
 
 
@@ -73,6 +73,8 @@ def methods_named(
     candidates: Mapping[str, Mapping[str, Mapping[str, Any]]] | None = None,
 ) -> list[Method]:
     """Return the methods; settings and candidates go to the head and its variants.
+
+    With noise, the baselines get it too, and methods of gradient steps as many epochs.
 
     Raises MissingNameError, with the nearest name, for an unknown method.
     """
@@ -101,4 +103,5 @@ def _named(
         )
     label = LABELS[name].name if name in LABELS else name
     note = LABELS[name].note if name in LABELS else ""
-    return Method(name=name, base=name, label=label, note=note)
+    own = {key: train[key] for key in ("noise", "epochs") if key in train and train.get("noise")}
+    return Method(name=name, base=name, train=own, label=label, note=note)

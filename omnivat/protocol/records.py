@@ -10,13 +10,16 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+import torch
+
 from omnivat import __version__
 from omnivat.data.arrays import walked
 from omnivat.data.store import Embeddings
 from omnivat.errors import DataError
 from omnivat.lang.bank import LangBank
 
-FORMAT = "omnivat-run-1"
+FORMAT = "omnivat-run-2"
+FORMATS = ("omnivat-run-1", FORMAT)  # 1: no odds, and "fused" is the chosen fusion
 
 
 def fingerprint(embeddings: Embeddings) -> str:
@@ -77,26 +80,30 @@ def read(path: Path) -> list[dict[str, Any]]:
 
     Raises DataError with the line number for any other invalid line.
     """
+    return list(lines(path, *FORMATS))
+
+
+def lines(path: Path, *kinds: str) -> Iterator[dict[str, Any]]:
+    """Yield the objects of a file of JSON lines of these formats; nothing if there is no file.
+
+    Raises DataError as `read` does.
+    """
     if not path.is_file():
-        return []
-    return list(_records(path))
-
-
-def _records(path: Path) -> Iterator[dict[str, Any]]:
+        return
     content = path.read_bytes()
     text = (gzip.decompress(content) if path.suffix == ".gz" else content).decode()
-    lines = text.split("\n")
-    for number, line in enumerate(lines, start=1):
+    found = text.split("\n")
+    for number, line in enumerate(found, start=1):
         if not line.strip():
             continue
         try:
             record = json.loads(line)
         except ValueError as error:
-            if number == len(lines):  # no line end: writing was interrupted
+            if number == len(found):  # no line end: writing was interrupted
                 return
             raise DataError(f"Line {number} of '{path}' is not JSON; remove it.") from error
-        if not isinstance(record, dict) or record.get("format") != FORMAT:
-            raise DataError(f"Line {number} of '{path}' is not a record of a run ('{FORMAT}').")
+        if not isinstance(record, dict) or record.get("format") not in kinds:
+            raise DataError(f"Line {number} of '{path}' is not a record of a run ('{kinds[-1]}').")
         yield record
 
 
@@ -112,7 +119,9 @@ def mend(path: Path) -> None:
 
 
 def _versions() -> dict[str, str]:
+    """Return versions, and the processor's instructions: they change the last bits of a training."""
     found = {"python": platform.python_version(), "omnivat": __version__}
+    found["instructions"] = torch.backends.cpu.get_cpu_capability()
     for name in ("torch", "numpy", "scipy"):
         try:
             found[name] = version(name)

@@ -12,8 +12,7 @@ from omnivat.errors import OmniVatError
 from omnivat.lang.bank import LangBank
 from omnivat.model.fusion import Calibration
 from omnivat.protocol.choosing import Choice
-from omnivat.protocol.fitting import fit
-from omnivat.protocol.fitting_head import head_settings
+from omnivat.protocol.fitting import fit, head_settings
 from omnivat.protocol.methods import HEAD, Method
 from omnivat.protocol.scoring import object_numbers, score
 from omnivat.protocol.settings import Task, task
@@ -57,12 +56,7 @@ def execute(run: Run, embeddings: Embeddings, bank: LangBank | None) -> dict[str
     started = time.perf_counter()
     try:
         outcome = fit(
-            run.method,
-            found,
-            bank,
-            seed=run.seed,
-            calibrate=run.calibrate,
-            prior=run.prior,
+            run.method, found, bank, seed=run.seed, calibrate=run.calibrate, prior=run.prior
         )
     except OmniVatError as error:
         return record | {"skipped": str(error)}
@@ -95,6 +89,7 @@ def choice_of(record: Mapping[str, Any]) -> Choice | None:
         fusion=chosen.get("fusion", "mean"),
         calibration=Calibration(temperature=record["temperature"], share=record["share"]),
         losses=chosen.get("held-out log loss", {}),
+        settled=tuple(value for value in chosen.values() if isinstance(value, str)),
     )
 
 
@@ -112,7 +107,7 @@ def resolved(run: Run, found: Task, bank: LangBank | None) -> dict[str, Any]:
     """Return the settings of a run: all of a head; a baseline chooses its own."""
     shared: dict[str, Any] = {"calibrate": run.calibrate}
     if run.method.base != HEAD:
-        return shared
+        return shared | ({"train": dict(run.method.train)} if run.method.train else {})
     head, training = head_settings(run.method, found, bank)
     return shared | {
         "head": settings_dict(head),

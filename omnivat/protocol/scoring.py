@@ -1,8 +1,9 @@
 """Score a fitted method on pairs, and keep every prediction so that tables can be recomputed.
 
 `answers` has the predicted class of every pair, one character each, for every reading and late
-fusion; `truth` and `objects` have the same order. A class is its index in the record's `classes`,
-written 0 to 9, then a to z, then A to Z. Objects are numbered through the whole set.
+fusion; `truth` and `objects` have the same order, and so has `odds`: the log-odds of both images,
+before any temperature (`omnivat.data.packing.odds`). A class is its index in the record's
+`classes`, written 0 to 9, then a to z, then A to Z. Objects are numbered through the whole set.
 """
 
 import math
@@ -13,7 +14,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from omnivat.data.packing import DIGITS, compact, digits
+from omnivat.data.packing import DIGITS, compact, digits, odds
 from omnivat.data.store import Embeddings
 from omnivat.evaluate import label_map
 from omnivat.gaps.calibration import aurc, ece, nll
@@ -43,14 +44,11 @@ def score(
     pairs, truth = pairs.select(known), torch.from_numpy(labels[known])
     logits = outcome.logits(pairs)
     mixed = fusions(outcome, logits)
-    if outcome.choice.fusion in mixed:
-        logits = {**logits, "fused": mixed[outcome.choice.fusion]}
-    own = outcome.choice.calibration.temperature
     readings = {name: logits[name] for name in READINGS if name in logits}
-    record["scores"] = {
-        name: scores(values, truth, own.get(name, own["fused"]))
-        for name, values in readings.items()
-    }
+    record["scores"] = {name: _scores(values, truth) for name, values in readings.items()}
+    record["scores"]["fused"] |= confidence(
+        logits["fused"], truth, outcome.choice.calibration.temperature["fused"]
+    )
     record["fusions"] = {name: _short_scores(values, truth) for name, values in mixed.items()}
     record["margins"] = {
         name: _number(cosine_margin(rows, truth)) for name, rows in outcome.features(pairs).items()
@@ -60,20 +58,20 @@ def score(
         record["objects"] = compact([numbers[name] for name in named_objects(pairs)])
         predicted = {**readings, **{f"fusion:{name}": values for name, values in mixed.items()}}
         record["answers"] = {name: digits(v.argmax(-1).tolist()) for name, v in predicted.items()}
+        record["odds"] = odds(logits["fused"].numpy())
     return record
 
 
-def scores(logits: Tensor, truth: Tensor, temperature: float) -> dict[str, float]:
-    """Return ACC, Macro-F1 and confidence scores, the latter also before the temperature (raw)."""
-    found = tempered(logits, temperature)
-    raw = tempered(logits, 1.0)
-    predicted = logits.argmax(-1)
-    return {
-        "accuracy": float(accuracy(truth, predicted)),
-        "macro_f1": float(macro_f1(truth, predicted)),
-        "macro_f1_union": float(macro_f1(truth, predicted, average="union")),
-        **{name: float(m(found, truth)) for name, m in CONFIDENCE.items()},
-        **{f"{name}_raw": float(m(raw, truth)) for name, m in CONFIDENCE.items()},
+def _scores(logits: Tensor, truth: Tensor) -> dict[str, float]:
+    union = macro_f1(truth, logits.argmax(-1), average="union")
+    return {**_short_scores(logits, truth), "macro_f1_union": float(union)}
+
+
+def confidence(logits: Tensor, truth: Tensor, temperature: float) -> dict[str, float]:
+    """Return ECE, NLL and AURC after the temperature, and before it (raw)."""
+    found, raw = tempered(logits, temperature), tempered(logits, 1.0)
+    return {name: float(m(found, truth)) for name, m in CONFIDENCE.items()} | {
+        f"{name}_raw": float(m(raw, truth)) for name, m in CONFIDENCE.items()
     }
 
 

@@ -6,10 +6,12 @@ from pathlib import Path
 from typing import Any
 
 from omnivat.data.domains import paper_name
+from omnivat.figures.curves import lines
+from omnivat.figures.still import svg_of
 from omnivat.files import write_text
-from omnivat.reports.intervals import Spread, spread
+from omnivat.reports.evidence_report import count_text, markdown, spread_text
+from omnivat.reports.intervals import Spread, spread, spread_lines
 from omnivat.reports.paper import MARK, ablation_cell, not_comparable
-from omnivat.reports.plot import line_plot
 from omnivat.reports.reading import (
     METRICS,
     Record,
@@ -19,7 +21,6 @@ from omnivat.reports.reading import (
     completed,
     latest,
 )
-from omnivat.reports.text_table import count_text, markdown, spread_text
 
 REPORT = "ablations.md"
 SCORES = ("accuracy", "macro_f1")
@@ -123,7 +124,16 @@ def ablation_plot(
     }
     where = sources[0] if len(sources) == 1 else f"mean of {len(sources)} sources"
     title = f"{table['title'].split(':')[0]}, {where} → X"
-    return line_plot(title, table["axis"], [f"{value:g}" for _, value in placed], series)
+    spreads = {name: spread_lines(found) for name, found in series.items()}
+    return svg_of(
+        lines(
+            spreads,
+            title=title,
+            across=table["axis"],
+            up="%",
+            ticks=[f"{value:g}" for _, value in placed],
+        )
+    )
 
 
 def ablation_points(records: Sequence[Record], table: Mapping[str, Any], source: str) -> str:

@@ -25,6 +25,11 @@ def spread(values: Sequence[float]) -> Spread:
     )
 
 
+def spread_lines(found: Sequence[Spread]) -> tuple[list[float], list[float], list[float]]:
+    """Return places 0, 1, 2, ..., means and standard deviations, as `omnivat.figures.lines` takes them."""
+    return [float(k) for k in range(len(found))], [s.mean for s in found], [s.std for s in found]
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Interval:
     """A mean paired difference with its confidence interval and the number of values."""

@@ -4,12 +4,14 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from omnivat.files import write_text
-from omnivat.reports.intervals import (
-    bootstrap_interval,
-    paired_differences,
-    spread,
-    t_interval,
+from omnivat.reports.evidence_report import (
+    count_text,
+    interval_text,
+    markdown,
+    percent,
+    spread_text,
 )
+from omnivat.reports.intervals import bootstrap_interval, paired_differences, spread, t_interval
 from omnivat.reports.paper import MARK, not_comparable, paper_rows, target_rows
 from omnivat.reports.reading import (
     METRICS,
@@ -23,13 +25,6 @@ from omnivat.reports.reading import (
 )
 from omnivat.reports.readings_report import readings_parts
 from omnivat.reports.side_report import side_parts
-from omnivat.reports.text_table import (
-    count_text,
-    interval_text,
-    markdown,
-    percent,
-    spread_text,
-)
 
 REPORT = "report.md"
 OURS = "omnivat"
@@ -52,11 +47,11 @@ def protocol_report(records: Sequence[Record]) -> str:
         "# Single-domain generalization: comparison",
         _origin(found),
         *readings_parts(found),
-        "## Each source, both images: ACC / Macro-F1, mean over unseen targets",
+        "## Each source, both images by mean fusion: ACC / Macro-F1, mean over unseen targets",
         main_table(found),
         "Mean ± standard deviation (n − 1) over seeds; Macro-F1 over classes present in a target.",
         *side_parts(found),
-        "## Other intervals: both images against both images, 95 %, paired by source and seed",
+        "## Other intervals: both images by mean fusion, 95 %, paired by source and seed",
         interval_table(found),
         "Points; none of these treats test objects as random or corrects for several comparisons. t: "
         "over sources × seeds (n printed), assumed independent. Grouped: percentile bootstrap that "

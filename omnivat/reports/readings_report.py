@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
+from omnivat.model.fusion import FUSIONS
 from omnivat.reports.bootstrap import (
     METRICS,
     Resampled,
@@ -12,15 +13,19 @@ from omnivat.reports.bootstrap import (
     resampled,
     simultaneous,
 )
+from omnivat.reports.evidence_report import interval_text, markdown, percent, spread_text
 from omnivat.reports.intervals import Interval, spread
 from omnivat.reports.reading import METRICS as NAMES
 from omnivat.reports.reading import Record, by_run, by_seed, completed, methods
-from omnivat.reports.text_table import interval_text, markdown, percent, spread_text
 
 OURS = ("omnivat", "fused")
-DEFAULT = ("omnivat", "fusion:mean")  # the head as shipped, also shown
-READINGS = {"vis": "photo only", "tac": "touch only", "fused": "both"}
-FUSIONS = ("mean", "product", "confidence", "learned", "feature")
+CHOSEN = ("omnivat", "chosen")
+READINGS = {
+    "vis": "photo only",
+    "tac": "touch only",
+    "fused": "both, mean fusion",
+    "chosen": "both, chosen fusion",
+}
 
 
 def readings_parts(records: Sequence[Record]) -> list[str]:
@@ -28,7 +33,9 @@ def readings_parts(records: Sequence[Record]) -> list[str]:
     parts = ["## Photo only, touch only, both: ACC / Macro-F1", readings_table(records)]
     parts.append(
         "Mean over unseen targets, then sources; ± standard deviation (n − 1) over seeds. Photo "
-        "only and touch only: the other image is absent."
+        "only and touch only: the other image is absent. Both, mean fusion: the mean of two "
+        "predictions, or the one prediction of a method that joins features (“–” under chosen fusion). "
+        "Chosen fusion: the one with the lowest log loss on held-out objects of the source."
     )
     found = compared(records)
     if found is None:
@@ -38,42 +45,54 @@ def readings_parts(records: Sequence[Record]) -> list[str]:
     labels = methods(records)
     return [
         "## OmniVaT against the best other row",
+        "Both images, mean fusion:",
         *[headline(metric, ours, others, intervals, labels) for metric in METRICS],
-        *_default_headline(records, others, labels),
+        *_chosen_headline(records, others, labels),
         "Intervals: hierarchical bootstrap over sources, seeds and test objects (the objects of a "
         "test set are drawn once for all sources), simultaneous over all rows below by the max-t "
         "method; 2,000 draws.",
         *parts,
-        "## OmniVaT, both, minus every other row",
+        "## OmniVaT, both images by mean fusion, minus every other row",
         differences_table(ours, others, intervals, labels),
         *ablated_part(records),
     ]
 
 
-def _default_headline(
+def _chosen_headline(
     records: Sequence[Record],
     others: Mapping[str, Mapping[Row, Resampled]],
     labels: Mapping[str, str],
 ) -> list[str]:
-    """Return the headline for the default fusion, if runs chose another; else nothing."""
+    """Return the headline for the chosen fusion, if runs chose another than the mean."""
     chosen = {r.get("chosen", {}).get("fusion", "mean") for r in completed(records, OURS[0])}
-    if chosen == {"mean"} or DEFAULT not in complete_rows(records, (DEFAULT[1],)):
+    if chosen == {"mean"} or CHOSEN not in complete_rows(records, (CHOSEN[1],)):
         return []
-    ours = resampled(records, DEFAULT, draws_for([r for r in records if "targets" in r]))
+    ours = resampled(records, CHOSEN, draws_for([r for r in records if "targets" in r]))
     intervals = {metric: simultaneous(ours[metric], others[metric]) for metric in METRICS}
     lines = [headline(metric, ours, others, intervals, labels) for metric in METRICS]
-    return ["With the default fusion (the mean) instead of the one chosen on the source:", *lines]
+    return ["The same with the fusion chosen on the source:", *lines]
 
 
 def ablated_part(records: Sequence[Record]) -> list[str]:
-    """Return OmniVaT minus itself with one part switched off; empty without such runs."""
-    found = compared(records, only_ablated=True)
+    """Return OmniVaT minus itself with one part switched off; empty without such runs.
+
+    Only sources where OmniVaT kept the settings of these rows count: it may choose, they may not.
+    """
+    own = [r for r in completed(records, OURS[0]) if r.get("settings", {}).get("candidates")]
+    left = {r["source"] for r in own if r["chosen"].get("settings") != "as set"}
+    found = compared([r for r in records if r["source"] not in left], only_ablated=True)
     if found is None:
         return []
     ours, others = found
     intervals = {metric: simultaneous(ours[metric], others[metric]) for metric in METRICS}
     table = differences_table(ours, others, intervals, methods(records))
-    return ["## OmniVaT minus itself with one part switched off, both images", table]
+    note = "Both images, mean fusion."
+    if left:
+        note += (
+            f" Without {', '.join(sorted(left))}: there OmniVaT chose other settings on held-out "
+            "objects, a choice that the rows below do not have."
+        )
+    return ["## OmniVaT minus itself with one part switched off", note, table]
 
 
 def compared(
@@ -83,7 +102,8 @@ def compared(
 
     only_ablated  compare with OmniVaT's own ablations instead, both images only
     """
-    names = ("fused",) if only_ablated else (*READINGS, *(f"fusion:{kind}" for kind in FUSIONS))
+    late = (f"fusion:{kind}" for kind in FUSIONS if kind != "mean")
+    names = ("fused",) if only_ablated else (*READINGS, *late)
     rows = complete_rows(records, names)
     if OURS not in rows:
         return None
@@ -156,7 +176,8 @@ def readings_table(records: Sequence[Record]) -> str:
         cells = []
         for reading in READINGS:
             values = [by_seed(by_run(records, name, m, reading), sources) for m in METRICS]
-            cells.append(" / ".join(spread_text(spread(v)) for v in values) if values[0] else "–")
+            text = " / ".join(spread_text(spread(v)) for v in values)
+            cells.append(text.replace("– / –", "–"))
         seeds = {record["seed"] for record in own}
         fusions = sorted({record.get("chosen", {}).get("fusion", "") for record in own} - {""})
         rows.append([label, *cells, ", ".join(fusions), str(len(seeds))])

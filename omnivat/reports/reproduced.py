@@ -4,9 +4,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from omnivat.data.domains import paper_name
+from omnivat.reports.evidence_report import markdown
 from omnivat.reports.paper import MARK, not_comparable, paper
 from omnivat.reports.reading import Record, completed, latest, methods
-from omnivat.reports.text_table import markdown
 
 SOURCE = "TAG"  # the source of the paper's margins
 

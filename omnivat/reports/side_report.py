@@ -4,10 +4,10 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from omnivat.model.fusion import FUSIONS
+from omnivat.reports.evidence_report import markdown, percent
 from omnivat.reports.intervals import spread
 from omnivat.reports.reading import Record, completed, methods
-from omnivat.reports.readings_report import FUSIONS
-from omnivat.reports.text_table import markdown, percent
 
 CONFIDENCE = {"ece": "ECE", "nll": "NLL", "aurc": "AURC"}
 
@@ -33,7 +33,7 @@ FUSION_NOTE = (
     "plain and under imitated sensors; “feature” classifies the sum of the two features."
 )
 CONFIDENCE_NOTE = (
-    "On unseen targets, both images. ECE in percent, NLL in nats, AURC: area under the risk-coverage "
+    "On unseen targets, both images, mean fusion; rows whose records hold the probabilities. ECE in percent, NLL in nats, AURC: area under the risk-coverage "
     "curve, × 100. Temperatures are fitted to held-out objects of the source, plain and under "
     "imitated sensors; they change no prediction."
 )
@@ -84,8 +84,9 @@ def confidence_table(records: Sequence[Record]) -> str:
     """Return ECE, NLL and AURC before and after the temperature, of calibrated methods."""
     rows = []
     for name, label in methods(records).items():
-        own = [r for r in completed(records, name) if r.get("settings", {}).get("calibrate")]
-        if not own:
+        own = completed(records, name)
+        told = all("ece" in t["scores"]["fused"] for r in own for t in _targets(r))
+        if not (own and told and all(r.get("settings", {}).get("calibrate") for r in own)):
             continue
         cells = []
         for metric in CONFIDENCE:

@@ -1,7 +1,10 @@
-"""Build a simulated set of pairs on disk from a seed; an interrupted build resumes."""
+"""Build a simulated set of pairs on disk from a seed; an interrupted build resumes.
+
+A few pairs of a set can be copied as small examples."""
 
 import csv
 import io
+from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from functools import partial
@@ -12,20 +15,68 @@ import numpy as np
 from PIL import Image
 
 from omnivat.data.domains import DOMAINS, paper_name, simulated
+from omnivat.data.images import read_image
 from omnivat.data.pairs import Pair, PairSet
+from omnivat.data.rest import REST
 from omnivat.errors import DataError
 from omnivat.files import replacing, write_text
 from omnivat.progress import OnStep, Step, ignore
+from omnivat.simulate.drawing import resting
 from omnivat.simulate.noise import Array
 from omnivat.simulate.plan import PAIRS, Planned, classes, planned
 from omnivat.tables import load
-from omnivat.workers import worker_pool
+from omnivat.threads import worker_pool
+
+QUALITY = 94  # of JPEG: over a quarter of the PNG; no subsampling, for the colours of a gel
+
+
+def write_examples(made: PairSet, folder: Path, *, each: int = 2) -> list[Path]:
+    """Write `<folder>/<domain>/<class>/<name>_{vis,tac}.jpg`; return the files.
+
+    made  a simulated set on disk
+    each  pairs of each class of each domain, of test objects; fewer if there are not enough
+
+    Images keep their full size, with JPEG's loss. Raises DataError if the set has no test pairs.
+    """
+    classes: dict[tuple[str, str], list[Pair]] = defaultdict(list)
+    for pair in made.pairs:
+        if pair.split == "test":
+            classes[pair.domain, pair.material].append(pair)
+    if not classes:
+        raise DataError(
+            "The set has no test objects to take examples from; ask for 4 pairs per class or more."
+        )
+    written = []
+    for (domain, material), things in classes.items():
+        for pair in chosen(things, each):
+            for kind, image in (("vis", pair.vis), ("tac", pair.tac)):
+                stem = image.stem.removesuffix(f"_{kind}")
+                file = folder / domain / material / f"{stem}_{kind}.jpg"
+                with replacing(file) as temporary:
+                    read_image(image).save(temporary, "JPEG", quality=QUALITY, subsampling=0)
+                written.append(file)
+    return written
+
+
+def chosen(things: list[Pair], count: int) -> list[Pair]:
+    """Return `count` of `things`, half of them (rounded down) visual imitators if possible."""
+    alike = [pair for pair in things if pair.looks_like]
+    plain = [pair for pair in things if not pair.looks_like]
+    few = max(min(count // 2, len(alike)), count - len(plain))
+    return spread(plain, count - few) + spread(alike, few)
+
+
+def spread(things: list[Pair], count: int) -> list[Pair]:
+    """Return `count` of `things`, evenly spaced, or all of them."""
+    count = min(count, len(things))
+    return [things[(2 * index + 1) * len(things) // (2 * count)] for index in range(count)]
+
 
 _NAMES = ("object", "split", "part", "looks_like", "feels_like")
 COLUMNS = ("vis", "tac", "domain", "material", *_NAMES)
 RENDERERS = {
     "mitsuba": "omnivat.simulate.vision:rendered",
-    "plain": "omnivat.simulate.shading:shaded",
+    "plain": "omnivat.simulate.photograph:plain",
 }
 
 
@@ -42,11 +93,13 @@ def simulate(
 ) -> PairSet:
     """Write `<out>/<domain>/<class>/<name>_{vis,tac}.png` and `<out>/pairs.csv`; return the pairs.
 
+    Each domain's folder also gets `rest.png`, its sensor while it touches nothing.
+
     domains          paper's names or their simulated ones; None means all eight
     pairs_per_class  of each class of each domain
     size             side of an image in pixels
     workers          processes; None means one for each core
-    renderer         "mitsuba", or "plain" for the built-in shader without dependencies
+    renderer         "mitsuba", or "plain" for flat surfaces without dependencies
 
     The same arguments give the same bytes. Complete images are kept, so an interrupted build
     resumes. Delete the folder to start again, for instance with another seed.
@@ -70,6 +123,8 @@ def simulate(
     for pair in _carried_out(work, todo, workers=workers or cpu_count() or 1):
         done += 1
         on_step(Step(done=done, total=len(plan), text=f"{pair.folder()}/{pair.stem}"))
+    for name in dict.fromkeys(pair.domain for pair in plan):
+        _write(out / simulated(name) / REST, resting(name, size=size))
     write_text(out / "pairs.csv", _table(plan))
     return PairSet(
         pairs=tuple(_pair(out, pair) for pair in plan),

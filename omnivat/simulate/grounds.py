@@ -5,8 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from omnivat.simulate.noise import Array, cells, smoothstep
-from omnivat.simulate.surfaces.base import mixed, tinted
-from omnivat.simulate.surfaces.patterns import grain, orange_peel, streaks, tiles
+from omnivat.simulate.surfaces.base import grain, mixed, orange_peel, streaks, tiles, tinted
 
 
 def ground(name: str, x: Array, y: Array, *, seed: int) -> Array:

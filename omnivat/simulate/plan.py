@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 from omnivat.data.domains import DOMAINS, Domain, simulated
 from omnivat.data.materials import MATERIALS
-from omnivat.simulate.looks import IMITATIONS
 
 PAIRS = 60  # of each class of each domain in the shipped set
 TEST_EVERY = 3  # one object of three is a test object
@@ -94,3 +93,14 @@ def _is_test(turn: int) -> bool:
 def classes(domain: Domain) -> tuple[str, ...]:
     """Return the materials of a domain."""
     return tuple(name for name in MATERIALS if domain.ceramic or name != "ceramic")
+
+
+IMITATIONS: dict[str, tuple[str, ...]] = {
+    "wood": ("plastic", "ceramic", "steel"),  # painted, matt or glossy; metallic lacquer
+    "steel": ("plastic", "ceramic", "wood"),  # powder coat; enamel; film with a picture of wood
+    "plastic": ("wood", "steel", "glass", "ceramic"),  # laminate; faux metal; clear; melamine
+    "ceramic": ("wood", "plastic", "steel"),  # wood-look tile; matt glaze; metallic glaze
+    "glass": ("plastic", "ceramic", "steel"),  # dyed and opaque; milk glass; silvered
+}
+EMBOSSED = 0.3  # share of the imitated relief in an imitation
+OTHER_SHAPE = 0.7  # share of the imitations with a shape of the imitated class

@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from omnivat.simulate.framing import Framing
 from omnivat.simulate.noise import Array
+from omnivat.simulate.photograph import Framing
 from omnivat.simulate.scenes import Colour
 from omnivat.simulate.shapes import KINDS, OBJECTS, kind_of, made_of
 from omnivat.simulate.shapes.solid import Solid, placed

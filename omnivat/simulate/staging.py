@@ -1,15 +1,133 @@
-"""The set of a photograph: ground, background, other things."""
+"""What Mitsuba renders: surfaces as textures and materials, the ground, other things."""
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from omnivat.simulate.framing import Framing
 from omnivat.simulate.grounds import beyond, ground
-from omnivat.simulate.noise import Array
+from omnivat.simulate.noise import Array, turned
+from omnivat.simulate.photograph import Framing
 from omnivat.simulate.props import others
-from omnivat.simulate.reflecting import bitmap, mesh
+from omnivat.simulate.shapes import Solid
+from omnivat.simulate.surfaces import Surface
 from omnivat.simulate.things import Thing
+
+_TEXELS = 28_000
+_FINER = 2  # samples along each side of a texel
+_MARGIN = 1.3  # of the view, around the contact; parts farther away are not in the picture
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Texture:
+    """Pictures on the solid's uv; the first row is the smallest v.
+
+    uv         (V, 2) of each vertex, 0 to 1 over the pictures
+    colour     (H, W, 3) linear
+    bumps      (H, W) mm
+    slopes     root-mean-square slopes along u and v, too fine for the pictures
+    """
+
+    uv: Array
+    colour: Array
+    bumps: Array
+    slopes: tuple[float, float]
+
+
+def textured(thing: Thing, framing: Framing) -> Texture:
+    """Return the thing's appearance on its solid, at the resolution of a photograph."""
+    uv = thing.solid.uv
+    reach = _MARGIN * framing.view
+    low = np.maximum(uv.min(0), thing.spot.uv - reach)
+    high = np.maximum(np.minimum(uv.max(0), thing.spot.uv + reach), low + 1.0)
+    step = float(np.sqrt(np.prod(high - low) / _TEXELS))
+    columns, rows = (int(n) for n in np.maximum(np.ceil((high - low) / step), 2))
+    fine = [
+        (np.arange(_FINER * count) + 0.5) / (_FINER * count) * (b - a) + a
+        for count, a, b in zip((columns, rows), low, high, strict=True)
+    ]
+    u, v = np.meshgrid(*fine)
+    shape = (rows, _FINER, columns, _FINER)
+    return Texture(
+        uv=(uv - low) / (high - low),
+        colour=thing.sight.colour(u, v).reshape(*shape, 3).mean((1, 3)),
+        bumps=thing.sight.relief(u, v).reshape(shape).mean((1, 3)),
+        slopes=unresolved_slopes(thing.sight, thing.spot.uv, spacing=step),
+    )
+
+
+def unresolved_slopes(surface: Surface, at: Array, *, spacing: float) -> tuple[float, float]:
+    """Return root-mean-square slopes along and across the axis that texels of `spacing` mm lose.
+
+    They widen the highlight, as in nature: from a distance, a brushed sheet is a rough mirror.
+    """
+    axis = np.arange(-48, 48) * (spacing / 6)
+    along, across = np.meshgrid(axis, axis)
+    u, v = turned(along, across, -surface.angle)
+    relief = surface.relief(u + at[0], v + at[1])
+    fine = np.gradient(relief, spacing / 6)
+    coarse = np.gradient(relief.reshape(16, 6, 16, 6).mean((1, 3)), spacing)
+    lost = [max(float(f.var() - c.var()), 0.0) for f, c in zip(fine, coarse, strict=True)]
+    return float(np.sqrt(lost[1])), float(np.sqrt(lost[0]))
+
+
+def mesh(mi: Any, solid: Solid, uv: Array, material: dict[str, Any]) -> Any:
+    """Return a solid as a Mitsuba mesh with its own normals; `uv` (V, 2) are texture coordinates."""
+    properties = mi.Properties()
+    properties["bsdf"] = mi.load_dict(material)
+    shape = mi.Mesh(
+        "object", vertex_count=len(solid.vertices), face_count=len(solid.faces),
+        has_vertex_normals=True, has_vertex_texcoords=True, props=properties,
+    )  # fmt: skip
+    values = mi.traverse(shape)
+    values["vertex_positions"] = solid.vertices.astype(np.float32).ravel()
+    values["vertex_texcoords"] = uv.astype(np.float32).ravel()
+    values["faces"] = solid.faces.astype(np.uint32).ravel()
+    values.update()
+    values["vertex_normals"] = solid.normals().astype(np.float32).ravel()
+    values.update()
+    return shape
+
+
+def material(mi: Any, thing: Thing, texture: Texture) -> dict[str, Any]:
+    """Return the BSDF; skin and unresolved relief widen its highlight."""
+    sight = thing.sight
+    along, across = (
+        float(np.clip(np.hypot(sight.roughness, slope), 0.015, 0.6)) for slope in texture.slopes
+    )
+    if sight.gloss == "glass":
+        alpha = (along + across) / 2
+        kind = {"type": "dielectric"} if alpha < 0.03 else {
+            "type": "roughdielectric", "alpha": alpha}  # fmt: skip
+        clear = bitmap(mi, np.sqrt(texture.colour))  # two walls, two faces each
+        return kind | {"int_ior": 1.5, "specular_transmittance": clear}
+    colour = bitmap(mi, texture.colour)
+    skin: dict[str, Any]
+    if sight.gloss == "matte":
+        skin = {"type": "diffuse", "reflectance": colour}
+    elif sight.gloss == "metal":
+        skin = {
+            "type": "roughconductor", "material": "none", "distribution": "ggx",
+            "alpha_u": along * (1 - 0.6 * sight.brushing), "alpha_v": across,
+            "specular_reflectance": colour,
+        }  # fmt: skip
+    else:
+        skin = {
+            "type": "roughplastic", "distribution": "ggx", "alpha": (along + across) / 2,
+            "int_ior": 1.5, "diffuse_reflectance": colour, "nonlinear": True,
+        }  # fmt: skip
+    bumps = bitmap(mi, texture.bumps[..., None])
+    return {"type": "twosided", "bsdf": {"type": "bumpmap", "bumps": bumps, "bsdf": skin}}
+
+
+def bitmap(mi: Any, pixels: NDArray[np.floating[Any]]) -> dict[str, Any]:
+    """Return a picture (H, W, C) of linear values as a Mitsuba texture."""
+    return {
+        "type": "bitmap", "bitmap": mi.Bitmap(np.ascontiguousarray(pixels, dtype=np.float32)),
+        "raw": True, "wrap_mode": "mirror",
+    }  # fmt: skip
+
 
 _PIXELS = 160  # of the grounds' pictures
 _SIDE = 4.0  # of the ground, in widths of the view

@@ -4,15 +4,16 @@ A photometric-stereo model in four steps: slopes of the gel; light of each lamp 
 it; appearance of the untouched gel; markers and camera errors.
 """
 
+from dataclasses import replace
+
 import numpy as np
 from scipy.ndimage import gaussian_filter
 
 from omnivat.seeding import derive_seed
 from omnivat.simulate.contact import Press, draped, indentation, plane, pressed_height
 from omnivat.simulate.noise import Array, noise, smoothstep, turned
-from omnivat.simulate.sensors import Lamp, Markers, Sensor
+from omnivat.simulate.sensors import Colour, Lamp, Markers, Sensor
 from omnivat.simulate.things import Thing
-from omnivat.simulate.wear import blotted, used
 
 
 def touch(thing: Thing, press: Press, sensor: Sensor, *, size: int, seed: int) -> Array:
@@ -27,10 +28,32 @@ def touch(thing: Thing, press: Press, sensor: Sensor, *, size: int, seed: int) -
     indent = indentation(height, field=sensor.field, depth=depth, dome=sensor.dome)
     sheet = draped(indent, field=sensor.field, give=sensor.give, skin=sensor.skin)
     image = blotted(untouched(sensor, size=size) + lit(sheet, sensor), sensor, seed=seed)
-    if sensor.markers:
-        shade = marker_shade(sheet, sensor.markers, sensor.field, press.shear)
-        image = image * (1.0 - shade[..., None])
+    image = _marked(image, sheet, sensor, press.shear)
     return photographed(image, blur=sensor.blur, noise_level=sensor.noise, seed=seed)
+
+
+def at_rest(sensor: Sensor, *, size: int, seed: int | None = None) -> Array:
+    """Return the picture (size, size, 3), 0 to 1, of a gel that touches nothing, without noise.
+
+    seed  of one particular gel, as in `touch`; None: the sensor's own values, without wear
+    """
+    if seed is not None:
+        sensor = used(sensor, np.random.default_rng(derive_seed(seed, "gel")))
+    image = untouched(sensor, size=size)
+    image = image if seed is None else blotted(image, sensor, seed=seed)
+    image = _marked(image, np.zeros((size, size)), sensor, (0.0, 0.0))
+    if sensor.blur:
+        image = gaussian_filter(image, (sensor.blur, sensor.blur, 0.0), mode="nearest")
+    return np.asarray(np.clip(image, 0.0, 1.0))
+
+
+def _marked(image: Array, sheet: Array, sensor: Sensor, shear: tuple[float, float]) -> Array:
+    """Return the picture with the gel's markers, if it has any."""
+    if sensor.markers is None:
+        return image
+    return np.asarray(
+        image * (1.0 - marker_shade(sheet, sensor.markers, sensor.field, shear)[..., None])
+    )
 
 
 def untouched(sensor: Sensor, *, size: int) -> Array:
@@ -95,3 +118,64 @@ def photographed(image: Array, *, blur: float, noise_level: float, seed: int) ->
     exposure = 1.0 + 0.03 * rng.normal()
     grainy = image * exposure + noise_level * rng.normal(size=image.shape)
     return np.asarray(np.clip(grainy, 0.0, 1.0))
+
+
+_TINT = 0.07  # spread of the gel's colour
+_LAMP = 0.14  # spread of a lamp's strength
+_AIM = 4.0  # degrees of spread in a lamp's direction
+
+
+def used(sensor: Sensor, rng: np.random.Generator) -> Sensor:
+    """Return the sensor with one particular gel, on one day."""
+    lamps = tuple(
+        Lamp(
+            azimuth=lamp.azimuth + float(rng.normal(0, _AIM)),
+            colour=_varied(lamp.colour, _LAMP, rng),
+            spill=lamp.spill * float(rng.uniform(0.8, 1.2)),
+        )
+        for lamp in sensor.lamps
+    )
+    return replace(
+        sensor,
+        lamps=lamps,
+        base=_varied(sensor.base, _TINT, rng),
+        gain=sensor.gain * float(rng.uniform(0.85, 1.2)),
+        skin=sensor.skin * float(rng.uniform(0.85, 1.2)),
+        noise=sensor.noise * float(rng.uniform(0.6, 1.4)),
+        markers=_printed(sensor, rng),
+    )
+
+
+def _varied(colour: Colour, spread: float, rng: np.random.Generator) -> Colour:
+    """Return a colour whose strength and whose channels differ a little."""
+    red, green, blue = np.exp(rng.normal(0, spread) + rng.normal(0, spread / 2, 3)) * colour
+    return (float(red), float(green), float(blue))
+
+
+def _printed(sensor: Sensor, rng: np.random.Generator) -> Markers | None:
+    """Return the markers of one gel: shifted, worn, or missing."""
+    plain, worn, print_ = rng.random(), float(rng.uniform(0.6, 1.05)), rng.uniform(-1, 1, 3)
+    if sensor.markers is None or plain < sensor.plain_gels:
+        return None
+    return replace(
+        sensor.markers,
+        darkness=min(sensor.markers.darkness * worn, 1.0),
+        radius=sensor.markers.radius * float(rng.uniform(0.85, 1.15)),
+        shift=(float(print_[0]), float(print_[1])),
+        turn=0.06 * float(print_[2]),
+    )
+
+
+def blotted(image: Array, sensor: Sensor, *, seed: int) -> Array:
+    """Return the picture (size, size, 3) through a gel with stains and specks."""
+    size = len(image)
+    x, y = plane(sensor.field, size)
+    rng = np.random.default_rng(seed)
+    stains = 1.0 + 0.035 * noise(x, y, wavelength=5.0, seed=int(rng.integers(2**31)))
+    specks = np.zeros((size, size))
+    for _ in range(int(rng.integers(0, 7))):
+        u, v = rng.uniform(-sensor.field / 2, sensor.field / 2, 2)
+        radius = rng.uniform(0.05, 0.16)
+        specks = np.maximum(specks, 1.0 - smoothstep(np.hypot(x - u, y - v), radius, 2 * radius))
+    soft = gaussian_filter(specks, 0.5)
+    return np.asarray(image * (stains * (1.0 - 0.6 * soft))[..., None])

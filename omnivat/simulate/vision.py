@@ -1,21 +1,21 @@
-"""VIS by Mitsuba 3: the object in its place, the light, the camera."""
+"""VIS by Mitsuba 3: the object in its place, its surroundings, the camera, and a denoiser.
+
+Denoising is an edge-avoiding à-trous filter (Dammertz et al., 2010) on light divided by the surface's
+colour, which keeps textures sharp.
+"""
 
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from scipy.ndimage import median_filter
+from scipy.ndimage import median_filter, uniform_filter
 
-from omnivat.packages import need
-from omnivat.simulate.denoising import denoised
-from omnivat.simulate.environment import panorama
-from omnivat.simulate.framing import Framing
-from omnivat.simulate.noise import Array
+from omnivat.simulate.noise import Array, octaves, smoothstep
+from omnivat.simulate.photograph import Framing
 from omnivat.simulate.props import props
-from omnivat.simulate.reflecting import material, mesh
-from omnivat.simulate.staging import clutter, place
-from omnivat.simulate.texture import textured
+from omnivat.simulate.staging import clutter, material, mesh, place, textured
 from omnivat.simulate.things import Thing
+from omnivat.tables import need
 
 SAMPLES = 4  # paths for each pixel; their grain is filtered
 SAMPLES_GLASS = 8
@@ -88,3 +88,80 @@ def _light(mi: Any, framing: Framing, *, clear: bool) -> dict[str, Any]:
     sky = panorama(framing, least_softness=0.6 if clear else 0.0).astype(np.float32)
     upright = mi.ScalarTransform4f().rotate([1, 0, 0], 90)
     return {"type": "envmap", "bitmap": mi.Bitmap(sky), "to_world": upright}
+
+
+_STEPS = (1, 2, 4)  # pixels between the taps of each pass
+_COLOUR, _NORMAL = 0.06, 0.25  # differences above which two pixels count as different
+_LIGHT = (0.9, 0.5, 0.3)  # the same for the logarithm of light, at each pass
+_FLOOR = 0.03  # smallest reflectance for dividing light by colour
+
+
+def denoised(radiance: Array, colour: Array, normal: Array) -> Array:
+    """Return radiance (H, W, 3) without grain.
+
+    colour  (H, W, 3) reflectance of what each pixel shows
+    normal  (H, W, 3) of what each pixel shows
+    """
+    body = colour + _FLOOR
+    light = radiance / body
+    for step, spread in zip(_STEPS, _LIGHT, strict=True):
+        light = _smoothed(light, colour, normal, step, spread)
+    return np.asarray(light * body)
+
+
+def _smoothed(light: Array, colour: Array, normal: Array, step: int, spread: float) -> Array:
+    # Compare means of nine pixels: a single dark or bright path is not an edge.
+    tone = np.log(uniform_filter(light.mean(-1), 3, mode="nearest") + 0.02)
+    features = np.concatenate([colour / _COLOUR, normal / _NORMAL, tone[..., None] / spread], -1)
+    total, weights = np.zeros_like(light), np.zeros(light.shape[:2])
+    pad = [(step, step), (step, step), (0, 0)]
+    wide, around = np.pad(light, pad, mode="edge"), np.pad(features, pad, mode="edge")
+    rows, columns = light.shape[:2]
+    for down in (0, step, 2 * step):
+        for right in (0, step, 2 * step):
+            there = (slice(down, down + rows), slice(right, right + columns))
+            apart = around[there] - features
+            near = 0.5 ** (abs(down - step) // step + abs(right - step) // step)
+            weight = near * np.exp(-0.5 * np.einsum("hwc,hwc->hw", apart, apart))
+            total += weight[..., None] * wide[there]
+            weights += weight
+    return np.asarray(total / weights[..., None])
+
+
+_ROWS, _COLUMNS = 64, 128
+
+
+def panorama(framing: Framing, *, least_softness: float = 0.0) -> Array:
+    """Return radiance (64, 128, 3) by polar angle from straight up, and azimuth.
+
+    Shiny objects mirror their surroundings, so the sky has a horizon and walls or clouds. The key
+    light's total power does not depend on its size.
+    """
+    polar, azimuth = np.meshgrid(
+        (np.arange(_ROWS) + 0.5) / _ROWS * np.pi,
+        (np.arange(_COLUMNS) + 0.5) / _COLUMNS * 2 * np.pi,
+        indexing="ij",
+    )
+    way = np.stack(
+        [np.sin(polar) * np.cos(azimuth), np.sin(polar) * np.sin(azimuth), np.cos(polar)], axis=-1
+    )
+    flat = np.cos(framing.height)
+    key = np.array(
+        [flat * np.cos(framing.light), flat * np.sin(framing.light), np.sin(framing.height)]
+    )
+    width = max(framing.scene.softness, least_softness, 0.08)
+    away = np.arccos(np.clip(way @ key, -1.0, 1.0))
+    lamp = np.exp(-((away / width) ** 4))
+    weight = np.sin(polar)
+    lamp = lamp / (lamp * weight).sum() * _ROWS * _COLUMNS / np.pi**2
+    sky = np.asarray(framing.sky) * _surroundings(way, polar, framing.seed)[..., None]
+    return np.asarray(sky + 1.3 * np.asarray(framing.sun) * lamp[..., None])
+
+
+def _surroundings(way: Array, polar: Array, seed: int) -> Array:
+    """Return the uneven brightness of the surroundings, about 1."""
+    above = smoothstep(np.cos(polar), -0.05, 0.25)
+    blocks = octaves(
+        3.0 * way[..., 0] + way[..., 2], 3.0 * way[..., 1], wavelength=1.5, finest=0.4, seed=seed
+    )
+    return np.asarray((0.2 + 0.8 * above) * (1.0 + 0.8 * np.tanh(2.0 * blocks)))

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from omnivat.checkpoint import load_head
 from omnivat.data.store import load_embeddings
-from omnivat.packages import need
 from omnivat.progress import OnStep, Step, ignore
 from omnivat.stages import STILL
 from omnivat.sweep.curves import sweep
+from omnivat.tables import need
 from omnivat.threads import one_thread
 
 

@@ -1,7 +1,10 @@
 """Gaps and scores of a set as functions of p: one curve for each measure and stage."""
 
-from collections.abc import Iterator, Sequence
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import torch
@@ -9,12 +12,34 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from omnivat.data.store import Embeddings
+from omnivat.files import write_csv, write_json
 from omnivat.gaps.measures import PREDICTION_MEASURES, STAGE_MEASURES, SUM_MEASURES, Facts
 from omnivat.gaps.unit import unit
 from omnivat.model.head import OmniVaT
 from omnivat.progress import OnStep, Step, ignore
 from omnivat.stages import STILL
 from omnivat.sweep.walk import CHUNK, AtOrder, coarse_first, require_known, walk
+
+Curves = Mapping[str, Sequence[float | None]]
+
+
+def write_curves_json(
+    path: str | Path, orders: Sequence[float], curves: Curves, head: Mapping[str, Any]
+) -> None:
+    """Write `{"orders": [...], "head": {...}, "curves": {name: [...]}}`; null means undefined."""
+    plain = {name: [_number(value) for value in values] for name, values in curves.items()}
+    write_json(path, {"orders": list(orders), "head": dict(head), "curves": plain})
+
+
+def write_curves_csv(path: str | Path, orders: Sequence[float], curves: Curves) -> None:
+    """Write a column `order`, then one column for each curve; an empty cell means undefined."""
+    rows = zip(orders, *(map(_number, values) for values in curves.values()), strict=True)
+    write_csv(path, ["order", *curves], rows)  # None is an empty cell
+
+
+def _number(value: float | None) -> float | None:
+    return None if value is None or not math.isfinite(value) else float(value)
+
 
 MEASURES = ("modality_gap", "domain_gap", "margin", "accuracy", "macro_f1")
 

@@ -166,11 +166,7 @@ def coefficients_of(model: OmniVaT, embeddings: Embeddings) -> PairCoefficients:
 
 @torch.no_grad()
 def _outputs(
-    model: OmniVaT,
-    embeddings: Embeddings,
-    kept: PairCoefficients | None,
-    order: float,
-    chunk: int,
+    model: OmniVaT, embeddings: Embeddings, kept: PairCoefficients | None, order: float, chunk: int
 ) -> Iterator[tuple[slice, HeadOutput]]:
     """Yield the head's outputs for `chunk` pairs at a time, from kept coefficients if possible."""
     if kept is None:
@@ -185,7 +181,7 @@ def _outputs(
 
 def stage_features(output: HeadOutput, stage: str) -> Features:
     """Return the rows of a stage by modality: (B, D), or (B, 2D) with Re before Im."""
-    return {name: rows.flatten(1) for name, rows in getattr(output, stage).items()}
+    return {name: rows.movedim(-2, 0).flatten(1) for name, rows in getattr(output, stage).items()}
 
 
 def _raw_chunks(
@@ -197,10 +193,7 @@ def _raw_chunks(
         rows = slice(place * chunk, (place + 1) * chunk)
         yield (
             rows,
-            {
-                "vis": torch.from_numpy(vis).to(device),
-                "tac": torch.from_numpy(tac).to(device),
-            },
+            {"vis": torch.from_numpy(vis).to(device), "tac": torch.from_numpy(tac).to(device)},
         )
 
 

@@ -17,6 +17,7 @@ from omnivat.seeding import derive_seed
 from omnivat.train.settings import TrainSettings
 
 Array = np.ndarray[Any, Any]
+SPREAD_ROWS = 512  # pairs that span the offsets of imitated sensors
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -88,14 +89,16 @@ def batches(
     lang_on = torch.from_numpy(random.random(count) >= settings.lang_drop)
     token_on = torch.from_numpy(random.random(count) >= settings.class_token_drop)
     images = {n: _mirrored(source, n, shuffled, random) for n in settings.given}
-    noise = _noise(source, fit, settings)
+    noise, spread = _noise(source, fit, settings), _spread(source, fit, settings, random)
     texts = _styled(bank, truth, random) if bank is not None and settings.lang else None
     targets = torch.from_numpy(truth)
     orders = _orders(count, settings, random)
     for start in range(0, count, settings.batch):
         rows = slice(start, start + settings.batch)
         given = {
-            name: torch.from_numpy(_noisy(drawn.rows(rows), noise.get(name), random))
+            name: torch.from_numpy(
+                _shifted(_noisy(drawn.rows(rows), noise.get(name), random), spread, name, random)
+            )
             for name, drawn in images.items()
         }
         yield Batch(
@@ -135,6 +138,33 @@ def _noisy(rows: Array, deviation: Array | None, random: np.random.Generator) ->
         return rows
     noisy: Array = rows + deviation * random.standard_normal(rows.shape, dtype=np.float32)
     return noisy
+
+
+def _spread(
+    source: Embeddings, fit: Array, settings: TrainSettings, random: np.random.Generator
+) -> dict[str, Array]:
+    """Return centred rows (M, input_width) by modality whose random sums are offsets; {} without.
+
+    Their covariance is that of the source's pairs times shift², so an offset moves a batch along
+    the directions in which pairs differ, as an unknown sensor does.
+    """
+    if not settings.shift:
+        return {}
+    some = random.permutation(fit)[:SPREAD_ROWS]
+    rows = {name: getattr(source, name)[some].astype(np.float32) for name in settings.given}
+    scale = np.float32(settings.shift / len(some) ** 0.5)
+    return {name: scale * (values - values.mean(0)) for name, values in rows.items()}
+
+
+def _shifted(
+    rows: Array, spread: dict[str, Array], name: str, random: np.random.Generator
+) -> Array:
+    """Return rows (B, input_width) plus one random offset."""
+    if name not in spread:
+        return rows
+    weights = random.standard_normal(len(spread[name]), dtype=np.float32)
+    moved: Array = rows + weights @ spread[name]
+    return moved
 
 
 @dataclass(frozen=True, slots=True)

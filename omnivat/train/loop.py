@@ -1,26 +1,74 @@
 """One training on the embeddings of one domain, from a seed to the final weights."""
 
 import math
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import torch
 
+from omnivat.data.profile import profile_of
 from omnivat.data.store import Embeddings
 from omnivat.devices import current
+from omnivat.errors import OmniVatError
 from omnivat.evaluate import predicted_probabilities
 from omnivat.gaps.confusion import macro_f1
 from omnivat.lang.bank import LangBank
 from omnivat.model.head import OmniVaT, build_head
 from omnivat.model.settings import HeadSettings
+from omnivat.progress import OnStep, Step, ignore, never
 from omnivat.seeding import derive_seed
 from omnivat.train.batches import Array, Batch, batches, held_out, labels_of
 from omnivat.train.settings import TrainSettings
 from omnivat.train.state import Progress, load_state, run_name, save_state
 from omnivat.train.steps import learn, make_optimiser, set_rate
-from omnivat.train.watch import Watch
+
+if TYPE_CHECKING:
+    from omnivat.model.head import OmniVaT
+
+
+OnEpoch = Callable[[dict[str, float], "OmniVaT"], None]
+
+
+class TrainingCancelled(OmniVatError):
+    """The caller cancelled the training. Nothing was written."""
+
+
+def _no_epoch(record: dict[str, float], model: "OmniVaT") -> None:
+    """Ignore the report of an epoch."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Watch:
+    """Callbacks of one training.
+
+    on_step    called at every optimiser step
+    on_epoch   called with the record of every epoch and the model, in training mode
+    cancelled  called before every step; training stops when it returns True
+    done       steps finished before this training
+    whole      steps in total; 0 means those of this training
+    """
+
+    on_step: OnStep = ignore
+    on_epoch: OnEpoch = _no_epoch
+    cancelled: Callable[[], bool] = never
+    done: int = 0
+    whole: int = 0
+
+    def step(self, done: int, total: int, text: str) -> None:
+        """Report a step. Raises TrainingCancelled if the caller cancelled."""
+        if self.cancelled():
+            raise TrainingCancelled("Training was cancelled; nothing was written.")
+        self.on_step(Step(done=self.done + done, total=self.whole or total, text=text))
+
+    def part(self, done: int, whole: int) -> "Watch":
+        """Return the watch for a part of a longer task, after `done` of `whole` steps."""
+        return replace(self, done=done, whole=whole)
+
+    def steps_only(self) -> "Watch":
+        """Return the same watch without reports of epochs."""
+        return replace(self, on_epoch=_no_epoch)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,7 +98,10 @@ def train_once(
     """
     labels = labels_of(source, head)
     fit, held = held_out(source, labels, settings, seed)
-    model = build_head(head, seed=derive_seed(seed, "weights")).train().to(current())
+    model = build_head(head, seed=derive_seed(seed, "weights"))
+    if head.standardize:
+        model.standardize_by(profile_of(source, modalities=settings.given))
+    model = model.train().to(current())
     optimiser = make_optimiser(model, settings)
     run = run_name(source, head, settings, bank, seed) if resume else ""
     progress = load_state(resume, run, model, optimiser) if resume else Progress()
@@ -101,7 +152,8 @@ def _epoch(
         for name, value in losses.items():
             sums[name] = sums.get(name, 0.0) + value / steps
         done = epoch * steps + step + 1
-        watch.step(done, steps * settings.epochs, f"loss {losses['loss']:.3f}")
+        text = f"epoch {epoch + 1} of {settings.epochs}, loss {losses['loss']:.3f}"
+        watch.step(done, steps * settings.epochs, text)
     return {"epoch": float(epoch), **sums, **_orders(model)}
 
 

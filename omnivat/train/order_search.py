@@ -1,91 +1,147 @@
-"""Search for p by short trainings: a coarse grid over [0, 1], then a fine one around the best stop.
+"""Search for p without training: a closed-form classifier on the tokens of every order.
 
 The gradient cannot find p: the loss has a valley of width about 1/D, and it is flat elsewhere
-(docs/order.md). A short training at a fixed p costs little, and its log loss on held-out source
-pairs measures how good that p is. The search uses no other domain.
+(docs/order.md). At each order of a grid, a ridge regression predicts the class from the tokens that
+the head would see; its error on pairs left out measures how good that order is. The search uses no
+other domain.
 """
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from omnivat.data.splits import hold_out
 from omnivat.data.store import Embeddings
-from omnivat.evaluate import predicted_probabilities
-from omnivat.lang.bank import LangBank
+from omnivat.fractional import Coefficients, coefficients, synthesise
+from omnivat.model.head import OmniVaT, build_head
 from omnivat.model.settings import HeadSettings
 from omnivat.seeding import derive_seed
 from omnivat.train.batches import labels_of
-from omnivat.train.loop import steps_of, train_once
+from omnivat.train.loop import Watch
 from omnivat.train.settings import TrainSettings
-from omnivat.train.watch import Watch
 
-HELD = 0.3  # of the source's objects
-COARSE_STEPS, FINE_STEPS = 42, 84  # optimiser steps of a short training
-COARSE_FOLDS, FINE_FOLDS = 1, 2
-FINE = (-0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75)  # of the coarse grid's step
-RATE, BATCH = 2.0, 2  # factor of the learning rate: short trainings take few, large steps
+MOST = 256  # pairs of the source; more would cost time and change little
+MOST_STOPS = 2001
+RIDGE = 1.0  # of the mean squared length of the centred tokens
+FINE = tuple(k / 8 for k in range(-8, 9))  # of the coarse grid's step
+VALLEYS = 3  # refined, the lowest ones
+APART = 4.0  # over D: orders nearer than this share a valley
+DOUBT = 2.0  # standard errors of a paired difference between orders that tie
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Scored:
-    """Held-out log loss of short trainings at one order."""
+    """Error of the classifier at one order, for every pair left out; 1 is that of the class shares."""
 
     order: float
-    score: float  # mean over held-out pairs
-    spread: float  # its standard error
+    losses: Array  # (N,)
     round: str  # "coarse" or "fine"
 
+    @property
+    def score(self) -> float:
+        """The mean over pairs."""
+        return float(self.losses.mean())
 
-def search_steps(pairs: int, settings: TrainSettings) -> int:
-    """Return the number of optimiser steps of a search over this many source pairs."""
-    fit = pairs - round(HELD * pairs)
-    coarse, fine = (_short(settings, fit, steps) for steps in (COARSE_STEPS, FINE_STEPS))
-    return COARSE_FOLDS * settings.order_stops * coarse.epochs * steps_of(
-        fit, coarse
-    ) + FINE_FOLDS * len(FINE) * fine.epochs * steps_of(fit, fine)
+    @property
+    def spread(self) -> float:
+        """The standard error of the mean."""
+        return float(self.losses.std(ddof=1) / len(self.losses) ** 0.5)
+
+
+def stops_of(head: HeadSettings, settings: TrainSettings) -> int:
+    """Return the number of coarse orders from 0 to 1: a step is at most 1/D wide."""
+    return max(settings.order_stops, min(head.width + 1, MOST_STOPS))
+
+
+def search_steps(head: HeadSettings, settings: TrainSettings) -> int:
+    """Return the number of orders that a search scores."""
+    return stops_of(head, settings) + VALLEYS * len(FINE)
 
 
 def search_order(
-    source: Embeddings,
-    head: HeadSettings,
-    settings: TrainSettings,
-    *,
-    bank: LangBank | None,
-    seed: int,
-    watch: Watch,
+    source: Embeddings, head: HeadSettings, settings: TrainSettings, *, seed: int, watch: Watch
 ) -> dict[str, Any]:
     """Return the best order for the source, and the curve behind it.
 
-    return  "start" the order found; "orders", "score", "spread", "round" one entry for each short
-            training (score: log loss on held-out source pairs, lower is better; spread: its
-            standard error); "seconds" and "steps" the cost of the search
+    return  "start" the order; "orders", "score", "spread", "round" one entry for each order scored
+            (score: mean squared error on pairs left out over that of the class shares, mean of the
+            readings photo only, touch only and both; 1 is chance, lower is better; spread: its
+            standard error); "ties" the orders that the source cannot tell from the best, "note"
+            the same in words; "seconds" and "steps" the cost of the search
 
             The initial order in `head` has no effect. Orders outside [0, 1] repeat those inside.
     """
     began = time.monotonic()
-    watch = watch if watch.whole else watch.part(0, search_steps(len(source), settings))
-    search = _Search(source, head, settings, bank, seed, watch)
-    grid = [step / (settings.order_stops - 1) for step in range(settings.order_stops)]
-    coarse = search.round(grid, COARSE_FOLDS, COARSE_STEPS, "coarse")
-    best = min(coarse, key=lambda found: found.score).order
-    around = [best + share / (settings.order_stops - 1) for share in FINE]
-    fine = search.round(around, FINE_FOLDS, FINE_STEPS, "fine")
-    found = (*coarse, *fine)
+    total = search_steps(head, settings)
+    watch = watch if watch.whole else watch.part(0, total)
+    scores = _Scores(source, head, settings, seed, watch)
+    step = 1 / (stops_of(head, settings) - 1)
+    coarse = [scores.at(k * step, "coarse") for k in range(stops_of(head, settings))]
+    valleys = lowest_valleys(coarse, APART / head.width)
+    fine = [[scores.at(v.order + share * step, "fine") for share in FINE] for v in valleys]
+    best = min(fine, key=lambda found: min(one.score for one in found))
+    everything = (*coarse, *(one for found in fine for one in found))
+    start = folded(lowest_point([(one.order, one.score) for one in best]))
+    ties = tied(everything, min(best, key=lambda one: one.score), APART / head.width)
     return {
-        "start": lowest_point([(one.order, one.score) for one in fine]),
-        "orders": [one.order for one in found],
-        "score": [one.score for one in found],
-        "spread": [one.spread for one in found],
-        "round": [one.round for one in found],
-        "steps": search.steps,
+        "start": start,
+        "orders": [one.order for one in everything],
+        "score": [one.score for one in everything],
+        "spread": [one.spread for one in everything],
+        "round": [one.round for one in everything],
+        "ties": ties,
+        "note": _note(start, ties, step),
+        "steps": len(everything),
         "seconds": round(time.monotonic() - began, 2),
     }
+
+
+def lowest_valleys(found: Sequence[Scored], apart: float) -> list[Scored]:
+    """Return VALLEYS orders: the lowest ones further apart than this, then the lowest others."""
+    chosen: list[Scored] = []
+    others: list[Scored] = []
+    for one in sorted(found, key=lambda one: one.score):
+        far = all(abs(one.order - other.order) > apart for other in chosen)
+        (chosen if far else others).append(one)
+    return [*chosen, *others][:VALLEYS]
+
+
+def tied(found: Sequence[Scored], best: Scored, apart: float) -> list[float]:
+    """Return the orders in other valleys that are within DOUBT standard errors of the best.
+
+    The error is that of the paired difference over pairs, so it is small where both orders fail on
+    the same pairs. Orders are at least `apart` from each other, the lowest first.
+    """
+    ties: list[float] = []
+    for one in sorted(found, key=lambda one: one.score):
+        more = one.losses - best.losses
+        near = (folded(other) for other in (best.order, *ties))
+        if any(abs(folded(one.order) - other) <= apart for other in near):
+            continue
+        if more.mean() <= DOUBT * more.std(ddof=1) / len(more) ** 0.5:
+            ties.append(round(folded(one.order), 4))
+    return ties
+
+
+def _note(start: float, ties: Sequence[float], step: float) -> str:
+    if not ties:
+        return f"p = {start:.3f} is better than any other order by two standard errors."
+    others = ", ".join(f"{p:.3f}" for p in ties[:3]) + (" and others" if len(ties) > 3 else "")
+    return (
+        f"p = {start:.3f} ties with {others}: the source alone does not tell them apart. "
+        "Compare heads at each of them on another domain."
+    )
+
+
+def folded(order: float) -> float:
+    """Return the order in [0, 1] whose transform of a real signal has the same magnitudes."""
+    order = abs(order) % 2.0
+    return 2.0 - order if order > 1.0 else order
 
 
 def lowest_point(points: Sequence[tuple[float, float]]) -> float:
@@ -104,72 +160,72 @@ def lowest_point(points: Sequence[tuple[float, float]]) -> float:
     return float(np.clip(best - slope / (2 * curve), orders.min(), orders.max()))
 
 
-class _Search:
-    """Short trainings at fixed orders on folds of one source."""
+class _Scores:
+    """Scores orders on one source, for a head before its training."""
 
     def __init__(
         self,
         source: Embeddings,
         head: HeadSettings,
         settings: TrainSettings,
-        bank: LangBank | None,
         seed: int,
         watch: Watch,
     ) -> None:
-        self.source, self.head, self.settings, self.bank = source, head, settings, bank
-        self.seed, self.watch = seed, watch
-        self.labels = labels_of(source, head)
-        self.steps = 0
+        if len(source) > MOST:
+            random = np.random.default_rng(derive_seed(seed, "order-search"))
+            source = source.select(np.sort(random.permutation(len(source))[:MOST]))
+        self.model: OmniVaT = build_head(head, seed=derive_seed(seed, "weights")).eval()
+        self.targets = np.eye(len(head.classes))[labels_of(source, head)]
+        self.targets -= self.targets.mean(0)
+        self.groups = _groups(source.rows["object"], self.targets.argmax(1))
+        given = {n: torch.from_numpy(np.array(getattr(source, n))) for n in settings.given}
+        with torch.inference_mode():
+            self.kept: Coefficients = coefficients(self.model.embedded(given))  # (M, N)
+        self.watch, self.total, self.count = watch, search_steps(head, settings), 0
 
-    def round(
-        self, orders: Sequence[float], folds: int, steps: int, name: str
-    ) -> tuple[Scored, ...]:
-        """Score each order by trainings with this many steps on each fold."""
-        found = []
-        for order in orders:
-            losses = np.concatenate(
-                [self._losses(order, fold, steps, name) for fold in range(folds)]
-            )
-            spread = float(losses.std(ddof=1) / len(losses) ** 0.5) if len(losses) > 1 else 0.0
-            found.append(Scored(order=order, score=float(losses.mean()), spread=spread, round=name))
-        return tuple(found)
-
-    def _losses(self, order: float, fold: int, steps: int, name: str) -> NDArray[np.float64]:
-        """Train briefly at an order; return the log loss (N,) of the fold's held-out pairs."""
-        seed = derive_seed(self.seed, "order-search", name, fold)
-        held = hold_out(self.source.rows["object"], self.labels, HELD, seed=seed)
-        if not held.any():  # one object for each class: score on the training pairs
-            held[:] = True
-            fit = self.source
-        else:
-            fit = self.source.select(~held)
-        short = _short(self.settings, len(fit), steps)
-        count = short.epochs * steps_of(len(fit), short)
-        model = train_once(
-            fit,
-            replace(self.head, order=order, learn_order=False),
-            short,
-            bank=self.bank,
-            seed=seed,
-            resume=None,
-            watch=self.watch.part(self.watch.done + self.steps, self.watch.whole),
-        ).model
-        self.steps += count
-        shares = predicted_probabilities(
-            model, self.source.select(held), modalities=self.settings.given
-        )["fused"]
-        right = shares.gather(1, torch.from_numpy(self.labels[held])[:, None])[:, 0]
-        losses: NDArray[np.float64] = -right.double().clamp_min(1e-12).log().numpy()
-        return losses
+    def at(self, order: float, name: str) -> Scored:
+        """Score one order: mean of the readings photo only, touch only and both."""
+        self.count += 1
+        self.watch.step(self.count, self.total, f"order {order:.3f}")
+        with torch.inference_mode():
+            parts = self.model.mffa.channels(synthesise(self.kept, order, planar=True))
+            tokens = torch.cat((parts.relu(), (-parts).relu())).movedim(0, 2).flatten(2)
+        grams = [_gram(one.double().numpy()) for one in tokens]
+        if len(grams) > 1:
+            grams.append(sum(grams[1:], start=grams[0]) / len(grams))
+        losses = np.mean([_left_out(gram, self.targets, self.groups) for gram in grams], axis=0)
+        return Scored(order=order, losses=losses / (self.targets**2).sum(1).mean(), round=name)
 
 
-def _short(settings: TrainSettings, pairs: int, steps: int) -> TrainSettings:
-    """Return the settings of a short training with about this many steps."""
-    short = replace(
-        settings,
-        order_search=False,
-        selection="last",
-        batch=BATCH * settings.batch,
-        lr=RATE * settings.lr,
-    )
-    return replace(short, epochs=max(1, round(steps / steps_of(pairs, short))))
+def _groups(objects: Sequence[str], labels: NDArray[np.int64]) -> list[NDArray[np.int64]]:
+    """Return the rows of each object; each row alone if a class has one object or rows lack names."""
+    named = np.array(objects)
+    groups = [np.flatnonzero(named == name) for name in dict.fromkeys(objects)]
+    counts = np.bincount([labels[group[0]] for group in groups], minlength=labels.max() + 1)
+    if "" in objects or counts.min() < 2:
+        return list(np.arange(len(labels))[:, None])
+    return groups
+
+
+def _gram(tokens: Array) -> Array:
+    """Return the inner products (N, N) of centred tokens (N, T), mean squared length 1."""
+    tokens = tokens - tokens.mean(0)
+    gram: Array = tokens @ tokens.T
+    return gram / max(float(np.trace(gram)) / len(gram), 1e-12)
+
+
+def _left_out(gram: Array, targets: Array, groups: Sequence[NDArray[np.int64]]) -> Array:
+    """Return the squared error (N,) of ridge regression for each pair, its object left out.
+
+    With hat matrix H, the residual of a group g left out is (I - H_gg)⁻¹ (y - Hy)_g.
+    """
+    count = len(gram)
+    rest = RIDGE * np.linalg.inv(gram + RIDGE * np.eye(count)) - 1 / count  # I - H, with the mean
+    residual = rest @ targets
+    if len(groups) == count:
+        residual /= np.diag(rest)[:, None]
+    else:
+        for group in groups:
+            residual[group] = np.linalg.solve(rest[np.ix_(group, group)], residual[group])
+    squared: Array = (residual**2).sum(1)
+    return squared

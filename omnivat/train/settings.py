@@ -5,7 +5,7 @@ from typing import Annotated
 
 from omnivat.config import OneOf, Within, require_declared
 from omnivat.errors import SettingsError
-from omnivat.orders import LIMIT
+from omnivat.stages import LIMIT
 
 Selection = Annotated[str, OneOf(("last", "source-val"))]
 Inputs = Annotated[str, OneOf(("vis+tac", "vis", "tac"))]
@@ -39,13 +39,14 @@ class TrainSettings:
     selection: Selection = "last"
     val_fraction: Annotated[float, Within(0.0, 0.9)] = 0.2  # of the objects, for "source-val"
     modalities: Inputs = "vis+tac"  # input in training, and by default in prediction
-    order_search: bool = False  # search for p by short trainings, then use the gradient
-    order_stops: Annotated[int, Within(2, 1001)] = 21  # of that grid, from 0 to 1
+    order_search: bool = False  # search for p in closed form, then use the gradient
+    order_stops: Annotated[int, Within(2, 1001)] = 21  # of that grid, from 0 to 1; D + 1 if more
     order_draw: OrderDraw = "none"  # draw p at random for each "batch" or each "row"
     order_low: Order = 0.0  # range of the draw
     order_high: Order = 1.0
     order_teachers: Annotated[int, Within(0, 100)] = 0  # heads at one order each, to learn from
     noise: Annotated[float, Within(0.0, 100.0)] = 0.0  # on embeddings, in std of each channel
+    shift: Annotated[float, Within(0.0, 100.0)] = 0.0  # an offset a batch: an imitated sensor
 
     def __post_init__(self) -> None:
         require_declared(self)

@@ -8,7 +8,7 @@ import torch
 from torch import Tensor
 
 from omnivat.errors import OmniVatError
-from omnivat.losses.total import joint_loss
+from omnivat.losses import joint_loss
 from omnivat.model.head import OmniVaT
 from omnivat.train.batches import Batch
 from omnivat.train.settings import TrainSettings

@@ -1,12 +1,10 @@
 """Train a head on the embeddings of one domain. No other domain is used here."""
 
-import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from omnivat.data.store import Embeddings
-from omnivat.files import write_json
 from omnivat.lang.bank import LangBank
 from omnivat.model.head import OmniVaT
 from omnivat.model.settings import HeadSettings
@@ -14,13 +12,10 @@ from omnivat.progress import OnStep, ignore
 from omnivat.seeding import derive_seed
 from omnivat.threads import LIGHT, one_thread
 from omnivat.train.batches import held_out, labels_of
-from omnivat.train.loop import Trained, steps_of, train_once
+from omnivat.train.loop import Trained, Watch, steps_of, train_once
 from omnivat.train.order_search import search_order, search_steps
 from omnivat.train.settings import TrainSettings
-from omnivat.train.state import run_name
-from omnivat.train.watch import Watch
 
-SEARCH = "order_search.json"  # next to the state of a resumable training
 TEACHER = TrainSettings(epochs=120)  # its epochs, batch and rate serve every teacher
 AFTER = 0.1  # factor of p's rate after a search: little remains to be found
 
@@ -63,7 +58,7 @@ def train(
     with one_thread(head.width <= LIGHT):
         search: dict[str, Any] = {}
         if settings.order_search:
-            search, watch = _searched(source, head, settings, bank, seed, resume, watch)
+            search, watch = _searched(source, head, settings, seed, watch)
             head = replace(head, order=search["start"])
             settings = replace(settings, order_lr_scale=AFTER * settings.order_lr_scale)
         teachers: list[OmniVaT] = []
@@ -80,8 +75,6 @@ def train(
             watch=watch,
             teachers=teachers,
         )
-    if resume:
-        resume.with_name(SEARCH).unlink(missing_ok=True)
     if search:
         search = {**search, "found": trained.model.order}
     return replace(trained, search=search)
@@ -128,27 +121,14 @@ def _teachers(
 
 
 def _searched(
-    source: Embeddings,
-    head: HeadSettings,
-    settings: TrainSettings,
-    bank: LangBank | None,
-    seed: int,
-    resume: Path | None,
-    watch: Watch,
+    source: Embeddings, head: HeadSettings, settings: TrainSettings, seed: int, watch: Watch
 ) -> tuple[dict[str, Any], Watch]:
-    """Return the record of the order search, and the watch of the rest."""
-    file = resume.with_name(SEARCH) if resume else None
-    run = run_name(source, head, settings, bank, seed) if file else ""
-    if file and file.is_file():
-        kept = json.loads(file.read_text(encoding="utf-8"))
-        if kept.pop("run", "") == run:
-            return kept, watch
-    fit, _ = held_out(source, labels_of(source, head), settings, seed)
-    part = source.select(fit)
-    first = search_steps(len(part), settings)
+    """Return the record of the order search, and the watch of the rest.
+
+    It keeps no state: a resumed training finds the same order again.
+    """
+    part = source.select(held_out(source, labels_of(source, head), settings, seed)[0])
+    first = search_steps(head, settings)
     whole = first + settings.epochs * steps_of(len(part), settings)
-    within = watch.part(0, whole).steps_only()
-    found = search_order(part, head, settings, bank=bank, seed=seed, watch=within)
-    if file:
-        write_json(file, {"run": run, **found})
+    found = search_order(part, head, settings, seed=seed, watch=watch.part(0, whole).steps_only())
     return found, watch.part(first, whole)

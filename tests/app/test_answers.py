@@ -32,7 +32,7 @@ def test_a_cameras_picture_is_answered_and_not_kept(resources, encoder, png):
 
 
 def test_a_picture_of_another_modality_is_refused(resources, png):
-    with pytest.raises(DataError, match="it is vis or tac"):
+    with pytest.raises(DataError, match="it is vis, tac or both"):
         live(resources, png(), modality="smell", other=None, order=None)
 
 
@@ -67,3 +67,18 @@ def test_a_domain_that_is_not_there_is_refused(resources):
 def test_a_record_without_any_target_can_be_sent():
     sent = data.without_nan({"target_accuracy": float("nan"), "seeds": [{"order": 0.5}]})
     assert sent == {"target_accuracy": None, "seeds": [{"order": 0.5}]}
+
+
+def test_two_live_pictures_are_predicted_as_each_with_the_other_sent_before(resources, png):
+    photo, touch = png(seed=1), png(seed=2)
+    ref, _ = resources.take_image(touch, "touch.png")
+    both = live(resources, photo + touch, modality="both", other=None, order=None, split=len(photo))
+    one = live(resources, photo, modality="vis", other=ref, order=None)
+    assert both["readings"] == one["readings"]
+    assert set(both["images"]) == set(one["images"])
+
+
+@pytest.mark.parametrize("split", [0, 10**8])
+def test_two_live_pictures_need_the_place_where_the_second_begins(resources, png, split):
+    with pytest.raises(DataError, match="split is"):
+        live(resources, png(), modality="both", other=None, order=None, split=split)

@@ -132,7 +132,23 @@ def test_the_projects_own_records_are_of_the_set_that_comes_with_it():
     from omnivat.heads import default_embeddings
     from omnivat.protocol.records import fingerprint
 
-    rows = compare.protocol_rows(fingerprint(load_embeddings(default_embeddings())))
+    runs = compare.protocol_runs(fingerprint(load_embeddings(default_embeddings())))
+    rows = compare.protocol_rows(runs)
     assert len({row["source"] for row in rows}) == 8
     assert {row["seeds"] for row in rows} == {3}
     assert {"OmniVaT, D = 512", "DTG alone, D = 512"} <= {row["label"] for row in rows}
+    order = compare.ranking(runs)
+    means = [one["scores"][0][0] for one in order]
+    assert means == sorted(means, reverse=True)
+    for one in order:
+        cells = [row["cells"] for row in rows if row["label"] == one["label"]]
+        unseen = [
+            [score for name, (score, _) in own.items() if name != source]
+            for own, source in zip(
+                cells, (r["source"] for r in rows if r["label"] == one["label"]), strict=True
+            )
+        ]
+        mean, low, high = one["scores"][0]
+        assert mean == pytest.approx(sum(sum(own) / len(own) for own in unseen) / len(unseen))
+        assert low < mean < high
+        assert 0 <= one["seeds"] < 0.05

@@ -48,3 +48,22 @@ def test_neighbours_after_the_relu_depend_on_the_order(resources):
 def test_what_is_not_there_is_refused(resources, question, sentence):
     with pytest.raises(DataError, match=sentence):
         neighbours(resources, question)
+
+
+def test_centring_brings_the_means_of_domains_together_on_the_map(resources):
+    from app.views.explore import centred
+
+    found = centred(resources, "pca")
+    before, after = found["curves"]["domain_gap/raw"]
+    assert after < 0.2 * before
+    assert len(found["bounds"]) == 2
+
+
+def test_a_ladder_of_an_unknown_domain_is_refused(resources):
+    from app.views.explore import ladder
+
+    with pytest.raises(DataError, match="The set has no domain 'nowhere'"):
+        ladder(resources, {"source": "nowhere"})
+    found = ladder(resources, {"source": ""})
+    assert {"rung", "accuracy", "low", "high", "from"} <= set(found["rungs"][0])
+    assert found["sources"][0] == resources.head().source

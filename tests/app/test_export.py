@@ -8,12 +8,14 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from app import curve_pictures, pictures
 from app.components import WEB
-from app.drawing import Picture, Shape, png, svg, write_picture
 from app.export import export_page, export_picture, frames_file, scripts
 from omnivat.cli import main
 from omnivat.errors import SettingsError
+from omnivat.figures import maps, theme
+from omnivat.figures.curves import gap_curves
+from omnivat.figures.drawing import Picture, Shape, png, svg, write_picture
+from omnivat.figures.still import svg_of
 from omnivat.frames import read_frames
 
 
@@ -25,13 +27,17 @@ def frames(small_places, tmp_path_factory) -> Path:
 
 def test_colours_are_those_of_the_page():
     text = (WEB / "shared/palette.js").read_text(encoding="utf-8")
-    for name, colours in (("OKABE_ITO", pictures.DOMAINS), ("TOL_BRIGHT", pictures.CLASSES)):
+    for name, colours in (
+        ("OKABE_ITO", theme.DOMAINS),
+        ("TOL_BRIGHT", theme.CLASSES),
+        ("CIVIDIS", maps.CIVIDIS),
+    ):
         listed = re.search(rf"const {name} = \[(.*?)\]", text, re.S)
         assert listed
         assert re.findall(r"#\w{6}", listed[1]) == colours
 
 
-@pytest.mark.parametrize("colour", pictures.COLOURS)
+@pytest.mark.parametrize("colour", maps.COLOURS)
 def test_the_map_holds_every_point_and_says_simulated(frames, tmp_path, colour):
     out = tmp_path / "map.svg"
     export_picture(frames, out, what="map", order=0.5, stage="f_hat", kind="pca", colour=colour)
@@ -49,7 +55,7 @@ def test_the_curves_say_what_is_a_what_if_and_shade_where_the_head_is_at_home(fr
     assert "what-if" in text
     assert "trained on TAG-sim" in text
     assert text.count("<polyline") >= 4
-    assert text.count(f'fill="{curve_pictures.BAND}"') == 4
+    assert text.count('fill="#3b82f6" opacity="0.2"') == 4
 
 
 def test_curves_of_retrained_heads_have_dots_and_the_span_of_trainings(frames):
@@ -61,25 +67,18 @@ def test_curves_of_retrained_heads_have_dots_and_the_span_of_trainings(frames):
     }
     head = {"kind": "retrained", "source": "TAG-sim", "learned_order": None}
     retrained = replace(found, head=head, curves={**found.curves, **spread})
-    text = svg(curve_pictures.curves_picture(retrained, stage="f_hat", order=0.5))
+    text = svg_of(gap_curves(retrained, stage="f_hat", order=0.5))
     assert "each stop is a head trained at that p" in text
     assert text.count("<polygon points=") == 1
-    assert f'fill="{curve_pictures.AREA}"' in text
+    assert text.count('opacity="0.2"') == 1  # the span, and no band of a learned p
     assert text.count("<circle") >= 4 * stops
     assert "50.0 %" in text
-    assert curve_pictures.BAND not in text
 
 
 def test_accuracy_that_the_frames_do_not_hold_is_said_to_be_missing(frames):
     found = read_frames(frames)
     kept = {name: curve for name, curve in found.curves.items() if "unseen" not in name}
-    picture = curve_pictures.curves_picture(replace(found, curves=kept), order=0.5)
-    assert "not measured" in svg(picture)
-
-
-def test_the_band_is_as_wide_as_on_the_page():
-    text = (WEB / "explore/curves.js").read_text(encoding="utf-8")
-    assert f"const CLOSE = {curve_pictures.CLOSE};" in text
+    assert "not measured" in svg_of(gap_curves(replace(found, curves=kept), order=0.5))
 
 
 def test_a_map_that_is_not_there_is_refused(frames, tmp_path):
@@ -132,8 +131,8 @@ def test_the_saved_page_asks_nothing_of_outside_and_holds_its_frames(
     assert "https://" not in text
     assert "data:application/octet-stream;base64,T1ZGUkFNRV" in text  # OVFRAMES
     assert "simulated" in text
-    held = json.loads(re.search(r"globalThis.omnivatHeld = (\{.*?\});", text)[1])
-    assert {"frames", "modes", "pairs", "toy", "unseen"} <= set(held)
+    held = json.loads(re.search(r'id="omnivat-held">(.*?)</script>', text)[1])
+    assert {"/frames", "/modes", "/pairs", "/toy", "/unseen"} <= set(held["files"])
     assert "tour-start" in text
 
 
@@ -141,7 +140,7 @@ def test_the_command_writes_a_picture(frames, tmp_path, capsys):
     out = tmp_path / "map.png"
     assert main(["export", "--frames", str(frames), "--out", str(out), "--colour", "class"]) == 0
     with Image.open(out) as image:
-        assert image.width == 1440
+        assert image.width == 1520
     assert "map written to" in capsys.readouterr().out
 
 

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 import torch
 
-from app.familiar import familiar
+from app.familiar import familiar, first
 from omnivat.calibration import familiarity_of
+from omnivat.unseen.masks import counted
 
 
 @pytest.fixture
@@ -47,3 +48,38 @@ def test_a_head_that_does_not_know_its_training_images_makes_no_claim(resources)
     images = familiar(resources, {"vis": "row:3"})["images"]
     assert set(images) == {"vis"}
     assert "words" not in images["vis"]
+
+
+def test_an_image_nearer_to_the_other_modality_strays_and_one_of_its_own_does_not(resources):
+    own = resources.embeddings().in_domain(resources.head().source)
+    for name, row in (("photo", own.vis[3]), ("touch", own.tac[3])):
+        resources._sent.keep(name, row.copy())
+    swapped = familiar(resources, {"vis": "image:touch", "tac": "image:photo"})["images"]
+    right = familiar(resources, {"vis": "image:photo", "tac": "image:touch"})["images"]
+    assert [swapped[name]["strays"] for name in ("vis", "tac")] == [True, True]
+    assert [right[name]["strays"] for name in ("vis", "tac")] == [False, False]
+    assert "strays" not in familiar(resources, {"vis": "row:3"})["images"]["vis"]
+
+
+def with_quantiles(resources, cosine):
+    """Let every image of the set be familiar (a low cosine) or unlike the training images (a high one)."""
+    known = resources.head().familiarity
+    same = {name: torch.full_like(values, cosine) for name, values in known.quantiles.items()}
+    resources.head._made[:] = [
+        replace(resources.head(), familiarity=replace(known, quantiles=same))
+    ]
+
+
+def test_the_page_opens_with_a_pair_that_was_not_trained_on_and_is_no_guess(knowing):
+    with_quantiles(knowing, -1.0)
+    kind, row = first(knowing)["ref"].split(":")
+    assert kind == "row"  # the examples of this set are not in it
+    embeddings = knowing.embeddings()
+    assert counted(embeddings, knowing.head().source)[int(row)]
+    images = familiar(knowing, {"vis": f"row:{row}", "tac": f"row:{row}"})["images"]
+    assert not any(image["guess"] for image in images.values())
+
+
+def test_without_a_pair_that_can_be_predicted_no_pair_is_opened_first(knowing):
+    with_quantiles(knowing, 2.0)
+    assert first(knowing) == {"ref": None}

@@ -11,11 +11,10 @@ from benchmarks.attack import Counts, attack, judged
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [1, 2])
-def test_a_small_attack_is_held_with_a_sentence_for_every_refusal(resources, seed, monkeypatch):
-    monkeypatch.setattr("app.upload_store.KEPT_PARTS", 10**6)
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.long)])
+def test_a_small_attack_is_held_with_a_sentence_for_every_refusal(resources, seed):
     guarded = [Middleware(Guard, rules=rules("127.0.0.1"))]
-    application = Starlette(routes=routes(resources), middleware=guarded)
+    application = Starlette(routes=routes(resources, api=True), middleware=guarded)
     with TestClient(application, base_url="http://127.0.0.1") as client:
         found = attack(client, resources, seed, 16)
     resources.shared.close()
@@ -44,3 +43,21 @@ def test_the_judge_can_say_that_something_fell():
     counts = Counts()
     counts.take(Answer(500), 0.1, "x")
     assert counts.fell == ["x: status 500"]
+
+
+@pytest.mark.slow
+def test_no_visitor_finds_a_picture_profile_or_head_of_another(resources):
+    from benchmarks._attack_names import apart
+
+    cases = list(apart(lambda: Starlette(routes=routes(resources)), resources))
+    assert len(cases) == 6
+    assert [what for what, held in cases if not held] == []
+
+
+@pytest.mark.slow
+def test_hostile_names_stay_text_in_every_output(tmp_path):
+    from benchmarks._attack_names import outputs
+
+    cases = list(outputs(tmp_path))
+    assert len(cases) > 20
+    assert [what for what, held in cases if not held] == []

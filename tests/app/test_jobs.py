@@ -7,6 +7,7 @@ from weakref import ref
 import pytest
 
 from app.jobs import Jobs
+from app.limits import AGE_S
 from app.messages import UNEXPECTED, BusyError, CancelledError, UnexpectedError
 from omnivat.errors import DataError
 from omnivat.progress import Step
@@ -177,6 +178,51 @@ def test_one_owner_cannot_fill_the_queue_and_nor_can_all(jobs, monkeypatch):
     held(jobs, owner="c")
     with pytest.raises(BusyError, match="Too much is waiting"):
         held(jobs, owner="d")
+
+
+def test_waiting_jobs_of_a_low_priority_age_past_new_ones_of_a_high_one(jobs, monkeypatch):
+    now = [0.0]
+    monkeypatch.setattr("app.jobs.monotonic", lambda: now[0])
+    _, go, there = held(jobs)
+    there.wait(5)
+    order = []
+    upload = jobs.start(lambda job: order.append("upload"), lane="long", priority=1)
+    soon = jobs.start(lambda job: order.append("drag"), lane="long", priority=0)
+    assert (upload.status().place, soon.status().place) == (2, 1)
+    now[0] = AGE_S["long"]
+    later = jobs.start(lambda job: order.append("later drag"), lane="long", priority=0)
+    assert [one.status().place for one in (upload, soon, later)] == [1, 2, 3]
+    go.set()
+    later.wait(5)
+    assert order == ["upload", "drag", "later drag"]
+
+
+def test_visitors_take_turns(jobs):
+    _, go, there = held(jobs, visitor="many")
+    there.wait(5)
+    order = []
+    started = [
+        jobs.start(lambda job, name=name: order.append(name), lane="long", visitor=name)
+        for name in ("many", "many", "many", "one", "other")
+    ]
+    go.set()
+    for job in started:
+        job.wait(5)
+    assert order == ["one", "other", "many", "many", "many"]
+
+
+def test_in_a_full_queue_the_visitor_with_most_makes_way(jobs, monkeypatch):
+    monkeypatch.setattr("app.jobs.WAITING_JOBS", 4)
+    _, go, there = held(jobs, visitor="many")
+    there.wait(5)
+    many = [jobs.start(lambda job: 1, lane="long", visitor="many") for _ in range(4)]
+    one = jobs.start(lambda job: 2, lane="long", visitor="one")
+    assert [job.status().state for job in many] == ["waiting"] * 3 + ["failed"]
+    assert "Too much is waiting" in many[-1].status().problem
+    with pytest.raises(BusyError, match="Too much is waiting"):
+        jobs.start(lambda job: 1, lane="long", visitor="many")
+    go.set()
+    assert one.wait(5) == 2
 
 
 def test_a_closed_runner_leaves_no_thread_and_takes_nothing(jobs):

@@ -120,6 +120,7 @@ def test_a_shipped_set_is_opened_by_its_name_once(beside, trained, monkeypatch):
     other = sets.named("chirps")
     assert other is sets.named("chirps")
     assert other.where.head == trained / "head"
-    assert modes(other)["sets"] == [{"name": "chirps", "title": "Chirps", "shown": True}]
+    named = {"name": "chirps", "title": "Chirps", "shown": True, "curve": None}
+    assert modes(other)["sets"] == [named]
     same = VisitorSets(Resources(other.where))
     assert same.named("chirps") is same.first

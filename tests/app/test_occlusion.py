@@ -1,8 +1,11 @@
 """Occlusion: the parts of an image that a prediction depends on."""
 
 from io import BytesIO
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
+import torch
 from PIL import Image
 
 from app.occlusion import CELLS, PATCH, hidden, occlusion, over_cells
@@ -29,6 +32,49 @@ def test_a_cell_gets_the_mean_of_the_parts_that_covered_it():
     assert cells[0][1] == 0.5
     assert cells[1][1] == 0.25
     assert sum(cells[3]) == 0
+
+
+def test_parts_are_hidden_row_by_row_and_counted_row_by_row():
+    image = Image.new("RGB", (70, 70), "black")
+    image.paste("white", (0, 0, 70, 35))
+    second = list(hidden(image))[1]  # first row, second column
+    assert second.getpixel((5, 15)) == (255, 255, 255) != second.getpixel((25, 15))
+    steps = CELLS - PATCH + 1
+    falls = [[0.0] * steps for _ in range(steps)]
+    falls[0][4] = 1.0
+    cells = over_cells(falls)
+    assert cells[0][4] == 0.5 and cells[1][5] == 0.25
+    assert not any(cells[row][column] for row in range(2, CELLS) for column in range(CELLS))
+
+
+def test_a_prediction_from_the_upper_right_falls_there_and_nowhere_else(monkeypatch):
+    """A head that reads one cell: the mean brightness of row 0, column 5."""
+
+    class Encoder:
+        def preprocess(self, image):
+            return torch.from_numpy(np.array(image.convert("L"))).float()  # (H, W)
+
+        def embed(self, pixels):
+            return pixels[:, :10, 50:60].mean((1, 2))[:, None] / 255
+
+    def model(vis, tac, order):
+        share = torch.cat((vis, 1 - vis), dim=1)
+        return SimpleNamespace(probabilities=share)
+
+    settings = SimpleNamespace(classes=("bright", "dark"))
+    head = SimpleNamespace(model=model, settings=settings)
+    monkeypatch.setattr("app.occlusion.head_taught", lambda resources, taught: head)
+    monkeypatch.setattr("omnivat.encoders.base.for_modality", lambda encoder, name: encoder)
+    image = Image.new("RGB", (70, 70), "black")
+    image.paste("white", (50, 0, 60, 10))
+    resources = SimpleNamespace(
+        picture=lambda *given: SimpleNamespace(image=image), encoder=Encoder
+    )
+    found = occlusion(resources, b"", modality="vis", other=None, order=None)
+    drops = found["drops"]
+    assert found["class"] == "bright"
+    assert drops[0][5] == max(max(row) for row in drops) > 0.4
+    assert not any(drops[row][column] for row in range(3, CELLS) for column in range(3))
 
 
 def test_an_image_of_one_colour_has_nothing_to_hide(resources):

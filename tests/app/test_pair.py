@@ -8,7 +8,7 @@ import pytest
 import torch
 
 from app.state import ForgottenError
-from app.views.pair import STOPS, predicted, spectrum, trained_span
+from app.views.pair import MOST_AT_ONCE, STOPS, many, predicted, spectrum, trained_span
 from omnivat.errors import DataError
 
 
@@ -108,10 +108,27 @@ def test_a_forgotten_image_is_asked_for_again(resources):
         predicted(resources, {"vis": "image:00"})
 
 
-def test_a_spectrum_keeps_its_peaks_when_entries_are_joined():
+@pytest.mark.parametrize("entry", [415, 416, 417])  # the second and third of three, and a first
+def test_a_spectrum_keeps_its_peaks_when_entries_are_joined(entry):
     magnitudes = np.zeros((3, 600), dtype=np.float32)
-    magnitudes[1, 417] = 2.0
+    magnitudes[1, entry] = 2.0
     picture = spectrum(magnitudes)
     pixels = np.frombuffer(base64.b64decode(picture["pixels"]), np.uint8)
     pixels = pixels.reshape(picture["rows"], picture["columns"])
     assert (picture["top"], pixels.max(), (pixels > 0).sum()) == (2.0, 255, 1)
+
+
+def test_many_pairs_are_predicted_as_each_of_them_alone(resources):
+    asked = [{"vis": "row:3", "tac": "row:3"}, {"vis": "row:7"}, {"tac": "row:9"}]
+    found = many(resources, {"pairs": asked})
+    for question, one in zip(asked, found["pairs"], strict=True):
+        alone = predicted(resources, question)["exact"]["readings"]
+        assert one["readings"].keys() == alone.keys()
+        for name, row in alone.items():
+            assert one["readings"][name] == pytest.approx(row, abs=2e-6)
+
+
+@pytest.mark.parametrize("pairs", [[], [{}] * (MOST_AT_ONCE + 1), "row:3", [3]])
+def test_a_request_for_no_pairs_or_too_many_is_refused(resources, pairs):
+    with pytest.raises(DataError, match="pairs"):
+        many(resources, {"pairs": pairs})

@@ -12,7 +12,7 @@ from app.resources import Resources
 def test_a_sent_image_is_read_by_the_encoder_of_the_modality_it_is_used_for(
     resources: Resources, encoder: Any, png: Callable[..., bytes], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from omnivat.encoders.paired import PairEncoder
+    from omnivat.encoders.base import PairEncoder
 
     class Doubled(type(encoder)):  # type: ignore[misc]
         def embed(self, images: Any) -> Any:

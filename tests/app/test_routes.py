@@ -55,7 +55,8 @@ def test_junk_sent_to_a_question_is_refused_in_a_sentence(client, name, junk):
 
 @pytest.mark.parametrize("name", QUESTIONS)
 def test_an_endless_question_is_cut_off(client, name):
-    assert "larger than 0.01 MB" in sentence(client.post(f"/omnivat/{name}", content=b"x" * 20_000))
+    endless = client.post(f"/omnivat/{name}", content=b"x" * 20_000)
+    assert "larger than 0.01 MB" in sentence(endless, 413)
 
 
 def test_an_image_goes_in_and_its_pair_is_answered(client, png):
@@ -109,7 +110,7 @@ def test_images_of_odd_kinds_are_accepted(client, content):
 
 def test_an_image_over_the_limit_is_refused(client):
     assert "larger than 20 MB" in sentence(
-        client.post("/omnivat/image", content=bytes(MAX_IMAGE_BYTES + 1))
+        client.post("/omnivat/image", content=bytes(MAX_IMAGE_BYTES + 1)), 413
     )
 
 
@@ -182,7 +183,7 @@ def test_frames_are_computed_once_in_the_background_and_kept(
     def never(*_, **__):
         raise AssertionError("frames that are kept are not computed again")
 
-    monkeypatch.setattr("omnivat.frames.build.build_frames", never)
+    monkeypatch.setattr("omnivat.frames.builder.build_frames", never)
     from app.resources import Resources
 
     assert Resources(resources.where).frames.wait().file == state.file

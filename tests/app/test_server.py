@@ -25,7 +25,7 @@ for path in ("", "omnivat/web/explore/explore.js", "omnivat/web/shared/page.css"
     with urllib.request.urlopen(address + path) as answer:
         assert answer.status == 200 and answer.read()
 def report():
-    print("LOADED", *sorted({"torch", "umap", "plotly", "transformers", "sklearn", "scipy"} & set(sys.modules)))
+    print("LOADED", *sorted({"torch", "umap", "plotly", "transformers", "sklearn", "scipy", "pandas"} & set(sys.modules)))
 
 report()
 import torch
@@ -49,13 +49,23 @@ def loaded() -> list[set[str]]:
 
 
 @pytest.mark.slow
-def test_the_first_page_loads_neither_torch_nor_umap_nor_plotly(loaded):
+def test_the_first_page_loads_neither_torch_nor_umap_nor_plotly_nor_pandas(loaded):
     assert loaded[0] == set()
 
 
 @pytest.mark.slow
 def test_the_check_itself_sees_a_heavy_import(loaded):
     assert "torch" in loaded[1]
+
+
+def test_gradio_still_finds_the_tables_that_it_was_imported_without():
+    code = (
+        "import sys\nfrom app.light import light_imports\nwith light_imports(): import gradio\n"
+        "from gradio import caching, component_meta\nassert 'pandas' not in sys.modules\n"
+        "import pandas\nassert caching.pd.DataFrame is pandas.DataFrame\n"
+        "assert component_meta.create_or_modify_pyi.__name__ == '<lambda>'\n"
+    )
+    subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=True, timeout=120)
 
 
 def test_the_command_line_is_the_documented_one():
@@ -149,3 +159,12 @@ def test_the_desktop_window_shows_the_page_while_it_is_open():
     assert done.returncode == 0, done.stderr
     said = [line for line in done.stdout.splitlines() if line.startswith(("SEEN", "STARTED"))]
     assert said == ["SEEN OmniVaT 200", "STARTED"]
+
+
+@pytest.mark.slow
+def test_a_head_is_loaded_without_symbolic_algebra():
+    code = (
+        "import sys\nfrom omnivat.checkpoint import load_head\nfrom omnivat.heads import default_head\n"
+        "load_head(default_head())\nassert 'torch' in sys.modules and 'sympy' not in sys.modules\n"
+    )
+    subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=True, timeout=120)

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.state import Recent, content_name, order_from, ref_from
+from app.state import VISITOR, Recent, content_name, order_from, ref_from
 from omnivat.errors import DataError, SettingsError
 
 
@@ -58,3 +58,17 @@ def test_the_least_recently_used_value_is_forgotten_first():
     recent.get("a")
     recent.keep("c", 3)
     assert (recent.get("a"), recent.get("b"), recent.get("c")) == (1, None, 3)
+
+
+def test_a_visitor_finds_only_its_own_values_and_pushes_out_no_other():
+    recent: Recent[int] = Recent(4, own=True)
+    VISITOR.set("a")
+    recent.keep("x", 1)
+    VISITOR.set("b")
+    assert recent.get("x") is None
+    for number in range(9):
+        recent.keep(str(number), number)
+    assert [recent.get(str(number)) for number in (5, 6, 7, 8)] == [None, 6, 7, 8]
+    VISITOR.set("a")
+    assert recent.get("x") == 1
+    VISITOR.set("")

@@ -105,3 +105,10 @@ def test_without_lessons_no_head_is_taught_and_a_forgotten_one_gives_a_sentence(
     assert head_taught(resources, "") is resources.head()
     with pytest.raises(ForgottenError, match="no longer has the taught head"):
         head_taught(resources, "0" * 32)
+
+
+@pytest.mark.parametrize("tac", ["row:41", "image:own", "example:TAG-sim/wood/0"])
+def test_a_photo_and_a_touch_of_different_pairs_are_never_taught(resources, tac):
+    resources._sent.keep("own", resources.embeddings().tac[0])
+    with pytest.raises(DataError, match="come from different pairs"):
+        teach(resources, {"lessons": [*LESSONS, {"vis": "row:40", "tac": tac, "label": "cork"}]})

@@ -18,7 +18,11 @@ def queue(resources):
     """Return the trainings, and a function that starts a long one for a visitor."""
     sets = VisitorSets(resources)
     trainings = Trainings(sets)
-    yield trainings, lambda name: trainings.start(sets.first, {**LONG, "visitor": name}, "")["run"]
+
+    def start(name, address=""):
+        return trainings.start(sets.first, {**LONG, "visitor": name}, "", address)["run"]
+
+    yield trainings, start
     sets.shared.close()
 
 
@@ -55,7 +59,7 @@ def test_four_visitors_wait_in_order_and_a_cancelled_place_is_free(queue):
 
 
 def test_a_full_queue_refuses_in_a_sentence(queue, monkeypatch):
-    monkeypatch.setattr(training, "KEPT_RUNS", 2)
+    monkeypatch.setattr(training, "MOST_RUNS", 2)
     trainings, start = queue
     runs = [start(name) for name in ("ann", "bob")]
     with pytest.raises(BusyError, match="2 trainings run or wait here already"):
@@ -71,3 +75,18 @@ def test_the_training_of_a_visitor_who_left_makes_way(queue, monkeypatch):
     monkeypatch.setattr(training, "ABANDONED_S", 0.5)
     until(lambda: standing(trainings, [next_one])[0][0] == "running")
     assert standing(trainings, [left]) == [("cancelled", 0)]
+
+
+def test_one_address_with_twelve_names_keeps_no_one_out_and_takes_turns(queue):
+    trainings, start = queue
+    hog = [start(f"name {k}", "10.0.0.1") for k in range(training.MOST_RUNS)]
+    until(lambda: standing(trainings, hog)[0] == ("running", 0))
+    other = start("ann", "10.0.0.2")
+    assert standing(trainings, [other]) == [("waiting", 1)]  # not the last place
+    ended = trainings.state({"run": hog[-1]})
+    assert (ended["state"], ended["problem"][:27]) == ("failed", "Your place was needed by an")
+    assert [state for state, _ in standing(trainings, hog)].count("waiting") == 10
+    with pytest.raises(BusyError, match="12 trainings run or wait"):
+        start("one more", "10.0.0.1")
+    trainings.cancel({"run": hog[0]})
+    until(lambda: standing(trainings, [other]) == [("running", 0)])

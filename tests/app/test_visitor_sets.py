@@ -7,9 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from starlette.applications import Starlette
+from starlette.requests import Request
 from starlette.testclient import TestClient
 
-from app.limits import KEPT_DESKS, PARTS
+from app.limits import PARTS
+from app.messages import BusyError
+from app.requests import visitor_of
 from app.routes import routes
 from app.state import ForgottenError
 from app.visitor_sets import VisitorSets
@@ -114,18 +117,88 @@ def test_a_file_that_is_too_large_is_cut_off_and_removed(resources):
     assert list(sets.shared.scratch.folder("parts").iterdir()) == []
 
 
-def test_the_desk_unused_for_longest_is_forgotten_with_its_files(resources, small_places):
+def load_one(sets, folder, number, beside="", visitor="", compare=False):
+    """Load a head that differs in its last file."""
+    parts = {}
+    for name, file in head_files(folder).items():
+        content = file.read_bytes() + b" " * (number if name == "metrics.json" else 0)
+        parts[name] = asyncio.run(sets.keep_part(name, blocks(content, 1), visitor))
+    return sets.load(parts, beside=beside, compare=compare, visitor=visitor)
+
+
+def test_ten_heads_are_compared_and_a_load_never_reports_a_set_that_is_gone(
+    resources, small_places, monkeypatch
+):
+    monkeypatch.setattr("app.visitor_sets.KEPT_DESKS", 3)
     sets = VisitorSets(resources)
-    names = []
-    for number in range(KEPT_DESKS + 1):
-        text = (small_places.head / "metrics.json").read_bytes() + b" " * number
-        parts = {}
-        for name, file in head_files(small_places.head).items():
-            content = text if name == "metrics.json" else file.read_bytes()
-            parts[name] = asyncio.run(sets.keep_part(name, blocks(content, 1)))
-        names.append(sets.load(parts, beside="", compare=False))
+    pairs = asyncio.run(
+        sets.keep_part("embeddings.safetensors", blocks(small_places.embeddings.read_bytes(), 1))
+    )
+    name = sets.load({"embeddings.safetensors": pairs}, beside="", compare=False)
+    for number in range(10):
+        name = load_one(sets, small_places.head, number, beside=name, compare=True)
+        assert len(sets.named(name).heads) == number + 2
+    assert len(sets.named(name).embeddings()) == 80
+    homes = {path.parent for path in (sets.named(name).where.embeddings,)}
+    homes |= {path.parent for path in sets.named(name).where.compare}
+    assert len(homes) == 1  # it needs no other set's folder
+    assert load_one(sets, small_places.head, 0) != name
+    assert len(sets.named(name).heads) == 11
+
+
+def test_the_visitor_with_most_sets_loses_one_first(resources, small_places, monkeypatch):
+    monkeypatch.setattr("app.visitor_sets.KEPT_DESKS", 3)
+    sets = VisitorSets(resources)
+    kept = load_one(sets, small_places.head, 0, visitor="one")
+    many = [load_one(sets, small_places.head, number, visitor="many") for number in range(1, 5)]
+    assert sets.named(kept) and sets.named(many[-1])
+    with pytest.raises(ForgottenError):
+        sets.named(many[0])
+
+
+def test_small_files_of_one_visitor_keep_no_other_out_and_none_of_a_load_is_lost(
+    resources, small_places, monkeypatch
+):
+    monkeypatch.setattr("app.upload_store.OWN_PARTS", 5)
+    monkeypatch.setattr("app.upload_store.PARTS_BYTES", 1_200_000 + 9 * 4096)
+    sets = VisitorSets(resources)
+
+    def send_many(visitor, count):
+        for number in range(count):
+            content = f"{visitor} {number}".encode()
+            asyncio.run(sets.keep_part("settings.json", blocks(content, 1), visitor))
+
+    send_many("many", 40)
+    assert len(list(sets.shared.scratch.folder("parts").iterdir())) == 5
+    assert load_one(sets, small_places.head, 0, visitor="one")
+    for other in "abc":
+        send_many(other, 4)  # others make room, the visitor with most first
+    monkeypatch.setattr("app.upload_store.OWN_BYTES", 500_000)
+    with pytest.raises(BusyError, match="try again in 10 minutes"):
+        send_many("one more", 1)
+
+
+@pytest.mark.parametrize(
+    ("host", "visitor"),
+    [
+        ("10.0.0.7", "10.0.0.7"),
+        ("2001:db8:1:2:3:4:5:6", "2001:db8:1:2::/64"),
+        ("fe80::1%eth0", "fe80::/64"),
+        ("::ffff:10.0.0.7", "10.0.0.7"),
+        ("testclient", "testclient"),
+    ],
+)
+def test_a_visitor_is_an_address_or_the_network_that_one_visitor_has(host, visitor):
+    assert visitor_of(Request({"type": "http", "client": (host, 5)})) == visitor
+
+
+def test_the_desk_unused_for_longest_is_forgotten_with_its_files(
+    resources, small_places, monkeypatch
+):
+    monkeypatch.setattr("app.visitor_sets.KEPT_DESKS", KEPT_DESKS := 3)
+    sets = VisitorSets(resources)
+    names = [load_one(sets, small_places.head, number) for number in range(KEPT_DESKS + 1)]
     with pytest.raises(ForgottenError):
         sets.named(names[0])
     assert sets.named(names[-1]).head().source == "TAG-sim"
-    assert len(sets._folders) == KEPT_DESKS
     assert sum(1 for f in sets.shared.scratch.home.iterdir() if f.is_dir()) == KEPT_DESKS + 1

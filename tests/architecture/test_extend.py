@@ -46,7 +46,8 @@ def added(tmp_path, monkeypatch):
         return module
 
     yield add
-    for name in ("omnivat.baselines.prior", "omnivat.gaps.medians", "omnivat.data.readers.flat"):
+    pages = ("baselines.prior", "gaps.medians", "data.readers.flat", "projection.widest")
+    for name in (f"omnivat.{page}" for page in pages):
         sys.modules.pop(name, None)
 
 
@@ -85,6 +86,19 @@ def test_a_gap_of_one_file_and_one_line_is_in_gaps(added, monkeypatch, embedding
     asked = ["gaps", "--embeddings", str(embeddings_file), "--stage", "raw", "--measure", name]
     assert main(asked) == 0
     assert f"{name} at raw" in capsys.readouterr().out
+
+
+def test_a_projection_of_one_file_and_one_line_draws_a_map(added, monkeypatch, embeddings_file):
+    from omnivat.cli import main
+    from omnivat.projection import PROJECTIONS
+
+    added("omnivat/projection/widest.py")
+    name, target = entry("PROJECTIONS")
+    monkeypatch.setitem(PROJECTIONS, name, target)
+    out = embeddings_file.with_name("map.csv")
+    asked = ["project", "--embeddings", str(embeddings_file), "--stage", "raw", "--out", str(out)]
+    assert main([*asked, "--method", name]) == 0
+    assert len(out.read_text(encoding="utf-8").splitlines()) > 10
 
 
 def test_a_gap_in_the_table_is_a_measure_of_the_sweep(added, monkeypatch):

@@ -72,3 +72,8 @@ def test_the_page_finds_its_scripts_and_sets(site: Path) -> None:
     )
     printed = run(site, "-c", code)
     assert "omnivat_examples" in printed and "sensors" in printed
+
+
+def test_explore_opens_in_a_notebook_of_any_folder(site: Path) -> None:
+    code = "from omnivat.notebook import explore; print(len(explore().page))"
+    assert int(run(site, "-c", code)) > 1_000_000

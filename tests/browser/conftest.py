@@ -25,6 +25,8 @@ FLAGS = [
     "--use-fake-device-for-media-stream",
     "--use-fake-ui-for-media-stream",
 ]
+PANELS = """localStorage['omnivat-panels'] ??= JSON.stringify(Object.fromEntries(
+  ['card', 'grid', 'confusion', 'filters', 'curves', 'raw', 'step', 'toy'].map((name) => [name, true])))"""
 DESK = {"viewport": {"width": 1440, "height": 900}}
 
 
@@ -59,19 +61,19 @@ def desktop(chromium: Any) -> Iterator[Any]:
 class Server:
     """`python app.py` on the project's own data; it can be stopped and started again."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, host: str = "127.0.0.1", more: tuple[str, ...] = ()) -> None:
         with socket.socket() as probe:
-            probe.bind(("127.0.0.1", 0))
+            probe.bind((host, 0))
             self.port = probe.getsockname()[1]
-        self.address = f"http://127.0.0.1:{self.port}/"
-        self.folder = folder
+        self.address = f"http://{host}:{self.port}/"
+        self.folder, self.more = folder, more
         self.process: subprocess.Popen[bytes] | None = None
 
     def start(self) -> None:
         """Start and wait until the page answers."""
         with (self.folder / "log").open("a") as log:
             self.process = subprocess.Popen(
-                [sys.executable, "app.py", "--no-browser", "--port", str(self.port)],
+                [sys.executable, "app.py", "--no-browser", "--port", str(self.port), *self.more],
                 cwd=ROOT,
                 env=os.environ | {"XDG_CACHE_HOME": str(self.folder)},
                 stdout=log,
@@ -135,6 +137,7 @@ def watched(page: Any, address: str, problems: list[str]) -> Any:
         ),
     )
     page.set_default_timeout(30_000)
+    page.add_init_script(PANELS)  # journeys look into every panel of the workbench
     return page
 
 

@@ -8,12 +8,13 @@ from PIL import Image
 
 MAP = ".explore .map[data-order]"
 ANSWERED = ".pair .results[aria-busy=false] .reading"
-MOVED = "?mode=moved"  # frames of one head at every stop
+MOVED = "?chapter=analyse&mode=moved"  # the workbench, frames of one head at every stop
+TOOLS = "?chapter=analyse"
 READY = {  # what each tab shows once it is there
     "explore": MAP,
     "pair": ANSWERED,
     "train": ".train .choices .go",
-    "tree": ".tree .tree-view",
+    "tree": ".tree .groves[aria-busy=false] .tree-view",
     "compare": ".compare .map[data-order]",
     "data": ".data .facts .panel",
 }

@@ -1,4 +1,4 @@
-"""The bar of p stays in view: whoever reads further down can still drag it."""
+"""The control of a chapter and its chart are in view at once, and the thumb stands under its value."""
 
 from collections.abc import Callable
 from typing import Any
@@ -9,30 +9,45 @@ from .gestures import MAP
 
 pytestmark = pytest.mark.browser
 
-PROJECTOR = {"viewport": {"width": 1280, "height": 720}}
-BAR_IN_VIEW = """() => {
-  const { top, bottom } = document.querySelector('.explore .order-bar').getBoundingClientRect();
-  return top >= 0 && bottom <= innerHeight;
-}"""
+LONG = pytest.mark.long
+SIZES = [(1280, 720), pytest.param((1440, 900), marks=LONG), (1024, 768), (400, 800)]
+OUTSIDE = """selectors => selectors.filter((one) => {
+  const { top, bottom, height } = document.querySelector(`.explore ${one}`).getBoundingClientRect();
+  return !height || top < 0 || bottom > innerHeight;
+})"""
 
 
-def test_the_bar_of_p_stays_at_the_top_while_the_page_scrolls(
+@pytest.mark.parametrize("size", SIZES, ids=str)
+def test_map_chart_and_control_of_each_chapter_need_no_scrolling(
+    open_page: Callable[..., Any], size: tuple[int, int]
+) -> None:
+    page = open_page("?chapter=order", viewport=dict(zip(("width", "height"), size, strict=True)))
+    page.wait_for_selector(MAP)
+    assert page.evaluate(OUTSIDE, [".map", ".over svg", ".order", ".title"]) == []
+    page.click('.explore [data-chapter="failure"]')
+    page.wait_for_selector(".explore .fall[data-rung=m2]")  # the whole ladder
+    page.wait_for_selector(".explore .profiles button")
+    assert page.evaluate(OUTSIDE, [".map", ".waterfall", ".title"]) == []
+    page.click('.explore [data-chapter="fooled"]')
+    page.wait_for_selector(".explore .bar-row:visible")
+    assert page.evaluate(OUTSIDE, [".map", ".readings", ".title"]) == []
+
+
+def test_the_thumb_of_the_slider_stands_under_its_value_on_the_curve(
     open_page: Callable[..., Any],
 ) -> None:
-    page = open_page(**PROJECTOR)
+    page = open_page("?chapter=order")
     page.wait_for_selector(MAP)
-    page.evaluate("scrollTo(0, 500)")
-    assert page.evaluate("scrollY") > 100
-    assert page.evaluate(BAR_IN_VIEW)
-
-
-def test_the_tour_shows_the_bar_where_it_wants_p_dragged(open_page: Callable[..., Any]) -> None:
-    page = open_page(**PROJECTOR)
-    page.wait_for_selector(".explore.ready")
-    page.click(".tour-start")
-    for _ in range(6):
-        question = page.locator(".tour").inner_text()
-        if "Drag p" in question:
-            assert page.evaluate(BAR_IN_VIEW), question
-        page.locator(".tour [data-option]").first.click()
-        page.click(".tour .next")
+    for key in ("Home", "End"):
+        page.focus(".explore .order")
+        page.keyboard.press(key)
+        off = page.evaluate(
+            """key => {
+              const mark = document.querySelector('.explore .over circle.now').getBoundingClientRect();
+              const track = document.querySelector('.explore .order').getBoundingClientRect();
+              const thumb = key === 'Home' ? track.left + 8 : track.right - 8;
+              return Math.abs(mark.left + mark.width / 2 - thumb);
+            }""",
+            key,
+        )
+        assert off <= 2

@@ -39,11 +39,13 @@ READ = """async ({ stops, stages }) => {
 
 
 def test_a_drag_asks_nothing_of_the_server(open_page: Callable[..., Any]) -> None:
-    page = open_page("?vis=row:0&tac=row:0")
+    page = open_page("?chapter=analyse&map=pca&vis=row:0&tac=row:0")
     page.wait_for_selector(MAP)
     for view, shown in (("pair", ".reading"), ("tree", ".tree-view"), ("explore", ".map")):
         open_tab(page, view)
         page.wait_for_selector(f".{view} {shown}")
+        if view != "explore":  # the place on the map comes last
+            page.wait_for_selector(f".{view} .where-note:has-text('Click a point')")
     page.wait_for_load_state("networkidle")
     asked: list[str] = []
     page.on("request", lambda request: asked.append(request.url))
@@ -63,12 +65,12 @@ def test_every_stop_is_what_the_library_computes_now(open_page: Callable[..., An
 
     from omnivat.checkpoint import load_head
     from omnivat.data.store import load_embeddings
-    from omnivat.frames.build import stacked
+    from omnivat.frames.builder import stacked
     from omnivat.projection import pca
-    from omnivat.projection.align import aligned
+    from omnivat.projection.chain import aligned
     from omnivat.sweep import walk
 
-    page = open_page()
+    page = open_page("?chapter=analyse")
     page.wait_for_selector(MAP)
     decoded = page.evaluate(READ, {"stops": STOPS, "stages": STAGES})
     frames = read_frames(EXAMPLES / "frames.bin")
@@ -94,7 +96,7 @@ def test_every_stop_is_what_the_library_computes_now(open_page: Callable[..., An
 
 def test_the_figures_beside_the_map_are_those_of_the_stop(open_page: Callable[..., Any]) -> None:
     frames = read_frames(EXAMPLES / "frames.bin")
-    page = open_page("?mode=moved&p=0.2")
+    page = open_page("?mode=moved&p=0.2&map=pca")
     page.wait_for_selector(MAP)
     box = grab(page, 0.2)
     pull(page, box, 0.73, steps=20)
@@ -147,7 +149,7 @@ def test_finer_frames_take_the_place_of_coarse_ones_in_the_middle_of_a_drag(
     page.route(
         "**/omnivat/modes", lambda route: route.fulfill(json={"modes": ["moved"], "sets": []})
     )
-    page.goto(address + "?mode=moved&p=0.2", wait_until="commit")
+    page.goto(address + "?mode=moved&map=pca&p=0.2", wait_until="commit")
     page.wait_for_selector(MAP)
     box = grab(page, 0.2)
     pull(page, box, 0.43)
@@ -176,7 +178,7 @@ def test_a_browser_without_webgl_shows_and_moves_the_map(
           };
         }"""
     )
-    page.goto(address, wait_until="commit")
+    page.goto(address + "?chapter=analyse", wait_until="commit")
     page.wait_for_selector(MAP)
     assert page.evaluate("document.createElement('canvas').getContext('webgl2')") is None
     before = pixels(page)

@@ -22,7 +22,7 @@ def test_one_head_for_every_order_is_the_third_mode_and_its_curves_follow_p(
 ) -> None:
     frames = read_frames(folder / "every.bin")
     for order in (0.2, 0.8):
-        page = open_page(f"?mode=every&p={order}{query}")
+        page = open_page(f"?mode=every&map=pca&p={order}{query}")
         page.wait_for_selector(".explore[data-kind=every]")
         page.wait_for_selector(f'{MAP}[data-order="{order}"]')
         modes = page.locator(".explore .modes [data-key]")
@@ -31,7 +31,7 @@ def test_one_head_for_every_order_is_the_third_mode_and_its_curves_follow_p(
             "moved",
             "every",
         ]
-        shown = page.locator(".explore .curves [data-name=accuracy] output").first.inner_text()
+        shown = page.locator(".explore .curves [data-name=accuracy] output").first.text_content()
         value = frames.curves["accuracy/unseen"][frames.orders.index(order)]
         assert shown.replace("\xa0", " ") == f"{100 * value:.1f} %"
         assert "One head for every p" in page.locator(".explore .mode-words").inner_text()

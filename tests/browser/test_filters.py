@@ -5,11 +5,11 @@ from typing import Any
 
 import pytest
 
-from .gestures import MAP
+from .gestures import MAP, TOOLS, pixels
 
 pytestmark = pytest.mark.browser
 
-TITLE = ".explore .now .map-title"
+TITLE = ".explore [data-panel=step] .map-title"
 
 
 def drag_over(page: Any, name: str) -> None:
@@ -24,34 +24,35 @@ def drag_over(page: Any, name: str) -> None:
     page.mouse.up()
 
 
-def test_a_range_is_named_in_the_title_kept_in_the_address_and_put_aside_by_the_tour(
+def test_a_range_is_named_in_the_title_kept_in_the_address_and_put_aside_by_other_chapters(
     open_page: Callable[..., Any],
 ) -> None:
-    page = open_page()
+    page = open_page(TOOLS)
     page.wait_for_selector(".explore .histograms svg")
     drag_over(page, "cosine")
     page.wait_for_selector(f"{TITLE}:has-text('photo–touch cosine')")
     page.wait_for_function("location.search.includes('range=')")
+    pixels(page)  # the last move of the mouse is drawn
     found = page.locator(".explore .finder .found").inner_text()
     page.reload()
     page.wait_for_selector(f".explore .finder .found:has-text('{found}')")
-    page.click(".tour-start")
-    page.wait_for_selector(".tour [data-option]")
-    assert page.locator(".explore .finder .found").inner_text() == ""
-    page.click(".tour .end")
-    assert page.locator(".explore .finder .found").inner_text() == found
+    page.click('.explore [data-chapter="order"]')
+    page.wait_for_selector(".explore .title:visible")
+    assert "range=" not in page.url
+    page.click('.explore [data-chapter="analyse"]')
+    page.wait_for_selector(f".explore .finder .found:has-text('{found}')")
 
 
 def test_a_link_to_a_cell_of_the_confusion_matrix_shows_its_pairs(
     open_page: Callable[..., Any],
 ) -> None:
-    page = open_page("?part=strangers")
+    page = open_page("?chapter=fooled")
     page.wait_for_selector(MAP)
     page.click(".explore .confusion .hit button:not([disabled])")
-    page.wait_for_selector(f"{TITLE}:has-text('predicted as')")
     page.wait_for_function("location.search.includes('cell=')")
-    found = page.locator(".explore .finder .found").inner_text()
+    found = page.locator(".explore .pictures h4").inner_text()
+    assert "points selected" in found
     page.reload()
-    page.wait_for_selector(f".explore .finder .found:has-text('{found}')")
+    page.wait_for_selector(f".explore .pictures h4:has-text('{found}')")
     page.click(".explore .confusion [aria-pressed=true]")
-    assert page.locator(".explore .finder .found").inner_text() == ""
+    page.wait_for_selector(".explore .pictures h4:has-text('look like another class')")

@@ -6,19 +6,19 @@ from typing import Any
 
 import pytest
 
-from .gestures import ANSWERED, MAP, grab, p_shown, pixels, place_of_a_point, pull
+from .gestures import ANSWERED, MAP, TOOLS, grab, p_shown, pixels, place_of_a_point, pull
 
 pytestmark = pytest.mark.browser
 
 
 def test_dragging_p_changes_the_map_and_the_figures(open_page: Callable[..., Any]) -> None:
-    page = open_page()
+    page = open_page(TOOLS)
     page.wait_for_selector(MAP)
-    before, gap = pixels(page), page.locator(".explore .curves output").first.inner_text()
+    before, gap = pixels(page), page.locator(".explore .curves output").first.text_content()
     pull(page, grab(page), 0.8, steps=5)
     page.mouse.up()
     assert pixels(page) != before
-    assert page.locator(".explore .curves output").first.inner_text() != gap
+    assert page.locator(".explore .curves output").first.text_content() != gap
     page.wait_for_function(f"location.search.includes('p={float(p_shown(page)):g}')")
 
 
@@ -37,7 +37,7 @@ def test_raw_stages_do_not_move_and_the_page_says_why(open_page: Callable[..., A
 def test_a_point_shows_its_pair_and_pins_it_for_the_other_tabs(
     open_page: Callable[..., Any],
 ) -> None:
-    page = open_page()
+    page = open_page(TOOLS)
     page.wait_for_selector(MAP)
     at = place_of_a_point(page)
     page.mouse.click(*at)
@@ -49,7 +49,7 @@ def test_a_point_shows_its_pair_and_pins_it_for_the_other_tabs(
 
 
 def test_a_lasso_selects_points_and_saves_them_as_csv(open_page: Callable[..., Any]) -> None:
-    page = open_page()
+    page = open_page(TOOLS)
     page.wait_for_selector(MAP)
     page.click(".explore .tool.lasso")
     box = page.locator(".explore .map").bounding_box()
@@ -58,24 +58,24 @@ def test_a_lasso_selects_points_and_saves_them_as_csv(open_page: Callable[..., A
     for dx, dy in ((0.99, 0.01), (0.99, 0.99), (0.01, 0.99), (0.01, 0.05)):
         page.mouse.move(box["x"] + dx * box["width"], box["y"] + dy * box["height"], steps=3)
     page.mouse.up()
-    heading = page.locator(".explore .selection h3").inner_text()
+    heading = page.locator(".explore .pictures h4").inner_text()
     count = int(heading.split()[0])
     assert count > 10
     with page.expect_download() as saved:
-        page.click(".explore .selection .csv")
+        page.click(".explore .pictures .csv")
     lines = saved.value.path().read_text(encoding="utf-8").splitlines()
     assert lines[0].startswith("pair,modality,domain,class")
     assert len(lines) == count + 1
     page.focus(".explore .map canvas + canvas")
     page.keyboard.press("Escape")
-    assert page.locator(".explore .selection").is_hidden()
+    assert page.locator(".explore .pictures .clear").count() == 0
 
 
 def test_the_keyboard_selects_all_that_is_in_view(open_page: Callable[..., Any]) -> None:
-    page = open_page()
+    page = open_page(TOOLS)
     page.wait_for_selector(MAP)
     page.focus(".explore .map canvas + canvas")
-    heading = page.locator(".explore .selection h3")
+    heading = page.locator(".explore .pictures h4")
     counts = []
     for zooms in (0, 6):
         for _ in range(zooms):
@@ -89,7 +89,7 @@ def test_the_keyboard_selects_all_that_is_in_view(open_page: Callable[..., Any])
 
 
 def test_the_map_works_by_keyboard_alone(open_page: Callable[..., Any]) -> None:
-    page = open_page()
+    page = open_page(TOOLS)
     page.wait_for_selector(MAP)
     page.focus(".explore .map canvas + canvas")
     before = pixels(page)
@@ -103,21 +103,23 @@ def test_the_map_works_by_keyboard_alone(open_page: Callable[..., Any]) -> None:
     assert page.locator(".explore .card .tag").is_visible()
 
 
-def test_the_tour_asks_for_six_predictions_and_puts_back_what_was_seen(
+def test_the_tour_asks_for_six_predictions_over_both_sets_and_covers_nothing(
     open_page: Callable[..., Any],
 ) -> None:
     page = open_page("?stage=relu&colour=class")
     page.wait_for_selector(MAP)
     page.click(".tour-start")
+    chapters = []
     for step in range(1, 7):
         page.wait_for_selector(f".tour h3:has-text('{step} of 6')")
         assert page.locator(".tour [data-option]").count() >= 2
+        chapters.append(page.evaluate("document.querySelector('.ov.explore').dataset.chapter"))
         page.keyboard.press("Enter")  # the first option has the focus
-        page.wait_for_selector(".tour .next")
+        page.wait_for_selector(".tour .next-step")
         told = page.locator(".tour p").inner_text()
         assert "As you predicted" in told or "Not so" in told
-        assert "NaN" not in told
-        assert "undefined" not in told
+        assert not re.search("NaN|undefined", told)
         page.keyboard.press("Enter")  # the next button has the focus
+    assert chapters == ["order", "order", "failure", "failure", "fooled", "failure"]
     page.wait_for_selector(".tour", state="detached")
     page.wait_for_function("location.search.includes('stage=relu')")

@@ -2,7 +2,9 @@
 
 import re
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
+from zipfile import ZipFile
 
 import pytest
 
@@ -38,8 +40,8 @@ def test_pictures_unlike_anything_seen_are_called_a_guess(open_page: Callable[..
     page.wait_for_selector(".pair .familiar .look")
     if "has no record" in page.locator(".pair .familiar").inner_text():
         pytest.skip("the head that is shipped holds no familiarity")
-    page.wait_for_selector(".pair .reading[data-reading=fused] .guessed")
-    for reading in ("fused", "vis", "tac"):
+    page.wait_for_selector(".pair .reading[data-reading=both] .guessed")
+    for reading in ("both", "vis", "tac"):
         assert "This is a guess" in said(page, reading)
         assert "%" not in said(page, reading)
     assert page.locator(".pair .nearest button").count() == 6
@@ -54,6 +56,10 @@ def test_touch_only_does_not_depend_on_the_photo(open_page: Callable[..., Any]) 
         page.locator(".pair .bars td[data-reading=fused] .share").all_text_contents(),
     )
     send(page, "vis", 7)
+    page.click(".pair .started button")  # the touch that the new photo took away
+    page.wait_for_selector(f"{SLOT.format('tac')} .what:has-text('pair 0')")
+    page.wait_for_selector(ANSWERED)
+    page.wait_for_function("document.querySelectorAll('.pair .bars th').length > 6")
     assert cells.all_text_contents() == before
     assert page.locator(".pair .bars td[data-reading=fused] .share").all_text_contents() != both
 
@@ -64,7 +70,7 @@ def test_one_image_is_enough(open_page: Callable[..., Any]) -> None:
     page.click(f"{SLOT.format('vis')} .clear")
     page.wait_for_selector(".pair .reading.none[data-reading=vis]")
     assert "No photo here" in said(page, "vis")
-    assert "Add the photo" in said(page, "fused")
+    assert "Add the photo" in said(page, "both")
 
 
 def test_no_letter_of_the_chart_over_p_is_cut_off(open_page: Callable[..., Any]) -> None:
@@ -86,7 +92,7 @@ def test_p_is_moved_in_a_section_of_its_own_and_leaves_the_prediction(
 ) -> None:
     page = open_page(PAIR)
     page.wait_for_selector(ANSWERED)
-    prediction = said(page, "fused")
+    prediction = said(page, "both")
     page.click(".pair .what-if-p summary")
     page.wait_for_selector(".pair .lines svg .band")
     before = page.locator(".pair .at-p").inner_text()
@@ -96,7 +102,7 @@ def test_p_is_moved_in_a_section_of_its_own_and_leaves_the_prediction(
     page.wait_for_function(
         "before => document.querySelector('.pair .at-p').innerText !== before", arg=before
     )
-    assert said(page, "fused") == prediction
+    assert said(page, "both") == prediction
     assert "guessing" in page.locator(".pair .about-p").inner_text()
 
 
@@ -128,13 +134,21 @@ def test_own_pairs_are_counted_taught_and_saved(open_page: Callable[..., Any]) -
         assert saved.value.path().read_bytes()[:2] == b"PK"
 
 
+def live(page: Any) -> Any:
+    """Open Live and start it; the fake cameras of the browser are its sources."""
+    page.wait_for_selector(ANSWERED)
+    page.click(".pair .cameras > summary")
+    page.click(".pair .cameras .start")
+    return page.locator(".pair .cameras .start")
+
+
 def test_a_second_click_while_the_camera_opens_leaves_it_off(
     open_page: Callable[..., Any],
 ) -> None:
     page = open_page(PAIR, permissions=["camera"])
     page.wait_for_selector(ANSWERED)
     page.evaluate(
-        """slot => {
+        """() => {
           const open = navigator.mediaDevices.getUserMedia.bind(navigator.mediaDevices);
           window.streams = [];
           navigator.mediaDevices.getUserMedia = async (what) => {
@@ -143,31 +157,58 @@ def test_a_second_click_while_the_camera_opens_leaves_it_off(
             window.streams.push(stream);
             return stream;
           };
-          const live = document.querySelector(`${slot} .live`);
-          live.click();
-          live.click();
-        }""",
-        SLOT.format("tac"),
+          const start = document.querySelector('.pair .cameras .start');
+          start.click();
+          start.click();
+        }"""
     )
     page.wait_for_function("window.streams.length === 1")
     page.wait_for_function(
         "window.streams.every((one) => one.getTracks().every((t) => t.readyState === 'ended'))"
     )
-    button = page.locator(f"{SLOT.format('tac')} .live")
-    assert button.get_attribute("aria-pressed") == "false"
+    assert page.locator(".pair .cameras .start").get_attribute("aria-pressed") == "false"
     page.wait_for_selector(ANSWERED)
 
 
-def test_buttons_stay_under_the_pointer_while_the_camera_runs(
-    open_page: Callable[..., Any],
+def test_live_predicts_calibrates_and_records_pairs_that_embed_reads(
+    open_page: Callable[..., Any], tmp_path: Path
 ) -> None:
-    page = open_page(PAIR, permissions=["camera"], viewport={"width": 1280, "height": 720})
+    page = open_page(PAIR, permissions=["camera"])
+    start = live(page)
+    page.wait_for_selector(".pair .verdict .tag:has-text('live')")
+    assert page.locator(".pair .feed .device option.camera").first.inner_text()
+    page.wait_for_selector(".pair .cameras .rate:has-text('ms from camera')")
+    page.click(".pair .cameras .calibrate")
+    page.wait_for_selector(".pair .sensor:has-text('profile of 10')")
+    page.fill(".pair .cameras .label", "wood")
+    page.click(".pair .cameras .record")
+    page.wait_for_selector(".pair .cameras .rate:has-text('2 pairs recorded')")
+    with page.expect_download() as saved:
+        start.click()
+    with ZipFile(saved.value.path()) as archive:
+        archive.extractall(tmp_path)
+    names = [one.name for one in (tmp_path / "recording" / "My sensor" / "wood").iterdir()]
+    table = (tmp_path / "recording" / "pairs.csv").read_text(encoding="utf-8").splitlines()
+    assert table[0] == "vis,tac,domain,material,time"
+    assert len(table) >= 3
+    assert any(name.endswith(("_vis.jpg", "_tac.jpg")) for name in names)
     page.wait_for_selector(ANSWERED)
-    button = page.locator(f"{SLOT.format('vis')} .live")
-    button.dblclick()  # the second click arrives at the same place
-    assert button.get_attribute("aria-pressed") == "false"
-    assert page.locator(".pair video").count() == 0
-    page.wait_for_selector(ANSWERED)
+
+
+def test_another_crop_drops_the_rest_picture_and_says_so(open_page: Callable[..., Any]) -> None:
+    page = open_page(PAIR, permissions=["camera"])
+    page.evaluate("localStorage.setItem('omnivat-live-vis', '{\"device\": \"none\"}')")
+    live(page)
+    page.wait_for_selector(".pair .verdict .tag:has-text('live')")
+    page.click(".pair .cameras .rest")
+    page.wait_for_timeout(1500)
+    page.evaluate(
+        """() => { const rate = document.querySelector('.pair .cameras .rate'); window.said = [];
+          new MutationObserver(() => window.said.push(rate.innerText)).observe(rate, {childList: true}); }"""
+    )
+    page.select_option(".pair .feed[data-modality=tac] .crop", "border")
+    page.wait_for_function("window.said.some((one) => one.includes('was dropped'))")
+    page.click(".pair .cameras .start")
 
 
 def test_where_tells_whether_any_part_matters(open_page: Callable[..., Any]) -> None:
@@ -193,3 +234,108 @@ def test_a_pair_taken_away_leaves_nothing_behind(open_page: Callable[..., Any]) 
     page.wait_for_selector(".pair .reading", state="detached")
     assert page.locator(".pair .familiar").is_hidden()
     assert page.locator(".pair .what-if-p").is_hidden()
+
+
+def test_an_upload_takes_the_example_away_and_says_so(open_page: Callable[..., Any]) -> None:
+    page = open_page(PAIR)
+    page.wait_for_selector(ANSWERED)
+    send(page, "vis", 23)
+    assert "touch before it was taken away" in page.locator(".pair .started").inner_text()
+    page.wait_for_selector(".pair .reading.none[data-reading=tac]")
+    page.click(".pair .started button")  # put back: a mixed pair, which takes no label
+    page.wait_for_selector(".pair .made-of:has-text('different pairs')")
+    assert page.locator(".pair .own").is_hidden()
+    assert page.locator(".pair .reading[data-reading=both] .right").count() == 0
+    assert page.locator(".pair .reading[data-reading=both] .wrong").count() == 0
+
+
+def test_a_label_waits_until_the_picture_on_its_way_has_settled(
+    open_page: Callable[..., Any],
+) -> None:
+    page = open_page("?view=pair")
+    page.wait_for_selector(ANSWERED)
+    for modality in ("vis", "tac"):
+        send(page, modality, 40 + (modality == "tac"))
+    label = ".pair .labels button[data-label='wood']"
+    page.wait_for_selector(f"{label}:enabled")
+    held: list[Any] = []
+    page.route("**/omnivat/image?*", lambda route: held.append(route))
+    page.set_input_files(f"{SLOT.format('vis')} input[type=file]", texture(50))
+    page.wait_for_selector(f"{label}:disabled")
+    page.evaluate("label => document.querySelector(label).click()", label)
+    held[0].continue_()
+    page.wait_for_selector(f"{SLOT.format('vis')} .what:has-text('50.png')")
+    page.wait_for_selector(f"{label}:enabled")
+    assert page.locator(".pair .chips li").count() == 0
+    page.click(label)
+    page.wait_for_selector(".pair .chips li:has-text('50.png')")
+    assert "40.png" not in page.locator(".pair .chips").inner_text()
+
+
+def named(name: str, seed: int) -> dict[str, Any]:
+    """Return a picture of noise as a file of this name."""
+    return texture(seed) | {"name": name}
+
+
+def test_many_pairs_become_a_table_and_a_csv(open_page: Callable[..., Any]) -> None:
+    page = open_page("?view=pair")
+    page.wait_for_selector(ANSWERED)
+    files = [named(f"{k}_{m}.png", 60 + k) for k in range(3) for m in ("vis", "tac")]
+    broken = {"name": "3_vis.png", "mimeType": "image/png", "buffer": b"no picture"}
+    page.set_input_files(".pair .pairs input >> nth=0", [*files, broken, named("alone.png", 1)])
+    page.wait_for_selector(".pair .many table")
+    assert page.locator(".pair .many tbody tr").count() == 4
+    assert "3 guesses" in page.locator(".pair .many h3").inner_text()
+    assert "1 picture left out" in page.locator(".pair .many .hint").inner_text()
+    assert "3_vis.png" in page.locator(".pair .many td.wrong").inner_text()
+    with page.expect_download() as saved:
+        page.click(".pair .many .csv")
+    lines = saved.value.path().read_text(encoding="utf-8").splitlines()
+    assert len(lines) == 5
+    page.click(".pair .many tr[data-row='1'] button")
+    page.wait_for_selector(f"{SLOT.format('tac')} .what:has-text('1_tac.png')")
+    page.wait_for_selector(f"{SLOT.format('tac')} .picture img")
+
+
+def test_a_profile_of_my_sensor_is_followed_and_survives_a_reload(
+    open_page: Callable[..., Any],
+) -> None:
+    page = open_page("?view=pair", viewport={"width": 1440, "height": 900})
+    page.wait_for_selector(ANSWERED)
+    send(page, "tac", 70)
+    files = [named(f"{k}_tac.png", 71 + k) for k in range(6)]
+    broken = {"name": "9_tac.png", "mimeType": "image/png", "buffer": b"no picture"}
+    page.set_input_files(".pair .sensor input >> nth=0", [*files, broken])
+    page.wait_for_selector(".pair .sensor:has-text('profile of 6 touch images')")
+    assert "1 picture was left out" in page.locator(".pair .sensor").inner_text()
+    page.wait_for_selector(".pair .sensor table")
+    with page.expect_download() as saved:
+        page.click(".pair .sensor .save")
+    assert saved.value.path().stat().st_size > 5000
+    page.reload()
+    page.wait_for_selector(".pair .sensor:has-text('profile of 6 touch images')")
+    page.click(".pair .sensor .off")
+    page.wait_for_selector(".pair .sensor:has-text('no labels')")
+
+
+def test_reading_many_pairs_can_be_cancelled(open_page: Callable[..., Any]) -> None:
+    page = open_page("?view=pair")
+    page.wait_for_selector(ANSWERED)
+    page.route("**/omnivat/image?*", lambda route: None)  # the server never replies
+    page.set_input_files(
+        ".pair .pairs input >> nth=0", [named("a_vis.png", 1), named("b_vis.png", 2)]
+    )
+    page.wait_for_selector(".pair .many .stop")
+    assert "1 of 2" in page.locator(".pair .many").inner_text()
+    page.click(".pair .many .stop")
+    page.wait_for_selector(".pair .many:has-text('Cancelled after 0 of 2 pairs')")
+    page.unroute("**/omnivat/image?*")
+
+
+def test_a_photo_is_shown_whole(open_page: Callable[..., Any]) -> None:
+    page = open_page("?view=pair")
+    page.wait_for_selector(ANSWERED)
+    fits = page.evaluate(
+        "[...document.querySelectorAll('.pair .picture img')].map((e) => getComputedStyle(e).objectFit)"
+    )
+    assert fits == ["contain", "contain"]

@@ -46,6 +46,7 @@ def test_an_audit_finds_nothing_wrong_with_any_tab(audited: Any) -> None:
     assert any("contrast" in fault for fault in faults(audited))  # the audit can see
 
 
+@pytest.mark.long
 def test_the_dark_page_has_contrast_enough_in_any_tab(audited: Any) -> None:
     light = pixels(audited)
     audited.click(".ov.top .theme")
@@ -138,7 +139,10 @@ def test_where_p_has_come_to_is_said_aloud(open_page: Callable[..., Any]) -> Non
     "options",
     [
         {"viewport": {"width": 400, "height": 800}},
-        {"viewport": {"width": 720, "height": 450}, "device_scale_factor": 2},
+        pytest.param(
+            {"viewport": {"width": 720, "height": 450}, "device_scale_factor": 2},
+            marks=pytest.mark.long,
+        ),
     ],
     ids=["a phone", "200 % zoom"],
 )
@@ -163,7 +167,7 @@ def test_a_narrow_page_needs_no_scrolling_sideways(
 
 
 def test_a_dark_system_gets_the_dark_page(open_page: Callable[..., Any]) -> None:
-    page = open_page(color_scheme="dark")
+    page = open_page("?chapter=analyse", color_scheme="dark")
     page.wait_for_selector(MAP)
     assert page.evaluate("document.body.classList.contains('dark')")
     ground = page.evaluate(

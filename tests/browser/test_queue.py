@@ -13,6 +13,7 @@ pytestmark = pytest.mark.browser
 def press_train(page: Any) -> None:
     """Start a long training."""
     page.wait_for_selector(".train .go")
+    page.click(".train .choices details summary")
     page.select_option(".train [name=width]", "16")
     page.uncheck(".train [name=lang]")
     page.fill(".train [name=epochs]", "100")

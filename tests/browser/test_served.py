@@ -141,7 +141,7 @@ def test_questions_and_images_have_a_largest_size(address: str) -> None:
         ("/omnivat/image?name=big.png", 20_000_001, "20 MB"),
     ):
         status, text = asked(address, "POST", path, bytes(size), "application/octet-stream")
-        assert status == 400
+        assert status == 413
         assert told in json.loads(text)["error"]
 
 

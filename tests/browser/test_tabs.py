@@ -22,12 +22,12 @@ def test_the_tree_follows_p_and_tells_which_nodes_are_constant(
     number = re.search(r"(\d) of 7 nodes \(dashed\)", told)
     assert page.locator(".tree .disc.fixed").count() == (int(number[1]) if number else 0)
     assert "(learned)" in page.locator(".tree .whose").inner_text()
-    before = page.locator(".tree .matrices").inner_text()
+    before = page.locator(".tree .matrices").text_content()
     page.focus(".tree .order")
     for _ in range(20):
         page.keyboard.press("ArrowRight")
     page.wait_for_function(
-        "before => document.querySelector('.tree .matrices').innerText !== before", arg=before
+        "before => document.querySelector('.tree .matrices').textContent !== before", arg=before
     )
     assert "what-if" in page.locator(".tree .whose").inner_text()
 
@@ -67,6 +67,7 @@ def test_scores_from_source_to_target_are_shown_by_two_measures(
     open_page: Callable[..., Any],
 ) -> None:
     page = open_page("?view=compare")
+    page.click(".compare details.every summary")
     page.wait_for_selector(".scores tbody tr")
     accuracy = page.locator(".scores tbody").inner_text()
     page.click('[data-metric="1"]')
@@ -83,12 +84,13 @@ def test_simulated_data_say_so(open_page: Callable[..., Any]) -> None:
 def test_a_head_is_trained_scrubbed_used_and_saved(open_page: Callable[..., Any]) -> None:
     page = open_page("?view=train")
     page.wait_for_selector(".train .go")
+    page.click(".train .choices details summary")
     page.select_option(".train [name=width]", "16")
     page.fill(".train [name=epochs]", "6")
     page.uncheck(".train [name=lang]")
     page.click(".train .go")
     page.wait_for_selector(".train .status:has-text('Done: 6 epochs')", timeout=120_000)
-    assert page.locator(".train .charts figure").count() == 6
+    assert page.locator(".train .both .charts figure").count() == 6
     assert page.evaluate(
         "Math.min(...[...document.querySelectorAll('.train .charts text')].map((t) => "
         "parseFloat(getComputedStyle(t).fontSize) * t.getScreenCTM().a)) >= 11"
@@ -115,6 +117,7 @@ def test_a_head_is_trained_scrubbed_used_and_saved(open_page: Callable[..., Any]
 def test_a_training_can_be_cancelled(open_page: Callable[..., Any]) -> None:
     page = open_page("?view=train")
     page.wait_for_selector(".train .go")
+    page.click(".train .choices details summary")
     page.select_option(".train [name=width]", "16")
     page.uncheck(".train [name=lang]")
     page.fill(".train [name=epochs]", "100")

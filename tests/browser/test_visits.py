@@ -55,7 +55,7 @@ def test_nothing_but_maps_waits_for_a_map_that_takes_long(
     )
     page.goto(f"{address}?view=data", wait_until="commit")
     page.wait_for_selector(".data .note")
-    assert "16 bits" not in page.locator(".data .exact").inner_text()
+    assert "Map positions" not in page.locator(".data .exact").inner_text()
     page.wait_for_selector(".top .badge:visible")
     open_tab(page, "tree")
     page.wait_for_selector(".tree .tree-view")
@@ -72,7 +72,9 @@ def test_nothing_but_maps_waits_for_a_map_that_takes_long(
     open_tab(page, "tree")
     page.wait_for_selector(".tree .on-map canvas")
     open_tab(page, "data")
-    page.wait_for_function("document.querySelector('.data .exact').innerText.includes('16 bits')")
+    page.wait_for_function(
+        "document.querySelector('.data .exact').innerText.includes('Map positions')"
+    )
 
 
 def test_the_address_of_what_one_visitor_set_draws_the_same_picture_for_another(
@@ -95,7 +97,7 @@ def test_the_address_of_what_one_visitor_set_draws_the_same_picture_for_another(
     other = open_page(page.evaluate("location.search"), viewport={"width": 1440, "height": 900})
     other.wait_for_selector(MAP)
     assert p_shown(other) == "0.04"
-    assert pixels(other) == drawn
+    assert any(pixels(other) == pixels(page) != plain for _ in range(50))  # finer frames come late
 
 
 def test_junk_in_the_address_is_left_out_and_the_page_opens(open_page: Callable[..., Any]) -> None:
@@ -209,7 +211,7 @@ def test_a_killed_server_is_told_of_the_drag_goes_on_and_a_new_server_gets_the_i
     page.wait_for_function("location.search.includes('tac=image')")
     page.wait_for_selector(ANSWERED)
     server.stop()
-    page.click('.pair .slot[data-modality="vis"] .clear')
+    page.set_input_files('.pair .slot[data-modality="vis"] input[type=file]', texture(5))
     page.wait_for_selector(".pair .problem:has-text('does not respond')")
     open_tab(page, "explore")
     before = pixels(page)

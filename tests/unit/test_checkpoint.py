@@ -8,6 +8,7 @@ import pytest
 import torch
 
 from omnivat.checkpoint import Head, head_hash, load_head, save_head
+from omnivat.data.rest import RESTED
 from omnivat.errors import DataError
 from omnivat.model.fusion import Calibration, plain
 
@@ -100,6 +101,18 @@ def test_a_spoilt_head_is_refused_with_the_name_of_the_file(folder, spoil, sente
         load_head(folder)
 
 
+@pytest.mark.parametrize(
+    "train", [None, [], "x", {"order_draw": 3}, {"modalities": None}, {"order_low": "0"}]
+)
+def test_training_settings_of_another_kind_are_refused(folder, train):
+    path = folder / "settings.json"
+    record = json.loads(path.read_text())
+    record["provenance"]["train"] = train
+    path.write_text(json.dumps(record))
+    with pytest.raises(DataError, match="should hold its training settings as an object"):
+        load_head(folder)
+
+
 def test_weights_with_nan_are_refused(folder):
     from safetensors.torch import load_file, save_file
 
@@ -109,6 +122,11 @@ def test_weights_with_nan_are_refused(folder):
     save_file(tensors, path)
     with pytest.raises(DataError, match="classifier holds NaN or infinite values"):
         load_head(folder)
+
+
+def test_embeddings_with_a_rest_picture_are_refused_in_words_of_their_own(folder):
+    with pytest.raises(DataError, match=r"made with a rest picture .* Embed the pairs without"):
+        load_head(folder).require(("test-encoder", "0" * 16, "none" + RESTED), 24, what="They")
 
 
 @pytest.mark.parametrize(

@@ -1,13 +1,26 @@
 """Files are written completely or not at all, and errors name an unwritable folder."""
 
+import csv
 import os
+import subprocess
+import sys
+from pathlib import Path
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from omnivat.cli import main
 from omnivat.data.manifest import COLUMNS, write_manifest
-from omnivat.errors import OmniVatError, WriteError
-from omnivat.files import replacing, require_writable, write_text
+from omnivat.errors import DataError, OmniVatError, WriteError
+from omnivat.files import (
+    replacing,
+    replacing_folder,
+    require_writable,
+    safe_cell,
+    write_csv,
+    write_text,
+)
 
 ROW = {name: ["x"] for name in COLUMNS}
 
@@ -158,8 +171,6 @@ def test_what_a_killed_writer_left_is_swept_by_the_next_and_a_living_one_is_let_
 
 
 def test_a_full_disk_while_a_head_is_saved_is_a_sentence(tmp_path, head_folder, monkeypatch):
-    from pathlib import Path
-
     from omnivat.checkpoint import load_head, save_head
 
     head = load_head(head_folder)
@@ -197,3 +208,91 @@ def test_a_pipe_in_place_of_a_table_is_refused_at_once(tmp_path):
     os.mkfifo(tmp_path / "table.csv")
     with pytest.raises(DataError, match="pipe or device"):
         read_text(tmp_path / "table.csv")
+
+
+CELLS = st.one_of(
+    st.text(st.sampled_from("=+-@\t\r\n '\",1e."), max_size=6), st.floats(), st.integers()
+)
+
+
+@given(CELLS)
+def test_no_cell_starts_a_formula_and_numbers_stay_numbers(value):
+    cell = safe_cell(value)
+    if not isinstance(value, str):
+        assert cell is value
+        return
+    if cell.strip(" ").startswith(("=", "+", "-", "@", "\t", "\r")):
+        assert float(cell) == float(value) or float(cell) != float(cell)
+    assert cell in (value, f"'{value}")
+
+
+def test_a_table_with_hostile_names_is_read_back_as_text(tmp_path):
+    write_csv(tmp_path / "t.csv", ["=x", "y"], [["@a,b", -1.5], ["\rc", "-2e3"], ["d", None]])
+    with (tmp_path / "t.csv").open(newline="", encoding="utf-8") as handle:
+        rows = list(csv.reader(handle))
+    assert rows == [["'=x", "y"], ["'@a,b", "-1.5"], ["'\rc", "-2e3"], ["d", ""]]
+
+
+def test_no_module_writes_a_table_past_the_one_writer():
+    """The tables of the simulation hold names of its own and are read back."""
+    root = Path(__file__).resolve().parents[2]
+    found = {
+        str(path.relative_to(root))
+        for folder in ("omnivat", "app")
+        for path in (root / folder).rglob("*.py")
+        if "csv.writer(" in path.read_text(encoding="utf-8")
+        or "csv.DictWriter(" in path.read_text(encoding="utf-8")
+    }
+    own = {"omnivat/files.py", "omnivat/simulate/build.py", "omnivat/simulate/chirps.py"}
+    assert found == own
+
+
+COMMAND = [sys.executable, "-m", "omnivat", "gaps", "--stage", "raw", "--embeddings"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("output", "why"), [(">&-", "output is closed"), ("> /dev/full", "No space left")]
+)
+def test_a_result_that_cannot_be_written_is_a_sentence_and_an_exit_code(head_folder, output, why):
+    file = str(head_folder.parent / "set.safetensors")
+    line = f'exec "$@" {output}'
+    done = subprocess.run(
+        ["bash", "-c", line, "-", *COMMAND, file], capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stderr.count("\n")) == (1, 1)
+    assert why in done.stderr
+
+
+@pytest.mark.slow
+def test_a_file_name_that_cannot_be_encoded_is_escaped(tmp_path):
+    name = os.fsencode(tmp_path) + b"/\xff.safetensors"
+    table = "domain,material,vis_0,vis_1,tac_0,tac_1\na,b,1,2,3,4\n"
+    (tmp_path / "set.csv").write_text(table, encoding="utf-8")
+    done = subprocess.run(
+        [*COMMAND[:3], "import", str(tmp_path / "set.csv"), "--encoder", "mine", "--out", name],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, "Traceback" in done.stderr) == (0, False), done.stderr
+    assert "\\udcff.safetensors" in done.stdout
+
+
+def test_a_folder_takes_its_place_whole_or_leaves_what_stood_there(tmp_path):
+    place = tmp_path / "site"
+    for text in ("first", "second"):
+        with replacing_folder(place) as made:
+            (made / text).write_text(text)
+            assert not place.exists() or not (place / text).exists()
+        assert [file.name for file in place.iterdir()] == [text]
+
+    def stopped():
+        with replacing_folder(place) as made:
+            (made / "third").write_text("third")
+            raise DataError("No.")
+
+    with pytest.raises(DataError):
+        stopped()
+    assert [file.name for file in place.iterdir()] == ["second"]
+    assert [file.name for file in tmp_path.iterdir()] == ["site"]

@@ -33,3 +33,27 @@ def test_noise_leaves_what_else_is_drawn_as_it_was(make_embeddings):
 def test_noise_below_zero_is_refused():
     with pytest.raises(SettingsError, match="noise is -1"):
         TrainSettings(noise=-1.0)
+
+
+def test_a_shift_moves_all_pairs_of_a_batch_by_one_offset_for_each_modality(make_embeddings):
+    source = make_embeddings(domains=("TAG-sim",))
+    plain, shifted = (drawn(source, shift=shift) for shift in (0.0, 1.0))
+    photos, touches = shifted.vis - plain.vis, shifted.tac - plain.tac
+    assert torch.allclose(photos, photos[:1].expand_as(photos), atol=1e-5)
+    assert photos.norm() > 1 and not torch.allclose(photos, touches, atol=0.1)
+    for name in ("labels", "lang_on", "token_on"):
+        assert torch.equal(getattr(plain, name), getattr(shifted, name))
+
+
+def test_shifts_spread_like_the_pairs_of_the_source(make_embeddings):
+    source = make_embeddings(domains=("TAG-sim",), width=4)
+    settings = TrainSettings(batch=1, lang=False, shift=3.0)
+    rows = np.arange(len(source))
+    offsets = []
+    for seed in range(20):
+        for one in (settings, TrainSettings(batch=1, lang=False)):
+            every = batches(source, source.label, rows, None, one, seed)
+            offsets.append(torch.cat([batch.vis for batch in every]))
+    moves = torch.cat([a - b for a, b in zip(offsets[::2], offsets[1::2], strict=True)]).numpy()
+    wanted = 9 * np.cov(source.vis.T, ddof=0)
+    assert np.abs(np.cov(moves.T) - wanted).max() < 0.15 * np.abs(wanted).max()

@@ -19,7 +19,7 @@ def test_a_cell_holds_the_whole_page_and_asks_no_server(head_folder, tmp_path, m
     page = html.unescape(re.search(r'srcdoc="([^"]*)"', shown)[1])
     assert page == cell.page
     assert not re.findall(r'(?:src|href)="(?!data:|#)[^"]+"', page)
-    assert "omnivatHeld" in page
+    assert "omnivat-held" in page
     assert cell.save(tmp_path / "lecture.html").read_text(encoding="utf-8") == page
 
 

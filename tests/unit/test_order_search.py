@@ -2,12 +2,23 @@
 
 import numpy as np
 import pytest
+import torch
 
+from benchmarks.studies._other_chirps import Recipe, drawn, embeddings_of, turned
 from omnivat.evaluate import predicted_probabilities
+from omnivat.fractional import dfrft
 from omnivat.model.settings import HeadSettings
 from omnivat.simulate.chirps import ChirpSettings, chirp_embeddings
-from omnivat.train import TrainingCancelled, TrainSettings, Watch, order_search, train
-from omnivat.train.order_search import lowest_point, search_steps
+from omnivat.train import TrainingCancelled, TrainSettings, Watch, train
+from omnivat.train.order_search import (
+    Scored,
+    folded,
+    lowest_point,
+    lowest_valleys,
+    search_order,
+    search_steps,
+    tied,
+)
 
 CHIRPS = ChirpSettings(order=0.62, seed=3, domains=2)
 
@@ -15,13 +26,6 @@ CHIRPS = ChirpSettings(order=0.62, seed=3, domains=2)
 @pytest.fixture(scope="module")
 def chirps():
     return chirp_embeddings(CHIRPS)
-
-
-@pytest.fixture
-def few_steps(monkeypatch):
-    """Searches of few steps: what they find does not matter."""
-    monkeypatch.setattr(order_search, "COARSE_STEPS", 3)
-    monkeypatch.setattr(order_search, "FINE_STEPS", 3)
 
 
 def head(**changes):
@@ -55,35 +59,74 @@ def test_the_gradient_alone_stays_where_it_starts(chirps):
 
 
 @pytest.mark.slow
-def test_the_record_of_a_search_holds_its_curve_and_what_it_cost(chirps, found):
+def test_the_record_of_a_search_holds_its_curve_and_what_it_cost(found):
     search = found.search
     coarse = [
         score
         for score, kind in zip(search["score"], search["round"], strict=True)
         if kind == "coarse"
     ]
-    assert len(coarse) == 21 and search["orders"][:21] == [k / 20 for k in range(21)]
+    assert search["orders"][:65] == [k / 64 for k in range(65)] and len(coarse) == 65
     assert len(search["orders"]) == len(search["spread"]) == len(search["score"])
-    assert search["orders"][int(np.argmin(coarse))] == pytest.approx(CHIRPS.order, abs=0.05)
-    source = chirps.in_domain(CHIRPS.domain_names[0], split="train")
-    assert search["steps"] == search_steps(len(source), TrainSettings(order_search=True))
+    assert search["orders"][int(np.argmin(coarse))] == pytest.approx(CHIRPS.order, abs=0.02)
+    assert search["steps"] == search_steps(head(), TrainSettings(order_search=True))
     assert search["found"] == found.model.order
+    assert search["ties"] == [] and "better than any other" in search["note"]
 
 
-def test_the_start_that_a_head_states_does_not_matter(chirps, few_steps):
-    """Shortened, and to the bit: the search's trainings set p themselves."""
+def of(recipe):
+    """Return the record of a search on the first domain of another program's chirps."""
+    made = embeddings_of(recipe)
+    source = made.select(np.flatnonzero(made.domain == 0))
+    width = recipe.width
+    settings = head(input_width=width, width=width, classes=made.header.classes, standardize=False)
+    return search_order(source, settings, TrainSettings(), seed=0, watch=Watch())
+
+
+def test_the_other_program_has_the_transform_of_this_one():
+    rows = np.random.default_rng(0).standard_normal((3, 33))
+    for width in (32, 33):
+        ours = dfrft(torch.from_numpy(rows[:, :width]), 0.3).numpy()
+        np.testing.assert_allclose(turned(rows[:, :width], 0.3), ours, atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_order_of_another_programs_chirps_is_found(seed):
+    """Interference from 0.1 of p*, other widths and numbers of spikes, one half without signal."""
+    recipe = drawn(seed)
+    assert of(recipe)["start"] == pytest.approx(recipe.order, abs=0.015)
+
+
+@pytest.mark.parametrize("order", [0.0, 1.0, 0.88])
+def test_orders_at_both_ends_and_beside_interference_are_found(order):
+    near = ((0.0, 1.0) if order == 0.88 else (0.5, 0.6),)
+    search = of(Recipe(order=order, near=near))
+    coarse = [
+        p for p, kind in zip(search["orders"], search["round"], strict=True) if kind == "coarse"
+    ]
+    assert search["start"] == pytest.approx(order, abs=0.015)
+    assert (coarse[0], coarse[-1]) == (0.0, 1.0)
+
+
+def test_a_set_without_classes_in_its_signals_has_orders_that_tie():
+    search = of(Recipe(order=0.4, near=((0.0, 1.0),), strength=200.0))
+    assert len(search["ties"]) >= 3 and "does not tell them apart" in search["note"]
+    assert all(abs(p - search["start"]) > 3 / 64 for p in search["ties"])
+
+
+def test_the_start_that_a_head_states_does_not_matter(chirps):
     runs = [searched(chirps, epochs=1, stops=2, order=p).search["score"] for p in (0.1, 0.9)]
     assert runs[0] == runs[1]
 
 
-def test_steps_of_search_and_training_are_counted_as_one_work(chirps, few_steps):
+def test_steps_of_search_and_training_are_counted_as_one_work(chirps):
     steps = []
     searched(chirps, epochs=1, stops=2, watch=Watch(on_step=steps.append))
     assert [step.done for step in steps] == list(range(1, steps[-1].total + 1))
     assert len({step.total for step in steps}) == 1
 
 
-def test_a_search_can_be_cancelled(chirps, few_steps):
+def test_a_search_can_be_cancelled(chirps):
     seen = []
     watch = Watch(on_step=seen.append, cancelled=lambda: len(seen) >= 5)
     with pytest.raises(TrainingCancelled, match="nothing was written"):
@@ -96,25 +139,55 @@ def test_a_curve_without_a_valley_gives_its_best_order():
     assert lowest_point([(0.1, 1.0), (0.2, 0.5), (0.3, 1.0)]) == pytest.approx(0.2)
 
 
-def test_a_stopped_training_does_not_search_again(chirps, few_steps, tmp_path):
+@pytest.mark.parametrize("bottom", [0.17, 0.23])
+def test_a_valleys_bottom_between_two_orders_is_found(bottom):
+    orders = np.linspace(0.1, 0.3, 5)
+    points = [(p, 1 + (p - bottom) ** 2) for p in orders]
+    assert lowest_point(points) == pytest.approx(bottom)
+
+
+def test_orders_fold_into_the_first_quarter_turn():
+    assert [folded(p) for p in (-0.1, 0.4, 1.2, 2.3)] == pytest.approx([0.1, 0.4, 0.8, 0.3])
+
+
+def scored(order, *losses):
+    return Scored(order=order, losses=np.array(losses), round="coarse")
+
+
+def test_a_tie_is_judged_by_paired_differences_and_outside_the_best_valley():
+    best = scored(0.5, 0.1, 0.9, 0.1, 0.9)
+    same, worse = scored(0.1, 0.9, 0.1, 0.2, 0.9), scored(0.9, 0.2, 1.01, 0.2, 1.01)
+    beside = scored(0.52, 0.1, 0.9, 0.1, 0.9)
+    assert tied([best, beside, worse, same], best, 0.06) == [0.1]
+
+
+def test_valleys_are_apart_and_as_many_as_are_refined():
+    orders = [
+        scored(p, loss, loss) for p, loss in ((0, 3), (0.1, 1), (0.12, 1.5), (0.5, 2), (1, 9))
+    ]
+    assert [one.order for one in lowest_valleys(orders, 0.2)] == [0.1, 0.5, 1]
+    assert [one.order for one in lowest_valleys(orders, 2.0)] == [0.1, 0.12, 0.5]
+
+
+def test_a_resumed_training_searches_again_and_ends_at_the_same_weights(chirps, tmp_path):
     source = chirps.in_domain(CHIRPS.domain_names[0], split="train")
     settings = TrainSettings(epochs=2, lang=False, order_search=True, order_stops=2)
     whole = train(source, head(), settings)
     state = tmp_path / "training.safetensors"
     first = []
     later = Watch(
-        on_step=first.append, cancelled=lambda: len(first) > search_steps(len(source), settings)
+        on_step=first.append, cancelled=lambda: len(first) > search_steps(head(), settings) + 10
     )
     with pytest.raises(TrainingCancelled):
         train(source, head(), settings, resume=state, watch=later)
     again = []
     resumed = train(source, head(), settings, resume=state, on_step=again.append)
-    assert len(again) == settings.epochs * 7  # batches an epoch
+    assert len(again) == search_steps(head(), settings) + 7  # batches of the second epoch
     assert resumed.model.order == whole.model.order
     assert not list(tmp_path.iterdir())
 
 
-def test_a_source_of_one_object_a_class_is_searched_without_a_held_out_part(chirps, few_steps):
+def test_a_source_of_one_object_a_class_is_searched_without_a_held_out_part(chirps):
     source = chirps.in_domain(CHIRPS.domain_names[0], split="train")
     one = source.select(np.array([int(np.flatnonzero(source.label == k)[0]) for k in range(5)]))
     settings = TrainSettings(epochs=1, lang=False, order_search=True, order_stops=2)

@@ -7,7 +7,7 @@ import pytest
 from omnivat.config import OneOf, Within, declared, settings_from
 from omnivat.errors import SettingsError
 from omnivat.model.settings import HeadSettings
-from omnivat.simulate.chirps.settings import ChirpSettings
+from omnivat.simulate.chirps import ChirpSettings
 from omnivat.train import TrainSettings
 
 WANTED: dict[type[Any], dict[str, Any]] = {

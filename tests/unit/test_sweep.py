@@ -40,7 +40,9 @@ def pairs(count=24, width=12, domains=3, classes=CLASSES, seed=0):
 
 
 def head(width=12, input_width=12, classes=CLASSES):
-    settings = HeadSettings(classes=classes, input_width=input_width, width=width, lang_width=12)
+    settings = HeadSettings(
+        classes=classes, input_width=input_width, width=width, lang_width=12, standardize=False
+    )
     return build_head(settings, seed=1).eval()
 
 
@@ -88,7 +90,7 @@ def test_every_curve_is_what_the_head_and_the_measure_return():
         wanted = {
             "modality_gap/f_hat": modality_gap(out.f_hat["vis"], out.f_hat["tac"]),
             "modality_gap/relu": modality_gap(
-                out.relu["vis"].flatten(1), out.relu["tac"].flatten(1)
+                *(out.relu[name].movedim(1, 0).flatten(1) for name in ("vis", "tac"))
             ),
             "modality_gap/f_bar/D1": modality_gap(out.f_bar["vis"][1::3], out.f_bar["tac"][1::3]),
             "margin:tac/f_bar": cosine_margin(out.f_bar["tac"], labels),

@@ -7,7 +7,7 @@ import torch
 
 from omnivat.errors import SettingsError
 from omnivat.evaluate import predicted_probabilities
-from omnivat.losses.total import joint_loss
+from omnivat.losses import joint_loss
 from omnivat.model.settings import HeadSettings
 from omnivat.train import TrainSettings, train
 from omnivat.train.training import Watch
@@ -72,8 +72,9 @@ def test_a_taught_head_never_sees_the_labels(source):
     assert all(torch.equal(first[name], second[name]) for name in first if "bank" not in name)
 
 
+@pytest.mark.long
 def test_a_taught_head_predicts_its_source_at_every_order(source):
-    model = made(source, replace(EVERY, epochs=60)).model
+    model = made(source, replace(EVERY, epochs=100)).model
     for order in (0.0, 0.3, 0.7, 1.0):
         shares = predicted_probabilities(model, source, order=order)["fused"]
         assert (shares.argmax(-1).numpy() == source.label).mean() > 0.9

@@ -55,6 +55,7 @@ def on_two_workers(words):
 
 @pytest.mark.slow
 @needs_ray
+@pytest.mark.long
 def test_two_workers_give_the_curves_of_one_machine(head_folder, tmp_path):
     assert main(asked(head_folder, "--json", tmp_path / "here.json")) == 0
     on_two_workers(asked(head_folder, "--json", tmp_path / "ray.json"))
@@ -64,6 +65,7 @@ def test_two_workers_give_the_curves_of_one_machine(head_folder, tmp_path):
         assert far["curves"][name] == pytest.approx(values, abs=1e-5), name
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @needs_ray
 def test_two_workers_give_the_records_of_one_machine(make_embeddings, tmp_path):

@@ -8,14 +8,13 @@ from numpy.testing import assert_allclose
 
 from omnivat.checkpoint import Head
 from omnivat.evaluate import evaluate, predicted_probabilities
-from omnivat.frames.stops import with_learned
-from omnivat.frames.unseen import UnseenAccuracy
+from omnivat.frames.builder import UnseenAccuracy
+from omnivat.frames.records import with_learned
 from omnivat.model.head import build_head
 from omnivat.model.settings import HeadSettings
 from omnivat.unseen import counted, unseen_domains, unseen_summary
-from omnivat.unseen.intervals import of_domains, wilson
-from omnivat.unseen.masks import mean_over_domains
-from omnivat.unseen.retrieval import judged, nearest_touch
+from omnivat.unseen.masks import mean_over_domains, of_domains, wilson
+from omnivat.unseen.summary import judged, nearest_touch
 
 SOURCE = "TAG-sim"
 

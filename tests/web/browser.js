@@ -6,6 +6,9 @@ globalThis.document ??= {
   baseURI: "http://x/",
 };
 globalThis.location ??= { search: "", href: "http://x/" };
+globalThis.OffscreenCanvas ??= class {
+  getContext = () => ({});
+};
 globalThis.MutationObserver ??= class {
   observe() {}
 };

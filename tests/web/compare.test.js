@@ -2,7 +2,9 @@
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import "./browser.js";
 import { counted, difference, sentence } from "../../app/web/compare/changes.js";
+import { dots } from "../../app/web/compare/matrix.js";
 
 const TRUTH = ["wood", "wood", "steel", "steel", "glass"];
 const LEFT = ["wood", "steel", "steel", "wood", "wood"];
@@ -51,4 +53,29 @@ test("a difference has its sign, and none where there is no figure", () => {
   assert.equal(difference(0.5, 0.75), "−0.250");
   assert.equal(difference(NaN, 0.75), "");
   assert.equal(difference(0.556, 0.503, true), "+5.3 points"); // shares are written in percent
+});
+
+test("methods are dots with intervals, the best first, and no order is claimed where they overlap", () => {
+  const ranking = [
+    {
+      label: "<b>",
+      scores: [
+        [0.5, 0.45, 0.55],
+        [0.4, 0.3, 0.5],
+      ],
+    },
+    {
+      label: "mean",
+      scores: [
+        [0.52, 0.46, 0.57],
+        [0.2, 0.1, 0.3],
+      ],
+    },
+  ];
+  const html = dots(ranking, 0);
+  assert.ok(html.indexOf("mean") < html.indexOf("&lt;b&gt;"));
+  assert.match(html, /52\.0 <small>46–57/);
+  assert.match(html, /no order is certain/);
+  assert.ok(dots(ranking, 1).indexOf("mean") > dots(ranking, 1).indexOf("&lt;b&gt;"));
+  assert.equal(dots(ranking.slice(1), 0), "");
 });

@@ -2,16 +2,33 @@ import assert from "node:assert/strict";
 import test from "node:test";
 import { frames } from "./browser.js";
 
+const { cell } = await import("../../app/web/shared/csv.js");
 const { levels, stairs } = await import("../../app/web/explore/staircase.js");
 const { histogram, shifted } = await import("../../app/web/explore/finder.js");
 const { addressOf } = await import("../../app/web/explore/sets.js");
 const { inView } = await import("../../app/web/explore/pictures.js");
 const { Scene } = await import("../../app/web/explore/scene.js");
-const { home } = await import("../../app/web/explore/curves.js");
-const { score, story } = await import("../../app/web/explore/strangers.js");
+const { chapterNamed, headOf, startOf } = await import("../../app/web/explore/chapters.js");
+const { packed, unpacked } = await import("../../app/web/explore/selected.js");
+const { loadTags, tagOf, tagPairs, tagsCsv } = await import("../../app/web/explore/tags.js");
+const { setOf } = await import("../../app/web/shared/sets.js");
+const { colouring, colouringsOf } = await import("../../app/web/shared/palette.js");
+const { csv } = await import("../../app/web/explore/exports.js");
 const { modeWords } = await import("../../app/web/explore/modes.js");
-const { change } = await import("../../app/web/shared/store.js");
+const { changeOf } = await import("../../app/web/explore/waterfall.js");
+const { change, openAt, openChapter, state } = await import("../../app/web/shared/store.js");
 globalThis.history = { state: null, replaceState: () => {} };
+
+test("no cell of a table starts a formula, and numbers stay numbers", () => {
+  assert.deepEqual(["=1+2", "@a", "-1.5", -1.5, "a,b", '=x"'].map(cell), [
+    "'=1+2",
+    "'@a",
+    "-1.5",
+    "-1.5",
+    '"a,b"',
+    `"'=x"""`,
+  ]);
+});
 
 test("a larger value is a higher tread; a missing one keeps the height of the one before", () => {
   const heights = levels([0.1, 0.9, Number.NaN, 0], [0, 1]);
@@ -32,8 +49,14 @@ test("a histogram counts every value once, those at the ends too", () => {
 });
 
 test("another set is opened without pins, filters and pairs of the present one", () => {
-  const address = new URL(addressOf("chirps", "http://x/?set=sensors&pin=3&domain=a&p=0.5&stage=relu"));
-  assert.deepEqual(Object.fromEntries(address.searchParams), { set: "chirps", stage: "relu" });
+  const address = new URL(
+    addressOf("chirps", "http://x/?set=sensors&pin=3&domain=a&p=0.5&stage=relu&chapter=analyse"),
+  );
+  assert.deepEqual(Object.fromEntries(address.searchParams), {
+    set: "chirps",
+    stage: "relu",
+    chapter: "analyse",
+  });
 });
 
 test("pictures are drawn only where few points are in view", () => {
@@ -53,7 +76,7 @@ test("pictures are drawn only where few points are in view", () => {
 });
 
 test("a filter takes hidden points out of the selection and is named in the title", () => {
-  const scene = new Scene(frames(), null);
+  const scene = new Scene({ own: frames() });
   scene.selected = new Set([0, 1, 2, 3]);
   change({ domain: "A" });
   assert.equal(scene.refilter(), true);
@@ -66,7 +89,7 @@ test("a filter takes hidden points out of the selection and is named in the titl
 });
 
 test("pairs are found by name, class and domain, and look-alikes by what they imitate", () => {
-  const scene = new Scene(frames(), null);
+  const scene = new Scene({ own: frames() });
   scene.facts.pairs = { name: ["bowl-1", "bowl-2"], looks_like: ["", "wood"], feels_like: ["", ""] };
   const kept = () => [0, 1].filter((pair) => scene.wantedPairs()(pair));
   change({ find: "BOWL steel" });
@@ -80,24 +103,93 @@ test("pairs are found by name, class and domain, and look-alikes by what they im
   change({ range: "" });
 });
 
-test("only a head whose p was learned has orders that it is at home with", () => {
-  assert.deepEqual(home(frames({ head: { learned_order: 0.5 } })), [0.47, 0.53]);
-  assert.equal(home(frames({ head: { kind: "every", learned_order: 0.5 } })), null);
-  assert.equal(home(frames({ head: { kind: "retrained", learned_order: null } })), null);
+test("an accuracy names its head, and a learned p is not a round one", () => {
+  const accuracy = { "accuracy/unseen": [0.3, 0.6, 0.4] };
+  const learned = frames({ head: { learned_order: 0.5 }, curves: accuracy });
+  assert.match(headOf(learned, 1), /60\u00a0%.*one unseen domain: the loaded head at its learned p = 0\.50/);
+  const near = frames({ head: { learned_order: 0.5035 }, orders: [0, 0.5, 0.5035], curves: accuracy });
+  assert.match(headOf(near, 1), /the loaded head, moved to p = 0\.50/);
+  assert.match(headOf(near, 2), /its learned p = 0\.503/);
+  const many = { "seeds:accuracy/unseen/mean": [0.3, 0.6, 0.4] };
+  assert.match(
+    headOf(frames({ head: { kind: "retrained", seeds: [0, 1] }, curves: many }), 1),
+    /mean of two heads trained at/,
+  );
+  assert.match(headOf(frames({ head: { source: "Z" } }), 1), /trained on Z, which is not in this set/);
 });
 
-test("the story names the source, counts the strangers, and scores them at the learned p", () => {
-  assert.match(
-    story({ source: "A", domains: ["A", "B", "C"] }),
-    /Learned from <b class="source">A<\/b>; meets <b>two strangers/,
-  );
-  assert.match(story({ source: "Z", domains: ["A"] }), /not in this set.*one stranger</);
-  const own = { share: 0.6, low: 0.5, high: 0.7 };
-  assert.match(
-    score({ unseen: { "answers/fused": own }, chance: 0.2 }, "0.509"),
-    /60\u00a0%.*learned p = 0\.509.*50–70\u00a0%.*guessing: 20\u00a0%/,
-  );
-  assert.equal(score({ unseen: { "answers/fused": null } }, "0.5"), "");
+test("the first chapter speaks of p only as far as the accuracy bears", () => {
+  const at = (share, stop = 1) =>
+    chapterNamed("order").words({ frames: frames({ curves: { "accuracy/unseen": share } }), stop });
+  assert.match(at([0.3, 0.9, 0.4]).title, /^At one order, two kinds/);
+  assert.match(at([0.3, 0.9, 0.4], 0).title, /^At which order/);
+  assert.match(at([0.6, 0.62, 0.61]).title, /hardly matters/);
+  assert.doesNotMatch(at(null).title, /matters/);
+  const flat = frames({ curves: { "accuracy/unseen": [0.6, 0.61, 0.6] }, head: { learned_order: 0.5 } });
+  assert.equal(startOf("order", flat, flat), 0.5);
+});
+
+test("no winner is named where two intervals overlap", () => {
+  const share = (share, low, high) => ({ share, low, high });
+  const unseen = (vis, tac) => ({
+    domains: [{ pairs: 100 }],
+    unseen: { "answers/fused": share(0.5, 0.4, 0.6) },
+    look_alikes: { pairs: 20, "answers/vis": vis, "answers/tac": tac },
+  });
+  const words = (vis, tac) =>
+    chapterNamed("fooled").words({ own: frames(), facts: { unseen: unseen(vis, tac) } });
+  assert.match(words(share(0.2, 0.1, 0.3), share(0.5, 0.4, 0.6)).remark, /only touch can tell/);
+  assert.match(words(share(0.4, 0.2, 0.6), share(0.5, 0.3, 0.7)).remark, /overlap/);
+});
+
+test("a confidence is a colour only where it has a temperature, and a number in the CSV only there", async () => {
+  const keys = (kind) => colouringsOf(frames({ kind })).map(([key]) => key);
+  assert.ok(keys("moved").includes("confidence"));
+  for (const kind of ["retrained", "every"]) assert.ok(!keys(kind).includes("confidence"));
+  assert.equal(colouring(frames({ kind: "retrained" }), "confidence").label, "Class");
+  const shown = (kind) =>
+    frames({ kind, prediction: [0, 1, 0, 1, 0, 1], confidence: [255, 255, 255, 255, 255, 255] });
+  const frame = {
+    points: new Uint16Array(8),
+    bounds: [
+      [0, 0],
+      [1, 1],
+    ],
+  };
+  const line = async (kind) => csv(shown(kind), [0], frame, 0, {}).split("\n")[1].split(",")[6];
+  assert.equal(await line("moved"), "1.000");
+  assert.equal(await line("retrained"), "");
+});
+
+test("a selection comes back from its text, and what is no selection selects nothing", () => {
+  for (const points of [[], [0], [5, 6, 7, 40, 41, 99], [0, 1, 2, 3]])
+    assert.deepEqual(unpacked(packed(new Set(points)), 100), points);
+  assert.equal(packed(Array.from({ length: 9000 }, (_, i) => 7 * i)), "");
+  assert.deepEqual(unpacked("zz.zz", 100), []);
+  assert.deepEqual(unpacked("-x.--", 100), []);
+});
+
+test("tags are saved and loaded by CSV; formulas are texts there, and another file is refused", () => {
+  const shown = frames({ meta: { embeddings: {}, head: {} } });
+  tagPairs(shown, [0, 1], '=odd, "new"');
+  const text = tagsCsv(shown, ["a", "b"]);
+  assert.match(text, /"'=odd, ""new"""/);
+  tagPairs(shown, [0, 1], "");
+  assert.equal(tagOf(shown, 0), "");
+  assert.equal(loadTags(shown, text), 2);
+  assert.equal(tagOf(shown, 1), '=odd, "new"');
+  assert.throws(() => loadTags(shown, "x,y\n1,2"), /no columns 'pair' and 'tag'/);
+  assert.throws(() => loadTags(shown, "pair,tag\n77,far"), /No line/);
+});
+
+test("the first chapter shows the chirps, the others the set of the page or the sensors", () => {
+  const sets = (shown) => ["sensors", "chirps"].map((name) => ({ name, shown: name === shown }));
+  assert.equal(setOf("order", sets("sensors")), "chirps");
+  assert.equal(setOf("failure", sets("sensors")), "");
+  assert.equal(setOf("failure", sets("chirps")), "sensors");
+  assert.equal(setOf("analyse", sets("chirps")), "");
+  assert.equal(setOf("fooled", sets("")), "");
+  assert.equal(setOf("order", []), "");
 });
 
 test("each mode of p says what a stop is", () => {
@@ -106,14 +198,20 @@ test("each mode of p says what a stop is", () => {
     /A head for each stop.*2 trainings for each stop, width 64/,
   );
   assert.match(
-    modeWords(frames({ head: { learned_order: 0.5014 }, curves: { "accuracy/unseen": [0.3, 0.9, 0.4] } })),
+    modeWords(
+      frames({
+        head: { learned_order: 0.5014 },
+        fits: [0.47, 0.53],
+        curves: { "accuracy/unseen": [0.3, 0.9, 0.4] },
+      }),
+    ),
     /What if only p moved\?.*p = 0\.501.*Elsewhere its mean accuracy in unseen domains is 35\u00a0% \(guessing: 50/,
   );
   assert.match(modeWords(frames({ head: { kind: "every" } })), /One head for every p/);
 });
 
 test("a range of a histogram is named with its ends, so that titles and captions tell what is hidden", () => {
-  const scene = new Scene(frames(), null);
+  const scene = new Scene({ own: frames() });
   change({ range: "cosine:0.2:0.4~junk:1:2~confidence:x:1~confidence:0.5" });
   assert.deepEqual(scene.filtering(), ["photo–touch cosine 0.20 to 0.40"]);
   assert.deepEqual(scene.ranges, { cosine: [0.2, 0.4] });
@@ -126,4 +224,52 @@ test("both ends of a range move by keys, and neither passes the other or leaves 
   assert.deepEqual(shifted([0.5, 0.52], [0, 1], 3, false), [0.52, 0.52]);
   assert.deepEqual(shifted([0.5, 0.52], [0, 1], -9, true), [0.5, 0.5]);
   assert.deepEqual(shifted([0.5, 1], [0, 1], 1, true), [0.5, 1]);
+});
+
+test("a bar of the waterfall shows its change both ways, and only beside the same head", () => {
+  const away = { rung: "none", accuracy: 0.6, low: 0.55, high: 0.65, from: "this head" };
+  const rung = (accuracy, more = {}) => ({
+    rung: "n20",
+    from: "this head",
+    accuracy,
+    low: accuracy - 0.05,
+    high: accuracy + 0.05,
+    ...more,
+  });
+  assert.equal(changeOf(rung(0.59), away).points.toFixed(1), "-1.0");
+  assert.equal(changeOf(rung(0.59), away).sure, false);
+  assert.equal(changeOf(rung(0.75), away).sure, true);
+  assert.equal(changeOf(rung(0.75, { from: "records" }), away), null);
+  assert.equal(changeOf(rung(0.75, { known: "3 labels (logistic regression)" }), away), null);
+  assert.equal(changeOf({ ...away, rung: "home" }, away), null);
+});
+
+test("the other tabs do not take p from the first chapter, which finds its own again", () => {
+  openChapter("order");
+  change({ p: 0.8 });
+  change({ view: "compare" });
+  assert.equal(state.p, null);
+  change({ p: 0.5 });
+  change({ view: "explore" });
+  assert.equal(state.p, 0.8);
+  change({ view: "tree" });
+  assert.equal(state.p, 0.5);
+  change({ view: "explore" });
+  openChapter("analyse");
+  change({ p: 0.3 });
+  change({ view: "tree" });
+  assert.equal(state.p, 0.3);
+  openChapter("order", { p: null }); // as a link to the tab does before Explore is ready
+  openAt(0.8);
+  assert.equal(state.p, null);
+  change({ view: "explore" });
+  assert.equal(state.p, 0.8);
+});
+
+test("a set of one domain is coloured by class, and domains without a pair are not counted", () => {
+  const one = frames({ domain: [1, 1], curves: { "accuracy/unseen": [0.5, 0.5, 0.5] } });
+  assert.equal(colouring(one, "domain").label, "Class");
+  assert.equal(colouring(frames(), "domain").label, "Domain");
+  one.domains = ["A", "B", "C"];
+  assert.match(headOf(one, 0), /in one unseen domain/);
 });

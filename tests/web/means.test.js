@@ -1,42 +1,57 @@
-/** The source's label on a map: it covers as little as possible. */
+/** Names on a map: none covers another. */
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import "./browser.js";
 
-const { labelPlaces } = await import("../../app/web/shared/means.js");
+const { apart, settled } = await import("../../app/web/shared/means.js");
 
-const WIDE = 44;
-const VIEW = [200, 300];
-const box = ([x, y]) => [x - WIDE / 2, y - 10, x + WIDE / 2, y + 2];
-const apart = (a, b) => a[2] <= b[0] || b[2] <= a[0] || a[3] <= b[1] || b[3] <= a[1];
-const mark = ([x, y]) => [x - 8, y - 8, x + 8, y + 8];
+const VIEW = [300, 200];
+const label = (x, y) => ({ text: "a", x, y, wide: 60 });
+const far = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1]);
+const covers = (a, b) => Math.abs(a.x - b.x) < (a.wide + b.wide) / 2 && Math.abs(a.y - b.y) < 22;
 
-test("a label stands above its point if nothing is there", () => {
-  const [[x, y]] = labelPlaces([[100, 150]], [[100, 150]], WIDE, VIEW);
-  assert.equal(x, 100);
-  assert.ok(y < 150);
+test("a name stands at its mean if nothing is there", () => {
+  const [{ x, y }] = apart([label(100, 150)], VIEW);
+  assert.deepEqual([x, y], [100, 150]);
 });
 
-test("labels cover no mark, no other label and no axis name, and stay on the map", () => {
-  const marks = [
-    [100, 150],
-    [100, 130],
-    [150, 155],
-    [30, 30],
-  ];
-  const found = labelPlaces([marks[0], marks[2], marks[3]], marks, WIDE, VIEW).map(box);
+test("names cover no other name and stay on the map", () => {
+  const found = apart([label(100, 60), label(104, 62), label(98, 58), label(2, 3), label(299, 199)], VIEW);
   found.forEach((one, i) => {
-    assert.ok(one[0] >= 0 && one[1] >= 22 && one[2] <= VIEW[0]);
-    for (const other of marks) assert.ok(apart(one, mark(other)), `label ${i} on ${other}`);
-    for (const other of found.slice(i + 1)) assert.ok(apart(one, other));
+    assert.ok(one.x >= 30 && one.x <= 270 && one.y >= 11 && one.y <= 189);
+    for (const other of found.slice(i + 1)) assert.ok(!covers(one, other));
   });
 });
 
-test("two means closer than a label have one label", () => {
-  const close = [
-    [100, 150],
-    [110, 160],
+test("a name whose mean lies between two clouds stands in one of them", () => {
+  const spots = [
+    [20, 20],
+    [21, 22],
+    [19, 21],
+    [180, 160],
+    [181, 161],
+    [178, 159],
+    [60, 150],
+    [62, 149],
   ];
-  assert.equal(labelPlaces(close, close, WIDE, VIEW).length, 1);
+  const count = spots.length;
+  const cloud = {
+    count: 2 * count, // photos alone are shown
+    width: 200,
+    height: 200,
+    ratio: 1,
+    x: Float32Array.from([...spots, ...spots], ([x]) => x),
+    y: Float32Array.from([...spots, ...spots], ([, y]) => y),
+  };
+  const groups = [{ both: [100, 91] }, { both: [61, 149.5] }, { both: 0 }];
+  const found = settled(
+    groups,
+    (pair) => Number(pair > 5),
+    cloud,
+    (point) => point < count,
+  );
+  assert.ok(Math.min(...spots.slice(0, 6).map((spot) => far(spot, [found[0].x, found[0].y]))) < 3);
+  assert.deepEqual([found[1].x, found[1].y], [61, 149.5]);
+  assert.equal(found[2].both, 0);
 });

@@ -2,13 +2,28 @@
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import "./browser.js";
 import { about } from "../../app/web/pair/attention.js";
-import { sentence } from "../../app/web/pair/familiar.js";
+import { sentence, swapHtml } from "../../app/web/pair/familiar.js";
+import { apart, blocksOf, CROPS, restOf } from "../../app/web/pair/feed.js";
 import { changed, told } from "../../app/web/pair/hidden-parts.js";
 import { spread } from "../../app/web/pair/lines.js";
+import { recorded } from "../../app/web/pair/live.js";
+import { csv } from "../../app/web/pair/many.js";
 import { aboutP, band } from "../../app/web/pair/orders.js";
-import { keyOf, lessonsFor, missing, tally, withoutPair, withPair } from "../../app/web/pair/tally.js";
+import { named, paired } from "../../app/web/pair/pairing.js";
+import {
+  isOwn,
+  keyOf,
+  lessonsFor,
+  missing,
+  mixed,
+  tally,
+  withoutPair,
+  withPair,
+} from "../../app/web/pair/tally.js";
 import { cards, classTable, judged, madeOf } from "../../app/web/pair/verdict.js";
+import { cells } from "../../app/web/shared/csv.js";
 
 const CLASSES = ["wood", "steel"];
 const PAIR = {
@@ -73,8 +88,9 @@ test("familiarity is said in words and as a share of the training images", () =>
   const image = { words: "unlike the training images", quantile: 0.01 };
   assert.equal(
     sentence("vis", image),
-    "Unlike the training images: 99\u00a0% of the training photos have a closer neighbour.",
+    "Unlike the training images: 1 of 100 training photos has a farther neighbour.",
   );
+  assert.match(sentence("tac", { words: "familiar", quantile: 0.25 }), /^Familiar: 25 of 100/); // an ordinary rank
   assert.match(sentence("vis", { words: "familiar", quantile: 1, cosine: 1 }), /one of the training photos/);
   assert.match(sentence("tac", {}), /has no record/);
 });
@@ -114,6 +130,85 @@ test("labels at the ends of lines stay inside the chart and apart", () => {
   }
 });
 
+test("a pair of two origins is mixed, and no visitor's pair", () => {
+  const [own, other, example, row] = ["image:a", "image:b", "example:x/y/z", "row:3"];
+  assert.ok(
+    mixed({ vis: own, tac: example }) && mixed({ vis: row, tac: own }) && mixed({ vis: row, tac: example }),
+  );
+  assert.ok(
+    !mixed({ vis: own, tac: other }) && !mixed({ vis: row, tac: row }) && !mixed({ vis: own, tac: null }),
+  );
+  assert.ok(isOwn({ vis: own, tac: other }) && isOwn({ vis: null, tac: own }));
+  assert.ok(!isOwn({ vis: own, tac: example }) && !isOwn({ vis: null, tac: null }));
+});
+
+test("a visitor's photo beside an example's touch is not judged by the example's class", () => {
+  assert.equal(judged("wood", ["vis", "tac"], { vis: "", tac: "wood" }, CLASSES), "");
+  assert.match(judged("wood", ["tac"], { vis: "", tac: "wood" }, CLASSES), /right/);
+});
+
+test("pictures nearer to the other side are asked about only if all of them are", () => {
+  assert.match(swapHtml({ vis: { strays: true }, tac: { strays: true } }), /Are these two swapped\?/);
+  assert.equal(swapHtml({ vis: { strays: true }, tac: { strays: false } }), "");
+  assert.match(swapHtml({ vis: { strays: true } }), /Is this a touch\?/);
+  assert.equal(swapHtml({}), "");
+});
+
+const FILES = [
+  "set/glass/a_vis.png",
+  "set/glass/a_tac.jpg",
+  "rock/video_frame/rgb_image_000.png",
+  "rock/gelsight_frame/touch_image_000.png",
+  "set/wood/b_vis.png",
+  "notes.txt",
+  "holiday.png",
+].map((path) => ({ path, file: path }));
+
+test("pictures are paired by their names, and folders named like classes are labels", () => {
+  const { pairs, alone } = paired(FILES, "", ["Glass", "wood"]);
+  assert.deepEqual(
+    pairs.map(({ vis, tac, label }) => [vis, tac, label]),
+    [
+      ["set/glass/a_vis.png", "set/glass/a_tac.jpg", "Glass"],
+      ["rock/video_frame/rgb_image_000.png", "rock/gelsight_frame/touch_image_000.png", ""],
+      ["set/wood/b_vis.png", null, "wood"],
+    ],
+  );
+  assert.deepEqual(
+    alone.map(({ path }) => path),
+    ["holiday.png"],
+  );
+  assert.equal(named("x/touch_photo_3.png").modality, "vis"); // the last word tells
+});
+
+test("a CSV pairs pictures of any name and labels them", () => {
+  const table = 'vis,tac,material\r\n"./set/glass/a_vis.png",a_tac.jpg,"cut, glass"\r\nmissing.png,,wood\r\n';
+  const { pairs, alone } = paired(FILES, table, []);
+  assert.deepEqual(
+    pairs.map(({ vis, tac, label }) => [vis, tac, label]),
+    [["set/glass/a_vis.png", "set/glass/a_tac.jpg", "cut, glass"]],
+  );
+  assert.equal(alone.length, 4);
+  assert.deepEqual(cells('a,"b ""c"""\n,\n'), [["a", 'b "c"']]);
+});
+
+test("the table as CSV marks guesses and holds no formula", () => {
+  const rows = [
+    {
+      name: "=1+1",
+      label: "wood",
+      classes: CLASSES,
+      readings: { fused: [0.9, 0.1], vis: [0.8, 0.2], tac: [0.3, 0.7] },
+      images: { vis: { guess: true }, tac: { guess: false } },
+    },
+    { name: "b", label: "", problem: "'b' is empty, so no." },
+  ];
+  const [head, first, second] = csv(rows).split("\n");
+  assert.match(head, /^pair,label,fused,fused_probability,fused_guess,vis/);
+  assert.equal(first, "'=1+1,wood,wood,0.9000,true,wood,0.8000,true,steel,0.7000,false,");
+  assert.equal(second, "b,,,,,,,,,,,\"'b' is empty, so no.\"");
+});
+
 test("parts that change nothing are not shown", () => {
   const nothing = changed([[0.004, -0.001]]);
   assert.equal(nothing.any, false);
@@ -131,11 +226,41 @@ test("uniform attention is a sentence", () => {
 });
 
 test("the band is what the head was trained for", () => {
-  assert.deepEqual(
-    band([0.5, 0.5]).map((p) => +p.toFixed(2)),
-    [0.47, 0.53],
-  );
-  assert.deepEqual(band([0, 1]), [0, 1]);
+  assert.deepEqual(band([0.5, 0.5], [0.496, 0.504]), [0.496, 0.504]); // D = 512, from the frames
+  assert.deepEqual(band([0.01, 0.01], [-0.02, 0.04]), [0, 0.04]);
+  assert.equal(band([0.5, 0.5], null), null);
+  assert.deepEqual(band([0, 1], null), [0, 1]);
   assert.match(aboutP(0.5, [0.5, 0.5], CLASSES), /guessing \(50/);
   assert.match(aboutP(0.5, [0, 1], CLASSES), /trained for every p/);
+});
+
+test("a frame unlike the rest picture by more than its noise is a contact", () => {
+  const frame = (level, pressed = 0) => {
+    const data = new Uint8ClampedArray(4 * 64 * 64).fill(level);
+    for (let y = 20; y < 30; y++) data.fill(level + pressed, 4 * (64 * y + 20), 4 * (64 * y + 30));
+    return blocksOf({ data, width: 64, height: 64 });
+  };
+  const rest = restOf([frame(99), frame(100), frame(101)]);
+  assert.ok(rest.mean.every((level) => Math.abs(level - 100) < 1e-4));
+  assert.ok(apart(frame(103), rest.mean) < rest.limit); // other light is no contact
+  assert.ok(apart(frame(100, 20), rest.mean) > rest.limit); // 20 levels on 2 % of the picture are
+});
+
+test("crops keep a 4:3 middle or cut the border", () => {
+  assert.deepEqual(CROPS["4:3"][1](640, 480), [1, 1]);
+  assert.deepEqual(CROPS["4:3"][1](1280, 720), [0.75, 1]);
+  assert.deepEqual(CROPS.border[1](100, 100), [0.7, 0.7]);
+});
+
+test("a recording is a folder of pairs and a table", async () => {
+  const blob = new Blob(["x"]);
+  const pictures = [
+    ["vis", blob],
+    ["tac", blob],
+  ];
+  const files = await recorded([{ label: "a/b", time: "2026", pictures }]);
+  assert.deepEqual(
+    files.map(([name]) => name),
+    ["recording/My sensor/a_b/0_vis.jpg", "recording/My sensor/a_b/0_tac.jpg", "recording/pairs.csv"],
+  );
 });

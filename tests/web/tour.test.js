@@ -2,97 +2,91 @@ import assert from "node:assert/strict";
 import test from "node:test";
 import { frames } from "./browser.js";
 
-const { onScreen, STEPS } = await import("../../app/web/header/steps.js");
+const { answer, onScreen, STEPS } = await import("../../app/web/header/steps.js");
 
 const share = (share, low = share - 0.02, high = share + 0.02) => ({ share, low, high });
-const facts = {
-  unseen: {
-    source: "A",
-    chance: 0.5,
-    unseen: { "answers/fused": share(0.6), "answers/vis": share(0.7), "answers/tac": share(0.3) },
-  },
-  toy: { distances: { signals: { turned: [1.46], clipped: [0.7, 1.1] } } },
+const unseen = {
+  domains: [{ is_source: true, "answers/fused": share(0.8) }, { "answers/fused": share(0.6) }],
+  unseen: { "answers/fused": share(0.6) },
+  look_alikes: { pairs: 30, "answers/vis": share(0.2), "answers/tac": share(0.5) },
 };
-const curves = {
-  "modality_gap/raw": [0.6, 0.6, 0.6],
-  "domain_gap/raw": [0.5, 0.5, 0.5],
-  "margin/raw": [0.1, 0.1, 0.1],
-  "modality_gap/relu": [0.8, 0.8, 0.8],
-  "modality_gap/f_bar": [0.1, 0.1, 0.1],
-  "modality_gap/f_hat": [0.3, 0.3, 0.3],
-  "margin/frft": [0.1, 0.1, 0.1],
-  "margin/f_bar": [0.02, 0.02, 0.02],
-  "margin/f_hat": [0.5, 0.5, 0.5],
-  "accuracy/unseen": [0.2, 0.7, 0.3],
-};
-const screen = (more = {}) =>
-  onScreen(frames({ curves: { ...curves, ...more.curves }, head: more.head }), 0.5, {
-    ...facts,
-    ...more.facts,
+const figures = (more = {}, curve = [0.3, 0.9, 0.4]) =>
+  onScreen(frames({ orders: [0, 0.35, 1], curves: { "accuracy/unseen": curve } }), {
+    unseen,
+    gaps: [0.6, 0.05],
+    pale: [0.55, 0.56],
+    ...more,
   });
 
-test("there are six steps, each with a question, its options and one that is right", () => {
-  assert.equal(STEPS.length, 6);
+test("each step has a question, its options and one that is right, over three chapters and both sets", () => {
+  assert.deepEqual([...new Set(STEPS.map(({ chapter }) => chapter))], ["order", "failure", "fooled"]);
   for (const step of STEPS) {
-    const keys = step.options.map(([key]) => key);
-    for (const right of [step.right(screen())].flat()) assert.ok(keys.includes(right), step.title);
-    assert.doesNotMatch(step.reveal(screen()), /NaN|undefined|–/, step.title);
+    const at = figures(ladder(0.6, 0.64));
+    const right = step.right(at);
+    assert.equal(right.length, 1, step.title);
+    assert.ok(step.options.some(([key]) => key === right[0]));
+    assert.doesNotMatch(step.reveal(at), /NaN|undefined|–/, step.title);
   }
 });
 
 test("what is told follows the figures on the screen", () => {
-  const [gap, domain, , small, p, strangers] = STEPS;
-  assert.equal(gap.right(screen({ curves: { "modality_gap/raw": [0, 0.1, 0] } })), "near");
-  assert.equal(domain.right(screen({ curves: { "margin/raw": [0.9, 0.9, 0.9] } })), "class");
-  assert.deepEqual(small.right(screen()), ["f_bar"]);
-  assert.match(small.reveal(screen()), /0\.10.*0\.02.*0\.50.*moved together/);
-  assert.deepEqual(small.right(screen({ curves: { "modality_gap/f_hat": [0, 0.01, 0] } })), ["f_hat"]);
-  assert.equal(p.right(screen()), "much");
-  assert.match(
-    p.reveal(screen()),
-    /20.*p = 0\.00.*70.*p = 0\.50.*does not show how well a head trained at another p does/,
-  );
-  assert.equal(strangers.right(screen()), "vis");
-  assert.match(strangers.reveal(screen()), /photo only <b>70/);
-  assert.doesNotMatch(strangers.reveal(screen()), /overlap/);
+  const [order, sensors, next, centre, touch] = STEPS;
+  assert.deepEqual(order.right(figures()), ["mid"]);
+  assert.deepEqual(order.after(figures()), { p: 0.35 });
+  assert.deepEqual(order.right(figures({}, [0.6, 0.61, 0.6])), ["all"]);
+  assert.deepEqual(sensors.right(figures({ pale: [0.3, 0.8] })), ["much"]);
+  assert.deepEqual(next.right(figures()), ["part"]);
+  assert.match(next.reveal(figures()), /80.*60/);
+  assert.deepEqual(centre.right(figures({ gaps: [0.6, 0.5] })), ["same"]);
+  assert.deepEqual(touch.right(figures()), ["tac"]);
 });
 
-test("equal figures are equally right, and classes that were never apart have not moved together", () => {
-  const chirps = screen({
-    curves: {
-      "modality_gap/relu": [0, 0.031, 0],
-      "modality_gap/f_bar": [0, 0.033, 0],
-      "margin/frft": [0, 0.001, 0],
-      "margin/f_bar": [0, 0.09, 0],
-    },
-  });
-  assert.deepEqual(STEPS[3].right(chirps), ["relu", "f_bar"]);
-  assert.match(STEPS[3].reveal(chirps), /ReLU and F̄.*0\.03.*0\.09.*0\.50.*still close together/);
+test("there is no verdict where intervals overlap or figures are missing", () => {
+  const alike = { pairs: 30, "answers/vis": share(0.4, 0.2, 0.6), "answers/tac": share(0.5, 0.3, 0.7) };
+  const doubt = figures({ unseen: { ...unseen, look_alikes: alike } });
+  assert.deepEqual(STEPS[4].right(doubt), []);
+  assert.match(STEPS[4].reveal(doubt), /overlap/);
+  const blind = figures({ unseen: { domains: [], unseen: {} }, gaps: null, pale: null }, null);
+  for (const step of STEPS) {
+    assert.deepEqual(step.right(blind), [], step.title);
+    assert.doesNotMatch(step.reveal(blind), /NaN|undefined|Infinity/, step.title);
+  }
 });
 
-test("what a set cannot decide is said, without a verdict", () => {
-  const [, domain, , , p] = STEPS;
-  const alone = screen({ curves: { "domain_gap/raw": [null, null, null] } });
-  assert.deepEqual(domain.right(alone), []);
-  assert.match(domain.reveal(alone), /one domain/);
-  const { "accuracy/unseen": _, ...rest } = curves;
-  const blind = onScreen(frames({ curves: rest }), 0.5, facts);
-  assert.deepEqual(p.right(blind), []);
-  assert.match(p.reveal(blind), /no accuracy on unseen domains/);
+const ladder = (low, high) => ({
+  rungs: [{ rung: "n20", from: "this head", accuracy: 0.62, low, high }],
+  records: [0.05, -0.01, 0.08],
+});
+const sentences = (text) => text.split(/\.(?= |$)/).filter(Boolean);
+
+test("the tour ends with the title's answer in two or three sentences of the page's own figures", () => {
+  const plain = (at) => answer(at).replace(/<[^>]*>/g, "");
+  assert.equal(sentences(plain(figures())).length, 2);
+  const text = plain(figures(ladder(0.6, 0.64)));
+  assert.equal(sentences(text).length, 3);
+  for (const figure of [
+    "60",
+    "80",
+    "0.05",
+    "0.60",
+    "55",
+    "56",
+    "30",
+    "90",
+    "62",
+    "64",
+    "+4.0",
+    "−1.0",
+    "+8.0",
+  ])
+    assert.ok(text.includes(figure), figure);
 });
 
-test("where intervals overlap the tour says so", () => {
-  const unseen = {
-    ...facts.unseen,
-    unseen: { ...facts.unseen.unseen, "answers/fused": share(0.69, 0.6, 0.78) },
-  };
-  assert.match(STEPS[5].reveal(screen({ facts: { unseen } })), /intervals of photo only and both overlap/);
-});
-
-test("of heads trained at each p it tells whether p matters on this set", () => {
-  const retrained = (all) =>
-    screen({ curves: { "seeds:accuracy/unseen/mean": all }, head: { kind: "retrained" } });
-  assert.equal(STEPS[4].right(retrained([0.6, 0.63, 0.61])), "little");
-  assert.match(STEPS[4].reveal(retrained([0.6, 0.63, 0.61])), /equally well/);
-  assert.match(STEPS[4].reveal(retrained([0.3, 0.99, 0.4])), /the right p decides/);
+test("what pictures of a new sensor bring is called sure only if the intervals are apart", () => {
+  const last = STEPS.at(-1);
+  assert.deepEqual(last.right(figures(ladder(0.6, 0.64))), ["no"]);
+  assert.match(last.reveal(figures(ladder(0.6, 0.64))), /not sure/);
+  assert.deepEqual(last.right(figures(ladder(0.63, 0.66))), ["yes"]);
+  assert.doesNotMatch(last.reveal(figures(ladder(0.63, 0.66))), /not sure/);
+  assert.deepEqual(last.right(figures()), []);
 });

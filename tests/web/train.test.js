@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { chart, charts, niceTop } from "../../app/web/train/lines.js";
-import { mapAt, measuredAt, result, standing } from "../../app/web/train/progress.js";
+import { compared, mapAt, measuredAt, result, standing } from "../../app/web/train/progress.js";
 import { chosen, formHtml, inWords } from "../../app/web/train/settings.js";
 
 const OFFERS = {
@@ -113,4 +113,25 @@ test("values stay inside the chart and missing measures leave no gap in the page
   const heights = [...svg.matchAll(/[ML][\d.]+ ([\d.]+)/g)].map((found) => +found[1]);
   assert.ok(heights.every((y) => y >= 0 && y <= 120));
   assert.match(charts(EPOCHS, 40, 2, 5), /unseen domains <b>30\.0 %/);
+});
+
+test("the form shows three controls; the rest is under Advanced", () => {
+  const [first, advanced] = formHtml(OFFERS).split("<details");
+  assert.deepEqual(first.match(/<(select|input|button type="submit")/g), [
+    "<select",
+    "<select",
+    '<button type="submit"',
+  ]);
+  assert.equal(advanced.match(/<(select|input)/g).length, 9);
+});
+
+test("two runs are compared with the spread of seeds, and one is not compared", () => {
+  const runs = [{ share: 0.5 }, { share: 0.512 }];
+  assert.match(compared(runs, 0.01), /1\.2 points above.*about 1\.4 points.*may be chance/);
+  assert.match(
+    compared([{ share: 0.6 }, { share: 0.5 }], 0.01),
+    /10\.0 points below.*more than seeds explain/,
+  );
+  assert.match(compared(runs, null), /other seeds/);
+  assert.equal(compared(runs.slice(1), 0.01), "");
 });

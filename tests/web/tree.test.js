@@ -34,13 +34,13 @@ const ONE = {
   ],
 };
 
-test("a node that gives one class to nearly every pair is no direction for a new domain", () => {
+test("of nodes with one class for nearly every pair, the page says that and concludes nothing", () => {
   assert.deepEqual(constant(VOTES), [false, true, true]);
   const said = worth(VOTES, 1920);
   assert.match(said, /2 of 3 nodes/);
-  assert.match(said, /<i>wood<\/i> or <i>glass<\/i> to at least 95/);
-  assert.match(said, /do not represent directions towards new domains/);
-  assert.match(worth([VOTES[0]], 10), /different classes to different pairs/);
+  assert.match(said, /alone predict <i>wood<\/i> or <i>glass<\/i> for at least 95/);
+  assert.ok(!/shift|direction/.test(said)); // equal classes do not show equal shifts
+  assert.match(worth([VOTES[0]], 10), /different classes for different pairs/);
 });
 
 test("constant nodes are drawn dashed once the set has been looked at, and only then", () => {
@@ -53,4 +53,8 @@ test("a head that has no nodes says why", () => {
     grove({ name: "x", problem: "This head generates no nodes.", generation: "none" }, true),
     /generates no nodes/,
   );
+});
+
+test("NOD is said to push the matrix of cosines, not the matrix", () => {
+  assert.match(grove(ONE, false), /NOD pushes the matrix of cosines of each layer towards the identity/);
 });

@@ -8,7 +8,7 @@ import { heads, METHODS } from "../shared/headsets.js";
 import { COLOURINGS, onTheme } from "../shared/palette.js";
 import { stageNamed } from "../shared/stages.js";
 import { change, state, watch, watchIn } from "../shared/store.js";
-import { escaped } from "../shared/text.js";
+import { escaped, options } from "../shared/text.js";
 import { theSet } from "../shared/theset.js";
 import { counted, sentence } from "./changes.js";
 import { matrix } from "./matrix.js";
@@ -77,9 +77,7 @@ class CompareTab {
   }
 
   wire() {
-    this.$(".colouring").innerHTML = Object.entries(COLOURINGS)
-      .map(([key, c]) => `<option value="${key}">${c.label}</option>`)
-      .join("");
+    this.$(".colouring").innerHTML = options(Object.entries(COLOURINGS).map(([key, c]) => [key, c.label]));
     this.$(".colouring").onchange = (event) => change({ colour: event.target.value });
     this.$(".reset").onclick = () => this.sides[0].cloud.resetView();
     this.$(".lasso").onclick = (event) => this.press(event.currentTarget, (this.lassoMode = !this.lassoMode));

@@ -8,6 +8,7 @@ const METRICS = ["ACC", "macro-F1"];
 export async function matrix(box) {
   let metric = 0;
   let found;
+  let opened = false;
   try {
     found = await json("matrix");
   } catch (error) {
@@ -16,11 +17,14 @@ export async function matrix(box) {
     });
   }
   function show() {
-    box.innerHTML = `<header><h3>Source × target, ${METRICS[metric]}</h3><div class="which" role="radiogroup" aria-label="Which score">${METRICS.map(
+    box.innerHTML = `<header><h3>Methods, ${METRICS[metric]}</h3><div class="which" role="radiogroup" aria-label="Which score">${METRICS.map(
       (name, i) =>
         `<button type="button" role="radio" data-metric="${i}" aria-checked="${i === metric}">${name}</button>`,
     ).join("")}</div></header>
-      <div class="two-tables">${ours(found, metric)}${papers(found, metric)}</div>`;
+      ${dots(found.ranking, metric)}<details class="every"${opened ? " open" : ""}><summary>Every source and target, and the paper’s figures</summary><div class="two-tables">${ours(found, metric)}${papers(found, metric)}</div></details>`;
+    box.querySelector(".every").ontoggle = (event) => {
+      opened = event.target.open;
+    };
   }
   box.onclick = (event) => {
     const button = event.target.closest("[data-metric]");
@@ -49,16 +53,21 @@ function overall(rows, targets, metric) {
   return `<tr class="overall"><th scope="row" colspan="2">mean of ${rows.length} sources</th><td colspan="${targets.length}"></td><td><b>${(100 * meanOf(rows, metric)).toFixed(1)}</b></td></tr>`;
 }
 
-/** All methods in one line, the best first. */
-function ranking(rows, labels, metric) {
-  const several = labels
-    .map((label) => [label, rows.filter((row) => row.label === label)])
-    .filter(([, own]) => own.length > 1)
-    .map(([label, own]) => [label, meanOf(own, metric)])
-    .sort((a, b) => b[1] - a[1]);
-  return several.length < 2
-    ? ""
-    : `<p class="ranking">Mean of unseen domains over all sources: ${several.map(([label, mean]) => `<span>${escaped(label)} <b>${(100 * mean).toFixed(1)}</b></span>`).join(" ")}</p>`;
+/** The methods in order: a dot and its 95 % interval each, on one axis. */
+export function dots(ranking, metric) {
+  if (ranking.length < 2) return "";
+  const all = ranking.map(({ scores }) => scores[metric]);
+  const low = Math.floor(20 * Math.min(...all.map((one) => one[1]))) / 20;
+  const high = Math.ceil(20 * Math.max(...all.map((one) => one[2]))) / 20;
+  const at = (v) => `${((100 * (v - low)) / (high - low)).toFixed(2)}%`;
+  const rows = ranking
+    .map(({ label, scores }) => ({ label, score: scores[metric] }))
+    .sort((a, b) => b.score[0] - a.score[0])
+    .map(
+      ({ label, score: [mean, from, to] }) =>
+        `<tr><th scope="row">${escaped(label)}</th><td class="dots"><span><i class="whisker" style="left:${at(from)};width:calc(${at(to)} - ${at(from)})"></i><i class="dot" style="left:${at(mean)}"></i></span></td><td>${(100 * mean).toFixed(1)} <small>${(100 * from).toFixed(0)}–${(100 * to).toFixed(0)}</small></td></tr>`,
+    );
+  return `<table class="ranking"><tbody>${rows.join("")}</tbody></table><p class="hint">Percent right in unseen domains, mean over sources; axis ${100 * low} to ${100 * high} %. 95 % intervals over sources and seeds: where they overlap, no order is certain.</p>`;
 }
 
 function ours({ rows, targets, origin }, metric) {
@@ -92,7 +101,7 @@ function ours({ rows, targets, origin }, metric) {
     origin === "protocol"
       ? "Rows of methods are means over seeds of the protocol’s records; rows of heads come from their own <code>metrics.json</code>."
       : "These rows come from the loaded heads’ own <code>metrics.json</code>. There are no records of the whole protocol: <code>python -m omnivat protocol</code> makes them, and <code>app.py --compare DIR</code> adds a head of another source.";
-  return `<div>${ranking(rows, labels, metric)}<div class="scroll" tabindex="0" role="group" aria-label="Scores from source to target"><table class="counts scores"><thead><tr><th scope="col">Method</th><th scope="col">Source</th>${targets.map((name) => `<th scope="col">${escaped(name)}</th>`).join("")}<th scope="col">mean of unseen</th></tr></thead><tbody>${body}</tbody></table></div>
+  return `<div><div class="scroll" tabindex="0" role="group" aria-label="Scores from source to target"><table class="counts scores"><thead><tr><th scope="col">Method</th><th scope="col">Source</th>${targets.map((name) => `<th scope="col">${escaped(name)}</th>`).join("")}<th scope="col">mean of unseen</th></tr></thead><tbody>${body}</tbody></table></div>
     <p class="hint">${note} Percent, on test pairs if the set has a split, else on all pairs. Outlined: the source itself, which is not in the mean.</p></div>`;
 }
 

@@ -2,6 +2,7 @@
 
 import { Refusal, refused } from "../shared/api.js";
 import { Cloud } from "../shared/cloud.js";
+import { orderText } from "../shared/frames.js";
 import { framesBy, headLabel, isMethod, METHODS } from "../shared/headsets.js";
 import { layersOf } from "../shared/layers.js";
 import { axes, axisNames, lassoLine, pairLine } from "../shared/marks.js";
@@ -11,7 +12,7 @@ import { isDark } from "../shared/palette.js";
 import { listen } from "../shared/pointer.js";
 import { STAGES } from "../shared/stages.js";
 import { change, state } from "../shared/store.js";
-import { escaped } from "../shared/text.js";
+import { escaped, options } from "../shared/text.js";
 import { difference } from "./changes.js";
 
 const OF_ONE_DOMAIN = ["modality_gap", "accuracy"]; // available for a single domain
@@ -28,11 +29,10 @@ export function sideHtml({ name }, frames, known) {
     ...known.slice(1).map((one) => [one.name, headLabel(one)]),
     ...METHODS,
   ];
-  const option = ([value, label]) => `<option value="${escaped(value)}">${escaped(label)}</option>`;
-  return `<article class="panel side-${name}"><div class="side-bar"><label>Predicted by <select class="head">${heads.map(option).join("")}</select></label>
-    <label>Domain <select class="only"><option value="">all</option>${frames.domains.map((d) => option([d, d])).join("")}</select></label></div>
-    <div class="side-bar"><label>Stage <select class="stage">${STAGES.map((s) => option([s.key, s.name])).join("")}</select></label>
-    <label class="grow"><i>p</i> <input type="range" class="order" min="${frames.orders[0]}" max="${frames.orders.at(-1)}" step="0.01" aria-label="p of the ${name} map"></label><output class="order-value"></output></div><p class="side-wait hint" role="status" hidden></p>
+  return `<article class="panel side-${name}"><div class="side-bar"><label>Predicted by <select class="head">${options(heads)}</select></label>
+    <label>Domain <select class="only">${options([["", "all"], ...frames.domains.map((d) => [d, d])])}</select></label></div>
+    <div class="side-bar"><label>Stage <select class="stage">${options(STAGES.map((s) => [s.key, s.name]))}</select></label>
+    <label class="grow"><i>p</i> <input type="range" class="order" min="${frames.orders[0]}" max="${frames.orders.at(-1)}" step="0.001" aria-label="p of the ${name} map"></label><output class="order-value"></output></div><p class="side-wait hint" role="status" hidden></p>
     <div class="map" role="application" aria-label="${name} map"></div><table class="numbers"><tbody></tbody></table></article>`;
 }
 
@@ -80,7 +80,14 @@ export class Side {
   get who() {
     const { head } = this.chosen;
     if (isMethod(head)) return "nearest class mean";
-    return `${head || "the head"} at p = ${this.frames.orders[this.stop].toFixed(2)}`;
+    return `${head || "the head"} at p = ${this.order}`;
+  }
+
+  /** p in figures; the learned one is another one than its nearest hundredth, and is marked. */
+  get order() {
+    const { orders, learned } = this.frames;
+    const p = orders[this.stop];
+    return `${orderText(p)}${Math.abs(p - learned) < 1e-6 ? " (learned)" : ""}`;
   }
 
   /** True if the frames shown belong to the chosen head. */
@@ -108,6 +115,7 @@ export class Side {
       means(
         () => frames,
         (point) => this.shows(point),
+        () => true,
       ),
       (x, c) => line(x, c, state.pin, "#dc2626"),
       (x, c) => line(x, c, board.hoveredPair, isDark() ? "#38bdf8" : "#1e293b"),
@@ -161,7 +169,7 @@ export class Side {
     const { chosen, stop, frames } = this;
     for (const name of ["stage", "head", "only"]) this.$(`.${name}`).value = chosen[name];
     this.$(".order").value = frames.orders[stop];
-    this.$(".order-value").textContent = isMethod(chosen.head) ? "–" : frames.orders[stop].toFixed(2);
+    this.$(".order-value").textContent = isMethod(chosen.head) ? "–" : this.order;
     this.cloud.layers = layersOf(
       frames,
       stop,

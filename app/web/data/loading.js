@@ -2,13 +2,19 @@
 
 import { ask, Refusal, refused, sendPart } from "../shared/api.js";
 
-const HEAD = ["weights.safetensors", "settings.json", "metrics.json", "familiarity.safetensors"];
+const HEAD = [
+  "weights.safetensors",
+  "settings.json",
+  "metrics.json",
+  "familiarity.safetensors",
+  "profile.safetensors",
+];
 const inUse = () => new URLSearchParams(location.search).get("set");
 
 export function loading(box) {
-  box.innerHTML = `<h3>Load them here</h3><p>Only you see them. The link works until the server restarts.</p>
-    <div class="pickers"><label>Head: its folder <input type="file" class="head" webkitdirectory multiple></label>
-    <label>Embeddings: the .safetensors file; its thumbnails too, if there are any <input type="file" class="set" multiple accept=".safetensors,.webp,.json"></label></div>
+  box.innerHTML = `<p>For you alone, until the server restarts.</p>
+    <div class="pickers"><label>Head (folder) <input type="file" class="head" webkitdirectory multiple></label>
+    <label>Embeddings, thumbnails <input type="file" class="set" multiple accept=".safetensors,.webp,.json"></label></div>
     <div class="row"><label><input type="checkbox" class="beside"> Add for comparison</label></div>
     <div class="row"><button type="button" class="main go">Load</button>${inUse() ? '<button type="button" class="back">Back to the server’s own head and set</button>' : ""}<span class="hint" role="status"></span></div>`;
   const note = box.querySelector("[role=status]");

@@ -13,8 +13,7 @@ const figure = (v) =>
 const ms = (v) => (v < 10 ? v.toFixed(1) : v.toFixed(0));
 
 export function measuring(box) {
-  box.innerHTML = `<p>Measure how long this page’s computations take here, and their error against double precision. It takes a few seconds.</p>
-    <div class="row"><button type="button" class="main">Measure now</button><span class="hint" role="status"></span></div><div class="figures"></div>`;
+  box.innerHTML = `<div class="row"><button type="button" class="main">Measure now</button><span class="hint" role="status"></span></div><div class="figures"></div>`;
   const button = box.querySelector("button");
   const note = box.querySelector(".hint");
   button.onclick = async () => {

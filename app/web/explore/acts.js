@@ -2,12 +2,14 @@
 
 import { featuresOf } from "../shared/stages.js";
 import { change, state } from "../shared/store.js";
-import { findNeighbours } from "./neighbours.js";
+import { findNeighbours, showNeighbours } from "./neighbours.js";
+import { packed, unpacked } from "./selected.js";
 
 export class Acts {
   constructor(page) {
     this.page = page;
     this.scene = page.scene;
+    this.nearest = null; // {key, found}: neighbours of the pinned pair
   }
 
   /** Pointer and key callbacks of a map, as in pointer.js. */
@@ -34,11 +36,15 @@ export class Acts {
     this.page.peek(point < 0 ? -1 : point % scene.frames.pairs, pointed);
   }
 
+  /** Pin the pair of a point, for the other tabs too if it is of their set, and find its neighbours. */
   pick(point) {
-    this.scene.near = [];
+    const { scene } = this;
+    scene.near = [];
     if (point < 0) return change({ pin: null });
-    const pair = point % this.scene.frames.pairs;
-    return change({ pin: pair, vis: `row:${pair}`, tac: `row:${pair}` });
+    const pair = point % scene.frames.pairs;
+    const ref = scene.set ? {} : { vis: `row:${pair}`, tac: `row:${pair}` };
+    change({ pin: pair, ...ref });
+    return this.near(point < scene.frames.pairs ? 0 : 1);
   }
 
   next(by) {
@@ -53,8 +59,20 @@ export class Acts {
 
   select(points) {
     this.scene.selected = new Set(points);
+    this.nameSelected();
     this.page.maps.showLayers();
-    this.page.showSelected();
+    this.page.showPictures();
+    if (points.length) this.page.panels.show("grid");
+  }
+
+  /** Keep the selection in the address, or take it from there. */
+  nameSelected() {
+    change({ sel: packed(this.scene.selected) });
+  }
+
+  selectNamed() {
+    const points = unpacked(state.sel, 2 * this.scene.frames.pairs).filter(this.scene.shown);
+    if (points.length) this.select(points);
   }
 
   /** Show and list the pairs of one cell of the confusion matrix; null shows all again. */
@@ -69,18 +87,31 @@ export class Acts {
     );
   }
 
+  /** The stage whose neighbours are known: heads trained at each p are not kept. */
+  get nearStage() {
+    return this.scene.frames.kind === "retrained" ? "raw" : featuresOf(state.stage);
+  }
+
+  key = () => `${this.scene.set} ${state.pin} ${this.nearStage} ${this.scene.p}`;
+
   async near(modality) {
     const { scene } = this;
     const point = state.pin + scene.frames.pairs * modality;
-    const asked = {
-      frames: scene.frames,
-      sprite: scene.sprite,
-      point,
-      stage: featuresOf(state.stage),
-      p: scene.p,
-      onPick: (one) => this.pick(one),
-    };
-    scene.near = await findNeighbours(this.page.$(".card .found"), asked);
+    const key = this.key();
+    const box = this.page.$(".card .found");
+    const found = await findNeighbours(box, { set: scene.set, point, stage: this.nearStage, p: scene.p });
+    if (key !== this.key()) return;
+    this.nearest = { key, found };
+    this.showNear();
     this.page.maps.paintMarks();
+  }
+
+  /** Show the neighbours of the pinned pair if they are of this step and p. */
+  showNear() {
+    const { scene, nearest } = this;
+    const box = this.page.$(".card .found");
+    const known = nearest?.key === this.key() ? nearest.found : [];
+    scene.near = known.map(({ point }) => point);
+    if (box && known.length) showNeighbours(box, known, scene, (point) => this.pick(point));
   }
 }

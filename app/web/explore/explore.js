@@ -1,10 +1,8 @@
-/** Explore: one slider for the whole set, drawn in the browser stop by stop. */
+/** Explore: one picture and one question at a time, drawn in the browser stop by stop. */
 
 import { refused } from "../shared/api.js";
 import { choices } from "../shared/facts.js";
-import { whenFine } from "../shared/frames.js";
-import { theSet } from "../shared/theset.js";
-import { openingMode } from "./modes.js";
+import { openChapter, state } from "../shared/store.js";
 import { Page } from "./page.js";
 
 export async function start(root) {
@@ -17,18 +15,13 @@ export async function start(root) {
     if (new URLSearchParams(location.search).has("set")) wait.append(" ", homeLink());
   };
   const telling = (step) => {
+    wait.hidden = step === null;
     wait.textContent = waiting(step);
   };
   try {
-    const [{ frames, coarse, sprite }, choice] = await Promise.all([theSet(telling), choices()]);
-    const page = new Page($, frames, sprite, choice, say);
-    await page.open(openingMode(choice.modes));
-    wait.hidden = !wait.classList.contains("problem");
-    $(".explore").classList.add("ready");
-    if (!coarse) return;
-    wait.hidden = false;
-    page.finer(await whenFine(telling));
-    wait.hidden = true;
+    const page = new Page($, await choices(), { say, telling });
+    if (!state.chapter) openChapter(page.first);
+    await page.enter();
   } catch (error) {
     refused(error, say);
   }

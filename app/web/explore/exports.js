@@ -1,13 +1,12 @@
 /** Files made in the browser: CSV of points, PNG and SVG of the map. */
 
 import { verdict } from "../shared/card.js";
+import { csv as written } from "../shared/csv.js";
 import { escaped } from "../shared/text.js";
-
-const cell = (value) => (/[",\n]/.test(value) ? `"${String(value).replaceAll('"', '""')}"` : value);
 
 /** One line for each point: VIS and TAC of a pair are two lines. */
 export function csv(frames, points, frame, stop, about) {
-  const head = "pair,modality,domain,class,predicted,right,confidence,p,stage,map,x,y";
+  const head = "pair,modality,domain,class,predicted,right,confidence,p,stage,map,x,y".split(",");
   const [[x0, y0], [x1, y1]] = frame.bounds;
   const lines = points.map((point) => {
     const pair = point % frames.pairs;
@@ -21,17 +20,15 @@ export function csv(frames, points, frame, stop, about) {
       v.truth,
       v.said,
       v.right,
-      v.confidence.toFixed(3),
+      Number.isFinite(v.confidence) ? v.confidence.toFixed(3) : "",
       frames.orders[stop],
       about.stage,
       about.kind,
       x.toFixed(5),
       y.toFixed(5),
-    ]
-      .map(cell)
-      .join(",");
+    ];
   });
-  return new Blob([`${[head, ...lines].join("\n")}\n`], { type: "text/csv" });
+  return written([head, ...lines]);
 }
 
 const LINE = 17; // CSS pixels between the lines under an exported map
@@ -82,7 +79,7 @@ export function png(cloud, caption, legend) {
   return new Promise((resolve) => canvas.toBlob(resolve, "image/png"));
 }
 
-/** The map as vector shapes. */
+/** The map as vector shapes; `names` of its axes, if they mean anything. */
 export function svg(cloud, caption, legend, names) {
   const width = Math.round(cloud.width / cloud.ratio);
   const height = Math.round(cloud.height / cloud.ratio);
@@ -103,7 +100,7 @@ export function svg(cloud, caption, legend, names) {
   );
   const text = `<svg xmlns="http://www.w3.org/2000/svg" width="${width}" height="${height + band}" font-family="sans-serif" font-size="12">
 <rect width="100%" height="100%" fill="#fff"/><svg width="${width}" height="${height}">${shapes.join("\n")}</svg>
-<text x="6" y="15" font-weight="600">↑ ${escaped(names.y)}</text><text x="${width - 8}" y="${height - 6}" font-weight="600" text-anchor="end">${escaped(names.x)} →</text>
+${names ? `<text x="6" y="15" font-weight="600">↑ ${escaped(names.y)}</text><text x="${width - 8}" y="${height - 6}" font-weight="600" text-anchor="end">${escaped(names.x)} →</text>` : ""}
 <text x="8" y="${height + LINE}">${escaped(caption)}</text>${legends.join("")}</svg>`;
   return new Blob([text], { type: "image/svg+xml" });
 }

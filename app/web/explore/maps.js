@@ -1,19 +1,21 @@
-/** The two maps: the raw embedding and the open step. */
+/** The map of the open step. */
 
 import { Cloud } from "../shared/cloud.js";
 import { orderText } from "../shared/frames.js";
 import { layersOf } from "../shared/layers.js";
-import { axes, axisNames, lassoLine, neighbourRings, pairLine } from "../shared/marks.js";
-import { means } from "../shared/means.js";
+import { axes, axisNames, lassoLine, neighbourRings, pairLine, shapes } from "../shared/marks.js";
+import { means, names } from "../shared/means.js";
 import { asText, values } from "../shared/measures.js";
-import { isDark, onTheme } from "../shared/palette.js";
+import { colouring, colouringsOf, isDark, onTheme } from "../shared/palette.js";
 import { listen } from "../shared/pointer.js";
+import { radios } from "../shared/radios.js";
 import { isStill, stageNamed } from "../shared/stages.js";
-import { state } from "../shared/store.js";
-import { escaped } from "../shared/text.js";
+import { change, hidden, state } from "../shared/store.js";
+import { escaped, options } from "../shared/text.js";
 import { pictures } from "./pictures.js";
 
 export const METHODS = { pca: "PCA", umap: "UMAP" };
+const TOOLS = 46; // CSS pixels that the tools of the workbench cover at the top of the map
 
 export class Maps {
   /** `on` as in pointer.js. */
@@ -22,12 +24,11 @@ export class Maps {
     this.scene = scene;
     const count = 2 * scene.own.pairs;
     this.now = new Cloud($(".map"), count);
-    this.before = new Cloud($(".still"), count);
     const drawing = listen(this.now, on);
-    listen(this.before, { ...on, lassoMode: () => false });
+    const frames = () => scene.frames;
     const marks = [
       pictures(scene),
-      means(() => scene.frames, scene.shown),
+      means(frames, scene.shown),
       (x, cloud) => neighbourRings(x, cloud, scene.near),
       (x, cloud) => state.pin !== null && pairLine(x, cloud, state.pin, "#dc2626"),
       (x, cloud) => {
@@ -36,61 +37,76 @@ export class Maps {
           pairLine(x, cloud, pair, isDark() ? "#38bdf8" : "#1e293b");
       },
     ];
-    this.before.painters = [axes(() => axisNames(this.beforeKind())), ...marks];
-    this.now.painters = [axes(() => axisNames(state.map)), ...marks, (x) => lassoLine(x, drawing.polygon)];
-    onTheme(() => this.redraw());
+    const named = names(frames, scene.shown);
+    const scaled = axes(() => axisNames(this.kind()));
+    this.now.painters = [
+      (x, cloud) => (state.chapter === "analyse" ? scaled(x, cloud) : shapes(x, cloud, meaning(frames()))),
+      ...marks,
+      (x, cloud) => cloud.view.zoom < 3 && named(x, cloud),
+      (x) => lassoLine(x, drawing.polygon),
+    ];
+    onTheme(() => this.now.redraw());
   }
 
-  each(action) {
-    action(this.now);
-    action(this.before);
+  paintMarks = () => this.now.paintMarks();
+
+  /** Another set or chapter: room for its points, the whole map in view. */
+  reset() {
+    const over = getComputedStyle(this.$(".tools")).position === "absolute"; // on a phone they stand above the map
+    this.now.top = state.chapter === "analyse" && over ? TOOLS : 0;
+    if (this.now.count !== 2 * this.scene.own.pairs) this.now.hold(2 * this.scene.own.pairs);
+    this.now.resetView();
   }
 
-  redraw() {
-    this.each((cloud) => cloud.redraw());
-  }
-
-  paintMarks() {
-    this.each((cloud) => cloud.paintMarks());
-  }
-
-  /** The raw map uses the method of the other map if the frames have it. */
-  beforeKind() {
-    const kinds = this.scene.frames.kinds("raw");
+  /** The method of the map: the chosen one if this step has it. */
+  kind(stage = state.stage) {
+    const kinds = this.scene.frames.kinds(stage);
     return kinds.includes(state.map) ? state.map : kinds[0];
+  }
+
+  /** The choice between the kinds of map that the open step has. */
+  showKinds() {
+    const kinds = this.scene.frames.kinds(state.stage);
+    const options = kinds.map((key) => ({ key, label: METHODS[key] ?? key }));
+    radios(
+      this.$(".kinds"),
+      options,
+      () => this.kind(),
+      (map) => {
+        change({ map });
+        this.$(`.kinds [data-key="${map}"]`)?.focus();
+      },
+    );
+  }
+
+  /** The colourings that the frames have. */
+  showColourings() {
+    const { frames } = this.scene;
+    this.$(".colouring").innerHTML = options(colouringsOf(frames).map(([key, c]) => [key, c.label]));
+    const known = colouringsOf(frames).find(([, c]) => c === colouring(frames, state.colour));
+    this.$(".colouring").value = known[0];
   }
 
   showLayers() {
     const { frames, stop, shown, lit } = this.scene;
-    this.now.layers = this.before.layers = layersOf(frames, stop, shown, lit);
-    this.redraw();
+    this.now.halves = ["VIS", "TAC"].map((name) => !hidden("modality").has(name));
+    this.now.layers = layersOf(frames, stop, shown, lit);
+    this.now.redraw();
   }
 
   /** Draw the open step at the present stop. */
   showNow() {
     const { frames, stop } = this.scene;
-    const frame = frames.positions(state.map, state.stage, stop);
+    const kind = this.kind();
+    if (!kind) return;
+    const frame = frames.positions(kind, state.stage, stop);
     this.now.show(frame);
     this.now.box.dataset.order = frames.orders[isStill(state.stage, frames) ? stop : frame.drawn];
-    this.$(".approximate").textContent = notes(frames, frame, stop);
+    this.$(".approximate").textContent = notes(frames, frame, stop, kind);
     const stage = stageNamed(state.stage);
-    this.$(".now .map-title").innerHTML = this.title(
+    this.$('[data-panel="step"] .map-title').innerHTML = this.title(
       `${stage.name}, p = ${orderText(frames.orders[stop])}`,
       state.stage,
-      state.map,
-    );
-  }
-
-  /** Draw the raw embedding; it is the only map if it is the open step. */
-  showBefore() {
-    const { frames } = this.scene;
-    const kind = this.beforeKind();
-    this.$(".maps").classList.toggle("alone", state.stage === "raw" || !kind);
-    if (!kind) return;
-    this.before.show(frames.positions(kind, "raw", 0));
-    this.$(".before .map-title").innerHTML = this.title(
-      'Raw<span class="long"> embedding</span>',
-      "raw",
       kind,
     );
   }
@@ -117,18 +133,23 @@ export class Maps {
   }
 }
 
-/** A note on the map; most maps need none. */
-export function notes(frames, frame, stop) {
+const meaning = ({ signals, touchOnly }) =>
+  signals ? "● one recording  ▲ the other" : touchOnly ? "▲ touch" : "● photo  ▲ touch";
+
+/** What to know about the map: how far its neighbours can be trusted, and which stop it shows. */
+export function notes(frames, frame, stop, kind) {
   const parts = [];
-  if (isStill(state.stage, frames) && frame.stops === 1 && state.stage !== "raw")
-    parts.push("One map for every p: the transform changes no distance.");
-  else if (frame.stops > 1 && frame.drawn !== stop)
-    parts.push(`This map has ${frame.stops} stops; shown is p = ${orderText(frames.orders[frame.drawn])}.`);
-  if (frames.kind === "retrained" && !["raw"].includes(state.stage))
-    parts.push("Each stop is a different head, so points jump.");
-  if (frames.kind === "moved" && !isStill(state.stage, frames))
-    parts.push("Weights stay fixed while p moves.");
-  if (state.map === "umap")
-    parts.push("UMAP keeps neighbours together. Its distances, axes and scale have no meaning.");
+  if (Number.isFinite(frame.trust)) parts.push(`Trust ${frame.trust.toFixed(2)}.`);
+  if (kind !== state.map) parts.push(`This step has no ${METHODS[state.map]}.`);
+  if (frame.stops > 1 && frame.drawn !== stop)
+    parts.push(`Shown is p = ${orderText(frames.orders[frame.drawn])}, the nearest of ${frame.stops} stops.`);
+  if (state.chapter === "analyse") {
+    if (isStill(state.stage, frames) && frame.stops === 1 && state.stage !== "raw")
+      parts.push("One map for every p: the transform changes no distance.");
+    if (frames.kind === "retrained" && state.stage !== "raw") parts.push("Each stop is another head.");
+    if (frames.kind === "moved" && !isStill(state.stage, frames))
+      parts.push("Weights stay fixed while p moves.");
+    if (kind === "umap") parts.push("Distances and scale have no meaning.");
+  }
   return parts.join(" ");
 }

@@ -1,13 +1,12 @@
 /** Modes of p: a head for each stop, one head with fixed weights, or one head for every p. */
 
 import { refused } from "../shared/api.js";
-import { framesOf } from "../shared/facts.js";
 import { orderText } from "../shared/frames.js";
 import { values } from "../shared/measures.js";
 import { radios } from "../shared/radios.js";
 import { change, state } from "../shared/store.js";
 import { escaped, percent } from "../shared/text.js";
-import { home } from "./curves.js";
+import { modeFrames } from "./library.js";
 
 const LABELS = {
   trained: ["Trained here", "Each stop is a head trained at that p"],
@@ -42,7 +41,7 @@ function ofMode(frames) {
 
 /** The accuracy at the orders that the head was not trained for, in words; "" if not measured. */
 function elsewhere(frames) {
-  const near = home(frames);
+  const near = frames.fits;
   const own = values(frames, "accuracy", "f_hat")?.filter(
     (v, i) => Number.isFinite(v) && !(near?.[0] <= frames.orders[i] && frames.orders[i] <= near?.[1]),
   );
@@ -51,54 +50,58 @@ function elsewhere(frames) {
   return `Elsewhere its mean accuracy in unseen domains is ${percent(mean)} (guessing: ${percent(1 / frames.classes.length)}). `;
 }
 
-/** The initial mode: from the address, or the first available. */
-export const openingMode = (modes) => (modes.includes(state.mode) ? state.mode : modes[0]);
-
 export class Modes {
   /** `onFrames(frames)` shows the frames of a mode; `say` shows the sentence of a Refusal. */
-  constructor($, scene, modes, { onFrames, say }) {
-    this.$ = $;
-    this.scene = scene;
-    this.modes = modes;
+  constructor(box, { onFrames, say }) {
+    this.box = box;
     this.onFrames = onFrames;
     this.say = say;
-    this.kept = new Map([["moved", scene.own]]);
-    this.mode = "moved";
-    const box = $(".modes");
-    box.hidden = modes.length < 2;
-    const options = modes.map((key) => ({ key, label: label(key, scene.own), title: LABELS[key][1] }));
+  }
+
+  /** The frames that a set opens with: of the mode in the address, or of the first one. */
+  async open(data) {
+    this.data = data;
+    this.box.hidden = data.modes.length < 2;
+    const options = data.modes.map((key) => ({ key, label: label(key, data.own), title: LABELS[key][1] }));
     this.showChosen = radios(
-      box,
+      this.box,
       options,
       () => this.mode,
       (key) => this.choose(key),
     );
+    return this.fetched(this.opening());
   }
 
-  /** Show the frames of a mode; fetch them on first use. */
-  async choose(mode) {
+  opening() {
+    const { modes } = this.data;
+    return modes.includes(state.mode) ? state.mode : modes[0];
+  }
+
+  /** The frames of a mode; null if they cannot be had or another mode is wanted by then. */
+  async fetched(mode) {
+    const { data } = this;
     this.wanted = mode;
     try {
-      if (!this.kept.has(mode)) this.kept.set(mode, await framesOf(mode, this.scene.own));
+      const frames = await modeFrames(data, mode);
+      if (this.wanted !== mode || this.data !== data) return null;
+      this.mode = mode;
+      this.showChosen();
+      return frames;
     } catch (error) {
-      return refused(error, this.say);
+      refused(error, this.say);
+      return mode === "moved" ? null : this.fetched("moved");
     }
-    if (this.wanted !== mode) return;
-    this.mode = mode;
-    change({ mode: mode === this.modes[0] ? "" : mode });
-    this.showChosen();
-    this.onFrames(this.kept.get(mode));
+  }
+
+  async choose(mode) {
+    const frames = await this.fetched(mode);
+    if (!frames) return;
+    change({ mode: mode === this.data.modes[0] ? "" : mode });
+    this.onFrames(frames);
   }
 
   /** Show the mode in the address if another one is shown. */
   follow() {
-    const wanted = openingMode(this.modes);
-    if (wanted !== this.wanted) this.choose(wanted);
-  }
-
-  /** Finer frames of the head have arrived. */
-  replace(own) {
-    this.kept.set("moved", own);
-    return this.kept.get(this.mode);
+    if (this.opening() !== this.wanted) this.choose(this.opening());
   }
 }

@@ -1,20 +1,23 @@
 /** Nearest neighbours in the full width of the features, from the server on request. */
 
-import { ask, refused } from "../shared/api.js";
+import { ask, inSet, refused } from "../shared/api.js";
 import { thumbnail } from "../shared/card.js";
 
-/** Request neighbours, show thumbnails, and return the points to mark on the map. */
-export async function findNeighbours(box, { frames, sprite, point: of, stage, p, onPick }) {
-  box.textContent = "Computing this stage for the whole set…";
-  let found;
+/** Request the neighbours of a point; `box` shows the progress, or why there are none. */
+export async function findNeighbours(box, { set, point, stage, p }) {
+  if (box) box.textContent = "Computing this stage for the whole set…";
   try {
-    found = (await ask("neighbours", { point: of, stage, order: p })).neighbours;
+    return (await ask(inSet("neighbours", set), { point, stage, order: p })).neighbours;
   } catch (error) {
     refused(error, (sentence) => {
-      box.textContent = sentence;
+      if (box) box.textContent = sentence;
     });
     return [];
   }
+}
+
+/** Show neighbours as pictures; a click picks one. */
+export function showNeighbours(box, found, { frames, sprite }, onPick) {
   box.innerHTML = found
     .map(({ point, cosine }) => {
       const tac = point >= frames.pairs;
@@ -27,5 +30,4 @@ export async function findNeighbours(box, { frames, sprite, point: of, stage, p,
     const button = event.target.closest("[data-point]");
     if (button) onPick(+button.dataset.point);
   };
-  return found.map(({ point }) => point);
 }

@@ -4,133 +4,229 @@ import { refused } from "../shared/api.js";
 import { card } from "../shared/card.js";
 import { pairNames, unseen } from "../shared/facts.js";
 import { showFilters } from "../shared/filters.js";
-import { orderText } from "../shared/frames.js";
+import { orderText, whenFine } from "../shared/frames.js";
 import { asText, values } from "../shared/measures.js";
 import { orderBar } from "../shared/order.js";
+import { colouring, isLecture } from "../shared/palette.js";
+import { setOf } from "../shared/sets.js";
 import { explained, featuresOf, projects, stageNamed } from "../shared/stages.js";
-import { change, state } from "../shared/store.js";
+import { change, openAt, openChapter, state } from "../shared/store.js";
+import { fill } from "../shared/text.js";
 import { Acts } from "./acts.js";
-import { Balance } from "./balance.js";
-import { coach } from "./coach.js";
+import { chapterNamed, headOf, startOf } from "./chapters.js";
 import { Curves } from "./curves.js";
 import { Finder } from "./finder.js";
-import { Maps, METHODS } from "./maps.js";
+import { showGrid } from "./grid.js";
+import { centredFrames, dataOf } from "./library.js";
+import { Maps } from "./maps.js";
 import { Modes, modeWords } from "./modes.js";
+import { panels } from "./panels.js";
 import { peek } from "./peek.js";
 import { Saving } from "./saving.js";
 import { Scene } from "./scene.js";
-import { showSelection } from "./selection.js";
 import { showSets } from "./sets.js";
 import { Staircase } from "./staircase.js";
-import { Strangers, score, story } from "./strangers.js";
+import { Strangers } from "./strangers.js";
 import { Toy } from "./toy.js";
-import { PARTS, wire } from "./wiring.js";
+import { Waterfall } from "./waterfall.js";
+import { wire } from "./wiring.js";
 
-const ANSWERS = ["correctness", "confidence"]; // colourings that change with p
+const ANSWERS = ["Correctness", "Confidence"]; // colourings that change with p
 
 export class Page {
-  constructor($, frames, sprite, choices, say) {
+  /** `say` shows the sentence of a Refusal, `telling` the server's progress; null for none. */
+  constructor($, { sets }, { say, telling }) {
     this.$ = $;
+    this.sets = sets;
+    this.first = sets.some(({ shown }) => shown) ? "order" : "analyse";
+    this.say = say;
+    this.telling = telling;
     this.lassoMode = false;
-    const scene = new Scene(frames, sprite);
-    this.scene = scene;
-    if (state.p === null)
-      state.p = frames.orders[frames.stop(Number.isFinite(frames.learned) ? frames.learned : 0.5)];
-    if (state.pin !== null && !(state.pin < frames.pairs)) state.pin = null;
+    this.chapter = null; // the one on screen; null while its set loads
+    this.modes = new Modes($(".modes"), { onFrames: (frames) => this.replace(frames), say });
+    this.panels = panels($(".panels"), () => this.showToy());
+    showSets($(".sets"), sets);
+  }
+
+  /** The parts that need a set, made once. */
+  make(data) {
+    const { $ } = this;
+    const scene = (this.scene = new Scene(data));
     this.acts = new Acts(this);
     this.maps = new Maps($, scene, this.acts.pointing());
     this.peek = peek($(".peek"), $(".maps"), scene);
-    this.bar = orderBar($(".order-bar"), frames);
+    this.bar = orderBar($(".ride"), data.own);
     const toOrder = (p) => change({ p: scene.frames.orders[scene.frames.stop(p)] });
-    this.curves = new Curves($(".curves"), toOrder);
+    const tall = () =>
+      isLecture()
+        ? 0.5 * innerHeight
+        : Math.min(560, 0.3 * innerHeight + 0.5 * Math.max(0, innerHeight - 720));
+    const high = () => (innerWidth < 820 ? 110 : state.chapter === "order" ? tall() : 0.165 * innerHeight);
+    this.ride = new Curves($(".over"), toOrder, { measures: ["accuracy"], high });
+    this.curves = new Curves($(".all"), toOrder, { measures: ["modality_gap", "domain_gap", "margin"] });
     this.stairs = new Staircase(
       $(".staircase"),
       () => state.stage,
       (stage) => change({ stage }),
     );
-    this.balance = new Balance($(".balance"), () => state.gap);
-    this.strangers = new Strangers($(".strangers"), scene, (cell) => this.acts.onlyCell(cell));
+    this.waterfall = new Waterfall($(".waterfall"), $(".profiles"), scene);
+    this.strangers = new Strangers($, scene, (cell) => this.acts.onlyCell(cell));
     this.toy = new Toy($(".toy"));
     this.finder = new Finder($(".finder"), scene);
-    this.saving = new Saving($, scene, this.maps);
-    this.modes = new Modes($, scene, choices.modes, { onFrames: (shown) => this.replace(shown), say });
-    this.sample = frames.label.findIndex(
-      (label, pair) => label === frames.prediction[frames.stop(state.p) * frames.pairs + pair],
-    );
-    showSets($(".sets"), choices.sets);
+    this.saving = new Saving($, scene, this.maps, () => this.showPictures());
     wire(this);
   }
 
-  /** Show the first mode, then the facts about the head. */
-  async open(mode) {
-    await this.modes.choose(mode);
-    if (this.scene.frames === this.scene.own && mode !== "moved") this.replace(this.scene.own);
-    coach(this.$(".order-bar"));
-    pairNames().then(
-      (pairs) => this.learn({ pairs }),
-      () => {},
-    );
-    unseen().then(
-      (found) => this.learn({ unseen: found }),
-      (error) =>
-        refused(error, (sentence) => {
-          this.$(".strangers .hint").textContent = sentence;
-        }),
-    );
+  /** Open the chapter in the address: its set, its frames, its view. */
+  async enter() {
+    if (!state.chapter) return openChapter(this.first);
+    const { chapter } = state;
+    this.chapter = null;
+    this.layOut(chapter);
+    const late = () => state.chapter !== chapter;
+    try {
+      const set = setOf(chapter, this.sets);
+      const data = await dataOf(set, (step) => !this.chapter && this.telling(step));
+      if (late()) return;
+      if (!this.scene) this.make(data);
+      if (this.scene.set !== set || !this.scene.own) this.scene.load(data);
+      this.data = data;
+      const frames = await (chapter === "failure" ? (data.centred ?? data.own) : this.modes.open(data));
+      if (late() || !frames) return;
+      this.telling(null);
+      this.chapter = chapter;
+      this.start(frames);
+      this.learnAll(data);
+      if (chapter === "failure" && !data.centred) this.centre(data);
+      if (data.coarse) this.refine(data);
+    } catch (error) {
+      refused(error, this.say);
+    }
   }
 
-  learn(facts) {
-    Object.assign(this.scene.facts, facts);
-    if (facts.unseen) {
-      this.$(".score").innerHTML = score(facts.unseen, orderText(+facts.unseen.order.toFixed(3)));
-      this.strangers.show();
+  /** Show the frames of the second chapter once they are made; a set may be too large to centre. */
+  async centre(data) {
+    try {
+      const frames = await centredFrames(data);
+      if (this.data === data && this.chapter === "failure") this.replace(frames);
+    } catch (error) {
+      refused(error, () => {});
     }
+  }
+
+  /** Show the parts of a chapter. */
+  layOut(chapter) {
+    const root = this.$(".explore");
+    root.dataset.chapter = chapter;
+    for (const part of root.querySelectorAll("[data-for]"))
+      part.hidden = !part.dataset.for.split(" ").includes(chapter);
+    for (const button of root.querySelectorAll(".chapters [data-chapter]"))
+      button.setAttribute("aria-current", button.dataset.chapter === chapter ? "page" : "false");
+    const lesson = chapterNamed(chapter);
+    if (lesson) this.$(".next").textContent = lesson.next;
+  }
+
+  start(frames) {
+    const { scene } = this;
+    scene.selected = new Set();
+    if (state.p === null) openAt(startOf(state.chapter, frames, scene.own));
+    if (state.pin !== null && !(state.pin < frames.pairs)) state.pin = null;
+    this.sample = frames.label.findIndex((label, pair) => label === frames.prediction[pair]);
+    this.ride.pale = this.sets.find(
+      ({ name }) => state.chapter === "order" && scene.set && name !== scene.set,
+    )?.curve;
+    this.maps.reset();
+    this.replace(frames);
+    this.acts.selectNamed();
+    this.$(".explore").classList.add("ready");
+  }
+
+  learnAll(data) {
+    const learn = (name) => (fact) => {
+      data.facts[name] = fact;
+      if (this.data === data && this.chapter) this.learned();
+    };
+    if (data.facts.unseen && data.facts.pairs) return this.learned();
+    pairNames(data.set).then(learn("pairs"), () => {});
+    unseen(data.set).then(learn("unseen"), (error) =>
+      refused(error, (sentence) => {
+        this.$(".strangers .hint").textContent = sentence;
+      }),
+    );
+    return undefined;
+  }
+
+  /** Facts about the set or its head have come. */
+  learned() {
+    const { facts } = this.scene;
+    if (facts.unseen) this.strangers.show();
     this.finder.show();
+    this.showLesson();
     if (state.find || state.alike || state.range) this.refilter();
     if (facts.unseen && state.cell) this.strangers.follow();
+    this.showPictures();
   }
 
-  /** Finer frames of the head itself have been computed. */
-  finer(own) {
+  /** Finer frames of the head itself are computed: wait for them. */
+  async refine(data) {
+    data.coarse = false;
+    const own = await whenFine((step) => this.telling(step));
+    this.telling(null);
+    const shown = this.scene.own === this.scene.frames;
+    data.own = own;
+    data.frames.set("moved", own);
+    if (this.data !== data) return;
     this.scene.own = own;
-    this.replace(this.modes.replace(own));
+    if (shown && this.chapter) this.replace(own);
   }
 
   /** Show other frames of the same pairs. */
   replace(frames) {
     const { scene } = this;
     scene.frames = frames;
-    scene.stop = frames.stop(state.p);
+    scene.follow();
     this.bar.replace(frames);
-    this.bar.learned(scene.own.learned);
+    this.bar.learned(state.chapter === "order" ? NaN : scene.own.learned); // the mark would give the answer away
+    this.ride.replace(frames);
     this.curves.replace(frames);
     this.stairs.replace(frames);
-    this.balance.replace(frames);
-    this.$(".story").innerHTML = story(scene.own);
     this.$(".mode-words").innerHTML = modeWords(frames);
     this.$(".explore").dataset.kind = frames.kind;
     this.showColours();
     this.showStage();
     this.showMeans();
-    this.showPart();
+    this.showToy();
   }
 
   // ---- what is shown ----------------------------------------------------------------------
 
   showOrder() {
     const { scene } = this;
-    scene.stop = scene.frames.stop(state.p);
+    scene.follow();
     this.bar.show(scene.stop);
+    this.ride.mark(scene.stop);
     this.curves.mark(scene.stop);
     this.stairs.show(scene.stop);
-    this.balance.show(scene.stop);
-    if (state.part === "toy") this.toy.show(scene.p);
-    if (state.part === "strangers") this.strangers.mark();
-    if (ANSWERS.includes(state.colour)) this.maps.showLayers();
+    if (this.panels.open("toy")) this.toy.show(scene.p);
+    if (state.chapter === "fooled") this.strangers.mark();
+    if (ANSWERS.includes(colouring(scene.frames, state.colour).label)) this.maps.showLayers();
     this.maps.showNow();
     this.showCard();
+    this.showLesson();
     clearTimeout(this.announcing);
     this.announcing = setTimeout(() => this.announce(), 400);
+  }
+
+  /** The words and figures of a chapter; in the workbench, the accuracy and whose it is. */
+  showLesson() {
+    const { scene } = this;
+    const lesson = chapterNamed(state.chapter);
+    const set = (selector, html) => fill(this.$(selector), html);
+    if (!lesson) return set(".score", headOf(scene.frames, scene.stop));
+    const words = lesson.words(scene);
+    for (const name of ["title", "figure", "remark"]) set(`.${name}`, words[name]);
+    if (state.chapter === "failure") this.waterfall.show();
+    return undefined;
   }
 
   showStage() {
@@ -139,25 +235,21 @@ export class Page {
     this.stairs.choose();
     const stage = stageNamed(state.stage);
     this.$(".explain").innerHTML = `<b>${stage.name}.</b> ${explained(stage, frames)}`;
-    const kinds = frames.kinds(state.stage);
-    this.$(".map-kind").innerHTML = kinds
-      .map((k) => `<option value="${k}">${METHODS[k] ?? k}</option>`)
-      .join("");
-    if (!kinds.includes(state.map) && kinds.length) change({ map: kinds[0] });
-    this.$(".map-kind").value = state.map;
     this.scene.near = [];
-    this.maps.showBefore();
+    this.maps.showKinds();
     this.showCurves();
     return this.showOrder();
   }
 
   showCurves() {
-    this.curves.show(state.stage, this.scene.loneDomain());
-    this.curves.mark(this.scene.stop);
+    for (const one of [this.ride, this.curves]) {
+      one.show(state.stage, this.scene.loneDomain());
+      one.mark(this.scene.stop);
+    }
   }
 
   showColours() {
-    this.$(".colouring").value = state.colour;
+    this.maps.showColourings();
     showFilters(this.$(".filters"), this.scene.frames, (name) => {
       this.scene.highlight = name;
       this.maps.showLayers();
@@ -167,38 +259,33 @@ export class Page {
 
   /** Apply the filters everywhere: maps, titles, curves, selection, what is saved. */
   refilter() {
-    if (this.scene.refilter()) this.showSelected();
+    if (this.scene.refilter()) this.acts.nameSelected();
     this.maps.showLayers();
-    this.maps.showBefore();
     if (this.maps.now.frame) this.maps.showNow();
     this.showCurves();
     if (this.scene.facts.unseen) this.finder.count();
-    this.saving.label();
+    this.showPictures();
   }
 
-  showPart() {
-    for (const part of PARTS) {
-      this.$(`.${part}`).hidden = part !== state.part;
-      const tab = this.$(`[data-part="${part}"]`);
-      tab.setAttribute("aria-selected", part === state.part);
-      tab.tabIndex = part === state.part ? 0 : -1;
-    }
-    if (state.part === "toy") this.toy.open().then(() => this.toy.show(this.scene.p));
-    if (state.part === "strangers") this.strangers.mark();
+  showToy() {
+    if (this.panels.open("toy") && this.scene) this.toy.open().then(() => this.toy.show(this.scene.p));
   }
 
   showCard() {
     const { scene } = this;
     const pair = scene.hovered >= 0 ? scene.hovered % scene.frames.pairs : (state.pin ?? -1);
+    const pinned = pair >= 0 && pair === state.pin;
+    this.$('[data-panel="card"]').hidden = state.chapter !== "analyse" && state.pin === null;
     this.$(".card").innerHTML = card(
       scene.frames,
       scene.sprite,
       pair,
       scene.stop,
-      pair >= 0 && pair === state.pin,
+      pinned,
       this.sample,
       scene.facts.pairs,
     );
+    if (pinned) this.acts.showNear();
   }
 
   showMeans() {
@@ -206,17 +293,11 @@ export class Page {
     this.maps.paintMarks();
   }
 
-  showSelected() {
-    const { frames, sprite, selected, stop } = this.scene;
-    const onClear = () => this.acts.select([]);
-    showSelection(this.$(".selection"), {
-      frames,
-      sprite,
-      points: [...selected],
-      stop,
-      pairs: this.scene.facts.pairs,
-      onPick: (point) => this.acts.pick(point),
-      onClear,
+  /** The pictures of what is selected or found. */
+  showPictures() {
+    showGrid(this.$(".pictures"), this.scene, {
+      onPick: (pair) => this.acts.pick(pair),
+      onClear: () => this.acts.select([]),
       onSave: () => this.saving.save("csv"),
     });
     this.saving.label();

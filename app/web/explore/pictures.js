@@ -1,6 +1,6 @@
 /** Pictures replace points when few enough are in view. */
 
-import { COLOURINGS } from "../shared/palette.js";
+import { colouring } from "../shared/palette.js";
 import { state } from "../shared/store.js";
 
 const MOST = 70; // pictures on the map at once
@@ -49,9 +49,9 @@ export function pictures(scene) {
     const image = sheet(sprite, () => cloud.paintMarks());
     if (!image) return;
     cloud.box.classList.add("pictured");
-    const colouring = COLOURINGS[state.colour];
-    const groups = colouring.groups(frames);
-    const of = colouring.of(frames, scene.stop);
+    const chosen = colouring(frames, state.colour);
+    const groups = chosen.groups(frames);
+    const of = chosen.of(frames, scene.stop);
     for (const point of points) {
       const tac = point >= frames.pairs ? 1 : 0;
       const colour = groups[of(point % frames.pairs, tac)]?.[1] ?? "#64748b";

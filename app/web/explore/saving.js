@@ -1,13 +1,16 @@
 /** The Save menu: the map as a picture, points as a table, a link to the view. */
 
+import { inSet, refused } from "../shared/api.js";
 import { orderText } from "../shared/frames.js";
 import { axisNames } from "../shared/marks.js";
-import { COLOURINGS } from "../shared/palette.js";
-import { save } from "../shared/save.js";
+import { colouring } from "../shared/palette.js";
+import { qrSvg } from "../shared/qr.js";
+import { made, save } from "../shared/save.js";
 import { stageNamed } from "../shared/stages.js";
 import { state } from "../shared/store.js";
 import { csv, png, svg } from "./exports.js";
 import { METHODS } from "./maps.js";
+import { loadTags, tagsCsv } from "./tags.js";
 
 const MODES = {
   moved: "weights fixed, p moved",
@@ -15,21 +18,41 @@ const MODES = {
   every: "one head for every p",
 };
 
-/** Copy a text; return an instruction if the browser forbids copying. */
-async function copied(text) {
+/** Copy the address together with the map's picture; return what was done, in words. */
+export async function share(saving) {
+  const text = location.href;
   try {
-    await navigator.clipboard.writeText(text);
-    return "Link copied.";
+    const picture = saving.picture();
+    const link = new Blob([text], { type: "text/plain" });
+    await navigator.clipboard.write([new ClipboardItem({ "text/plain": link, "image/png": picture })]);
+    return "Copied";
   } catch {
-    return "Copy the address from the address bar.";
+    try {
+      await navigator.clipboard.writeText(text);
+      return "Link copied";
+    } catch {
+      return "Copy the address";
+    }
   }
 }
 
+/** Show the link to this view with its QR code, for those who see the screen; a click beside it closes it. */
+export function showLink(box) {
+  const link = location.href;
+  box.innerHTML = `<h3>This view</h3>${qrSvg(link) || "<p>The link is too long for a QR code.</p>"}<input type="text" readonly aria-label="Link to this view">`;
+  const field = box.querySelector("input");
+  field.value = link;
+  field.onfocus = () => field.select();
+  box.showPopover?.();
+}
+
 export class Saving {
-  constructor($, scene, maps) {
+  constructor($, scene, maps, onTags) {
+    this.onTags = onTags;
     this.$ = $;
     this.scene = scene;
     this.maps = maps;
+    $(".load-tags input").onchange = (event) => this.load(event.target);
     $(".menu").onclick = (event) => event.target.dataset.save && this.save(event.target.dataset.save);
   }
 
@@ -63,10 +86,41 @@ export class Saving {
       .join(" · ");
   }
 
+  /** Save the open map, the curves and the staircase as one page that the server makes. */
+  async figure(name) {
+    const { kind } = this.scene.frames;
+    const mode = kind === "retrained" ? "trained" : kind;
+    const { stage, colour } = state;
+    const map = this.maps.kind();
+    const question = { stage, map, colour, mode, order: this.scene.p };
+    save(`${name}.html`, await made(inSet("save/figure", this.scene.set), question));
+  }
+
+  /** The map as a PNG. */
+  picture() {
+    const { frames } = this.scene;
+    return png(this.maps.now, this.caption(), colouring(frames, state.colour).groups(frames));
+  }
+
+  /** Load the tags of a CSV and say how many there are. */
+  async load(input) {
+    const say = (sentence) => {
+      this.$(".said").textContent = this.$(".load-tags").title = sentence;
+      this.$(".save").open = false;
+    };
+    try {
+      say(`${loadTags(this.scene.own, await input.files[0].text())} pairs have a tag now.`);
+      this.onTags();
+    } catch (error) {
+      refused(error, say);
+    }
+    input.value = "";
+  }
+
   async save(kind) {
     const { frames, selected, shown, stop, p } = this.scene;
     const cloud = this.maps.now;
-    const legend = COLOURINGS[state.colour].groups(frames);
+    const legend = colouring(frames, state.colour).groups(frames);
     const name = `omnivat-${state.stage}-p${orderText(p)}`;
     if (kind === "csv") {
       const points = selected.size
@@ -77,9 +131,13 @@ export class Saving {
         csv(frames, points, cloud.frame, stop, { stage: state.stage, kind: state.map }),
       );
     }
-    if (kind === "png") save(`${name}.png`, await png(cloud, this.caption(), legend));
+    if (kind === "png") save(`${name}.png`, await this.picture());
+    if (kind === "tags") save("omnivat-tags.csv", tagsCsv(frames, this.scene.facts.pairs?.name));
     if (kind === "svg") save(`${name}.svg`, svg(cloud, this.caption(), legend, axisNames(state.map)));
-    if (kind === "link") this.$(".said").textContent = await copied(location.href);
+    if (kind === "figure")
+      await this.figure(name).catch((error) =>
+        refused(error, (words) => (this.$(".said").textContent = words)),
+      );
     this.$(".save").open = false;
   }
 }

@@ -2,22 +2,30 @@
 
 import { hidden, state } from "../shared/store.js";
 import { HISTOGRAMS } from "./finder.js";
+import { tagOf } from "./tags.js";
 
 const isHistogram = (name) => HISTOGRAMS.some((one) => one.name === name);
 
 export class Scene {
-  /** `own` are the frames of the head; another mode shows other frames of the same pairs. */
-  constructor(own, sprite) {
+  /** `data` as in load. */
+  constructor(data) {
+    this.load(data);
+  }
+
+  /** Show another set: its name, the frames of its head, its pictures, what is known of it. Another mode
+   * shows other frames of the same pairs. */
+  load({ set = "", own, sprite = null, facts = { unseen: null, pairs: null } }) {
+    this.set = set;
     this.own = own;
     this.frames = own;
     this.sprite = sprite;
+    this.facts = facts;
     this.stop = 0;
     this.hovered = -1;
     this.near = []; // points
     this.selected = new Set(); // points
     this.highlight = null; // {kind, name} of the filter under the pointer
     this.only = null; // {pairs: Set, words}: a cell of the confusion matrix
-    this.facts = { unseen: null, pairs: null };
     this.mask = new Uint8Array(2 * own.pairs).fill(1);
   }
 
@@ -28,6 +36,12 @@ export class Scene {
       ([name, ...ends]) => isHistogram(name) && ends.length === 2 && ends.map(Number).every(Number.isFinite),
     );
     return Object.fromEntries(known.map(([name, from, to]) => [name, [+from, +to]]));
+  }
+
+  /** Take the stop of the address: of p, or of what is known about each domain. */
+  follow() {
+    const { frames } = this;
+    this.stop = frames.kindOfStops === "centred" ? Number(state.rung !== "0") : frames.stop(state.p);
   }
 
   get p() {
@@ -54,6 +68,7 @@ export class Scene {
     const { frames, mask } = this;
     const wanted = this.wantedPairs();
     const seen = ["VIS", "TAC"].map((name) => !hidden("modality").has(name));
+    if (frames.touchOnly) seen[0] = false;
     for (let pair = 0; pair < frames.pairs; pair++) {
       const keep = wanted(pair);
       mask[pair] = keep && seen[0] ? 1 : 0;
@@ -73,7 +88,7 @@ export class Scene {
     const alike = state.alike === "1" ? facts.pairs?.looks_like : null;
     const words = state.find.trim().toLowerCase();
     const text = (pair) =>
-      `${facts.pairs?.name[pair] ?? ""} ${pair} ${frames.classes[frames.label[pair]]} ${frames.domains[frames.domain[pair]]}`.toLowerCase();
+      `${facts.pairs?.name[pair] ?? ""} ${tagOf(frames, pair)} ${pair} ${frames.classes[frames.label[pair]]} ${frames.domains[frames.domain[pair]]}`.toLowerCase();
     const ranges = Object.entries(this.ranges).map(([name, [from, to]]) => [
       facts.unseen?.pairs[name],
       from,

@@ -10,7 +10,7 @@ const WORDS = {
 /** The address of the page on another set, without the state of the current one. */
 export function addressOf(name, here) {
   const address = new URL(here);
-  const kept = new Set(["part", "stage", "gap", "colour", "means"]);
+  const kept = new Set(["chapter", "stage", "colour", "means"]);
   for (const key of [...address.searchParams.keys()]) if (!kept.has(key)) address.searchParams.delete(key);
   address.searchParams.set("set", name);
   return address.href;

@@ -1,4 +1,4 @@
-/** The staircase: both gaps and the margin at each step of the head; each step opens its map. */
+/** The steps of the head as a flow, with stairs of a gap or the margin; each step opens its map. */
 
 import { asText, axis, MEASURES, values } from "../shared/measures.js";
 import { stepsOf } from "../shared/stages.js";
@@ -35,8 +35,11 @@ export class Staircase {
       ({ name, title, between, help }) =>
         `<div class="stair" data-name="${name}"><span class="stair-name" title="${help}">${title} <small>${frames.signals && name === "modality_gap" ? "VIS to TAC" : between}</small></span><div class="treads"><svg viewBox="0 0 ${this.steps.length} ${HIGH}" preserveAspectRatio="none" aria-hidden="true"><path class="under"/><path class="tread"/></svg>${this.steps.map((s) => `<output data-step="${s.key}"></output>`).join("")}</div></div>`,
     );
-    this.box.innerHTML = `<div class="stair heads"><span class="stair-name">Step</span><div class="treads" role="radiogroup" aria-label="Step of the head; opens its map">${heads.join("")}</div></div>${rows.join("")}
-      <div class="stair right-now"><span class="stair-name" title="share of pairs predicted correctly, mean over unseen domains">Unseen accuracy</span><div class="treads">${this.steps.map((s) => `<output data-step="${s.key}">${s.key === "f_hat" ? "" : '<small aria-label="not classified here">·</small>'}</output>`).join("")}</div></div>`;
+    const options = ROWS.map(({ name, title }) => `<option value="${name}">${title}</option>`);
+    this.box.innerHTML = `<div class="stair heads"><select class="of-steps" aria-label="What the stairs show">${options.join("")}</select><div class="treads" role="radiogroup" aria-label="Step of the head; opens its map">${heads.join("")}</div></div>${rows.join("")}`;
+    const select = this.box.querySelector("select");
+    select.value = this.row ?? ROWS[0].name;
+    select.onchange = () => this.choose((this.row = select.value));
     this.parts = ROWS.map(({ name }) => {
       const root = this.box.querySelector(`[data-name="${name}"]`);
       return {
@@ -47,13 +50,12 @@ export class Staircase {
         outputs: root.querySelectorAll("output"),
       };
     });
-    this.accuracy = values(frames, "accuracy", "f_hat");
-    this.right = this.box.querySelector('.right-now [data-step="f_hat"]');
     this.choose();
   }
 
-  /** Mark the open step. */
-  choose() {
+  /** Mark the open step, and show the stairs of one measure. */
+  choose(row = this.row ?? ROWS[0].name) {
+    for (const stair of this.box.querySelectorAll("[data-name]")) stair.hidden = stair.dataset.name !== row;
     for (const button of this.box.querySelectorAll("[role=radio]")) {
       const on = button.dataset.stage === this.chosen();
       button.setAttribute("aria-checked", on);
@@ -76,7 +78,6 @@ export class Staircase {
         outputs[i].style.transform = `translateY(${(heights[i] - HIGH).toFixed(1)}px)`;
       });
     }
-    this.right.textContent = asText("accuracy", this.accuracy?.[stop]);
   }
 
   key(event) {

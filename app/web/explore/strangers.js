@@ -2,8 +2,8 @@
 
 import { spread, values } from "../shared/measures.js";
 import { radios } from "../shared/radios.js";
-import { change, state, watch } from "../shared/store.js";
-import { escaped, percent } from "../shared/text.js";
+import { change, state } from "../shared/store.js";
+import { escaped, options, percent } from "../shared/text.js";
 
 export const READINGS = [
   { key: "fused", label: "Both" },
@@ -29,21 +29,6 @@ const NUMBERS = [
 export const inWords = (n) => NUMBERS[n] ?? String(n);
 const times = (counts) => counts.flat().reduce((a, b) => Math.max(a, b), 1);
 
-/** The story in one line; the source is marked. */
-export function story({ source, domains }) {
-  const others = domains.filter((name) => name !== source).length;
-  const known = others < domains.length;
-  if (!source) return "";
-  return `Learned from <b class="source">${escaped(source)}</b>${known ? "" : " (not in this set)"}; meets <b>${inWords(others)} ${others === 1 ? "stranger" : "strangers"}</b>.`;
-}
-
-/** The accuracy in unseen domains at the learned p, and the chance level. */
-export function score(facts, order) {
-  const own = facts.unseen["answers/fused"];
-  if (!own) return "";
-  return `<b>${percent(own.share)}</b> of their pairs right, by the loaded head at its learned p = ${order} <small>95 %: ${Math.round(100 * own.low)}–${percent(own.high)} · guessing: ${percent(facts.chance)}</small>`;
-}
-
 const whisker = (own) =>
   own
     ? `<i class="range" style="--low:${own.low};--high:${own.high}"></i><i class="mean" style="--share:${own.share}"></i>`
@@ -51,13 +36,13 @@ const whisker = (own) =>
 
 export class Strangers {
   /** `onCell(cell)` filters the map: {domain, truth, answer} or null. */
-  constructor(box, scene, onCell) {
-    this.box = box;
+  constructor($, scene, onCell) {
+    this.box = $(".strangers");
+    this.confused = $(".confused");
     this.scene = scene;
     this.onCell = onCell;
     this.domain = UNSEEN;
     this.cell = null;
-    watch(["reading"], () => this.show());
   }
 
   /** Show the facts about the head. */
@@ -65,8 +50,8 @@ export class Strangers {
     const facts = this.scene.facts.unseen;
     if (!facts) return;
     this.box.innerHTML = `<div class="readings" role="radiogroup" aria-label="What the head is given"></div>
-      <h3>Share of pairs right <small>95 % intervals</small></h3><div class="bars"></div>
-      <h3>Confusion <small>columns: predicted</small> <select class="of-domain" aria-label="Domain of the confusion matrix"></select></h3><div class="confusion"></div>
+<div class="bars"></div>`;
+    this.confused.innerHTML = `<p>Columns: predicted, of <select class="of-domain" aria-label="Domain of the confusion matrix"></select></p><div class="confusion"></div>
       <p class="hint cell-words">Choose a cell to see its pairs.</p>`;
     const shown = radios(
       this.box.querySelector(".readings"),
@@ -86,9 +71,10 @@ export class Strangers {
 
   bars(facts) {
     const key = `answers/${state.reading}`;
-    const row = (name, own, kind, note) =>
-      `<div class="bar-row ${kind}" data-domain="${escaped(name)}"><span class="who">${escaped(name)}${kind === "source" ? ' <b class="tag source">source</b>' : ""}</span><span class="scale" style="--chance:${facts.chance}">${whisker(own)}<i class="here" hidden></i></span><output>${own ? percent(own.share) : "–"}</output>${note}</div>`;
-    const domains = facts.domains.map((one) =>
+    const row = (name, own, kind, note, title = "") =>
+      `<div class="bar-row ${kind}" data-domain="${escaped(name)}" title="${title}"><span class="who">${escaped(name.replace(/-sim$/, ""))}${kind === "source" ? ' <b class="tag source">source</b>' : ""}</span><span class="scale" style="--chance:${facts.chance}">${whisker(own)}<i class="here" hidden></i></span><output>${own ? percent(own.share) : "–"}</output>${note}</div>`;
+    const measured = facts.domains.filter((one) => one.pairs || one[key]);
+    const domains = measured.map((one) =>
       row(
         one.name,
         one[key],
@@ -98,23 +84,26 @@ export class Strangers {
     );
     const alike = facts.look_alikes;
     const rows = [
-      row("mean of strangers", facts.unseen[key], "mean-row", ""),
-      alike && row(`look-alikes (${alike.pairs})`, alike[key], "alike-row", ""),
-      row("photo finds a touch of its class", facts.unseen.retrieval, "retrieval-row", ""),
+      row("unseen, mean", facts.unseen[key], "mean-row", ""),
+      alike && row("look-alikes", alike[key], "alike-row", ""),
+      row(
+        "retrieval",
+        facts.unseen.retrieval,
+        "retrieval-row",
+        "",
+        "How often the touch nearest to a photo in the same domain has its class; each image is seen alone, at F̂",
+      ),
     ];
-    return `${domains.join("")}<hr>${rows.filter(Boolean).join("")}<p class="hint">The thin line is guessing. The last row is retrieval: how often the touch nearest to a photo in the same domain has its class. Each image is seen alone, at F̂.${alike ? " Look-alikes look like another material: only touch can tell." : ""}</p>`;
+    return `${domains.join("")}<hr>${rows.filter(Boolean).join("")}`;
   }
 
   listDomains(facts) {
-    const select = this.box.querySelector(".of-domain");
+    const select = this.confused.querySelector(".of-domain");
     const names = [
       [UNSEEN, "all strangers"],
       ...facts.domains.map(({ name, is_source }) => [name, is_source ? `${name} (source)` : name]),
     ];
-    select.innerHTML = names
-      .map(([key, label]) => `<option value="${escaped(key)}">${escaped(label)}</option>`)
-      .join("");
-    select.value = this.domain;
+    select.innerHTML = options(names, this.domain);
     select.onchange = () => {
       this.domain = select.value;
       this.choose(null);
@@ -133,7 +122,7 @@ export class Strangers {
       (row, truth) =>
         `<tr><th scope="row">${escaped(facts.classes[truth])}</th>${row.map((n, answer) => this.button(n, n / most, truth, answer)).join("")}</tr>`,
     );
-    const box = this.box.querySelector(".confusion");
+    const box = this.confused.querySelector(".confusion");
     box.innerHTML = `<table><thead><tr><th scope="col"><small>true ↓</small></th>${head.join("")}</tr></thead><tbody>${rows.join("")}</tbody></table>`;
     box.onclick = (event) => {
       const cell = event.target.closest("[data-truth]");
@@ -160,10 +149,10 @@ export class Strangers {
     const { classes, confusion } = this.scene.facts.unseen;
     const known = Object.hasOwn(confusion[state.reading], domain) && classes[+truth] && classes[+answer];
     this.cell = known ? { truth: +truth, answer: +answer } : null;
-    if (known) this.domain = this.box.querySelector(".of-domain").value = domain;
+    if (known) this.domain = this.confused.querySelector(".of-domain").value = domain;
     this.showConfusion();
     this.onCell(this.cell && { ...this.cell, domain: this.domain, pairs: this.pairsOf(this.cell) });
-    this.box.querySelector(".cell-words").textContent = this.cell
+    this.confused.querySelector(".cell-words").textContent = this.cell
       ? "These pairs are on the map and in the table below, which shows what is predicted at the current p."
       : "Choose a cell to see its pairs.";
   }

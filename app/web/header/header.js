@@ -2,10 +2,11 @@
 
 import { refused } from "../shared/api.js";
 import { followTabs } from "../shared/tabs.js";
+import { followTheme } from "./theme.js";
 import { startTour } from "./tour.js";
 
 export function start(root) {
-  root.querySelector(".theme").onclick = () => document.body.classList.toggle("dark");
+  followTheme(root.querySelector(".theme"));
   const tour = root.querySelector(".tour-start");
   tour.onclick = () =>
     startTour().catch((error) =>

@@ -1,168 +1,171 @@
-/** The tour's six steps: settings, question, and result. */
+/** The tour: six steps through the chapters. A step has a chapter, a question, options and what is then told. */
 
-import { asText, values } from "../shared/measures.js";
+import { values } from "../shared/measures.js";
 import { percent } from "../shared/text.js";
 
-const ALL = { domain: "", class: "", modality: "", alike: "", find: "", range: "", cell: "" }; // no filter hides a step's subject
-const NAMES = { relu: "F, after the ReLU", f_bar: "F̄, after attention", f_hat: "F̂, after the tree" };
-const READINGS = { fused: "both", vis: "photo only", tac: "touch only" };
 const CLEAR = 0.1; // of accuracy: a smaller change over p is called small
+const NEAR = 0.05; // quarter turns between an option and the best order
+const READINGS = { vis: "The photo", tac: "The touch" };
 
+const points = (v) => `${v < 0 ? "−" : "+"}${Math.abs(100 * v).toFixed(1)}`;
 const b = (text) => `<b>${text}</b>`;
-const ends = (all) => [Math.min(...all), Math.max(...all)];
+const known = (curve) => (curve ?? []).filter(Number.isFinite);
+/** @type {(curve: number[]) => [number, number]} */
+const ends = (curve) => [Math.min(...known(curve)), Math.max(...known(curve))];
+const ranges = (curve) => (known(curve).length ? ends(curve)[1] - ends(curve)[0] : NaN);
+const best = ({ curve, orders }) => orders[curve.indexOf(ends(curve)[1])];
+const within = ([low, high]) => `between ${b(percent(low))} and ${b(percent(high))}`;
+const home = ({ unseen }) => unseen.domains.find(({ is_source }) => is_source)?.["answers/fused"];
+const away = ({ unseen }) => unseen.unseen["answers/fused"];
+const overlap = (one, other) => one.low <= other.high && other.low <= one.high;
+const missing = "These data cannot tell: the head's source or its accuracy is not known here.";
 
 /**
- * `at` gives values from the screen: gap(measure, stage), order, unseen, toy, curve (accuracy over
- * stops), orders, kind. A step is {title, set, look, ask, options, right(at), reveal(at)}; look is
- * what has to be in view, options are
- * [key, words], `right` returns the key of the correct one, or several keys; none if the set cannot decide.
+ * `at` gives the figures: curve and orders (accuracy over p of the first chapter's set), pale (that of the other
+ * set), unseen (facts about the loaded head), gaps (domain gap as it comes, centred), rungs (the ladder of the loaded
+ * head), records (gains of 20 pictures on heads from other sources), classes. A step is {title, chapter, set, ask,
+ * options, right, reveal}. `right(at)` returns the keys that are right, or none if the data cannot decide.
  */
 export const STEPS = [
   {
-    title: "The modality gap",
-    look: ".maps",
-    set: { stage: "raw", colour: "modality", map: "pca", part: "curves", means: "1", ...ALL },
-    ask: ({ signals }) =>
-      signals
-        ? "● is one recording of a signal (VIS), ▲ another one (TAC). Does the encoder place the two close together?"
-        : "● is a photo, ▲ the touch of the same surface. Does the encoder place the two close together?",
+    title: "When does p decide?",
+    chapter: "order",
+    ask: "Each colour is a kind of signal, each stop of the slider a head trained at that p. Where do the colours come apart?",
     options: [
-      ["near", "Close together"],
-      ["far", "Apart"],
+      ["low", "Near 0.1"],
+      ["mid", "Near 0.35"],
+      ["high", "Near 0.6"],
+      ["all", "Everywhere alike"],
     ],
-    right: (at) => (at.gap("modality_gap", "raw") > 0.25 ? "far" : "near"),
-    reveal: (at) =>
-      `The mean directions of ${at.signals ? "VIS and TAC" : "photos and touches"} are ${b(at.gap("modality_gap", "raw").toFixed(2))} apart (0: the same, 2: opposite). This is the ${b("modality gap")}: the thick lines on the map.`,
-  },
-  {
-    title: "The domain gap",
-    look: ".maps",
-    set: { stage: "raw", colour: "domain", map: "pca", part: "curves", means: "1", ...ALL },
-    ask: ({ signals }) =>
-      `Each colour is now a ${b("domain")}: ${signals ? "recordings with the same kind of interference" : "a sensor and its data set"}. What separates points more: the domain or the class?`,
-    options: [
-      ["domain", "The domain"],
-      ["class", "The class"],
-    ],
-    right: (at) =>
-      oneDomain(at) ? [] : at.gap("domain_gap", "raw") > at.gap("margin", "raw") ? "domain" : "class",
-    reveal: (at) =>
-      oneDomain(at)
-        ? "This set has one domain, so it has no domain gap."
-        : `Two domains are ${b(at.gap("domain_gap", "raw").toFixed(2))} apart on average: the ${b("domain gap")}. Classes differ by a cosine of ${b(at.gap("margin", "raw").toFixed(2))}. The head learns from ${b(at.unseen.source)} alone and meets the others as strangers.`,
-  },
-  {
-    title: "What p does, on a toy",
-    look: ".toy",
-    set: { part: "toy", stage: "frft", mode: "moved", ...ALL }, // heads of other modes differ in their projection
-    ask: "Drag p and watch the two signals. When does the distance between them change?",
-    options: [
-      ["neither", "Never"],
-      ["relu", "Only after the ReLU"],
-      ["both", "After both"],
-    ],
-    right: (_) => "relu",
-    reveal: ({ toy }) => {
-      const [low, high] = ends(toy.distances.signals.clipped);
-      return `The transform rotates: it keeps the distance ${b(toy.distances.signals.turned[0].toFixed(2))} at every p. The ReLU clips, and the distance then lies between ${b(low.toFixed(2))} and ${b(high.toFixed(2))}. On the real map of Fₚ, nothing moves either.`;
+    right: (at) => {
+      if (!known(at.curve).length) return [];
+      if (ranges(at.curve) < CLEAR) return ["all"];
+      const near = { low: 0.1, mid: 0.35, high: 0.6 };
+      return Object.keys(near).filter((key) => Math.abs(near[key] - best(at)) <= NEAR);
     },
+    after: (at) => (known(at.curve).length ? { p: best(at) } : {}),
+    reveal: (at) =>
+      known(at.curve).length
+        ? `Accuracy in unseen domains lies ${within(ends(at.curve))}; the best order is p = ${b(best(at).toFixed(2))}. The map now shows it.`
+        : missing,
   },
   {
-    title: "A small gap is not a good head",
-    look: ".staircase",
-    set: { part: "curves", stage: "f_bar", colour: "class", gap: "modality_gap", ...ALL },
-    ask: "Look at the staircase. At which step is the modality gap smallest?",
-    options: Object.entries(NAMES),
-    right: (at) => smallest(at),
-    reveal: (at) => {
-      const steps = smallest(at);
-      const step = steps.at(-1);
-      const [gap, margin, before, last] = [
-        at.gap("modality_gap", step),
-        ...[step, "frft", "f_hat"].map((one) => at.gap("margin", one)),
-      ];
-      const start = `At ${steps.map((one) => NAMES[one]).join(" and ")}: ${b(gap.toFixed(2))}. The cosine margin between classes is ${b(margin.toFixed(2))} there`;
-      const together =
-        margin < before
-          ? "the classes have moved together, too, and the tree spreads them again"
-          : "the classes are still close together, and the tree spreads them";
-      return step !== "f_hat" && margin < last
-        ? `${start}, against ${b(last.toFixed(2))} at F̂: ${together}. So read a gap beside margin and accuracy.`
-        : `${start}. A gap alone means little: read it beside margin and accuracy.`;
-    },
-  },
-  {
-    title: "Does p matter?",
-    look: ".curves",
-    set: { part: "curves", stage: "f_hat", ...ALL },
-    ask: ({ kind }) =>
-      kind === "retrained"
-        ? "Each stop is a head trained at that p. Drag p. Does accuracy on unseen domains depend on it?"
-        : "The weights stay and only p moves. Drag p. Does accuracy on unseen domains depend on it?",
+    title: "And on touch sensors?",
+    chapter: "order",
+    ask: "The same heads, trained on photos and touches. How much does accuracy range over p there?",
     options: [
+      ["much", "As much"],
       ["little", "Hardly"],
-      ["much", "A lot"],
     ],
-    right: ({ curve }) =>
-      !curve ? [] : ends(known(curve))[1] - ends(known(curve))[0] >= CLEAR ? "much" : "little",
-    reveal: ({ curve, orders, kind }) => {
-      if (!curve)
-        return "These frames have no accuracy on unseen domains; make them again with <code>omnivat sweep</code>.";
-      const [low, high] = ends(known(curve));
-      const at = (v) => orders[curve.indexOf(v)].toFixed(2);
-      const range = `Accuracy on unseen domains ranges from ${b(percent(low))} (p = ${at(low)}) to ${b(percent(high))} (p = ${at(high)})`;
-      if (kind !== "retrained")
-        return `${range}: the weights fit only the p they were trained with. This does not show how well a head trained at another p does.`;
-      return high - low < CLEAR
-        ? `${range}. Heads trained at any p do about equally well here.`
-        : `${range}. On this set the right p decides.`;
+    right: (at) => (known(at.pale).length ? [ranges(at.pale) >= CLEAR ? "much" : "little"] : []),
+    reveal: (at) =>
+      known(at.pale).length
+        ? `It lies ${within(ends(at.pale))}: the grey curve. An order decides only where the data hold a signal of that order.`
+        : "There is no second set here to compare with.",
+  },
+  {
+    title: "The next sensor",
+    chapter: "failure",
+    ask: "A head learned from one sensor, the source. How much of its accuracy is left on sensors it never met?",
+    options: [
+      ["most", "More than nine tenths"],
+      ["part", "Between half and nine tenths"],
+      ["less", "Less than half"],
+    ],
+    right: (at) => {
+      if (!home(at) || !away(at)) return [];
+      const left = away(at).share / home(at).share;
+      return [left > 0.9 ? "most" : left < 0.5 ? "less" : "part"];
+    },
+    reveal: (at) =>
+      home(at) && away(at)
+        ? `${b(percent(home(at).share))} at home, ${b(percent(away(at).share))} away: each colour is a sensor, and each lies at a place of its own.`
+        : missing,
+  },
+  {
+    title: "Without one label",
+    chapter: "failure",
+    ask: "Take from each sensor the mean of its own pictures; no label is needed. What becomes of the distance between sensors?",
+    options: [
+      ["same", "It stays"],
+      ["gone", "It shrinks to a small part"],
+    ],
+    right: (at) => (at.gaps?.[0] ? [at.gaps[1] < 0.5 * at.gaps[0] ? "gone" : "same"] : []),
+    after: () => ({ rung: "1" }),
+    reveal: (at) =>
+      at.gaps?.[0]
+        ? `Their mean distance falls from ${b(at.gaps[0].toFixed(2))} to ${b(at.gaps[1].toFixed(2))}: much of what differs between sensors is one offset of all pictures.`
+        : "This set has one domain, or is too large to centre here.",
+  },
+  {
+    title: "When is touch needed?",
+    chapter: "fooled",
+    ask: "Some things look like another class. For them, which is right more often on its own?",
+    options: Object.entries(READINGS),
+    right: ({ unseen: { look_alikes: alike } }) => {
+      if (!alike || overlap(alike["answers/vis"], alike["answers/tac"])) return [];
+      return [alike["answers/vis"].share > alike["answers/tac"].share ? "vis" : "tac"];
+    },
+    reveal: ({ unseen: { look_alikes: alike } }) => {
+      if (!alike) return "No pair of this set looks like another class.";
+      const [photo, touch] = ["vis", "tac"].map((name) => alike[`answers/${name}`]);
+      const doubt = overlap(photo, touch) ? " Their intervals overlap, so neither is surely ahead." : "";
+      return `On ${b(alike.pairs)} such pairs the photo is right in ${b(percent(photo.share))}, the touch in ${b(percent(touch.share))}.${doubt}`;
     },
   },
   {
-    title: "Meeting strangers",
-    look: ".strangers",
-    set: { part: "strangers", reading: "fused", stage: "f_hat", colour: "domain", ...ALL },
-    ask: "In unseen domains, which is right most often?",
-    options: Object.entries(READINGS),
-    right: ({ unseen }) => best(unseen),
-    reveal: ({ unseen }) => {
-      const own = (key) => unseen.unseen[`answers/${key}`];
-      const shares = Object.entries(READINGS).map(([key, words]) => `${words} ${b(percent(own(key).share))}`);
-      const first = best(unseen);
-      const close = Object.keys(READINGS).filter((key) => key !== first && own(key).high > own(first).low);
-      const doubt = close.length
-        ? ` The intervals of ${listed([first, ...close].map((key) => READINGS[key]))} overlap.`
-        : "";
-      return `Right: ${shares.join(", ")}; guessing ${percent(unseen.chance)}.${doubt} The bars show each domain; the source, ${b(unseen.source)}, is marked. Where data are simulated, none of this is a result on real sensors.`;
-    },
+    title: "Why does it fail on the next sensor?",
+    chapter: "failure",
+    ask: "The sensors' offsets can be taken away without a label. Is accuracy away from home surely higher then?",
+    options: [
+      ["yes", "Surely higher"],
+      ["no", "Not surely"],
+    ],
+    climbs: true, // waits for the ladder
+    right: (at) => (away(at) && profiled(at) ? [profiled(at).low > away(at).high ? "yes" : "no"] : []),
+    after: () => ({ rung: "1" }),
+    reveal: (at) => answer(at),
   },
 ];
 
-/** Words in one list: "both, photo only and touch only". */
-const listed = (words) => `${words.slice(0, -1).join(", ")} and ${words.at(-1)}`;
-const oneDomain = (at) => !Number.isFinite(at.gap("domain_gap", "raw"));
-const known = (curve) => curve.filter(Number.isFinite);
-/** The steps with the smallest modality gap, as it is written. */
-const smallest = (at) => {
-  const written = (step) => at.gap("modality_gap", step).toFixed(2);
-  const least = Object.keys(NAMES).map(written).sort()[0];
-  return Object.keys(NAMES).filter((step) => written(step) === least);
-};
-const best = (unseen) =>
-  Object.keys(READINGS).reduce((most, key) =>
-    unseen.unseen[`answers/${key}`].share > unseen.unseen[`answers/${most}`].share ? key : most,
-  );
+/** The loaded head's accuracy away from home once 20 pictures of each new sensor give its offset, if computed. */
+const profiled = ({ rungs = [] }) =>
+  rungs.find(({ rung, from }) => rung === "n20" && from === "this head") ?? null;
 
-/** The values on the screen for the current frames. */
-export function onScreen(frames, p, facts) {
-  const stop = frames.stop(p);
-  return {
-    ...facts,
-    kind: frames.kind,
-    signals: frames.signals,
-    orders: frames.orders,
-    curve: values(frames, "accuracy", "f_hat"),
-    gap: (measure, stage) => values(frames, measure, stage)?.[stop] ?? NaN,
-    text: (measure, stage) => asText(measure, values(frames, measure, stage)?.[stop], 2),
-  };
+/** What that brings: on this head with its intervals, and on heads from other sensors, from the records. */
+function brings(at) {
+  const [mine, here] = [profiled(at), away(at)];
+  if (!mine || !here) return "";
+  const sure = mine.low > here.high || mine.high < here.low ? "" : ", so this is not sure";
+  const others = (at.records ?? []).filter(Number.isFinite);
+  const mean = others.reduce((sum, v) => sum + v, 0) / others.length;
+  const elsewhere = others.length
+    ? `; light heads from ${others.length} other sources, in the records, gain ${b(points(mean))} points on average (${points(Math.min(...others))} to ${points(Math.max(...others))})`
+    : "";
+  return ` With 20 pictures and no labels this head is right in ${b(percent(mine.accuracy))} (${percent(mine.low)} to ${percent(mine.high)}, before ${percent(here.low)} to ${percent(here.high)}${sure})${elsewhere}.`;
 }
+
+/** The title's answer in sentences of the page's own figures: how it fails, what centring brings, what p does. */
+export function answer(at) {
+  const [there, here] = [home(at), away(at)];
+  const failed =
+    there && here
+      ? `On sensors it never met the head is right in ${b(percent(here.share))} instead of ${b(percent(there.share))}`
+      : "How much it fails is not known here";
+  const offset = at.gaps?.[0]
+    ? `; each sensor shifts all its pictures, and without those shifts sensors lie ${b(at.gaps[1].toFixed(2))} apart instead of ${b(at.gaps[0].toFixed(2))}`
+    : "";
+  const order = known(at.pale).length
+    ? ` Over all orders p, accuracy lies ${within(ends(at.pale))} on the sensors, ${within(ends(at.curve))} on the chirps.`
+    : known(at.curve).length
+      ? ` Over all orders p, accuracy lies ${within(ends(at.curve))}.`
+      : "";
+  return `${failed}${offset}.${brings(at)}${order}`;
+}
+
+/** The figures for the steps. */
+export const onScreen = (frames, more) => ({
+  ...more,
+  orders: frames.orders,
+  curve: values(frames, "accuracy", "f_hat"),
+});

@@ -1,108 +1,112 @@
-/** The guided tour: six steps in Explore. The visitor predicts, then the tour shows the result. */
+/** The guided tour: six steps through the chapters. The visitor predicts, then the tour shows the result. */
 
-import { choices, framesOf, toyFacts, unseen } from "../shared/facts.js";
-import { change, state } from "../shared/store.js";
+import { centred, choices, framesOf, ladder, unseen } from "../shared/facts.js";
+import { setOf } from "../shared/sets.js";
+import { change, openChapter, state } from "../shared/store.js";
 import { openTab } from "../shared/tabs.js";
 import { theSet } from "../shared/theset.js";
 import { onScreen, STEPS } from "./steps.js";
 
-const KEPT = [
-  "stage",
-  "colour",
-  "map",
-  "part",
-  "gap",
-  "reading",
-  "mode",
-  "means",
-  "domain",
-  "class",
-  "modality",
-  "alike",
-  "find",
-  "range",
-  "cell",
-];
-
-/** Start the tour; throws a Refusal if the set or its head cannot be read. */
+/** Start the tour; throws a Refusal if a set or its head cannot be read. */
 export async function startTour() {
   if (document.querySelector(".tour")) return;
-  const [{ frames: own }, { modes }, strangers, toy] = await Promise.all([
-    theSet(),
-    choices(),
-    unseen(),
-    toyFacts(),
+  const { sets } = await choices();
+  const [first, second] = ["order", "failure"].map((chapter) => setOf(chapter, sets));
+  const [{ frames: own }, { modes }, strangers, gaps] = await Promise.all([
+    theSet(() => {}, first),
+    choices(first),
+    unseen(second).catch(() => ({ domains: [], unseen: {} })),
+    centred.pca(second).then(
+      ({ curves }) => curves["domain_gap/raw"],
+      () => null,
+    ),
   ]);
-  const frames = modes[0] === "moved" ? own : await framesOf(modes[0], own);
-  const tour = new Tour(frames, { unseen: strangers, toy });
+  const frames = modes[0] === "moved" ? own : await framesOf(modes[0], own, first);
+  const pale = sets.find(({ name }) => name === "sensors" && first !== second)?.curve?.share ?? null;
   openTab("explore");
-  if (Number.isFinite(own.learned)) change({ p: frames.orders[frames.stop(own.learned)] });
-  tour.show();
+  const figures = onScreen(frames, { unseen: strangers, gaps, pale });
+  const climbing = ladder(second).then(
+    (found) => climb(second, found, figures),
+    () => {}, // the last step then leaves these figures out
+  );
+  new Tour(figures, climbing).show();
 }
 
-/** True if all of an element is above the tour's box and below the top. */
-function inView(element, box) {
-  const { top, bottom } = element.getBoundingClientRect();
-  return top >= 0 && bottom <= box.getBoundingClientRect().top;
+/** Add the ladder of the loaded head to the figures; later, what 20 pictures bring to light heads from other sources. */
+function climb(set, { rungs, sources }, figures) {
+  figures.rungs = rungs;
+  others(set, rungs, sources).then(
+    (gains) => (figures.records = gains),
+    () => {},
+  );
+}
+
+async function others(set, rungs, sources) {
+  const gains = [];
+  for (const source of sources.filter((name) => name !== rungs[0]?.source)) {
+    const { rungs: found } = await ladder(set, source);
+    const [none, n20] = ["none", "n20"].map((wanted) => found.find(({ rung }) => rung === wanted));
+    if (none && n20 && !n20.known.endsWith(")")) gains.push(n20.accuracy - none.accuracy); // another method is named in brackets
+  }
+  return gains;
 }
 
 class Tour {
-  constructor(frames, facts) {
-    this.frames = frames;
-    this.facts = facts;
+  constructor(figures, climbing) {
+    this.figures = figures;
+    this.climbing = climbing; // until the ladder is known
     this.at = 0;
-    this.before = Object.fromEntries(KEPT.map((name) => [name, state[name]]));
+    this.before = state.chapter;
     this.box = document.createElement("div");
     this.box.className = "ov tour";
     this.box.setAttribute("role", "dialog");
     this.box.setAttribute("aria-label", "Guided tour");
-    document.querySelector(".gradio-container").append(this.box);
+    document.querySelector(".explore .side").prepend(this.box); // in the flow, so that it covers nothing
+    document.querySelector(".explore").classList.add("touring");
     this.box.onclick = (event) => this.click(/** @type {HTMLElement} */ (event.target));
     this.box.onkeydown = (event) => {
       if (event.key === "Escape") this.end(); // return nothing: false would cancel the Enter key
     };
   }
 
-  screen() {
-    return onScreen(this.frames, state.p ?? 0.5, this.facts);
-  }
-
   /** Set the page for a step and show its question. */
   show() {
     const step = STEPS[this.at];
-    change({ mode: "", ...step.set });
-    const question = typeof step.ask === "function" ? step.ask(this.screen()) : step.ask;
+    openChapter(step.chapter, { rung: "0" });
     const options = step.options.map(
       ([key, words]) => `<button type="button" data-option="${key}">${words}</button>`,
     );
-    this.lay(step, `<p>${question}</p>`, `<span class="options">${options.join("")}</span>`);
+    this.lay(step, `<p>${step.ask}</p>`, `<span class="options">${options.join("")}</span>`);
     this.focus("[data-option]");
-    const subject = document.querySelector(`.explore ${step.look}`);
-    if (subject && !inView(subject, this.box)) subject.scrollIntoView({ block: "start" });
   }
 
   /** Show the result, and whether the prediction was correct. */
-  reveal(option) {
+  async reveal(option) {
     const step = STEPS[this.at];
-    const screen = this.screen();
-    const right = [step.right(screen)].flat();
+    if (step.climbs) {
+      this.lay(step, "<p>Computing the head’s accuracy with 20 pictures…</p>", "");
+      await this.climbing;
+      if (STEPS[this.at] !== step || !this.box.isConnected) return; // the visitor went on
+    }
+    const right = step.right(this.figures);
     const words = (key) => step.options.find(([own]) => own === key)[1];
     const verdict = !right.length
       ? ""
       : right.includes(option)
-        ? '<b class="right">As you predicted.</b>'
-        : `<b class="wrong">Not so. Correct: “${right.map(words).join("”, “")}”.</b>`;
+        ? '<b class="right">As you predicted.</b> '
+        : `<b class="wrong">Not so. Correct: “${right.map(words).join("”, “")}”.</b> `;
+    if (step.after) change(step.after(this.figures));
     this.lay(
       step,
-      `<p>${verdict} ${step.reveal(screen)}</p>`,
-      `<button type="button" class="main next">${this.at + 1 < STEPS.length ? "Next" : "Done"}</button>`,
+      `<p>${verdict}${step.reveal(this.figures)}</p>`,
+      `<button type="button" class="main next-step">${this.at + 1 < STEPS.length ? "Next" : "Done"}</button>`,
     );
-    this.focus(".next");
+    this.focus(".next-step");
   }
 
   lay(step, text, buttons) {
     this.box.innerHTML = `<div aria-live="polite"><h3>${this.at + 1} of ${STEPS.length} · ${step.title}</h3>${text}</div>
-      <div class="row"><button type="button" class="back" ${this.at ? "" : "disabled"}>Back</button>${buttons}<button type="button" class="end" aria-label="End the tour">✕</button></div>`;
+      <div class="row">${buttons}<span class="spring"></span><button type="button" class="back" ${this.at ? "" : "disabled"}>Back</button><button type="button" class="end" aria-label="End the tour">✕</button></div>`;
   }
 
   focus(selector) {
@@ -111,9 +115,9 @@ class Tour {
 
   click(target) {
     if (target.dataset.option) return this.reveal(target.dataset.option);
-    if (target.matches(".end") || (target.matches(".next") && this.at + 1 === STEPS.length))
+    if (target.matches(".end") || (target.matches(".next-step") && this.at + 1 === STEPS.length))
       return this.end();
-    if (target.matches(".next")) this.at += 1;
+    if (target.matches(".next-step")) this.at += 1;
     else if (target.matches(".back")) this.at -= 1;
     else return undefined;
     return this.show();
@@ -121,6 +125,7 @@ class Tour {
 
   end() {
     this.box.remove();
-    change(this.before);
+    document.querySelector(".explore").classList.remove("touring");
+    openChapter(this.before);
   }
 }

@@ -1,7 +1,7 @@
 /** Attention among the tokens of one modality; a sentence replaces a uniform one. */
 
 import { isDark, rgb } from "../shared/palette.js";
-import { escaped } from "../shared/text.js";
+import { bytesOf, escaped } from "../shared/text.js";
 
 const NAMES = { vis: ["vis", "Photo"], tac: ["tac", "Touch"] };
 const ROWS = 101;
@@ -40,7 +40,7 @@ export class Attention {
     this.box.insertAdjacentHTML("beforeend", names.map(figure).join(""));
     this.all = names.map((name) => ({
       count: found.count[name],
-      bytes: Int8Array.from(atob(found.off[name]), (c) => c.charCodeAt(0)),
+      bytes: new Int8Array(bytesOf(found.off[name]).buffer),
       canvas: this.box.querySelector(`[data-name="${name}"] canvas`),
     }));
     this.paint();

@@ -34,7 +34,7 @@ export class Gallery {
 
 function offer(one, set) {
   const name = escaped(`${one.truth}, ${one.domain}`);
-  return `<button type="button" data-ref="${escaped(one.ref)}" aria-label="${name}"><span>${pictures(one, set)}</span><small><b>${escaped(one.truth)}</b> ${escaped(one.domain)}</small></button>`;
+  return `<button type="button" data-ref="${escaped(one.ref)}" title="${name}" aria-label="${name}"><span>${pictures(one, set)}</span><small>${escaped(one.truth)}</small></button>`;
 }
 
 function pictures({ path, pair }, { sprite, frames }) {

@@ -1,89 +1,195 @@
-/** Live camera: the newest picture is sent as soon as the server has replied. */
+/** Live: photo and touch together; the newest frames are sent as soon as the server has replied. */
 
-import { askOfImage, Refusal, refused } from "../shared/api.js";
+import { askOfImage, refused } from "../shared/api.js";
+import { csv } from "../shared/csv.js";
+import { save } from "../shared/save.js";
+import { Feed, feedHtml } from "./feed.js";
 import { called, READINGS, unlike } from "./verdict.js";
 import { camera } from "./webcam.js";
+import { zipped } from "./zip.js";
 
-const SIDE = 256; // pixels of the longer side sent; encoders use 224
-const AT_ONCE = 2; // pictures on the way: one is read while the next one travels
+const AT_ONCE = 2; // requests on the way: one is read while the next one travels
 const WINDOW = 1500; // milliseconds, window of the frame rate
+const PRESSES = 10; // frames of a calibration
+const MOST = 500; // pairs of a recording
+const APART = 300; // milliseconds between two recorded pairs, and between frames of a calibration
 
-/** A button that starts and stops the camera. A click while the camera opens cancels it. */
-export class LiveSwitch {
-  constructor(button, { place, tell, question, onAnswer, onProblem }) {
-    this.button = button;
-    this.place = place;
-    this.tell = tell;
-    this.question = question;
-    this.onAnswer = onAnswer;
-    this.onProblem = onProblem;
+const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
+
+export class Live {
+  /** on: answer(found or null), problem(sentence), taught(fresh) -> name, calibrate(files). */
+  constructor(box, on) {
+    this.box = box;
+    this.on = on;
     this.run = null; // a new object for each start: what belongs to an older one is dropped
-    button.onclick = () => (this.run ? this.off() : this.start());
+    this.recording = null;
+    box.innerHTML = `<summary>Live: photo and touch</summary><div class="feeds">${["vis", "tac"].map(feedHtml).join("")}</div>
+      <div class="row"><button type="button" class="main start" aria-pressed="false">Start</button><button type="button" class="rest" disabled title="Do not touch: ten frames of the sensor at rest">Rest picture</button><button type="button" class="calibrate" disabled title="Ten frames of different presses make the profile of My sensor">Calibrate</button></div>
+      <div class="row"><label>Label <input class="label" maxlength="40" size="8"></label><button type="button" class="record" disabled aria-pressed="false">Record</button></div>
+      <p class="hint rate" role="status">Cameras or video files; no picture is kept unless you record.</p>`;
+    this.feeds = [...box.querySelectorAll(".feed")].map(
+      (one) => new Feed(one, (sentence) => this.tell(sentence)),
+    );
+    box.onclick = ({ target }) => {
+      if (target.matches(".start")) this.run ? this.off() : this.start();
+      if (target.matches(".rest")) this.takeRest();
+      if (target.matches(".calibrate")) this.calibrate();
+      if (target.matches(".record")) this.record();
+    };
   }
 
-  get on() {
-    return this.run !== null;
+  tell(text) {
+    this.box.querySelector(".rate").textContent = text;
+  }
+
+  press(on) {
+    const start = this.box.querySelector(".start");
+    start.setAttribute("aria-pressed", String(on));
+    start.textContent = on ? "Stop" : "Start";
+    for (const feed of this.feeds) feed.active = on;
+    for (const name of ["rest", "calibrate", "record"]) this.box.querySelector(`.${name}`).disabled = !on;
   }
 
   async start() {
-    const mine = (this.run = { stop: () => {} });
-    this.onProblem("");
-    this.place().innerHTML = "<video autoplay playsinline muted></video>";
-    this.button.setAttribute("aria-pressed", "true");
-    this.tell("Opening the camera; the first picture also loads the encoder…");
+    const mine = (this.run = { shown: 0, sent: 0, times: [] });
+    this.on.problem("");
+    this.press(true);
+    this.tell("Opening the sources; the first picture also loads the encoder…");
     try {
-      const stream = await camera();
-      if (this.run !== mine) return release(stream);
-      mine.stop = () => release(stream);
-      await this.read(mine, stream);
+      if (this.feeds.some((feed) => feed.select("device").value !== "file")) await this.offer(mine);
+      else await Promise.all(this.feeds.map((feed) => feed.open()));
+      if (this.run !== mine) return this.close();
+      if (!this.feeds.some((feed) => feed.on)) {
+        this.off();
+        return this.tell(
+          "No source is chosen: choose a camera or a video file for the photo, the touch or both.",
+        );
+      }
+      await Promise.all(Array.from({ length: AT_ONCE }, () => this.loop(mine)));
     } catch (error) {
       if (this.run !== mine) return; // cancelled: ignore the consequences
       this.off();
-      refused(error, this.onProblem);
+      refused(error, this.on.problem);
     }
+  }
+
+  /** Names of cameras are told only once one was allowed. */
+  async offer(mine) {
+    if (
+      this.feeds.every((feed) => ["file", ""].includes(feed.select("device").value) && feed.clip.files.length)
+    )
+      return;
+    const first = await camera();
+    const devices = (await navigator.mediaDevices.enumerateDevices()).filter(
+      ({ kind }) => kind === "videoinput",
+    );
+    first.getTracks().forEach((track) => track.stop());
+    const taken = new Set();
+    for (const feed of this.feeds) {
+      if (this.run !== mine) return;
+      if (feed.clip.files.length && feed.select("device").value === "file") await feed.open();
+      else await feed.offer(devices, taken);
+    }
+  }
+
+  close() {
+    for (const feed of this.feeds) feed.close();
   }
 
   off() {
-    this.run?.stop();
+    if (this.recording) this.record();
     this.run = null;
-    this.button.setAttribute("aria-pressed", "false");
-    this.onAnswer(null);
+    this.press(false);
+    this.close();
+    this.on.answer(null);
   }
 
-  /** Send pictures until the run is over. */
-  async read(mine, stream) {
-    const video = this.place().querySelector("video");
-    video.srcObject = stream;
-    await video.play();
-    const pictures = { sent: 0, shown: 0, times: [], canvas: document.createElement("canvas") };
-    await Promise.all(Array.from({ length: AT_ONCE }, () => this.loop(mine, video, pictures)));
-  }
-
-  async loop(mine, video, pictures) {
+  /** Send the newest frames until the run is over. */
+  async loop(mine) {
     while (this.run === mine) {
-      const number = ++pictures.sent;
+      const number = ++mine.sent;
       const began = performance.now();
-      const blob = await picture(video, pictures.canvas);
-      if (!blob) throw new Refusal("The camera returned no picture.");
-      const answer = await askOfImage("live", blob, await this.question(number <= AT_ONCE));
-      if (this.run !== mine || number < pictures.shown) continue;
-      pictures.shown = number;
+      const there = this.feeds.filter((feed) => feed.on);
+      const contact = Object.fromEntries(there.map((feed) => [feed.modality, feed.draw()]));
+      if (contact.tac === false) {
+        this.on.answer({ idle: true });
+        this.tell("No contact, so no class.");
+        await pause(60);
+        continue;
+      }
+      const blobs = await Promise.all(there.map((feed) => feed.blob()));
+      const question = {
+        modality: there.length > 1 ? "both" : there[0].modality,
+        split: there.length > 1 ? blobs[0].size : 0,
+        taught: await this.on.taught(number <= AT_ONCE),
+      };
+      const answer = await askOfImage("live", new Blob(blobs), question);
+      if (this.run !== mine || number < mine.shown) continue;
+      mine.shown = number;
+      this.keepPair(there, blobs);
       const now = performance.now();
-      const fps = rate(pictures.times, now);
-      this.tell(toldOf(answer, fps, now - began));
-      this.onAnswer({ ...answer, fps });
+      this.tell(toldOf(answer, rate(mine.times, now), now - began, this.recording?.pairs.length));
+      this.on.answer(answer);
     }
+  }
+
+  async takeRest() {
+    this.tell("Do not touch the sensor…");
+    for (const feed of this.feeds.filter(({ modality, on }) => on && modality === "tac"))
+      await feed.takeRest();
+  }
+
+  /** Frames of different presses become the profile of My sensor. */
+  async calibrate() {
+    const files = [];
+    for (let i = 0; i < PRESSES && this.run; i++) {
+      this.tell(`Press differently each time: ${i + 1} of ${PRESSES}.`);
+      for (const feed of this.feeds.filter(({ on }) => on)) {
+        feed.draw();
+        const name = `${i}_${feed.modality}.png`;
+        files.push({ path: name, file: new File([await feed.blob("image/png")], name) });
+      }
+      await pause(APART);
+    }
+    if (this.run) this.on.calibrate(files);
+  }
+
+  keepPair(there, blobs) {
+    const now = Date.now();
+    const { recording } = this;
+    if (!recording || now - recording.last < APART || recording.pairs.length >= MOST) return;
+    recording.last = now;
+    const label = this.box.querySelector(".label").value.trim() || "unlabelled";
+    recording.pairs.push({
+      label,
+      time: new Date(now).toISOString(),
+      pictures: there.map(({ modality }, i) => [modality, blobs[i]]),
+    });
+  }
+
+  /** Start a recording, or end it and save its folder. */
+  async record() {
+    const done = this.recording;
+    this.recording = done ? null : { pairs: [], last: 0 };
+    this.box.querySelector(".record").setAttribute("aria-pressed", String(!done));
+    if (done?.pairs.length)
+      save("recording.zip", new Blob(zipped(await recorded(done.pairs)), { type: "application/zip" }));
   }
 }
 
-const release = (stream) => stream.getTracks().forEach((track) => track.stop());
-
-function picture(video, canvas) {
-  const scale = SIDE / Math.max(video.videoWidth, video.videoHeight, 1);
-  canvas.width = Math.max(1, Math.round(video.videoWidth * scale));
-  canvas.height = Math.max(1, Math.round(video.videoHeight * scale));
-  canvas.getContext("2d").drawImage(video, 0, 0, canvas.width, canvas.height);
-  return new Promise((resolve) => canvas.toBlob(resolve, "image/jpeg", 0.92));
+/** Files of a recording: pictures in folders that `omnivat embed` reads, and a table. */
+export async function recorded(pairs) {
+  const files = [];
+  const lines = [["vis", "tac", "domain", "material", "time"]];
+  for (const [i, { label, time, pictures }] of pairs.entries()) {
+    const paths = { vis: "", tac: "" };
+    for (const [modality, blob] of pictures) {
+      paths[modality] = `My sensor/${label.replaceAll(/[\\/:]/g, "_")}/${i}_${modality}.jpg`;
+      files.push([`recording/${paths[modality]}`, new Uint8Array(await blob.arrayBuffer())]);
+    }
+    lines.push([paths.vis, paths.tac, "My sensor", label, time]);
+  }
+  return [...files, ["recording/pairs.csv", new TextEncoder().encode(csv(lines))]];
 }
 
 /** Pictures a second over the last moments; adds `now` to `times`. */
@@ -93,15 +199,17 @@ function rate(times, now) {
   return times.length > 2 ? (1000 * (times.length - 1)) / (now - times[0]) : NaN;
 }
 
-const toldOf = ({ ms }, fps, trip) =>
-  `${Number.isFinite(fps) ? fps.toFixed(0) : "…"} pictures/s; ${Math.round(trip)} ms from camera to prediction (encoder ${ms.encoder} ms, head ${ms.head} ms). None is kept.`;
+const toldOf = ({ ms }, fps, trip, kept) =>
+  `${Number.isFinite(fps) ? fps.toFixed(0) : "…"} predictions/s; ${Math.round(trip)} ms from camera to prediction (encoder ${ms.encoder} ms, head ${ms.head} ms). ${kept === undefined ? "No picture is kept." : `${kept} pairs recorded.`}`;
 
-/** The prediction of the newest picture. */
-export function liveHtml({ classes, readings, images }) {
+/** The prediction of the newest frames. */
+export function liveHtml({ classes, readings, images, idle }) {
+  if (idle)
+    return '<p><b class="tag">live</b></p><p class="hint">No contact: press the sensor on something.</p>';
   const given = ["vis", "tac"].filter((name) => readings[name]);
   const parts = READINGS.filter(([reading]) => readings[reading]).map(([reading, title, sign]) => {
     const strange = unlike(reading, given, images);
-    return `<article class="reading" data-reading="${reading}"><h3><span class="sign ${sign}"></span>${title}</h3>${called(classes, readings[reading], strange, { images })}</article>`;
+    return `<article class="reading" data-reading="${sign}"><h3><span class="sign ${sign}"></span>${title}</h3>${called(classes, readings[reading], strange, { images })}</article>`;
   });
   return `<p><b class="tag">live</b></p><div class="readings">${parts.join("")}</div><p class="hint">Everything below belongs to the pair chosen before.</p>`;
 }

@@ -2,10 +2,12 @@
 
 import { percent } from "../shared/text.js";
 
-const CLOSE = 0.03; // this close to the learned p, the weights still work as trained
-
-/** The orders that a head was trained for, as a band on the axis of p. */
-export const band = ([low, high]) => [Math.max(0, low - CLOSE), Math.min(1, high + CLOSE)];
+/** The orders that a head was trained for, as a band on the axis of p: the `span` that training drew p from, or
+ * what `fits` a learned p (from the frames; null before they are known, and then there is no band). */
+export function band(span, fits) {
+  const [low, high] = (span[1] > span[0] ? span : fits) ?? [NaN, NaN];
+  return low <= high ? [Math.max(0, low), Math.min(1, high)] : null;
+}
 
 /** The meaning of moving p for this head. */
 export function aboutP(learned, span, classes) {

@@ -1,10 +1,10 @@
 /** The visitor's own pairs: labels, a running count, and teaching the head. */
 
-import { ask, bytesOf, get, refused } from "../shared/api.js";
-import { save } from "../shared/save.js";
+import { ask, bytesOf, refused } from "../shared/api.js";
+import { made, save } from "../shared/save.js";
 import { escaped } from "../shared/text.js";
-import { keyOf, lessonsFor, missing, tally, withoutPair, withPair } from "./tally.js";
-import { best, READINGS } from "./verdict.js";
+import { isOwn, keyOf, lessonsFor, missing, tally, withoutPair, withPair } from "./tally.js";
+import { READINGS, said } from "./verdict.js";
 import { zipped } from "./zip.js";
 
 export class OwnPairs {
@@ -18,6 +18,7 @@ export class OwnPairs {
     this.report = null; // result of teaching
     this.inUse = false;
     this.note = "";
+    this.held = false; // while a picture is on its way, a label would go to the pair before it
     box.onclick = (event) => this.clicked(event);
     box.onsubmit = (event) => {
       event.preventDefault();
@@ -31,31 +32,42 @@ export class OwnPairs {
     return lessons.length ? { lessons } : {};
   }
 
-  /** True if the pair is the visitor's own, not one of the set. */
-  static isOwn = (pair) => [pair.vis, pair.tac].some((ref) => ref?.startsWith("image:"));
-
   labelOf(pair) {
     return this.pairs.find((one) => keyOf(one) === keyOf(pair))?.label ?? "";
   }
 
-  /** Show the panel for the open pair; answer: the plain head's prediction, or null. */
-  show(now, answer, describe) {
+  /** Show the panel for the open pair; classes: of the head that predicts. */
+  show(now, classes, describe) {
     this.now = now;
-    if (answer) this.answer = answer;
+    if (classes) this.classes = classes;
     if (describe) this.describe = describe;
-    this.box.hidden = !this.pairs.length && !OwnPairs.isOwn(now);
-    if (this.box.hidden || !this.answer) return;
-    this.box.innerHTML = `${OwnPairs.isOwn(now) ? this.question() : ""}${this.counted()}${this.teaching()}<p class="hint" role="status">${escaped(this.note)}</p>`;
+    this.box.hidden = !this.pairs.length && !isOwn(now);
+    if (this.box.hidden || !this.classes) return;
+    this.box.innerHTML = `${isOwn(now) ? this.question() : ""}${this.counted()}${this.teaching()}<p class="hint" role="status">${escaped(this.note)}</p>`;
+  }
+
+  /** Take no label until the pair on the screen has settled. */
+  hold(on) {
+    this.held = on;
+    for (const one of this.box.querySelectorAll(".labels button, .labels input")) one.disabled = on;
+  }
+
+  /** Labelled pairs from a table: count them, and offer to teach them. */
+  add(pairs) {
+    for (const { vis, tac, label, said: found, name } of pairs)
+      this.pairs = withPair(this.pairs, { vis, tac, label, said: found, name });
+    this.changed();
   }
 
   question() {
     const chosen = this.labelOf(this.now);
-    const names = [...new Set([...this.answer.classes, ...this.pairs.map((one) => one.label)])];
+    const off = this.held ? " disabled" : "";
+    const names = [...new Set([...this.classes, ...this.pairs.map((one) => one.label)])];
     const buttons = names.map(
       (name) =>
-        `<button type="button" data-label="${escaped(name)}" aria-pressed="${name === chosen}">${escaped(name)}</button>`,
+        `<button type="button" data-label="${escaped(name)}"${off} aria-pressed="${name === chosen}">${escaped(name)}</button>`,
     );
-    return `<header><h3>What is it really?</h3></header><form class="row labels">${buttons.join("")}<label>other <input type="text" name="label" maxlength="40" size="10"></label><button type="submit">Add</button></form>`;
+    return `<header><h3>What is it really?</h3></header><form class="row labels">${buttons.join("")}<label>other <input type="text" name="label" maxlength="40" size="10"${off}></label><button type="submit"${off}>Add</button></form>`;
   }
 
   counted() {
@@ -84,17 +96,18 @@ export class OwnPairs {
     }<button type="button" class="save-set" title="Their embeddings, as a file for this page and the commands">Save my pairs as a set</button><button type="button" class="save-pictures" title="The pictures in folders by class, for omnivat embed">Save the pictures</button></div>${lacking ? `<p class="hint">${escaped(lacking)}</p>` : ""}${this.report ? reportHtml(this.report) : ""}`;
   }
 
-  label(name) {
-    if (!name) return;
-    const { now, answer } = this;
-    const said = {};
-    for (const [reading] of READINGS) {
-      const row = answer.exact.readings[reading];
-      if (row && !(reading === "fused" && !(now.vis && now.tac)))
-        said[reading] = best(answer.classes, row).label;
+  /** Count the pair on the screen by what the head as trained predicts for exactly this pair. */
+  async label(label) {
+    const { now } = this;
+    if (!label || this.held || !isOwn(now)) return;
+    const name = this.describe(now);
+    try {
+      const { classes, pairs } = await ask("many", { pairs: [now] });
+      this.pairs = withPair(this.pairs, { ...now, label, said: said(classes, pairs[0].readings), name });
+      this.changed();
+    } catch (error) {
+      refused(error, (sentence) => this.say(sentence));
     }
-    this.pairs = withPair(this.pairs, { ...now, label: name, said, name: this.describe(now) });
-    this.changed();
   }
 
   /** Labels changed: discard what was taught from the old ones. */
@@ -141,9 +154,7 @@ export class OwnPairs {
 
   async keep(path, name) {
     try {
-      const body = JSON.stringify({ lessons: lessonsFor(this.pairs, {}) });
-      const headers = { "Content-Type": "application/json" };
-      save(name, await (await get(path, { method: "POST", body, headers })).blob());
+      save(name, await made(path, { lessons: lessonsFor(this.pairs, {}) }));
     } catch (error) {
       refused(error, (sentence) => this.say(sentence));
     }
@@ -175,7 +186,7 @@ const ending = ({ type }) =>
   ({ "image/png": "png", "image/webp": "webp", "image/tiff": "tif", "image/bmp": "bmp" })[type] ?? "jpg";
 
 /** Before and after, pair by pair. */
-export function reportHtml({ judged, right }) {
+export function reportHtml({ judged, right, method }) {
   const cell = (label, said) =>
     `<td class="${said === label ? "right" : "wrong"}">${said === label ? "✓" : "✗"} ${escaped(said)}</td>`;
   const rows = judged.map(
@@ -184,6 +195,6 @@ export function reportHtml({ judged, right }) {
   );
   const step = Math.round(100 / judged.length);
   return `<div class="taught"><p><b>Right before: ${right.before} of ${judged.length}. After: ${right.after} of ${judged.length}.</b></p>
-    <p class="hint">Each pair was predicted by a head taught on all the others. Only class directions change, not features. One pair is ${step} points here.</p>
+    <p class="hint">Each pair was predicted by a head taught on all the others. Method: <b>${method}</b>, chosen by leaving pairs out. Features do not change, and p plays no part unless the method is class directions. One pair is ${step} points here.</p>
     <div class="scroll" tabindex="0" role="group" aria-label="Your pairs before and after teaching"><table><thead><tr><th scope="col">It is</th><th scope="col">before</th><th scope="col">after</th></tr></thead><tbody>${rows.join("")}</tbody></table></div></div>`;
 }

@@ -7,15 +7,20 @@ import { onTheme } from "../shared/palette.js";
 import { somePair } from "../shared/pick.js";
 import { change, state, watch, watchIn } from "../shared/store.js";
 import { theSetSoon } from "../shared/theset.js";
-import { familiarHtml } from "./familiar.js";
+import { chosenFiles, droppedFiles } from "./dropped.js";
+import { familiarHtml, swapHtml } from "./familiar.js";
 import { Gallery } from "./gallery.js";
 import { Known } from "./known.js";
-import { liveHtml } from "./live.js";
+import { takeLinked } from "./linked.js";
+import { Live, liveHtml } from "./live.js";
+import { Many } from "./many.js";
 import { OwnPairs } from "./own.js";
 import { rivalsHtml } from "./rivals.js";
+import { Sensor } from "./sensor.js";
 import { slots } from "./slots.js";
+import { isOwn, mixed } from "./tally.js";
 import { taughtBy } from "./taught.js";
-import { cards, classTable, madeOf, spoken } from "./verdict.js";
+import { cards, classTable, madeOf, speakOfSignals, spoken, TERMS } from "./verdict.js";
 import { WhatIf } from "./what-if.js";
 
 export async function start(root) {
@@ -24,16 +29,18 @@ export async function start(root) {
     refused(error, (sentence) => (problem = sentence));
     return [];
   };
-  const [examples, set, found] = await Promise.all([
+  const [examples, set, found, unlinked] = await Promise.all([
     json("examples").catch(() => []),
     theSetSoon(),
     heads().catch(told),
+    takeLinked(),
   ]);
   const tab = new PairTab(
     root,
     examples,
     set,
     found.filter((one) => one.name && !one.problem),
+    unlinked,
   );
   set.later?.then((late) => tab.adopt(late));
   if (!problem) return;
@@ -42,8 +49,9 @@ export async function start(root) {
 }
 
 class PairTab {
-  constructor(root, examples, set, rivals) {
+  constructor(root, examples, set, rivals, unlinked) {
     this.root = root;
+    this.unlinked = unlinked; // what the address named and could not be had, until another pair is chosen
     this.examples = examples;
     this.set = set;
     this.rivals = rivals;
@@ -58,23 +66,44 @@ class PairTab {
       onLabel: () => this.showVerdict(),
       onOpen: ({ vis, tac }) => change({ vis, tac }),
     });
+    this.sending = 0; // uploads on the way
+    this.many = new Many(this.$(".many"), {
+      open: ({ vis, tac }) => change({ vis, tac }),
+      labels: (pairs) => this.own.add(pairs),
+      classes: async () => (await json("about")).head.classes ?? [],
+      lessons: () => this.own.lessons({}),
+    });
+    this.cameras = new Live(this.$(".cameras"), {
+      answer: (found) => this.showLive(found),
+      problem: (sentence) => this.problem(sentence),
+      taught: async (fresh) => taughtBy(this.own.lessons({}), fresh),
+      calibrate: (files) => this.sensor.take(files),
+    });
+    this.sensor = new Sensor(this.$(".sensor"), {
+      pair: () => this.pair,
+      again: () => {
+        this.ask();
+        this.many.again();
+      },
+    });
     this.gallery = new Gallery(this.$(".gallery"), this.$(".take"));
     this.showSlots = slots(this.$(".slots"), {
       onRef: (modality, ref) => change({ [modality]: ref }),
+      onUpload: (modality, ref) => this.uploaded(modality, ref),
+      onBusy: (by) => {
+        this.sending += by;
+        this.settle();
+      },
+      onMany: (files) => this.many.take(files),
       onProblem: (sentence) => this.problem(sentence),
       lessons: () => this.own.lessons(this.pair),
-      onLive: (found) => this.showLive(found),
-      liveQuestion: async (modality, fresh) => ({
-        modality,
-        other: modality === "vis" ? state.tac : state.vis,
-        taught: await taughtBy(this.own.lessons({}), fresh),
-      }),
     });
     this.placeOnMap();
     this.gallery.fill(examples, set);
     this.wire();
     if (state.vis || state.tac) this.ask();
-    else somePair(examples, set.frames); // which sends the request
+    else if (!unlinked) somePair(examples, set.frames); // which sends the request
+    this.problem(unlinked);
     if (!state.vis && !state.tac) this.empty();
   }
 
@@ -83,17 +112,56 @@ class PairTab {
   }
 
   wire() {
-    watch(["vis", "tac"], () => this.ask());
+    watch(["vis", "tac"], () => {
+      this.unlinked = "";
+      this.ask();
+    });
     watchIn("pair", ["p"], () => this.whatIf.mark());
-    watch(["view"], () => this.root.querySelectorAll(".slot").forEach((slot) => slot.quiet()));
+    watch(["view"], () => this.cameras.run && this.cameras.off());
     onTheme(() => this.whatIf.repaint());
     this.$(".familiar").onclick = (event) => {
       const pair = event.target.closest("button")?.dataset.pair;
       if (pair) change({ pin: +pair, vis: `row:${pair}`, tac: `row:${pair}` });
+      if (event.target.matches(".swap")) change({ vis: state.tac, tac: state.vis });
     };
+    this.$(".started").onclick = ({ target }) => target.matches("button") && change(this.before);
+    this.root.ondragover = (event) => event.preventDefault();
+    this.root.ondrop = (event) => {
+      event.preventDefault();
+      droppedFiles(event.dataTransfer).then((files) => files.length && this.many.take(files));
+    };
+    for (const field of this.root.querySelectorAll(".pairs input")) {
+      field.onchange = () => {
+        const files = chosenFiles(field.files);
+        if (files.length) this.many.take(files);
+        field.value = "";
+      };
+    }
+  }
+
+  /** A new picture starts a new pair: nothing of a complete pair, or of an example, stays beside it. */
+  uploaded(modality, ref) {
+    const rest = modality === "vis" ? "tac" : "vis";
+    const left = state[rest];
+    const goes = left && (state[modality] || !isOwn({ [rest]: left }));
+    this.before = { [rest]: left };
+    this.uploads = true;
+    this.$(".expect").hidden = true;
+    change({ [modality]: ref, ...(goes && { [rest]: null }) });
+    this.$(".started").hidden = !goes;
+    this.$(".started span").textContent = `A new pair: the ${TERMS[rest].one} before it was taken away.`;
+  }
+
+  /** A label waits until uploads and predictions are there. */
+  settle() {
+    this.own.hold(this.sending > 0 || this.$(".results").getAttribute("aria-busy") === "true");
   }
 
   placeOnMap() {
+    this.root.classList.toggle("signals", Boolean(this.set.frames?.signals));
+    if (this.set.frames?.signals) speakOfSignals();
+    const simulated = this.set.frames?.meta.embeddings.simulated && !this.set.frames.signals;
+    this.$(".expect").hidden = this.uploads || !simulated;
     this.$(".on-map").hidden = !this.set.frames;
     this.$(".of-signals").hidden = !this.set.frames?.signals;
     this.onMap = this.set.frames ? nodeMap(this.$(".on-map"), this.set.frames, { nodes: false }) : null;
@@ -109,7 +177,7 @@ class PairTab {
   }
 
   truths() {
-    const own = OwnPairs.isOwn(this.pair) ? this.own.labelOf(this.pair) : "";
+    const own = isOwn(this.pair) ? this.own.labelOf(this.pair) : "";
     const of = (ref) => (ref ? this.known.of(ref).truth || own : "");
     return { vis: of(state.vis), tac: of(state.tac) };
   }
@@ -121,19 +189,21 @@ class PairTab {
 
   /** A new pair or another head: request everything again. */
   async ask() {
+    this.$(".started").hidden = true;
     this.showInputs();
     this.asking?.abort();
     if (!state.vis && !state.tac) return this.empty();
     const mine = (this.asking = new AbortController());
     const question = { ...this.pair, ...this.own.lessons(this.pair) };
     this.$(".results").setAttribute("aria-busy", "true");
+    this.settle();
     const slow = setTimeout(
       () => this.say("Loading the head… the first prediction takes a few seconds."),
       300,
     );
     try {
       const answer = await ask("pair", question, mine.signal);
-      this.problem("");
+      this.problem(this.unlinked);
       this.answer = answer;
       this.familiar = null;
       this.showAnswer(question);
@@ -146,6 +216,7 @@ class PairTab {
     } finally {
       clearTimeout(slow);
       if (this.asking === mine) this.$(".results").setAttribute("aria-busy", "false"); // otherwise a newer request is running
+      this.settle();
     }
   }
 
@@ -182,7 +253,8 @@ class PairTab {
 
   showAnswer(question) {
     this.showVerdict();
-    this.own.show(this.pair, question.lessons ? null : this.answer, (pair) => this.known.name(pair));
+    this.sensor.compare();
+    this.own.show(this.pair, this.answer.classes, (pair) => this.known.name(pair));
     this.whatIf.show(this.answer, question);
   }
 
@@ -192,10 +264,13 @@ class PairTab {
     const taught = this.own.inUse
       ? '<p class="taught-now"><b class="tag">taught</b> by your pairs; this pair was left out.</p>'
       : "";
-    this.$(".verdict").innerHTML = `${taught}${madeOf(truths)}${cards(this.answer, this.familiar, truths)}
-      <details class="all-classes"><summary>Every class</summary><div class="bars">${classTable(this.answer.classes, this.answer.exact.readings, this.familiar?.images)}</div></details>
-      <p class="hint">At the learned p = ${this.answer.learned.toFixed(4)}. Photo only and touch only: the other image is absent.</p>`;
-    this.$(".all-classes").open = this.allClasses ?? !this.$(".guess");
+    const mix = mixed(this.pair)
+      ? '<p class="made-of">Two pictures of different pairs: not counted, not taught.</p>'
+      : "";
+    this.$(".verdict").innerHTML =
+      `${taught}${madeOf(truths) || mix}${cards(this.answer, this.familiar, truths)}
+      <details class="all-classes"><summary>Every class</summary><div class="bars">${classTable(this.answer.classes, this.answer.exact.readings, this.familiar?.images)}</div><p class="hint">At the learned p = ${this.answer.learned.toFixed(4)}.</p></details>`;
+    this.$(".all-classes").open = this.allClasses ?? false;
     this.$(".all-classes").ontoggle = (event) => (this.allClasses = event.target.open);
   }
 
@@ -204,7 +279,8 @@ class PairTab {
     if (!this.familiar) return;
     this.$(".familiar").innerHTML = this.familiar.problem
       ? `<p class="hint"></p>`
-      : familiarHtml(this.familiar, this.set);
+      : (this.set.frames?.signals ? "" : swapHtml(this.familiar.images)) +
+        familiarHtml(this.familiar, this.set);
     if (this.familiar.problem) this.$(".familiar p").textContent = this.familiar.problem;
   }
 
@@ -241,6 +317,6 @@ class PairTab {
       this.showVerdict();
       this.onMap(this.pair, this.answer.learned);
     }
-    somePair(this.examples, late.frames);
+    if (!this.unlinked) somePair(this.examples, late.frames);
   }
 }

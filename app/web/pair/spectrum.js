@@ -1,6 +1,7 @@
 /** |F_p| over p as a picture, the current p marked, and its profile beneath. */
 
 import { isDark, ramp, TAC_COLOUR, VIS_COLOUR } from "../shared/palette.js";
+import { bytesOf } from "../shared/text.js";
 
 const COLOURS = { vis: VIS_COLOUR, tac: TAC_COLOUR };
 const NAMES = { vis: "● VIS", tac: "▲ TAC" };
@@ -23,7 +24,7 @@ export class Spectra {
     this.all = Object.entries(spectra).map(([name, s], i) => ({
       ...s,
       name,
-      bytes: Uint8Array.from(atob(s.pixels), (c) => c.charCodeAt(0)),
+      bytes: bytesOf(s.pixels),
       figure: this.box.querySelectorAll("figure")[i],
     }));
     this.paint();

@@ -5,6 +5,17 @@ const FEWEST = 2; // fewest pairs of a class, and fewest classes, for teaching
 /** A pair is identified by its two images. */
 export const keyOf = ({ vis, tac }) => `${vis ?? ""} ${tac ?? ""}`;
 
+/** True if the two images come from different pairs: two of the set, or one and a visitor's. */
+export const mixed = ({ vis, tac }) =>
+  Boolean(vis && tac) && vis !== tac && ![vis, tac].every((ref) => ref.startsWith("image:"));
+
+/** True if all images of a pair are the visitor's own.
+ * @param {{vis?: string, tac?: string}} pair */
+export const isOwn = ({ vis, tac }) => {
+  const there = [vis, tac].filter(Boolean);
+  return there.length > 0 && there.every((ref) => ref.startsWith("image:"));
+};
+
 /** Add a pair, or replace its label. said: reading -> predicted class. */
 export function withPair(pairs, pair) {
   return [...pairs.filter((one) => keyOf(one) !== keyOf(pair)), pair];

@@ -9,12 +9,41 @@ export const READINGS = [
   ["vis", "Photo only", "vis"],
   ["tac", "Touch only", "tac"],
 ];
-const NOUN = { vis: "photo", tac: "touch" };
+/** The two images of a pair, in words. */
+export const TERMS = {
+  vis: { title: "Photo", what: "VIS", one: "photo", many: "photos" },
+  tac: { title: "Touch", what: "TAC", one: "touch", many: "touch images" },
+};
+
+/** In a set of signals, a pair is two recordings of one signal: no photo and no touch. */
+export function speakOfSignals() {
+  for (const [name, which] of [
+    ["vis", "first"],
+    ["tac", "second"],
+  ]) {
+    const title = which[0].toUpperCase() + which.slice(1);
+    Object.assign(TERMS[name], {
+      title,
+      what: name.toUpperCase(),
+      one: `${which} recording`,
+      many: `${which} recordings`,
+    });
+    READINGS.find(([reading]) => reading === name)[1] = `${title} only`;
+  }
+}
 
 /** The class with the largest probability, and that probability. */
 export function best(classes, row) {
   const at = row.indexOf(Math.max(...row));
   return { label: classes[at], share: row[at] };
+}
+
+/** Reading -> predicted class; "fused" only where both images are there. */
+export function said(classes, readings) {
+  const there = READINGS.filter(
+    ([name]) => readings[name] && (name !== "fused" || (readings.vis && readings.tac)),
+  );
+  return Object.fromEntries(there.map(([name]) => [name, best(classes, readings[name]).label]));
 }
 
 /** The images of a reading, among those present. */
@@ -33,14 +62,15 @@ export function cards(answer, familiar, truths) {
   const given = ["vis", "tac"].filter((name) => answer.exact.readings[name]);
   const shown = READINGS.map(([reading, title, sign]) => {
     const row = answer.exact.readings[reading];
-    const head = `<h3><span class="sign ${sign}"></span>${title}</h3>`;
+    const absent = reading === "fused" ? "" : ' title="The other image is absent"';
+    const head = `<h3${absent}><span class="sign ${sign}"></span>${title}</h3>`;
     if (!row)
-      return `<article class="reading none" data-reading="${reading}">${head}<p class="hint">No ${NOUN[reading]} here.</p></article>`;
+      return `<article class="reading none" data-reading="${sign}">${head}<p class="hint">No ${TERMS[reading].one} here.</p></article>`;
     if (reading === "fused" && given.length < 2) {
-      return `<article class="reading none" data-reading="${reading}">${head}<p class="hint">Add the ${NOUN[given[0] === "vis" ? "tac" : "vis"]} to see both together.</p></article>`;
+      return `<article class="reading none" data-reading="${sign}">${head}<p class="hint">Add the ${TERMS[given[0] === "vis" ? "tac" : "vis"].one} to see both together.</p></article>`;
     }
     const strange = unlike(reading, given, familiar?.images);
-    return `<article class="reading" data-reading="${reading}">${head}${called(answer.classes, row, strange, familiar)}${judged(best(answer.classes, row).label, usedBy(reading, given), truths, answer.classes)}</article>`;
+    return `<article class="reading" data-reading="${sign}">${head}${called(answer.classes, row, strange, familiar)}${judged(best(answer.classes, row).label, usedBy(reading, given), truths, answer.classes)}</article>`;
   });
   return `<div class="readings">${shown.join("")}</div>`;
 }
@@ -50,17 +80,17 @@ export function called(classes, row, strange, familiar) {
   const { label, share } = best(classes, row);
   if (!familiar) return `<p class="said">${escaped(label)}</p>`;
   if (!strange.length) return `<p class="said">${escaped(label)} <b>${percent(share)}</b></p>`;
-  const what = strange.length > 1 ? "Both images are" : `The ${NOUN[strange[0]]} is`;
+  const what = strange.length > 1 ? "Both images are" : `The ${TERMS[strange[0]].one} is`;
   return `<p class="said guess">${escaped(label)}?</p><p class="guessed"><b>This is a guess.</b> ${what} unlike anything it has seen.</p>`;
 }
 
 /** Whether a prediction is right; for a mixed pair, which image it follows. */
 export function judged(said, used, truths, classes) {
   const known = used.map((name) => truths[name]).filter(Boolean);
-  if (!known.length) return "";
+  if (!known.length || known.length < used.length) return ""; // a visitor's picture has no class of its own
   if (known.length > 1 && known[0] !== known[1]) {
     const follows = used.filter((name) => truths[name] === said);
-    return `<p class="follows">${follows.length ? `It follows the ${NOUN[follows[0]]}.` : "It follows neither."}</p>`;
+    return `<p class="follows">${follows.length ? `It follows the ${TERMS[follows[0]].one}.` : "It follows neither."}</p>`;
   }
   if (said === known[0]) return '<p class="right">✓ right</p>';
   const lacks = classes.includes(known[0]) ? "" : ", a class this head has not learned";
@@ -70,7 +100,7 @@ export function judged(said, used, truths, classes) {
 /** One line above the cards: the two classes of a mixed pair. */
 export function madeOf({ vis, tac }) {
   if (!vis || !tac || vis === tac) return "";
-  return `<p class="made-of">Photo: <b>${escaped(vis)}</b>. Touch: <b>${escaped(tac)}</b>.</p>`;
+  return `<p class="made-of">${TERMS.vis.title}: <b>${escaped(vis)}</b>. ${TERMS.tac.title}: <b>${escaped(tac)}</b>.</p>`;
 }
 
 /** Every class under every reading; columns of guesses are grey. `images`: familiarity of each image. */

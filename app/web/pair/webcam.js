@@ -3,12 +3,12 @@
 import { Refusal } from "../shared/api.js";
 
 /** Open a camera; throws a Refusal if there is none. */
-export async function camera() {
+export async function camera(which = {}) {
   if (!navigator.mediaDevices?.getUserMedia) {
     throw new Refusal("This browser allows no camera here; open the page on localhost or over https.");
   }
   try {
-    return await navigator.mediaDevices.getUserMedia({ video: true });
+    return await navigator.mediaDevices.getUserMedia({ video: which });
   } catch {
     throw new Refusal("No camera could be opened; connect one and allow the page to use it.");
   }

@@ -4,6 +4,7 @@ import { ask, refused } from "../shared/api.js";
 import { orderBar } from "../shared/order.js";
 import { change, state } from "../shared/store.js";
 import { escaped, percent } from "../shared/text.js";
+import { theSet } from "../shared/theset.js";
 import { Attention } from "./attention.js";
 import { Lines } from "./lines.js";
 import { aboutP, band } from "./orders.js";
@@ -30,6 +31,14 @@ export class WhatIf {
     this.looked = null; // the request whose attention is shown
     this.$(".which").onclick = (event) => this.choose(event.target.closest("button"));
     box.addEventListener("toggle", () => this.paint());
+    this.fits = null; // the orders that the set's head was trained for
+    theSet().then(
+      ({ frames }) => {
+        this.fits = frames.fits;
+        this.paint();
+      },
+      () => {}, // Explore shows the reason
+    );
   }
 
   $(selector) {
@@ -44,7 +53,7 @@ export class WhatIf {
     this.box.hidden = !answer;
     if (!answer) return;
     if (!answer.stops[this.reading]) this.reading = "fused";
-    if (state.p === null) state.p = scale(answer).stop(answer.learned) / 100;
+    if (state.p === null) state.p = answer.learned;
     this.bar.replace(scale(answer));
     this.bar.learned(answer.learned);
     this.$(".about-p").textContent = aboutP(answer.learned, answer.span, answer.classes);
@@ -71,7 +80,7 @@ export class WhatIf {
           `<button type="button" role="radio" data-reading="${reading}" aria-checked="${reading === this.reading}">${title}</button>`,
       )
       .join("");
-    this.lines.show(classes, orders, stops[this.reading], learned, band(span));
+    this.lines.show(classes, orders, stops[this.reading], learned, band(span, this.fits));
     this.spectra.show(spectra);
     this.look();
     this.mark();

@@ -1,5 +1,7 @@
 /** Requests to the server. Every failure becomes a Refusal with a one-sentence message. */
 
+import { base, fileOf, held, own, respond } from "./held.js";
+
 /** An error for the visitor; any other error is a bug and stays one. */
 export class Refusal extends Error {
   constructor(sentence, status = 0) {
@@ -15,25 +17,23 @@ export function refused(error, say) {
   say(error.message);
 }
 
-const ALONE = "This page is a single file without a server, so this does not work here.";
 const LOST = "The server does not respond. Is it still running? The page continues when it is back.";
 const OTHER = "The server was restarted with another head or set. Reload the page to see it.";
-const base = new URL("omnivat/", document.baseURI);
 
-const desk = new URLSearchParams(location.search).get("set"); // a head or set loaded by this visitor
-const held = globalThis.omnivatHeld; // the data inside a page saved as one file
-
-/** The address of a server path; a saved page contains some of them. */
+/** The address of a server path; a page without a server has files for some of them. */
 export function address(path) {
-  if (held?.[path]) return held[path];
+  if (held) return fileOf(path) ?? "";
   const url = new URL(path, base);
-  if (desk) url.searchParams.set("set", desk);
+  if (own && !url.searchParams.has("set")) url.searchParams.set("set", own);
   return url.href;
 }
 
-let holds = null; // the head and set of this page
+/** A path of another set than the page's own. */
+export const inSet = (path, set) => (set ? `${path}${path.includes("?") ? "&" : "?"}set=${set}` : path);
 
-async function checked(request) {
+const holds = new Map(); // address of a set -> what the server held of it at first
+
+async function checked(request, set) {
   let response;
   try {
     response = await request;
@@ -42,8 +42,8 @@ async function checked(request) {
     throw new Refusal(LOST);
   }
   const now = response.headers.get("X-Holds");
-  if (now && holds && now !== holds) throw new Refusal(OTHER, 409);
-  holds ??= now;
+  if (now && holds.has(set) && now !== holds.get(set)) throw new Refusal(OTHER, 409);
+  if (now) holds.set(set, now);
   if (response.ok) return response;
   let sentence = `The server refused (${response.status}).`;
   try {
@@ -55,8 +55,8 @@ async function checked(request) {
 }
 
 export async function get(path, options) {
-  if (held && !held[path]) throw new Refusal(ALONE, 404);
-  return checked(fetch(address(path), options));
+  const sent = held ? respond(path, options) : fetch(address(path), options);
+  return checked(sent, new URL(path, base).searchParams.get("set") ?? own);
 }
 
 export const json = async (path) => (await get(path)).json();
@@ -64,25 +64,31 @@ export const json = async (path) => (await get(path)).json();
 const files = new Map(); // reference -> uploaded file, to send again to a restarted server
 const FORGOTTEN = 410;
 
-/** Send a request; if the server has lost an uploaded image, upload it again first. */
+/** The profile of this visitor's sensor, which predictions follow; `renew` sends it to a server that has lost it. */
+export const visit = { profile: "", renew: async () => false };
+
+/** Send a request; if the server has lost an uploaded image or the profile, send that again first. */
 export async function ask(path, question, signal) {
-  const body = JSON.stringify(question);
   const headers = { "Content-Type": "application/json" };
-  const send = async () => (await get(path, { method: "POST", body, headers, signal })).json();
+  const send = async () => {
+    const body = JSON.stringify(visit.profile ? { profile: visit.profile, ...question } : question);
+    return (await get(path, { method: "POST", body, headers, signal })).json();
+  };
   try {
     return await send();
   } catch (error) {
-    const pairs = [question, ...(question.lessons ?? [])];
+    const pairs = [question, ...(question.lessons ?? []), ...(question.pairs ?? [])];
     const lost = [...new Set(pairs.flatMap(({ vis, tac }) => [vis, tac]))].filter((ref) => files.has(ref));
-    if (error.status !== FORGOTTEN || !lost.length) throw error;
+    if (error.status !== FORGOTTEN) throw error;
     await Promise.all(lost.map((ref) => sendImage(...files.get(ref))));
+    if (!(visit.profile && (await visit.renew())) && !lost.length) throw error;
     return send();
   }
 }
 
-export async function sendImage(blob, name) {
+export async function sendImage(blob, name, signal) {
   const path = `image?name=${encodeURIComponent(name)}`;
-  const sent = await (await get(path, { method: "POST", body: blob })).json();
+  const sent = await (await get(path, { method: "POST", body: blob, signal })).json();
   files.set(sent.ref, [blob, name]);
   return sent;
 }
@@ -96,11 +102,17 @@ export async function bytesOf(ref, modality) {
 }
 
 /** Send an image with a request: "occlusion" or "live"; `taught` names a taught head. */
-export async function askOfImage(what, blob, { modality, other, order, taught = "" }) {
+export async function askOfImage(
+  what,
+  blob,
+  { modality, other = null, order = null, taught = "", split = 0 },
+) {
   const query = new URLSearchParams({ modality });
   if (Number.isFinite(order)) query.set("order", order);
   if (other) query.set("other", other);
+  if (split) query.set("split", String(split));
   if (taught) query.set("taught", taught);
+  if (visit.profile) query.set("profile", visit.profile);
   return (await get(`${what}?${query}`, { method: "POST", body: blob })).json();
 }
 

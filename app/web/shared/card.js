@@ -47,11 +47,9 @@ export function card(frames, sprite, pair, stop, pinned, sample = -1, pairs = nu
     const example = sample < 0 ? "" : thumbnailPair(frames, sprite, sample, 124);
     const names = sample < 0 ? "" : `: ${escaped(frames.classes[frames.label[sample]])}`;
     const [title, points] = frames.signals
-      ? ["Two recordings of one signal", "● one recording (VIS) and ▲ the other (TAC)"]
-      : ["A photo and a touch", "● the photo (VIS) and ▲ the touch (TAC)"];
-    return `<h3>${title}${names}</h3>${example}<p class="hint">Each pair is two points: ${points}.
-      <span class="keys"><b>Point</b> at one to see both. </span><b>Choose</b> one to pin its pair for the other tabs.
-      <span class="keys"><kbd>N</kbd> <kbd>B</kbd> step, <kbd>Enter</kbd> pins.</span></p>`;
+      ? ["Two recordings of one signal", "● one recording, ▲ the other"]
+      : ["A photo and a touch", "● photo, ▲ touch"];
+    return `<h3>${title}${names}</h3>${example}<p class="hint">${points}. <span class="keys" title="Keys: N and B step through pairs, Enter pins"><b>Point</b> at one, <b>click</b> to pin.</span></p>`;
   }
   const v = verdict(frames, pair, stop);
   const note = imitation(pairs, pair);
@@ -62,7 +60,7 @@ export function card(frames, sprite, pair, stop, pinned, sample = -1, pairs = nu
     <dt>Predicted</dt><dd class="${v.right ? "right" : "wrong"}">${saidHtml(v)}</dd></dl>
     ${
       pinned
-        ? `<div class="near"><h4>Nearest by cosine to <span><button type="button" class="find" data-of="0">VIS</button> <button type="button" class="find" data-of="1">TAC</button></span></h4><div class="found"></div></div>
+        ? `<div class="near"><h4>Nearest by cosine${frames.kind === "retrained" ? ", raw embedding," : ""} to <span><button type="button" class="find" data-of="0">VIS</button> <button type="button" class="find" data-of="1">TAC</button></span></h4><div class="found"></div></div>
     <div class="row"><button type="button" class="open">Open in Pair ›</button><button type="button" class="unpin">Unpin</button></div>`
         : ""
     }`;

@@ -1,6 +1,7 @@
 /** The map: points on one canvas, marks on another above it; zoom and pan stay the same at every stop. */
 
-import { isDark } from "./palette.js";
+import { density } from "./density.js";
+import { isDark, isLecture } from "./palette.js";
 import { Pixels } from "./points.js";
 
 const GROUND = { light: "#ffffff", dark: "#0f172a" };
@@ -20,16 +21,24 @@ export class Cloud {
     this.marks.setAttribute("role", "img");
     box.append(this.ground, this.marks);
     this.pixels = new Pixels(this.ground.getContext("2d", { alpha: false }));
-    this.count = count;
-    this.x = new Float32Array(count); // device pixels of each point in the last drawing
-    this.y = new Float32Array(count);
+    this.hold(count);
+    this.halves = [true, true]; // whether the map is as wide as the VIS points, and as the TAC points
+    this.top = 0; // CSS pixels at the top that tools cover
     this.view = { zoom: 1, dx: 0, dy: 0 };
-    this.layers = []; // [{style, at: Int32Array, count}]
     this.painters = []; // functions that draw marks above the points
     this.pending = 0;
     this.onView = null; // called after every manual zoom and pan
     new ResizeObserver(() => this.resize()).observe(box);
     this.resize();
+  }
+
+  /** Make room for so many points. */
+  hold(count) {
+    this.count = count;
+    this.x = new Float32Array(count); // device pixels of each point in the last drawing
+    this.y = new Float32Array(count);
+    this.layers = [];
+    this.frame = null;
   }
 
   resize() {
@@ -44,7 +53,8 @@ export class Cloud {
     this.redraw();
   }
 
-  /** Show other positions: u16 pairs within bounds [[xmin, ymin], [xmax, ymax]]. */
+  /** Show other positions: u16 pairs within bounds [[xmin, ymin], [xmax, ymax]]. The map is as wide as its
+   * extents, which are those of all stops, so that the scale stays. */
   show(frame) {
     this.frame = frame;
     this.redraw();
@@ -53,12 +63,21 @@ export class Cloud {
   /** Device pixels from u16: x = u·ax + bx, y = v·ay + by; one scale for both axes. */
   transform() {
     const [[x0, y0], [x1, y1]] = this.frame.bounds;
+    const all = (this.frame.extents ?? []).filter((box, i) => this.halves[i] && box[0] <= box[2]);
+    const end = (i) => (i < 2 ? Math.min : Math.max)(...all.map((box) => box[i])) / 65535;
+    const box = all.length ? [0, 1, 2, 3].map(end) : [0, 0, 1, 1];
+    const [left, right] = [x0 + box[0] * (x1 - x0), x0 + box[2] * (x1 - x0)];
+    const [low, high] = [y0 + box[1] * (y1 - y0), y0 + box[3] * (y1 - y0)];
+    const top = this.top * this.ratio;
     const free = MARGIN * Math.min(this.width, this.height);
-    const fit = Math.min((this.width - 2 * free) / (x1 - x0 || 1), (this.height - 2 * free) / (y1 - y0 || 1));
+    const fit = Math.min(
+      (this.width - 2 * free) / (right - left || 1),
+      (this.height - top - 2 * free) / (high - low || 1),
+    );
     const scale = fit * this.view.zoom;
-    const middle = { x: (x0 + x1) / 2, y: (y0 + y1) / 2 };
+    const middle = { x: (left + right) / 2, y: (low + high) / 2 };
     const ox = this.width / 2 + this.view.dx * this.ratio;
-    const oy = this.height / 2 + this.view.dy * this.ratio;
+    const oy = (this.height + top) / 2 + this.view.dy * this.ratio;
     return {
       ax: (scale * (x1 - x0)) / 65535,
       bx: ox + scale * (x0 - middle.x),
@@ -88,9 +107,12 @@ export class Cloud {
       x[i] = points[2 * i] * ax + bx;
       y[i] = points[2 * i + 1] * ay + by;
     }
-    this.pixels.begin(this.width, this.height, isDark() ? GROUND.dark : GROUND.light);
+    const ground = isDark() ? GROUND.dark : GROUND.light;
+    this.pixels.begin(this.width, this.height, ground);
+    density(this.pixels.words, this, ground);
     for (const layer of this.layers) {
-      const radius = layer.style.radius * this.ratio * Math.min(2, this.view.zoom ** 0.3);
+      const large = Math.max(isLecture() ? 1.5 : 1, Math.min(this.width, this.height) / this.ratio / 760); // a projector's map
+      const radius = layer.style.radius * large * this.ratio * Math.min(2, this.view.zoom ** 0.3);
       this.pixels.stampAll({ ...layer.style, radius }, layer.at, layer.count, x, y);
     }
     this.pixels.end();

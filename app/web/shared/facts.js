@@ -1,7 +1,8 @@
 /** Facts about the set and its heads; each is fetched once. */
 
-import { json, Refusal } from "./api.js";
+import { ask, inSet, json, Refusal } from "./api.js";
 import { fetchFrames } from "./frames.js";
+import { bytesOf } from "./text.js";
 
 const kept = new Map();
 
@@ -17,21 +18,24 @@ function once(name, make) {
   return kept.get(name);
 }
 
-const fact = (name) => () => once(name, () => json(name));
+/** A fact about a set; "" is the page's own. */
+const fact =
+  (name) =>
+  (set = "") =>
+    once(`${name} ${set}`, () => json(inSet(name, set)));
 
 const KINDS = { u1: Uint8Array, u2: Uint16Array, i2: Int16Array };
 
 /** Unpack numbers from the server: integers in steps. */
 export function unpacked({ kind, steps, data }) {
-  const bytes = Uint8Array.from(atob(data), (letter) => letter.charCodeAt(0));
-  const whole = new KINDS[kind](bytes.buffer);
+  const whole = new KINDS[kind](bytesOf(data).buffer);
   return steps === 1 ? whole : Float64Array.from(whole, (n) => n / steps);
 }
 
 /** Accuracy in unseen domains; values of each pair as typed arrays. */
-export const unseen = () =>
-  once("unseen", async () => {
-    const found = await json("unseen");
+export const unseen = (set = "") =>
+  once(`unseen ${set}`, async () => {
+    const found = await json(inSet("unseen", set));
     const { counts, answers, confidence, cosine } = found.pairs;
     return {
       ...found,
@@ -47,13 +51,19 @@ export const unseen = () =>
 export const pairNames = fact("pairs");
 /** The mechanism on a toy. */
 export const toyFacts = fact("toy");
+/** {rungs, sources}: what is known of a new sensor, and the accuracy that it brings. */
+export const ladder = (set = "", source = "") =>
+  once(`ladder ${set} ${source}`, () => ask(inSet("ladder", set), { source }));
+/** Positions of all pairs as they come and with each domain centred. */
+export const centred = { pca: fact("centred/pca"), umap: fact("centred/umap") };
 /** Modes of p and sets; only the head if the server lists none. */
-export const choices = () => once("modes", () => json("modes").catch(() => ({ modes: ["moved"], sets: [] })));
+export const choices = (set = "") =>
+  once(`modes ${set}`, () => json(inSet("modes", set)).catch(() => ({ modes: ["moved"], sets: [] })));
 
 /** Frames of another mode than the head's; `own` are the head's frames, of the same pairs. */
-export const framesOf = (mode, own) =>
-  once(`frames ${mode}`, async () => {
-    const { frames } = await fetchFrames(() => {}, "", mode);
+export const framesOf = (mode, own, set = "") =>
+  once(`frames ${mode} ${set}`, async () => {
+    const { frames } = await fetchFrames(() => {}, { mode, set });
     const same = (k, pair) => frames.classes[k] === own.classes[own.label[pair]];
     if (frames.pairs !== own.pairs || !frames.label.every(same))
       throw new Refusal(

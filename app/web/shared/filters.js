@@ -1,6 +1,6 @@
 /** Legend and filters: the meaning of each colour, and a switch for each name. */
 
-import { COLOURINGS, TAC_COLOUR, VIS_COLOUR } from "./palette.js";
+import { colouring, TAC_COLOUR, VIS_COLOUR } from "./palette.js";
 import { hidden, state, toggle } from "./store.js";
 import { escaped } from "./text.js";
 
@@ -14,9 +14,10 @@ const SIGNS = { VIS: "●", TAC: "▲" };
 
 /** Draw the switches; those of the current colouring show their colours. */
 export function showFilters(box, frames, onPoint) {
-  const colours = new Map(COLOURINGS[state.colour].groups(frames));
-  const legend = ["correctness", "confidence"].includes(state.colour)
-    ? `<fieldset class="legend"><legend>${COLOURINGS[state.colour].label}</legend>${[...colours]
+  const chosen = colouring(frames, state.colour);
+  const colours = new Map(chosen.groups(frames));
+  const legend = ["Correctness", "Confidence"].includes(chosen.label)
+    ? `<fieldset class="legend"><legend>${chosen.label}</legend>${[...colours]
         .map(
           ([name, colour]) => `<span class="key"><i style="background:${colour}"></i>${escaped(name)}</span>`,
         )
@@ -27,7 +28,7 @@ export function showFilters(box, frames, onPoint) {
     KINDS.map(([kind, title, names]) => {
       const off = hidden(kind);
       const switches = names(frames).map((name) => {
-        const colour = state.colour === kind ? colours.get(name) : null;
+        const colour = chosen.label.toLowerCase() === kind ? colours.get(name) : null;
         const sign =
           kind === "modality"
             ? `<i class="sign" style="color:${colour ?? (state.colour === "modality" ? { VIS: VIS_COLOUR, TAC: TAC_COLOUR }[name] : "currentColor")}">${SIGNS[name]}</i>`

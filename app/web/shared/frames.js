@@ -1,6 +1,6 @@
 /** Read the binary of frames: exact map positions for every stop of p, and the curves. */
 
-import { address, get, Refusal } from "./api.js";
+import { address, get, inSet, Refusal } from "./api.js";
 import { featuresOf } from "./stages.js";
 import { isSignals } from "./text.js";
 
@@ -23,6 +23,8 @@ export class Frames {
     this.label = this.array("label");
     this.prediction = this.array("prediction");
     this.confidence = this.array("confidence");
+    this.coarse = false; // whether finer frames will follow
+    this.extents = new Map(); // array of a map -> the boxes around its VIS and its TAC points at all stops
   }
 
   /** "moved": one head whose p moves. "retrained": a head for each stop. "every": one head for every p. */
@@ -33,6 +35,11 @@ export class Frames {
   /** The learned p; NaN if every stop has its own head. */
   get learned() {
     return this.meta.head?.learned_order ?? NaN;
+  }
+
+  /** [low, high]: the orders that a head of fixed weights was trained for; null if they are not known. */
+  get fits() {
+    return this.kind === "moved" ? (this.meta.head?.fits ?? null) : null;
   }
 
   /** The head's source domain; "" if unknown. */
@@ -60,6 +67,11 @@ export class Frames {
     return best;
   }
 
+  extentsOf(name, all) {
+    if (!this.extents.has(name)) this.extents.set(name, boxes(all, this.pairs));
+    return this.extents.get(name);
+  }
+
   /** The kinds of map of a stage: "pca", "umap". */
   kinds(stage) {
     const names = Object.keys(this.meta.maps).map((name) => name.split("/"));
@@ -80,23 +92,39 @@ export class Frames {
       drawn: map.orders[index],
       stops: map.orders.length,
       bounds: map.bounds,
+      trust: map.trust?.[index],
+      extents: this.extentsOf(map.array, all),
       error: (2 * map.max_error) / (map.bounds[1][0] - map.bounds[0][0]), // share of the radius
     };
   }
 }
 
+/** Boxes [left, bottom, right, top] around the two halves of positions, over any number of stops. */
+export function boxes(all, pairs) {
+  const halves = [0, 1].map(() => [65535, 65535, 0, 0]);
+  for (let i = 0; i < all.length; i += 2) {
+    const box = halves[Math.floor(i / 2 / pairs) % 2];
+    if (all[i] < box[0]) box[0] = all[i];
+    if (all[i] > box[2]) box[2] = all[i];
+    if (all[i + 1] < box[1]) box[1] = all[i + 1];
+    if (all[i + 1] > box[3]) box[3] = all[i + 1];
+  }
+  return halves;
+}
+
 /** p as text: two digits, or three if the stop lies between two hundredths. */
 export const orderText = (p) => (Math.abs(p - +p.toFixed(2)) < 1e-9 ? p.toFixed(2) : p.toFixed(3));
 
-const query = (head, mode) => {
-  const asked = new URLSearchParams({ ...(head && { head }), ...(mode && { mode }) }).toString();
+const query = (named) => {
+  const asked = new URLSearchParams(Object.entries(named).filter(([, value]) => value)).toString();
   return asked ? `frames?${asked}` : "frames";
 };
 
-/** Fetch the frames; report progress to `onWait` while the server computes them. */
-export async function fetchFrames(onWait, head = "", mode = "") {
+/** Fetch the frames of a head, mode or set; report progress to `onWait` while the server computes them.
+ * @param {(step: any) => void} onWait @param {{head?: string, mode?: string, set?: string}} named */
+export async function fetchFrames(onWait, named = {}) {
   for (;;) {
-    const response = await get(query(head, mode));
+    const response = await get(query(named));
     if (response.status === 200) {
       const coarse = response.headers.get("X-Frames") === "coarse";
       const drawn = response.headers.get("X-Thumbnails") !== "none";
@@ -108,20 +136,18 @@ export async function fetchFrames(onWait, head = "", mode = "") {
 }
 
 /** Wait for finer frames after coarse ones. */
-export async function whenFine(onWait, head = "") {
+export async function whenFine(onWait, named = {}) {
   for (;;) {
     await new Promise((resolve) => setTimeout(resolve, 1500));
-    const { step } = await (
-      await get(`frames?progress=1${head && `&head=${encodeURIComponent(head)}`}`)
-    ).json();
-    if (!step) return (await fetchFrames(onWait, head)).frames;
+    const { step } = await (await get(query({ progress: "1", ...named }))).json();
+    if (!step) return (await fetchFrames(onWait, named)).frames;
     onWait(step);
   }
 }
 
 /** The sheet of thumbnails of a set that has them; null in a saved page without them. */
-export async function fetchThumbnails() {
-  const response = await get("thumbnails.json").catch(() => null);
+export async function fetchThumbnails(set = "") {
+  const response = await get(inSet("thumbnails.json", set)).catch(() => null);
   if (!response) return null;
-  return { ...(await response.json()), url: address("thumbnails.webp") };
+  return { ...(await response.json()), url: address(inSet("thumbnails.webp", set)) };
 }

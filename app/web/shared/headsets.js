@@ -37,9 +37,9 @@ export function framesBy(name, own, onWait, onFiner = () => {}) {
 }
 
 async function fetched(name, onWait, onFiner) {
-  const { frames, coarse } = await fetchFrames(onWait, name);
+  const { frames, coarse } = await fetchFrames(onWait, { head: name });
   if (coarse) {
-    whenFine(() => {}, name).then(
+    whenFine(() => {}, { head: name }).then(
       (finer) => {
         cache.set(name, Promise.resolve(finer));
         onFiner();

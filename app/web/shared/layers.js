@@ -1,17 +1,10 @@
 /** Layers of points: one for each colour and shape, dimmed ones first. */
 
-import { COLOURINGS, isDark } from "./palette.js";
+import { colouring } from "./palette.js";
 import { state } from "./store.js";
 
 const DIM = 0.13;
-const shade = (hex, by) =>
-  `#${[1, 3, 5]
-    .map((i) =>
-      Math.max(0, Math.min(255, Math.round(parseInt(hex.slice(i, i + 2), 16) * by)))
-        .toString(16)
-        .padStart(2, "0"),
-    )
-    .join("")}`;
+const LIT = 0.68;
 
 /**
  * shown(point) and lit(point) select the points that are drawn, and those in full colour.
@@ -19,20 +12,18 @@ const shade = (hex, by) =>
  * Returns [{style, at, count}], lit ones last.
  */
 export function layersOf(frames, stop, shown, lit, dim = DIM, colour = state.colour) {
-  const colouring = COLOURINGS[colour];
-  const groups = colouring.groups(frames);
-  const of = colouring.of(frames, stop);
+  const chosen = colouring(frames, colour);
+  const groups = chosen.groups(frames);
+  const of = chosen.of(frames, stop);
   const total = 2 * frames.pairs;
-  const radius = total > 12_000 ? 2 : total > 5_000 ? 2.6 : 3.4;
-  const edge = isDark() ? 0.55 : 0.62;
+  const radius = total > 12_000 ? 1.5 : total > 5_000 ? 1.9 : 2.4;
   const layers = [];
-  for (const alpha of [dim, 0.92]) {
+  for (const alpha of [dim, LIT]) {
     for (const tac of [0, 1]) {
       for (const [, colour] of groups) {
         const style = {
           shape: tac ? "triangle" : "circle",
           colour,
-          edge: shade(colour, edge),
           radius,
           alpha,
         };

@@ -1,6 +1,6 @@
 /** Marks above the points: axes with figures, the pair's line, neighbours, the lasso. */
 
-import { onTheme } from "./palette.js";
+import { isLecture, onTheme } from "./palette.js";
 
 const GRID = 90; // CSS pixels between two figures on an axis, about
 
@@ -23,13 +23,15 @@ const figure = (value, step) => {
   return (Math.abs(value) < step / 2 ? 0 : value).toFixed(Math.min(6, digits));
 };
 
-/** The axis labels of a kind of map. */
+/** The axis labels of a kind of map; null for UMAP, whose axes and scale have no meaning. */
 export const axisNames = (kind) =>
-  kind === "umap" ? { x: "UMAP 1", y: "UMAP 2" } : { x: "principal component 1", y: "principal component 2" };
+  kind === "umap" ? null : { x: "principal component 1", y: "principal component 2" };
 
-/** Axes of the map: thin lines at round figures, and axis labels. */
+/** Axes of the map: thin lines at round figures, and axis labels, if it has names for them. */
 export function axes(names) {
   return (context, cloud) => {
+    const full = names();
+    if (!full) return;
     const { scale, middle, ox, oy } = cloud.transform();
     const width = cloud.width / cloud.ratio;
     const height = cloud.height / cloud.ratio;
@@ -42,7 +44,6 @@ export function axes(names) {
     context.textBaseline = "alphabetic";
     context.textAlign = "center";
     context.lineWidth = 1;
-    const full = names();
     const [across, up] = [full.x, full.y].map((name) =>
       width < 280 ? name.replace("principal component", "PC") : name,
     );
@@ -71,7 +72,9 @@ export function axes(names) {
     context.textAlign = "right";
     context.fillText(`${across} →`, width - 8, height - 6);
     context.textAlign = "left";
-    context.fillText(`↑ ${up}`, 6, 15);
+    const aside = cloud.box.closest(".stage"); // the tools stand at its upper left
+    context.textAlign = aside ? "right" : "left";
+    context.fillText(`↑ ${up}`, aside ? width - 8 : 6, 15);
   };
 }
 
@@ -124,6 +127,14 @@ export function pairLine(context, cloud, pair, colour) {
 
 export const neighbourRings = (context, cloud, points) =>
   points.forEach((point) => ring(context, cloud.place(point), 6, "#16a34a", 1.8));
+
+/** What the shapes stand for, at the upper right of a map without axes. */
+export function shapes(context, cloud, words) {
+  context.font = `600 ${isLecture() ? 20 : 13}px ${ink(cloud.box, "--ov-font")}`;
+  context.fillStyle = ink(cloud.box, "--ov-muted");
+  context.textAlign = "right";
+  context.fillText(words, cloud.width / cloud.ratio - 12, 23);
+}
 
 export function lassoLine(context, polygon) {
   if (!polygon || polygon.length < 2) return;

@@ -3,6 +3,7 @@
 import { ask, refused } from "./api.js";
 import { Cloud } from "./cloud.js";
 import { shownBy } from "./filters.js";
+import { orderText } from "./frames.js";
 import { layersOf } from "./layers.js";
 import { axes, axisNames } from "./marks.js";
 import { isDark, onTheme, TAC_COLOUR, VIS_COLOUR } from "./palette.js";
@@ -24,11 +25,6 @@ export function nodeMap(panel, frames, { nodes = true } = {}) {
   const shown = shownBy(frames);
   listen(cloud, {
     wanted: shown,
-    hover: () => {},
-    lasso: () => {},
-    lassoMode: () => false,
-    next: () => {},
-    current: () => -1,
     pick: (point) =>
       point >= 0 &&
       change({
@@ -46,6 +42,7 @@ export function nodeMap(panel, frames, { nodes = true } = {}) {
   }
   onTheme(() => cloud.redraw());
   watch(["colour"], () => points(state.p));
+  points(state.p); // a canvas without a drawing is black
 
   return function show(question, order) {
     points(order);
@@ -60,7 +57,7 @@ export function nodeMap(panel, frames, { nodes = true } = {}) {
       asking = new AbortController();
       try {
         placed = await ask("place", { ...question, order, stage: STAGE, map: kind(), nodes }, asking.signal);
-        note.textContent = `All pairs of the set, pale, at p = ${placed.order.toFixed(2)}${nodes ? "; 1 to 7 are the nodes" : ""}. ${placed.exact ? "The place is exact: this map is linear." : placed.of_set ? `The pair has its place on the map${nodes ? "; the nodes’ places are estimated between the nearest neighbours" : ""}.` : "The place is estimated between the nearest neighbours."} Click a point to choose its pair.`;
+        note.textContent = `Pale: all pairs at p = ${orderText(placed.order)}. ${placed.exact ? "Places are exact." : placed.of_set && !nodes ? "Its place is the pair’s." : `${placed.of_set ? "The nodes’ places" : "Places"} are estimated between the nearest neighbours.`} Click a point to choose its pair.`;
         cloud.paintMarks();
       } catch (error) {
         refused(error, (sentence) => {

@@ -46,19 +46,19 @@ export function orderBar(bar, frames) {
   function replace(finer) {
     frames = finer;
     orders = finer.orders;
-    slider.min = orders[0];
-    slider.max = orders.at(-1);
+    [slider.min, slider.max] = [Math.min(0, orders[0]), Math.max(1, orders.at(-1))];
     slider.step = FINE;
   }
   /** Show the learned p. */
   function learned(p) {
     $(".learned").hidden = !Number.isFinite(p);
-    $(".learned-mark").hidden = !(p >= orders[0] && p <= orders.at(-1));
+    const [low, high] = [+slider.min, +slider.max];
+    $(".learned-mark").hidden = !(p >= low && p <= high);
     if (!Number.isFinite(p)) return;
     $(".learned").textContent = `learned p = ${p.toFixed(3)}`;
     $(".learned").title = "Go to the learned order";
     $(".learned").onclick = () => go(frames.stop(p));
-    bar.style.setProperty("--at", (p - orders[0]) / (orders.at(-1) - orders[0]));
+    bar.style.setProperty("--at", (p - low) / (high - low));
   }
   replace(frames);
   learned(frames.meta.head?.learned_order ?? NaN);

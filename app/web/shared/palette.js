@@ -7,9 +7,10 @@ const CIVIDIS = ["#00224e", "#27406f", "#575d6d", "#7d7c78", "#a59c74", "#d2c060
 
 export const VIS_COLOUR = "#56b4e9";
 export const TAC_COLOUR = "#e69f00";
+export const isLecture = () => document.body.classList.contains("lecturing");
 export const isDark = () => document.body.classList.contains("dark");
 
-/** Call `action` when the page switches between light and dark. */
+/** Call `action` when the page switches between light and dark, or to a lecture. */
 export function onTheme(action) {
   new MutationObserver(action).observe(document.body, { attributeFilter: ["class"] });
 }
@@ -66,6 +67,19 @@ export const COLOURINGS = {
     },
   },
 };
+
+/** The colourings of frames. A confidence needs a temperature, which heads trained at each p do not have; domains
+ * need two of them. */
+export const colouringsOf = ({ kind, domain }) =>
+  Object.entries(COLOURINGS).filter(
+    ([key]) =>
+      (key !== "confidence" || kind === "moved") &&
+      (key !== "domain" || !domain || domain.some((one) => one !== domain[0])),
+  );
+
+/** The colouring called `key`, or that of classes if the frames lack it. */
+export const colouring = (frames, key) =>
+  colouringsOf(frames).find(([name]) => name === key)?.[1] ?? COLOURINGS.class;
 
 export const rgb = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16));
 

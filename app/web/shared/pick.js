@@ -1,11 +1,14 @@
-/** The default pair: the first example, or the set's first pair. */
+/** The default pair: one that the head was not trained on and predicts without guessing, if there is one. */
 
+import { json } from "./api.js";
 import { change, state } from "./store.js";
 
-export function somePair(examples, frames) {
+export async function somePair(examples, frames) {
   if (state.vis || state.tac) return;
-  const ref = examples.length ? `example:${inOrder(examples, frames)[0].name}` : frames ? "row:0" : null;
-  if (ref) change({ vis: ref, tac: ref });
+  const { ref } = await json("first").catch(() => ({ ref: null }));
+  const any = examples.length ? `example:${inOrder(examples, frames)[0].name}` : frames ? "row:0" : null;
+  const chosen = ref ?? any;
+  if (chosen && !state.vis && !state.tac) change({ vis: chosen, tac: chosen });
 }
 
 /** Examples in the set's order of domains and classes. */

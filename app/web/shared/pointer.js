@@ -4,6 +4,10 @@ import { inside } from "./cloud.js";
 
 const STEP = 40; // CSS pixels that an arrow key pans
 
+const nothing = () => {};
+const STILL = { hover: nothing, pick: nothing, lasso: nothing, next: nothing };
+Object.assign(STILL, { wanted: () => false, lassoMode: () => false, current: () => -1 });
+
 /** The corners of a canvas in CSS pixels: a lasso around everything in view. */
 function corners(canvas) {
   const { clientWidth: wide, clientHeight: high } = canvas;
@@ -17,9 +21,10 @@ function corners(canvas) {
 
 /**
  * `on`: wanted(point) → bool, hover(point), pick(point), lasso(points), next(by), lassoMode() → bool,
- * current() → point. Returns the lasso being drawn, for the painter.
+ * current() → point; those left out do nothing. Returns the lasso being drawn, for the painter.
  */
 export function listen(cloud, on) {
+  on = { ...STILL, ...on };
   const pointer = new Pointer(cloud, on);
   const canvas = cloud.marks;
   for (const kind of ["down", "move", "up", "cancel", "leave"])

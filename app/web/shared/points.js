@@ -15,8 +15,8 @@ const SHAPES = {
 const stamps = new Map();
 
 /** A small picture of one shape: premultiplied colours, and the transparency. */
-function stamp(shape, colour, edge, radius, alpha) {
-  const key = `${shape} ${colour} ${edge} ${radius} ${alpha}`;
+function stamp({ shape, colour, radius, alpha }) {
+  const key = `${shape} ${colour} ${radius} ${alpha}`;
   if (stamps.has(key)) return stamps.get(key);
   const side = 2 * Math.ceil(radius * 1.4 + 1) + 1;
   const canvas = new OffscreenCanvas(side, side);
@@ -26,9 +26,6 @@ function stamp(shape, colour, edge, radius, alpha) {
   SHAPES[shape](x, radius);
   x.fillStyle = colour;
   x.fill();
-  x.strokeStyle = edge;
-  x.lineWidth = Math.max(0.6, radius * 0.22);
-  x.stroke();
   const raw = x.getImageData(0, 0, side, side).data;
   const rows = [];
   for (let i = 0; i < side * side; i++) {
@@ -75,7 +72,7 @@ export class Pixels {
 
   /** Stamp one shape at many places: `at` holds indices into the device coordinates x, y. */
   stampAll(style, at, count, x, y) {
-    const s = stamp(style.shape, style.colour, style.edge, style.radius, style.alpha);
+    const s = stamp(style);
     const { width, height } = this.image;
     const words = this.words;
     const shift = this.shifts(s, width);

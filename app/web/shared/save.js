@@ -1,8 +1,19 @@
 /** Download a file. */
-export function save(name, blob) {
+
+import { get } from "./api.js";
+
+/** @param {string} name @param {Blob | string} what a text is a table */
+export function save(name, what) {
+  const blob = typeof what === "string" ? new Blob([what], { type: "text/csv" }) : what;
   const link = document.createElement("a");
   link.href = URL.createObjectURL(blob);
   link.download = name;
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+}
+
+/** The file that the server makes of a question. Throws a Refusal. */
+export async function made(path, question) {
+  const headers = { "Content-Type": "application/json" };
+  return (await get(path, { method: "POST", body: JSON.stringify(question), headers })).blob();
 }

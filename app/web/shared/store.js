@@ -10,17 +10,18 @@ const VIEWS = document.querySelector("meta[name=omnivat-views]")?.getAttribute("
 
 const DEFAULTS = {
   view: "explore",
-  part: "curves",
+  chapter: "", // resolved when the set is known
   mode: "",
   reading: "fused",
-  gap: "modality_gap",
   alike: "",
   find: "",
   range: "", // histogram:from:to, joined by ~
   cell: "", // of the confusion matrix: truth~predicted~domain
+  sel: "", // selected points, see selected.js
+  rung: "0", // of the waterfall: what is known about each domain
   p: null,
   stage: "f_hat",
-  map: "pca",
+  map: "umap",
   colour: "domain",
   domain: "",
   class: "",
@@ -34,32 +35,52 @@ const DEFAULTS = {
   head2: "",
   only: "",
   only2: "",
-  means: "1",
+  means: "",
   tree: "",
 };
+/** The chapters of Explore, and what each opens with where it differs from the workbench. */
+export const CHAPTERS = {
+  order: { map: "pca", colour: "class" },
+  failure: { stage: "raw", modality: "VIS" },
+  fooled: { mode: "moved", colour: "correctness" },
+  analyse: {},
+};
+const OWN = ["mode", "alike", "find", "range", "cell", "sel", "rung", "p", "stage", "map", "colour"];
+OWN.push("domain", "class", "modality", "pin", "means"); // what each chapter has for itself
+const LONG = { sel: 4000, vis: 2000, tac: 2000 }; // letters of a value in the address; 200 of any other
 const NUMBERS = new Set(["p", "p2", "pin"]);
 const KEYS = STAGES.map((stage) => stage.key);
 const CHOICES = {
   // allowed values in the address; all others are ignored
   view: VIEWS,
-  part: ["curves", "strangers", "toy"],
+  chapter: Object.keys(CHAPTERS),
   mode: ["", "trained", "moved", "every"],
   reading: ["fused", "vis", "tac"],
-  gap: ["modality_gap", "domain_gap"],
   alike: ["", "1"],
   stage: KEYS,
   stage2: KEYS,
   map: ["pca", "umap"],
   colour: Object.keys(COLOURINGS),
 };
+/** Address of a picture -> its reference once it was sent, so that a link to pictures stays one. */
+export const links = new Map();
 const listeners = new Set();
+const left = new Map(); // chapter -> its values when it was left
+let otherP = null; // of the other tabs while the first chapter is open, and its own while they are
 let writing = 0;
 
+const usual = (chapter) => ({ ...DEFAULTS, ...CHAPTERS[chapter] });
+
 function fromAddress() {
-  const chosen = { ...DEFAULTS };
-  for (const [name, text] of new URLSearchParams(location.search)) {
+  const address = new URLSearchParams(location.search);
+  if (address.has("tab")) address.set("view", address.get("tab"));
+  const named = address.get("chapter");
+  const tools = [...address.keys()].some((name) => OWN.includes(name)); // a link to the workbench
+  const chapter = Object.hasOwn(CHAPTERS, named ?? "") ? named : tools ? "analyse" : "";
+  const chosen = { ...usual(chapter), chapter };
+  for (const [name, text] of address) {
     if (!Object.hasOwn(DEFAULTS, name) || CHOICES[name]?.includes(text) === false) continue;
-    if (!NUMBERS.has(name)) chosen[name] = text.slice(0, 200);
+    if (!NUMBERS.has(name)) chosen[name] = links.get(text) ?? text.slice(0, LONG[name] ?? 200);
     else if (text !== "" && Number.isFinite(Number(text))) chosen[name] = Number(text);
   }
   if (!(Number.isInteger(chosen.pin) && chosen.pin >= 0)) chosen.pin = null;
@@ -68,14 +89,54 @@ function fromAddress() {
 
 export const state = fromAddress();
 
-/** Change values, notify listeners, and update the address after a short pause. */
+const tell = (changed) => {
+  for (const listener of [...listeners]) listener(changed);
+};
+
+/** Change values, notify listeners, and update the address after a short pause. A new tab or chapter is a
+ * step that the browser's Back goes back. */
 export function change(patch) {
   const changed = Object.keys(patch).filter((name) => state[name] !== patch[name]);
   if (!changed.length) return;
+  if (changed.includes("view") && state.chapter === "order" && [state.view, patch.view].includes("explore")) {
+    patch = { ...patch, p: otherP }; // p of the first chapter's own set means nothing to the head of the other tabs
+    otherP = state.p;
+    changed.push("p");
+  }
+  const step = changed.includes("view") || (changed.includes("chapter") && state.chapter !== "");
+  if (step) writeAddress();
   Object.assign(state, patch);
-  for (const listener of [...listeners]) listener(changed);
+  tell(changed);
   clearTimeout(writing);
-  writing = setTimeout(writeAddress, 150);
+  if (step) writeAddress("pushState");
+  else writing = setTimeout(writeAddress, 150);
+}
+
+/** Open a chapter of Explore as it was left, or with its usual values. */
+export function openChapter(chapter, patch = {}) {
+  if (state.chapter === chapter) return change(patch);
+  const pick = (from) => Object.fromEntries(OWN.map((name) => [name, from[name]]));
+  if (state.chapter) left.set(state.chapter, pick(state));
+  return change({ ...pick(usual(chapter)), ...left.get(chapter), ...patch, chapter });
+}
+
+/** The order at which a chapter opens; the first chapter's waits while another tab is open. */
+export function openAt(p) {
+  state.opened = p;
+  if (state.chapter === "order" && state.view !== "explore") otherP = p;
+  else state.p = p;
+}
+
+/** Back and forward: take the values of the address. `open(view)` opens a tab. */
+export function followHistory(open) {
+  addEventListener("popstate", () => {
+    const now = fromAddress();
+    const changed = Object.keys(now).filter((name) => state[name] !== now[name]);
+    clearTimeout(writing);
+    Object.assign(state, now);
+    if (changed.includes("view")) open(state.view);
+    tell(changed);
+  });
 }
 
 /** Call `action` whenever one of `names` changes. Returns a function that stops it. */
@@ -98,15 +159,18 @@ export function watchIn(view, names, action) {
   watch(["view"], () => late && now());
 }
 
-function writeAddress() {
+function writeAddress(how = "replaceState") {
+  clearTimeout(writing);
   const address = new URL(location.href);
-  for (const [name, usual] of Object.entries(DEFAULTS)) {
-    const value = state[name];
-    if (value === null || value === usual) address.searchParams.delete(name);
-    else address.searchParams.set(name, typeof value === "number" ? +value.toFixed(4) : value);
+  address.searchParams.delete("tab");
+  const from = new Map([...links].map(([link, ref]) => [ref, link]));
+  for (const [name, value] of Object.entries(usual(state.chapter))) {
+    const now = from.get(state[name]) ?? state[name];
+    if (now === null || now === value) address.searchParams.delete(name);
+    else address.searchParams.set(name, typeof now === "number" ? +now.toFixed(4) : now);
   }
   try {
-    history.replaceState(history.state, "", address);
+    history[how](history.state, "", address);
   } catch {
     /* a page opened from disk may not write its address in every browser */
   }

@@ -1,6 +1,6 @@
 /** Open a tab from elsewhere in the page, and keep it in the address. */
 
-import { change, state } from "./store.js";
+import { change, followHistory, state } from "./store.js";
 
 const AGAIN = 100; // ms
 
@@ -32,5 +32,6 @@ export function followTabs() {
     },
     true,
   );
+  followHistory(openTab);
   if (state.view !== "explore") openFirst(state.view);
 }

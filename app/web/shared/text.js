@@ -6,3 +6,24 @@ export const percent = (share, digits = 0) => `${(100 * share).toFixed(digits)}\
 /** True for a set of signals, drawn as stripes: a pair is two recordings of one signal. */
 export const isSignals = ({ encoder }) => encoder === "strip";
 export const isSimulated = (name) => name.endsWith("-sim");
+
+/** Options of a choice: [[value, label], …]. */
+export const options = (all, chosen = null) =>
+  all
+    .map(
+      ([value, label]) =>
+        `<option value="${escaped(value)}"${value === chosen ? " selected" : ""}>${escaped(label)}</option>`,
+    )
+    .join("");
+
+/** The bytes of a base64 text. */
+export const bytesOf = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+
+const shown = new WeakMap();
+/** Write HTML into an element if it is not there yet, so that what is in use keeps the focus. */
+export function fill(box, html) {
+  if (shown.get(box) === html) return false;
+  shown.set(box, html);
+  box.innerHTML = html;
+  return true;
+}

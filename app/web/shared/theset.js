@@ -1,21 +1,25 @@
 /** The set's frames and thumbnails, fetched once for all tabs. */
 
-import { json } from "./api.js";
+import { inSet, json } from "./api.js";
 import { fetchFrames, fetchThumbnails } from "./frames.js";
 import { isSimulated } from "./text.js";
 
-let fetching = null;
+const fetching = new Map(); // set -> promise
 const waiting = new Set();
 
-/** {frames, coarse, sprite}; `onWait` gets the server's progress. Throws a Refusal.
- * @param {(step: any) => void} onWait */
-export function theSet(onWait = () => {}) {
+/** {frames, coarse, sprite} of a set, "" being the page's own; `onWait` gets the server's progress. Throws a
+ * Refusal. @param {(step: any) => void} onWait */
+export function theSet(onWait = () => {}, set = "") {
   waiting.add(onWait);
-  fetching ??= fetchAll().catch((error) => {
-    fetching = null; // the next call tries again
-    throw error;
-  });
-  return fetching;
+  if (!fetching.has(set))
+    fetching.set(
+      set,
+      fetchAll(set).catch((error) => {
+        fetching.delete(set); // the next call tries again
+        throw error;
+      }),
+    );
+  return fetching.get(set);
 }
 
 const NO_SET = { frames: null, sprite: null };
@@ -32,18 +36,18 @@ export function theSetSoon() {
   });
 }
 
-async function fetchAll() {
+async function fetchAll(set) {
   let told = false; // the badge does not wait for the map
   const tell = (step) => {
     if (!told)
-      json("about")
+      json(inSet("about", set))
         .then(({ embeddings: own }) => sayWhetherSimulated(own.simulated, own.domains ?? []))
         .catch(() => {});
     told = true;
     waiting.forEach((one) => one(step));
   };
-  const { frames, coarse, drawn } = await fetchFrames(tell);
-  const sprite = drawn ? await fetchThumbnails() : null;
+  const { frames, coarse, drawn } = await fetchFrames(tell, { set });
+  const sprite = drawn ? await fetchThumbnails(set) : null;
   sayWhetherSimulated(frames.meta.embeddings.simulated, frames.domains);
   return { frames, coarse, sprite };
 }

@@ -13,13 +13,24 @@ export function niceTop(value) {
 
 /**
  * series: [{name, colour, points: [[epoch, value]], dashed}]; top: of the axis, computed by default;
- * low: its lower end; at: the epoch that is marked; total: epochs in all; unit: "%" shows shares.
+ * low: its lower end; wide, tall: in CSS pixels; at: the epoch that is marked; total: epochs in all; unit: "%" shows shares.
  */
-export function chart({ title, series, total, at, top = null, low = 0, level = null, unit = "", wide = W }) {
+export function chart({
+  title,
+  series,
+  total,
+  at,
+  top = null,
+  low = 0,
+  level = null,
+  unit = "",
+  wide = W,
+  tall = H,
+}) {
   const values = series.flatMap((one) => one.points.map(([, v]) => v)).filter(Number.isFinite);
   const high = top ?? niceTop(Math.max(0.001, ...values));
   const X = (epoch) => PAD.left + ((epoch - 1) / Math.max(1, total - 1)) * (wide - PAD.left - PAD.right);
-  const Y = (v) => H - PAD.bottom - ((v - low) / (high - low)) * (H - PAD.top - PAD.bottom);
+  const Y = (v) => tall - PAD.bottom - ((v - low) / (high - low)) * (tall - PAD.top - PAD.bottom);
   const figure = (v) => (unit === "%" ? `${Math.round(100 * v)} %` : `${+v.toFixed(2)}`);
   const grid = [low, (low + high) / 2, high].map(
     (v) =>
@@ -39,22 +50,24 @@ export function chart({ title, series, total, at, top = null, low = 0, level = n
     const last = points.findLast(([epoch]) => epoch <= at);
     return `<span><i style="background:${colour}"></i>${name} <b>${last ? (unit === "%" ? `${(100 * last[1]).toFixed(1)} %` : last[1].toFixed(3)) : "–"}</b></span>`;
   });
-  return `<figure><figcaption>${title}</figcaption><svg viewBox="0 0 ${wide} ${H}" role="img" aria-label="${title} over epochs">${grid.join("")}${chance}${lines.join("")}<line class="now" x1="${X(at)}" x2="${X(at)}" y1="${PAD.top}" y2="${H - PAD.bottom}"/><text x="${PAD.left}" y="${H - 3}">1</text><text x="${wide - PAD.right}" y="${H - 3}" text-anchor="end">${total}</text></svg><p class="now-values">${now.join("")}</p></figure>`;
+  return `<figure><figcaption>${title}</figcaption><svg viewBox="0 0 ${wide} ${tall}" role="img" aria-label="${title} over epochs">${grid.join("")}${chance}${lines.join("")}<line class="now" x1="${X(at)}" x2="${X(at)}" y1="${PAD.top}" y2="${tall - PAD.bottom}"/><text x="${PAD.left}" y="${tall - 3}">1</text><text x="${wide - PAD.right}" y="${tall - 3}" text-anchor="end">${total}</text></svg><p class="now-values">${now.join("")}</p></figure>`;
 }
 
-/** The charts of a run. classes: for the chance line; wide: of a chart, in CSS pixels. */
-export function charts(epochs, total, at, classes, wide = W) {
+/** The charts of a run. classes: for the chance line; wide: of a chart, in CSS pixels; bare: only those with values. */
+export function charts(epochs, total, at, classes, wide = W, bare = false) {
   const of = (read) => epochs.map((one) => [one.epoch, read(one)]).filter(([, v]) => Number.isFinite(v));
   const measure = (name) => of((one) => one.measures[name]);
+  const tall = bare ? 2 * H : H;
   const [blue, orange, green, grey] = ["#2f7fd1", "#d55e00", "#009e73", "#8c8c8c"];
   const accuracies = (title, series) =>
-    chart({ title, series, total, at, wide, top: 1, unit: "%", level: 1 / classes });
-  return [
+    chart({ title, series, total, at, wide, tall, top: 1, unit: "%", level: 1 / classes });
+  const all = [
     chart({
       title: "Loss",
       total,
       at,
       wide,
+      tall,
       series: [
         { name: "total", colour: blue, points: of((one) => one.loss) },
         { name: "cross-entropy", colour: orange, points: of((one) => one.cross_entropy) },
@@ -73,6 +86,7 @@ export function charts(epochs, total, at, classes, wide = W) {
       total,
       at,
       wide,
+      tall,
       series: [
         { name: "modality", colour: orange, points: measure("modality_gap/f_hat") },
         { name: "domain", colour: green, points: measure("domain_gap/f_hat") },
@@ -83,6 +97,7 @@ export function charts(epochs, total, at, classes, wide = W) {
       total,
       at,
       wide,
+      tall,
       series: [{ name: "margin", colour: green, points: measure("margin/f_hat") }],
     }),
     chart({
@@ -90,8 +105,10 @@ export function charts(epochs, total, at, classes, wide = W) {
       total,
       at,
       wide,
+      tall,
       top: 1,
       series: [{ name: "p", colour: "#b91c1c", points: of((one) => one.order) }],
     }),
-  ].join("");
+  ];
+  return (bare ? [all[0], all.at(-1)] : all).join("");
 }

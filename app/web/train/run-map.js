@@ -5,7 +5,7 @@ import { layersOf } from "../shared/layers.js";
 import { axes, axisNames } from "../shared/marks.js";
 import { COLOURINGS, onTheme } from "../shared/palette.js";
 import { listen } from "../shared/pointer.js";
-import { escaped } from "../shared/text.js";
+import { bytesOf, escaped } from "../shared/text.js";
 
 export class RunMap {
   constructor(box, legend) {
@@ -27,23 +27,13 @@ export class RunMap {
     this.box.innerHTML = "";
     this.cloud = new Cloud(this.box, 2 * pairs);
     this.cloud.painters = [axes(() => axisNames("pca"))];
-    const nothing = () => {};
-    listen(this.cloud, {
-      wanted: () => false,
-      hover: nothing,
-      pick: nothing,
-      lasso: nothing,
-      next: nothing,
-      lassoMode: () => false,
-      current: () => -1,
-    });
+    listen(this.cloud, {});
   }
 
   /** coded: base64 of u16 pairs. */
   show(coded) {
     if (!this.cloud || !coded) return;
-    const bytes = Uint8Array.from(atob(coded), (c) => c.charCodeAt(0));
-    this.points = new Uint16Array(bytes.buffer);
+    this.points = new Uint16Array(bytesOf(coded).buffer);
     this.paint();
   }
 

@@ -1,6 +1,6 @@
 /** The settings of a training, as a form and back. Text in, HTML out. */
 
-import { escaped } from "../shared/text.js";
+import { options } from "../shared/text.js";
 
 const ORDERS = {
   gradient: "learn p by gradient",
@@ -22,16 +22,19 @@ const NUMBERS = {
 /** The form; `offers` are the server's choices. */
 export function formHtml({ sources, widths, orders, ranges, first }) {
   const select = (name, label, values, text = (v) => v) =>
-    `<label>${label}<select name="${name}">${values.map((v) => `<option value="${escaped(v)}" ${v === first[name] ? "selected" : ""}>${escaped(text(v))}</option>`).join("")}</select></label>`;
+    `<label>${label}<select name="${name}">${options(
+      values.map((v) => [v, text(v)]),
+      first[name],
+    )}</select></label>`;
   const number = (name) => {
     const [label, step] = NUMBERS[name];
     const [low, high] = ranges[name];
     return `<label>${label}<input type="number" name="${name}" min="${low}" max="${high}" step="${step}" value="${first[name]}" required></label>`;
   };
-  return `<h3>Settings</h3>${select("source", "Learn from", sources)}${select("width", "D, width", widths)}${select("order", "What p does", orders, (v) => ORDERS[v])}
-    ${["p", "mma", "levels", "expansion", "noise", "epochs", "seed"].map(number).join("")}
-    <label class="check"><input type="checkbox" name="lang" ${first.lang ? "checked" : ""}> LANG guides the training</label>
-    <div class="row"><button type="submit" class="main go">Train</button><button type="button" class="stop" hidden>Cancel</button></div>`;
+  return `${select("source", "Learn from", sources)}${select("order", "What p does", orders, (v) => ORDERS[v])}
+    <div class="row"><button type="submit" class="main go">Train</button><button type="button" class="stop" hidden>Cancel</button></div>
+    <details class="advanced"><summary>Advanced</summary>${select("width", "D, width", widths)}${["p", "mma", "levels", "expansion", "noise", "epochs", "seed"].map(number).join("")}
+    <label class="check"><input type="checkbox" name="lang" ${first.lang ? "checked" : ""}> LANG guides the training</label></details>`;
 }
 
 /** The form's values for the server. entries: name -> text, of a FormData. */

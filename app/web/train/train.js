@@ -1,10 +1,10 @@
 /** Train here: choose settings, train, follow the epochs, use the head. */
 
-import { ask, get, refused } from "../shared/api.js";
-import { save } from "../shared/save.js";
+import { ask, json, refused } from "../shared/api.js";
+import { made, save } from "../shared/save.js";
 import { escaped } from "../shared/text.js";
 import { charts } from "./lines.js";
-import { mapAt, result, standing } from "./progress.js";
+import { compared, mapAt, result, standing } from "./progress.js";
 import { RunMap } from "./run-map.js";
 import { chosen, formHtml, inWords } from "./settings.js";
 import { keep, kept, visitor } from "./visitor.js";
@@ -20,6 +20,7 @@ export async function start(root) {
     refused(error, (sentence) => {
       problem.textContent = sentence;
       problem.hidden = false;
+      root.querySelector(".bench").hidden = true; // nothing there works without the choices
     });
   }
 }
@@ -85,13 +86,36 @@ class TrainTab {
   /** Continue to show a training that was started before the page was reloaded, or in another tab. */
   async resume() {
     const earlier = kept();
-    if (!earlier) return;
+    if (!earlier) return this.preview(null);
     try {
       await ask("training", { run: earlier.started.run, since: 0 });
       await this.watch(earlier.started, earlier.question);
     } catch (error) {
-      refused(error, () => keep(null)); // the server no longer has it
+      refused(error, () => this.preview(earlier)); // the server no longer has it
     }
+  }
+
+  /** Before a run: the curves of the visitor's last one, or of the loaded head. */
+  async preview(earlier) {
+    const { head } = earlier?.epochs ? { head: null } : await json("about").catch(() => ({ head: {} }));
+    const own = (head?.metrics?.epochs ?? []).map((one, i) => ({ ...one, epoch: i + 1, measures: {} }));
+    const epochs = earlier?.epochs ?? own;
+    if (this.run || !epochs.length) return;
+    const title = earlier?.epochs
+      ? `Your last run: ${inWords(earlier.question)}`
+      : "How the loaded head was trained; yours adds accuracy, gaps and a map";
+    this.$(".preview h3").textContent = title;
+    this.$(".preview").hidden = false;
+    const box = this.$(".preview .charts");
+    const columns = getComputedStyle(box).gridTemplateColumns.split(" ").length;
+    box.innerHTML = charts(
+      epochs,
+      epochs.length,
+      epochs.length,
+      earlier?.started.classes.length ?? head.classes.length,
+      Math.max(0, box.clientWidth / columns - 14) || undefined,
+      !earlier,
+    );
   }
 
   async watch(started, question) {
@@ -101,7 +125,7 @@ class TrainTab {
       total: started.total,
       classes: started.classes.length,
       epochs: [],
-      state: { state: "waiting", place: 0, text: "", problem: "", set: "" },
+      state: { state: "waiting", place: 0, text: "", left: "", problem: "", set: "" },
     };
     this.follows = true;
     this.at = 0;
@@ -149,6 +173,7 @@ class TrainTab {
     this.$(".bench").classList.toggle("has-run", Boolean(run?.epochs.length));
     if (!run) return;
     const done = run.epochs.length;
+    this.$(".preview").hidden = true;
     this.$(".status").textContent = standing(run.state, { epochs: done, total: run.total });
     this.$(".bar-of-epochs").hidden = !active;
     this.$(".bar-of-epochs i").style.width = `${(100 * done) / run.total}%`;
@@ -159,12 +184,12 @@ class TrainTab {
     slider.value = this.at;
     this.$(".scrubber output").textContent = `${this.at} of ${run.total}`;
     if (!done) return;
-    this.$(".charts").innerHTML = charts(
+    this.$(".both .charts").innerHTML = charts(
       run.epochs,
       run.total,
       Math.max(1, this.at),
       run.classes,
-      this.$(".charts svg")?.getBoundingClientRect().width || undefined,
+      this.$(".both .charts svg")?.getBoundingClientRect().width || undefined,
     );
     this.map.show(mapAt(run.epochs, this.at)?.map);
   }
@@ -179,7 +204,8 @@ class TrainTab {
     }
   }
 
-  remember(run) {
+  async remember(run) {
+    keep({ ...kept(), epochs: run.epochs.map(({ map, ...one }) => one) });
     this.earlier.push({ words: inWords(run.question), ...result(run.epochs) });
     const rows = this.earlier.map(
       (one) =>
@@ -187,7 +213,11 @@ class TrainTab {
     );
     this.$(".earlier").hidden = false;
     this.$(".earlier").innerHTML =
-      `<h3>Trained in this visit</h3><div class="scroll" tabindex="0" role="group" aria-label="Heads trained in this visit"><table><thead><tr><th scope="col">Settings</th><th scope="col">p</th><th scope="col">accuracy, unseen</th><th scope="col">modality gap</th><th scope="col">domain gap</th></tr></thead><tbody>${rows.join("")}</tbody></table></div><p class="hint">One training each: differences of a few points are within the spread between seeds.</p>`;
+      `<h3>Trained in this visit</h3><div class="scroll" tabindex="0" role="group" aria-label="Heads trained in this visit"><table><thead><tr><th scope="col">Settings</th><th scope="col">p</th><th scope="col">accuracy, unseen</th><th scope="col">modality gap</th><th scope="col">domain gap</th></tr></thead><tbody>${rows.join("")}</tbody></table></div><p class="difference"></p>`;
+    if (this.earlier.length < 2) return;
+    const found = await json("matrix").catch(() => ({ ranking: [] }));
+    const seeds = found.ranking.find(({ label }) => /^OmniVaT, D/.test(label))?.seeds ?? null;
+    this.$(".difference").textContent = compared(this.earlier, seeds);
   }
 
   use() {
@@ -200,13 +230,7 @@ class TrainTab {
 
   async save() {
     try {
-      const body = JSON.stringify({ run: this.run.name });
-      const response = await get("save/trained", {
-        method: "POST",
-        body,
-        headers: { "Content-Type": "application/json" },
-      });
-      save("trained-head.zip", await response.blob());
+      save("trained-head.zip", await made("save/trained", { run: this.run.name }));
     } catch (error) {
       refused(error, (sentence) => this.problem(sentence));
     }

@@ -1,24 +1,9 @@
 /** This visitor's name and last training, in this browser, so that reloading loses neither. */
 
+import { keptJson, kept as read, keep as write } from "../shared/memory.js";
+
 const NAME = "omnivat-visitor";
 const TRAINING = "omnivat-training";
-const memory = new Map(); // in a frame of another site, a browser may refuse its storage
-
-function read(key) {
-  try {
-    return localStorage.getItem(key);
-  } catch {
-    return memory.get(key) ?? null;
-  }
-}
-
-function write(key, text) {
-  try {
-    localStorage.setItem(key, text);
-  } catch {
-    memory.set(key, text);
-  }
-}
 
 /** A name, so that the server allows one training for each visitor. */
 export function visitor() {
@@ -32,10 +17,4 @@ export function visitor() {
 export const keep = (training) => write(TRAINING, JSON.stringify(training));
 
 /** The kept training, or null. */
-export function kept() {
-  try {
-    return JSON.parse(read(TRAINING) ?? "null");
-  } catch {
-    return null;
-  }
-}
+export const kept = () => keptJson(TRAINING, null);

@@ -13,14 +13,12 @@ export const KINDS = {
   none: "No generation",
 };
 const NOD = {
-  tree: "NOD pushes each layer’s matrix towards the identity: siblings at right angles.",
-  series: "NOD pushes the matrix of all nodes towards the identity.",
-  parallel: "NOD pushes the matrix of the root’s children towards the identity.",
+  tree: "NOD pushes the matrix of cosines of each layer towards the identity: siblings at right angles.",
+  series: "NOD pushes the matrix of cosines of all nodes towards the identity.",
+  parallel: "NOD pushes the matrix of cosines of the root’s children towards the identity.",
   interpolation:
     "These nodes lie on the line from photo to touch. Nothing is learned and NOD does not apply.",
 };
-
-export const ALONE = `<p class="hint alone">Tree, series, parallel and interpolation are four ways to make as many nodes. Each needs a head trained that way: <code>python -m omnivat train … --set generation=series</code>, then <code>app.py --compare DIR</code> shows it here, next to this one.</p>`;
 
 /** one: the server's reply for a head, with `votes` once loaded; several: true if there are more heads. */
 export function grove(one, several) {
@@ -31,7 +29,7 @@ export function grove(one, several) {
   if (!one.nodes)
     return `<div class="panel"><header><h3>${title}</h3></header><p class="hint">${escaped(one.problem)}</p></div>`;
   return `<div class="grove${several ? " several" : ""}"><div class="panel"><header><h3>${title}</h3></header>
-    <p class="worth">${worth(one.votes, one.of_pairs)}</p><div class="nodes">${drawTree({ ...one, constant: constant(one.votes) })}</div>${legend(one)}</div>${layers(one)}</div>`;
+    <p class="worth">${worth(one.votes, one.of_pairs)}</p><div class="nodes">${drawTree({ ...one, constant: constant(one.votes) })}</div>${legend(one)}${layers(one)}</div></div>`;
 }
 
 function legend(one) {
@@ -43,14 +41,14 @@ function legend(one) {
       ? ""
       : " “Right” is the share of the domain’s pairs that the node alone predicts correctly.";
   const unused = one.in_use ? "" : " This head predicts without its tree (Alg. 2 as printed).";
-  return `<p class="hint legend-line">${keys.join("")} A disc’s area follows the node’s norm. The bar is the classifier’s output for the node alone.${right}${unused}</p>`;
+  return `<p class="hint legend-line">${keys.join("")} Area: norm. Bar: its own prediction.${right}${unused}</p>`;
 }
 
 function layers(one) {
   const where = one.arrangement === "tree" ? "in each layer" : "of the nodes";
   const mean = one.pairs > 1 ? " Means over pairs." : "";
   const tables = one.layers.map((layer, level) => matrix(layer, level, one.arrangement));
-  return `<div class="panel layers"><header><h3>Cosines ${where}</h3><p class="hint">${NOD[one.arrangement] ?? ""} 0 = perfectly orthogonal.${mean}</p></header><div class="matrices">${tables.join("")}</div></div>`;
+  return `<details class="layers"><summary>Cosines ${where}</summary><p class="hint">${NOD[one.arrangement] ?? ""} 0 = perfectly orthogonal.${mean}</p><div class="matrices">${tables.join("")}</div></details>`;
 }
 
 function matrix({ nodes, cosines, nod }, level, arrangement) {

@@ -7,17 +7,21 @@ import { orderBar } from "../shared/order.js";
 import { onTheme } from "../shared/palette.js";
 import { somePair } from "../shared/pick.js";
 import { change, state, watchIn } from "../shared/store.js";
-import { escaped } from "../shared/text.js";
+import { options } from "../shared/text.js";
 import { theSetSoon } from "../shared/theset.js";
-import { ALONE, grove } from "./grove.js";
+import { grove } from "./grove.js";
 
 const STOPS = Array.from({ length: 101 }, (_, i) => i / 100);
-const NEAR = 0.005; // half a stop: this close, p means the learned one
-const scale = {
-  orders: STOPS,
-  meta: { head: {} },
-  stop: (p) => Math.max(0, Math.min(100, Math.round(100 * p))),
-};
+const SAME = 1e-6;
+/** The visitor's p; null for the one that a chapter of Explore opened with. */
+const chosen = () => (state.p === state.opened ? null : state.p);
+
+/** The stops of the bar: hundredths, and exactly the learned p once it is known. */
+function scaleOf(learned) {
+  const orders = learned >= 0 && learned <= 1 ? [...STOPS, learned].sort((a, b) => a - b) : STOPS;
+  const far = (p) => orders.map((order) => Math.abs(order - p));
+  return { orders, learned, meta: { head: {} }, stop: (p) => far(p).indexOf(Math.min(...far(p))) };
+}
 
 export async function start(root) {
   const tab = new TreeTab(root);
@@ -46,7 +50,8 @@ export async function start(root) {
 class TreeTab {
   constructor(root) {
     this.root = root;
-    this.bar = orderBar(this.$(".order-bar"), scale);
+    this.scale = scaleOf(NaN);
+    this.bar = orderBar(this.$(".order-bar"), this.scale);
     this.known = [{ name: "" }];
     this.trees = [];
     this.votes = new Map(); // head -> most frequent class of each node
@@ -70,9 +75,7 @@ class TreeTab {
 
   /** The set's map has arrived: offer its domains, and place nodes on it. */
   adopt(frames) {
-    this.$(".of").innerHTML += frames.domains
-      .map((name) => `<option value="${escaped(name)}">all of ${escaped(name)}</option>`)
-      .join("");
+    this.$(".of").innerHTML += options(frames.domains.map((name) => [name, `all of ${name}`]));
     if (state.tree && !frames.domains.includes(state.tree)) state.tree = "";
     this.$(".of").value = state.tree;
     this.onMap = nodeMap(this.$(".on-map"), frames);
@@ -80,14 +83,14 @@ class TreeTab {
 
   /** While p is dragged, send at most one request every 60 ms. */
   soon() {
-    if (state.p !== null) this.bar.show(scale.stop(state.p));
+    if (chosen() !== null) this.bar.show(this.scale.stop(state.p));
     if (!this.queued) this.queued = setTimeout(() => this.grow(), 60);
   }
 
-  /** The p to request: null is the learned one, at the stop nearest to it. */
+  /** The p to request: null is the learned one. */
   get order() {
     const learned = this.trees[0]?.learned;
-    return state.p !== null && Math.abs(state.p - learned) < NEAR ? null : state.p;
+    return chosen() !== null && Math.abs(state.p - learned) < SAME ? null : chosen();
   }
 
   async grow() {
@@ -140,16 +143,21 @@ class TreeTab {
         this.votes.set(name, await ask("votes", { head: name }));
         this.show();
       } catch (error) {
-        refused(error, () => {}); // the head cannot read this set: show the tree without it
+        refused(error, () => this.votes.set(name, {})); // the head cannot read this set: show the tree without it
       }
     }
+    this.$(".groves").setAttribute("aria-busy", [...this.votes.values()].includes(null));
   }
 
   show() {
     const [first] = this.trees;
-    if (state.p === null) change({ p: STOPS[scale.stop(first.order)] });
+    if (chosen() === null) change({ p: first.order }); // not rounded: the learned p is another one than its nearest hundredth
+    if (this.scale.learned !== first.learned) {
+      this.scale = scaleOf(first.learned);
+      this.bar.replace(this.scale);
+    }
     this.bar.learned(first.learned);
-    this.bar.show(scale.stop(state.p));
+    this.bar.show(this.scale.stop(state.p));
     this.$(".whose").textContent =
       `${whose(first)} at p = ${first.order.toFixed(3)}${first.order === first.learned ? " (learned)" : ", a what-if: weights are those of the learned p"}`;
     const voted = this.trees.map((one) => {
@@ -157,7 +165,10 @@ class TreeTab {
       return { ...one, votes: found?.votes, of_pairs: found?.pairs };
     });
     const several = voted.length > 1;
-    this.$(".groves").innerHTML = voted.map((one) => grove(one, several)).join("") + (several ? "" : ALONE);
+    const groves = this.$(".groves");
+    const at = [...groves.querySelectorAll("[tabindex]")].indexOf(document.activeElement);
+    groves.innerHTML = voted.map((one) => grove(one, several)).join("");
+    groves.querySelectorAll("[tabindex]")[at]?.focus(); // votes come late: the keys stay where they are
     this.$(".on-map").hidden = !this.onMap || Boolean(state.tree);
   }
 }

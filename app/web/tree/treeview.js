@@ -6,7 +6,7 @@ import { escaped, percent } from "../shared/text.js";
 const ROW = 132;
 const RADIUS = 27; // of the node with the largest norm
 const COLUMN = 122; // between the nodes of a series
-const LABEL = 46; // height of the text under a disc
+const LABEL = 32; // height of the text under a disc
 const LEAST = 0.84; // smallest scale of the drawing: its smallest letters have 12 units and need 10 pixels
 /** Units of the whole drawing and of one column, on phones and elsewhere. */
 const COLUMNS = {
@@ -85,7 +85,7 @@ function disc({ norm, probabilities, right }, i, [x, y], r, classes, fits, fixed
   const title = `<title>Node ${i + 1}${fixed ? ", one class for nearly every pair" : ""}: norm ${norm.toFixed(3)}; ${escaped(parts)}</title>`;
   const label = fits
     ? `<text class="name" x="${x}" y="${y + r + 17}">${escaped(classes[best])} ${percent(probabilities[best])}</text>
-    ${bar(probabilities, x - 46, y + r + 23)}<text x="${x}" y="${y + r + 43}">norm ${norm.toFixed(2)}</text>${typeof right !== "number" ? "" : `<text x="${x}" y="${y + r + 57}">${percent(right)} right</text>`}`
+    ${bar(probabilities, x - 46, y + r + 23)}${typeof right !== "number" ? "" : `<text x="${x}" y="${y + r + 43}">${percent(right)} right</text>`}`
     : "";
   return `<g tabindex="0" role="listitem" aria-label="Node ${i + 1}, norm ${norm.toFixed(2)}, ${escaped(parts)}">${title}
     <circle class="disc${fixed ? " fixed" : ""}" cx="${x}" cy="${y}" r="${r}" style="fill:${classColour(best)}"/><text class="index${isDeep(classColour(best)) ? " pale" : ""}" x="${x}" y="${y + 5}">${i + 1}</text>${label}</g>`;

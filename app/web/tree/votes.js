@@ -1,4 +1,4 @@
-/** Nodes that give one class to nearly every pair, and so depend little on the pair. No DOM here. */
+/** Nodes that alone predict one class for nearly every pair. No DOM here. */
 
 import { escaped, percent } from "../shared/text.js";
 
@@ -13,7 +13,7 @@ export function worth(votes, pairs) {
   const fixed = constant(votes).filter(Boolean).length;
   const names = [...new Set(votes.filter(({ share }) => share >= ALIKE).map((one) => one.class))];
   if (!fixed)
-    return `Each of the ${votes.length} nodes gives different classes to different pairs of the set.`;
+    return `Each of the ${votes.length} nodes alone predicts different classes for different pairs.`;
   const classes = names.map((name) => `<i>${escaped(name)}</i>`).join(" or ");
-  return `<b>${fixed} of ${votes.length} nodes</b> (dashed) give ${classes} to at least ${percent(ALIKE)} of the set’s ${pairs.toLocaleString("en-US")} pairs, whatever the pair is. They shift all pairs in the same way, so they do not represent directions towards new domains.`;
+  return `<b>${fixed} of ${votes.length} nodes</b> (dashed) alone predict ${classes} for at least ${percent(ALIKE)} of the set’s ${pairs.toLocaleString("en-US")} pairs.`;
 }

@@ -20,6 +20,7 @@ READERS = {
     "objectfolder_real": "omnivat.data.readers.objectfolder_real:read",
     "touch_and_go": "omnivat.data.readers.touch_and_go:read",
     "folder": "omnivat.data.readers.folder:read",
+    "loose": "omnivat.data.readers.loose:read",
 }
 
 

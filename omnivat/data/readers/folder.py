@@ -16,6 +16,7 @@ from omnivat.data.readers.names import (
     show,
     visible,
 )
+from omnivat.data.rest import REST
 from omnivat.errors import DataError
 
 HALF = re.compile(r"(?P<name>.*)_(?P<half>vis|tac)", re.IGNORECASE | re.DOTALL)
@@ -132,6 +133,8 @@ class _Walk:
 
 def _not_a_half(path: Path, stem: re.Match[str] | None) -> str:
     """Return why a file is not part of a pair, or "". Files of other kinds are ignored."""
+    if path.name == REST:
+        return ""
     image = is_image_name(path.name)
     if not image and not stem:
         return ""
@@ -163,6 +166,11 @@ def _of_one_name(folders: list[Path], kind: str) -> list[Path]:
 
 
 def _no_pairs(source: Path, skipped: list[Skipped]) -> str:
+    if any((source / name).is_file() for name in ("meta/info.json", "videos.csv")):
+        return (
+            f"'{show(source)}' holds recordings; make pairs of them first: `python -m omnivat import "
+            f"{show(source)} --out PAIRS`."
+        )
     message = f"No pairs in '{show(source)}'; expected {LAYOUT}."
     for place in (source, *folders_in(source)):
         if _holds_halves(place):

@@ -8,8 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 from omnivat.simulate.shapes import flats, tools, vessels
-from omnivat.simulate.shapes.made import Made, made_of
-from omnivat.simulate.shapes.solid import Solid
+from omnivat.simulate.shapes.solid import Made, Solid, made_of
 from omnivat.simulate.shapes.spots import Spot, blocked, spot
 
 __all__ = [

@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from omnivat.simulate.shapes.made import Made
 from omnivat.simulate.shapes.making import block, turned
-from omnivat.simulate.shapes.solid import Solid, grounded, joined, placed, sawn
+from omnivat.simulate.shapes.solid import Made, Solid, grounded, joined, placed, sawn
 
 Rng = np.random.Generator
 

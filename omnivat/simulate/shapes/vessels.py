@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from omnivat.simulate.shapes.made import Made
 from omnivat.simulate.shapes.making import Profile, swept, turned
-from omnivat.simulate.shapes.solid import Solid, joined, sawn
+from omnivat.simulate.shapes.solid import Made, Solid, joined, sawn
 
 Rng = np.random.Generator
 

@@ -11,9 +11,9 @@ import numpy as np
 
 from omnivat.seeding import derive_seed
 from omnivat.simulate.surfaces import ceramic, glass, plastic, steel, wood
-from omnivat.simulate.surfaces.base import Form, Surface
+from omnivat.simulate.surfaces.base import Surface
 
-__all__ = ["RECIPES", "Form", "Surface", "recipe", "surface"]
+__all__ = ["RECIPES", "Surface", "recipe", "surface"]
 
 Recipe = Callable[[np.random.Generator], Surface]
 

@@ -3,8 +3,21 @@
 import numpy as np
 
 from omnivat.simulate.noise import Array, smoothstep
-from omnivat.simulate.surfaces.base import Form, Surface, mixed, pick, pick_log, stream, tinted
-from omnivat.simulate.surfaces.patterns import arcs, cracks, grain, orange_peel, pits, ribs, tiles
+from omnivat.simulate.surfaces.base import (
+    Surface,
+    arcs,
+    cracks,
+    grain,
+    mixed,
+    orange_peel,
+    pick,
+    pick_log,
+    pits,
+    ribs,
+    stream,
+    tiles,
+    tinted,
+)
 
 _GLAZES = (
     (0.78, 0.76, 0.70),
@@ -26,15 +39,6 @@ def _clay(rng: np.random.Generator) -> tuple[float, float, float]:
     return _CLAYS[rng.integers(len(_CLAYS))]
 
 
-def _pot(rng: np.random.Generator) -> Form:
-    """Return the wall of a mug, bowl or vase; now and then a flat plate."""
-    kind = rng.random()
-    if kind < 0.12:
-        return Form()
-    along = 0.0 if kind < 0.35 else 1 / pick_log(rng, 30, 70)
-    return Form(across=1 / pick_log(rng, 26, 60), along=along, angle=pick(rng, 0, np.pi))
-
-
 def glazed(rng: np.random.Generator) -> Surface:
     """Return a glossy glaze: soft waves and pinholes."""
     glaze, seed = _glaze(rng), stream(rng)
@@ -48,7 +52,7 @@ def glazed(rng: np.random.Generator) -> Surface:
         relief=lambda x, y: wave * orange_peel(x, y, size=3.5, seed=seed) - 0.07 * pinholes(x, y),
         colour=lambda x, y: tinted(
             glaze, 0.06 * orange_peel(x, y, size=16.0, seed=seed + 1) - 0.4 * pinholes(x, y)),
-        gloss="coated", roughness=pick(rng, 0.02, 0.07), form=_pot(rng),
+        gloss="coated", roughness=pick(rng, 0.02, 0.07),
     )  # fmt: skip
 
 
@@ -66,7 +70,7 @@ def crazed(rng: np.random.Generator) -> Surface:
     return Surface(
         recipe="crazed", relief=relief,
         colour=lambda x, y: tinted(glaze, -stain * net(x, y, 0.28)),
-        gloss="coated", roughness=pick(rng, 0.02, 0.06), form=_pot(rng),
+        gloss="coated", roughness=pick(rng, 0.02, 0.06),
     )  # fmt: skip
 
 
@@ -87,7 +91,7 @@ def stoneware(rng: np.random.Generator) -> Surface:
         colour=lambda x, y: mixed(
             tinted(glaze, 0.04 * grain(x, y, coarsest=4.0, finest=0.8, seed=seed)),
             np.array([0.10, 0.06, 0.04]), specks(x, y)),
-        gloss="coated", roughness=pick(rng, 0.12, 0.25), form=_pot(rng),
+        gloss="coated", roughness=pick(rng, 0.12, 0.25),
     )  # fmt: skip
 
 
@@ -106,7 +110,7 @@ def terracotta(rng: np.random.Generator) -> Surface:
     return Surface(
         recipe="terracotta", relief=relief,
         colour=lambda x, y: tinted(clay, 0.09 * rough(x, y)),
-        gloss="matte", roughness=0.6, form=_pot(rng),
+        gloss="matte", roughness=0.6,
     )  # fmt: skip
 
 
@@ -127,7 +131,7 @@ def thrown(rng: np.random.Generator) -> Surface:
             x, y, coarsest=1.4, finest=0.25, seed=seed + 11),
         colour=lambda x, y: tinted(base, 0.14 * (ridges(x, y) - 0.5)),
         gloss="matte" if bare else "coated", roughness=0.6 if bare else pick(rng, 0.03, 0.12),
-        angle=angle, form=_pot(rng),
+        angle=angle,
     )  # fmt: skip
 
 
@@ -166,7 +170,7 @@ def carved(rng: np.random.Generator) -> Surface:
         recipe="carved",
         relief=lambda x, y: rise * waves(x, y) + 0.01 * orange_peel(x, y, size=4.0, seed=seed),
         colour=lambda x, y: tinted(glaze, 0.35 * (waves(x, y) - 0.8)),
-        gloss="coated", roughness=pick(rng, 0.03, 0.1), form=_pot(rng),
+        gloss="coated", roughness=pick(rng, 0.03, 0.1),
     )  # fmt: skip
 
 

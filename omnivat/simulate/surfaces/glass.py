@@ -3,14 +3,19 @@
 import numpy as np
 
 from omnivat.simulate.noise import Array, cells
-from omnivat.simulate.surfaces.base import Form, Surface, pick, pick_log, stream, tinted
-from omnivat.simulate.surfaces.patterns import (
+from omnivat.simulate.surfaces.base import (
+    Field,
+    Surface,
     diamonds,
     dots,
     grain,
     orange_peel,
+    pick,
+    pick_log,
     ribs,
     scratches,
+    stream,
+    tinted,
 )
 
 _TINTS = (
@@ -24,26 +29,18 @@ _TINTS = (
 
 
 def _glass(
-    rng: np.random.Generator, recipe: str, relief: object, *, form: Form, dull: float = 0.02
-) -> Surface:
-    """Return glass of one tint with this relief; `dull` is the roughness of its skin."""
-    assert callable(relief)
+    rng: np.random.Generator, recipe: str, relief: Field, *, vessel: bool = False,
+    dull: tuple[float, float] | None = None,
+) -> Surface:  # fmt: skip
+    """Return glass of one tint with this relief; `dull` bounds the roughness of its skin."""
+    rng.random(2 + (rng.random() >= 0.6) if vessel else 1)  # once a curvature; keeps shipped bytes
+    skin = pick(rng, *dull) if dull else 0.02
     tint, seed = _TINTS[rng.integers(len(_TINTS))], stream(rng)
     return Surface(
         recipe=recipe, relief=relief,
         colour=lambda x, y: tinted(tint, 0.01 * orange_peel(x, y, size=30.0, seed=seed)),
-        gloss="glass", roughness=dull, form=form,
+        gloss="glass", roughness=skin,
     )  # fmt: skip
-
-
-def _pane(rng: np.random.Generator) -> Form:
-    return Form(angle=pick(rng, 0, np.pi))
-
-
-def _vessel(rng: np.random.Generator) -> Form:
-    """Return the wall of a bottle, tumbler or bowl."""
-    along = 0.0 if rng.random() < 0.6 else 1 / pick_log(rng, 40, 120)
-    return Form(across=1 / pick_log(rng, 22, 55), along=along, angle=pick(rng, 0, np.pi))
 
 
 def float_glass(rng: np.random.Generator) -> Surface:
@@ -54,17 +51,13 @@ def float_glass(rng: np.random.Generator) -> Surface:
         used = scratches(x, y, count=count, reach=30.0, width=0.05, seed=seed)
         return 0.0012 * orange_peel(x, y, size=8.0, seed=seed + 1) - 0.01 * used
 
-    form = _pane(rng) if rng.random() < 0.7 else _vessel(rng)
-    return _glass(rng, "float", relief, form=form)
+    return _glass(rng, "float", relief, vessel=rng.random() >= 0.7)
 
 
 def rippled(rng: np.random.Generator) -> Surface:
     """Return old or rippled glass: smooth, long, gentle waves."""
     seed, size, rise = stream(rng), pick(rng, 4.0, 9.0), pick(rng, 0.06, 0.18)
-    return _glass(
-        rng, "rippled", lambda x, y: rise * orange_peel(x, y, size=size, seed=seed),
-        form=_pane(rng),
-    )  # fmt: skip
+    return _glass(rng, "rippled", lambda x, y: rise * orange_peel(x, y, size=size, seed=seed))
 
 
 def reeded(rng: np.random.Generator) -> Surface:
@@ -73,7 +66,7 @@ def reeded(rng: np.random.Generator) -> Surface:
     return _glass(
         rng, "reeded",
         lambda x, y: rise * ribs(x, y, angle=angle, pitch=pitch, sharpness=0.6),
-        form=_pane(rng) if rng.random() < 0.5 else _vessel(rng),
+        vessel=rng.random() >= 0.5,
     )  # fmt: skip
 
 
@@ -85,7 +78,7 @@ def pebbled(rng: np.random.Generator) -> Surface:
         near, _ = cells(x, y, size=size, seed=seed, jitter=0.7)
         return -rise * (near / size) ** 2 * 2.0
 
-    return _glass(rng, "pebbled", relief, form=_pane(rng))
+    return _glass(rng, "pebbled", relief)
 
 
 def frosted(rng: np.random.Generator) -> Surface:
@@ -93,7 +86,7 @@ def frosted(rng: np.random.Generator) -> Surface:
     seed, depth = stream(rng), pick_log(rng, 0.003, 0.009)
     return _glass(
         rng, "frosted", lambda x, y: depth * grain(x, y, coarsest=0.5, finest=0.15, seed=seed),
-        form=_vessel(rng) if rng.random() < 0.4 else _pane(rng), dull=pick(rng, 0.25, 0.4),
+        vessel=rng.random() < 0.4, dull=(0.25, 0.4),
     )  # fmt: skip
 
 
@@ -102,7 +95,7 @@ def cut(rng: np.random.Generator) -> Surface:
     angle, pitch, rise = pick(rng, 0, np.pi), pick(rng, 4.0, 8.0), pick(rng, 0.5, 0.9)
     return _glass(
         rng, "cut", lambda x, y: rise * diamonds(x, y, pitch=pitch, angle=angle),
-        form=_vessel(rng) if rng.random() < 0.5 else _pane(rng),
+        vessel=rng.random() < 0.5,
     )  # fmt: skip
 
 
@@ -112,7 +105,7 @@ def pressed(rng: np.random.Generator) -> Surface:
     return _glass(
         rng, "pressed",
         lambda x, y: rise * dots(x, y, pitch=pitch, radius=0.3 * pitch, angle=angle, edge=0.22 * pitch),
-        form=_vessel(rng) if rng.random() < 0.5 else _pane(rng),
+        vessel=rng.random() < 0.5,
     )  # fmt: skip
 
 

@@ -3,13 +3,17 @@
 import numpy as np
 
 from omnivat.simulate.noise import Array, cells, smoothstep
-from omnivat.simulate.surfaces.base import Form, Surface, pick, pick_log, stream, tinted
-from omnivat.simulate.surfaces.patterns import (
+from omnivat.simulate.surfaces.base import (
+    Surface,
     dots,
     grain,
     orange_peel,
+    pick,
+    pick_log,
     ribs,
     scratches,
+    stream,
+    tinted,
 )
 
 
@@ -24,15 +28,6 @@ def _dye(rng: np.random.Generator) -> tuple[float, float, float]:
     return (level * (1 + warm), level, level * (1 - warm))
 
 
-def _moulding(rng: np.random.Generator) -> Form:
-    """Return flat, barrel-shaped or domed."""
-    kind = rng.random()
-    if kind < 0.45:
-        return Form()
-    bulge = 1 / pick_log(rng, 30, 90)
-    return Form(across=bulge, along=bulge if kind > 0.8 else 0.0, angle=pick(rng, 0, np.pi))
-
-
 def _even(rng: np.random.Generator) -> tuple[tuple[float, float, float], int]:
     return _dye(rng), stream(rng)
 
@@ -45,7 +40,7 @@ def eroded(rng: np.random.Generator) -> Surface:
         recipe="eroded",
         relief=lambda x, y: depth * grain(x, y, coarsest=size, finest=0.2, seed=seed),
         colour=lambda x, y: tinted(dye, 0.03 * grain(x, y, coarsest=size, finest=0.3, seed=seed)),
-        gloss="coated", roughness=pick(rng, 0.3, 0.5), form=_moulding(rng),
+        gloss="coated", roughness=pick(rng, 0.3, 0.5),
     )  # fmt: skip
 
 
@@ -62,7 +57,7 @@ def leather_grain(rng: np.random.Generator) -> Surface:
         recipe="leather grain",
         relief=lambda x, y: depth * cushions(x, y),
         colour=lambda x, y: tinted(dye, 0.10 * (cushions(x, y) - 1.0)),
-        gloss="coated", roughness=pick(rng, 0.25, 0.45), form=_moulding(rng),
+        gloss="coated", roughness=pick(rng, 0.25, 0.45),
     )  # fmt: skip
 
 
@@ -79,7 +74,7 @@ def ribbed(rng: np.random.Generator) -> Surface:
     return Surface(
         recipe="ribbed", relief=relief,
         colour=lambda x, y: tinted(dye, 0.02 * orange_peel(x, y, size=8.0, seed=seed)),
-        gloss="coated", roughness=pick(rng, 0.15, 0.4), angle=angle, form=_moulding(rng),
+        gloss="coated", roughness=pick(rng, 0.15, 0.4), angle=angle,
     )  # fmt: skip
 
 
@@ -96,7 +91,7 @@ def studded(rng: np.random.Generator) -> Surface:
     return Surface(
         recipe="studded", relief=relief,
         colour=lambda x, y: tinted(dye, 0.02 * orange_peel(x, y, size=8.0, seed=seed)),
-        gloss="coated", roughness=pick(rng, 0.2, 0.4), angle=angle, form=_moulding(rng),
+        gloss="coated", roughness=pick(rng, 0.2, 0.4), angle=angle,
     )  # fmt: skip
 
 
@@ -112,7 +107,7 @@ def glossy(rng: np.random.Generator) -> Surface:
     return Surface(
         recipe="glossy", relief=relief,
         colour=lambda x, y: tinted(dye, 0.02 * orange_peel(x, y, size=15.0, seed=seed)),
-        gloss="coated", roughness=pick(rng, 0.04, 0.15), form=_moulding(rng),
+        gloss="coated", roughness=pick(rng, 0.04, 0.15),
     )  # fmt: skip
 
 
@@ -130,7 +125,6 @@ def printed(rng: np.random.Generator) -> Surface:
         relief=lambda x, y: rise * lines(x, y),
         colour=lambda x, y: tinted(dye, 0.12 * (lines(x, y) - 0.5)),
         gloss="coated", roughness=pick(rng, 0.2, 0.35), brushing=0.4, angle=angle,
-        form=_moulding(rng),
     )  # fmt: skip
 
 

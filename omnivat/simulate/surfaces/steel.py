@@ -3,15 +3,20 @@
 import numpy as np
 
 from omnivat.simulate.noise import Array, smoothstep
-from omnivat.simulate.surfaces.base import Form, Surface, mixed, pick, pick_log, stream, tinted
-from omnivat.simulate.surfaces.patterns import (
+from omnivat.simulate.surfaces.base import (
+    Surface,
     arcs,
     diamonds,
     grain,
+    mixed,
     orange_peel,
+    pick,
+    pick_log,
     pits,
     scratches,
     streaks,
+    stream,
+    tinted,
     treads,
 )
 
@@ -21,13 +26,6 @@ _RUST = np.array([0.22, 0.085, 0.035])
 
 def _steel(rng: np.random.Generator) -> tuple[float, float, float]:
     return _STEELS[rng.integers(len(_STEELS))]
-
-
-def _part(rng: np.random.Generator) -> Form:
-    """Return flat sheet, or a tube or shaft."""
-    if rng.random() < 0.72:
-        return Form()
-    return Form(across=1 / pick_log(rng, 25, 80), angle=pick(rng, 0, np.pi))
 
 
 def brushed(rng: np.random.Generator) -> Surface:
@@ -42,7 +40,7 @@ def brushed(rng: np.random.Generator) -> Surface:
         recipe="brushed",
         relief=lambda x, y: depth * hairs(x, y),
         colour=lambda x, y: tinted(base, 0.07 * hairs(x, y)),
-        gloss="metal", roughness=pick(rng, 0.12, 0.22), brushing=0.8, angle=angle, form=_part(rng),
+        gloss="metal", roughness=pick(rng, 0.12, 0.22), brushing=0.8, angle=angle,
     )  # fmt: skip
 
 
@@ -79,7 +77,7 @@ def ground(rng: np.random.Generator) -> Surface:
         recipe="ground",
         relief=lambda x, y: 0.003 * orange_peel(x, y, size=4.0, seed=seed) - 0.02 * lines(x, y),
         colour=lambda x, y: tinted(base, -0.25 * lines(x, y)),
-        gloss="metal", roughness=pick(rng, 0.04, 0.16), form=_part(rng),
+        gloss="metal", roughness=pick(rng, 0.04, 0.16),
     )  # fmt: skip
 
 
@@ -96,7 +94,7 @@ def cast(rng: np.random.Generator) -> Surface:
         recipe="cast",
         relief=lambda x, y: depth * rough(x, y),
         colour=lambda x, y: dark * tinted(base, 0.10 * rough(x, y)),
-        gloss="metal", roughness=pick(rng, 0.3, 0.45), form=_part(rng),
+        gloss="metal", roughness=pick(rng, 0.3, 0.45),
     )  # fmt: skip
 
 
@@ -120,7 +118,7 @@ def rusty(rng: np.random.Generator) -> Surface:
 
     return Surface(
         recipe="rusty", relief=relief, colour=colour, gloss="metal",
-        roughness=pick(rng, 0.3, 0.5), form=_part(rng),
+        roughness=pick(rng, 0.3, 0.5),
     )  # fmt: skip
 
 
@@ -150,7 +148,7 @@ def knurled(rng: np.random.Generator) -> Surface:
         recipe="knurled",
         relief=lambda x, y: rise * diamonds(x, y, pitch=pitch, angle=angle),
         colour=lambda x, y: tinted(base, 0.05 * orange_peel(x, y, size=3.0, seed=seed)),
-        gloss="metal", roughness=pick(rng, 0.15, 0.25), angle=angle, form=_part(rng),
+        gloss="metal", roughness=pick(rng, 0.15, 0.25), angle=angle,
     )  # fmt: skip
 
 

@@ -3,8 +3,18 @@
 import numpy as np
 
 from omnivat.simulate.noise import Array, smoothstep, turned
-from omnivat.simulate.surfaces.base import Form, Surface, pick, pick_log, stream, tinted
-from omnivat.simulate.surfaces.patterns import arcs, grain, orange_peel, ribs, streaks
+from omnivat.simulate.surfaces.base import (
+    Surface,
+    arcs,
+    grain,
+    orange_peel,
+    pick,
+    pick_log,
+    ribs,
+    streaks,
+    stream,
+    tinted,
+)
 
 _SPECIES = (  # linear reflectance of early wood; late wood is darker
     (0.62, 0.44, 0.27),
@@ -53,13 +63,6 @@ class _Grain:
         return tinted(self.species, shade - 0.45 * self.pores(x, y))
 
 
-def _board(rng: np.random.Generator) -> Form:
-    """Return flat, or slightly rounded as a handle or a turned leg."""
-    if rng.random() < 0.8:
-        return Form()
-    return Form(along=0.0, across=1 / pick_log(rng, 35, 90), angle=pick(rng, 0, np.pi))
-
-
 def sawn(rng: np.random.Generator) -> Surface:
     """Return rough lumber: fibres torn up, and the teeth of the saw across them."""
     wood, saw_pitch = _Grain(rng), pick(rng, 0.9, 2.6)
@@ -89,7 +92,7 @@ def _bare(rng: np.random.Generator, name: str, fibre: float, ring: float, pore: 
 
     return Surface(
         recipe=name, relief=relief, colour=wood.colour, gloss="matte",
-        roughness=0.5, angle=wood.angle, form=_board(rng),
+        roughness=0.5, angle=wood.angle,
     )  # fmt: skip
 
 
@@ -115,7 +118,7 @@ def weathered(rng: np.random.Generator) -> Surface:
 
     return Surface(
         recipe="weathered", relief=bare.relief, colour=colour, gloss="matte",
-        roughness=0.6, angle=bare.angle, form=bare.form,
+        roughness=0.6, angle=bare.angle,
     )  # fmt: skip
 
 
@@ -130,7 +133,7 @@ def varnished(rng: np.random.Generator) -> Surface:
 
     return Surface(
         recipe="varnished", relief=relief, colour=wood.colour, gloss="coated",
-        roughness=pick(rng, 0.08, 0.25), angle=wood.angle, form=_board(rng),
+        roughness=pick(rng, 0.08, 0.25), angle=wood.angle,
     )  # fmt: skip
 
 

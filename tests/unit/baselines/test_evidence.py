@@ -1,11 +1,12 @@
 """Choices are made on held-out objects of the source."""
 
 import math
+from dataclasses import replace
 
 import pytest
 import torch
 
-from omnivat.baselines.contract import Source
+from omnivat.baselines.contract import COPIES, Source
 from omnivat.baselines.evidence import Score, best, folds, log_loss
 
 
@@ -88,3 +89,25 @@ def test_a_low_log_loss_counts_before_right_answers():
     careful.add(torch.tensor([[0.6, 0.4]] * 2 + [[0.45, 0.55]] * 2), truth)
     assert bold.right > careful.right
     assert careful.rank > bold.rank
+
+
+def test_what_another_seed_chose_is_not_chosen_again(source):
+    settled = replace(source, settled=("C of another method", "b"))
+
+    def fit(part, choice):
+        raise AssertionError("nothing is fitted")
+
+    assert best(settled, {"a": 1, "b": 2}, fit) == "b"
+
+
+def test_noise_reaches_every_drawn_row_and_the_copies_of_a_solved_method(source):
+    wide = replace(source, vis=torch.randn(24, 4000) * 3, tac=torch.randn(24, 4000), noise=2.0)
+    vis, tac = wide.drawn(torch.arange(24))
+    for rows, plain in ((vis, wide.vis), (tac, wide.tac)):
+        size = ((rows - plain) / plain.std(0, correction=0)).std()
+        assert size == pytest.approx(2.0, rel=0.03)
+    full = wide.both_views()
+    assert len(full) == len(full.objects) == len(full.vis) == 24 * COPIES
+    assert not torch.equal(full.vis[:24], full.vis[24:48])
+    assert torch.equal(full.tac, wide.both_views().tac)
+    assert full.both_views().vis.shape == full.vis.shape  # noise enters once

@@ -12,15 +12,14 @@ from PIL import Image
 from torch import Tensor, nn
 
 from omnivat.baselines import ldc
-from omnivat.baselines.contract import Source
+from omnivat.baselines.contract import ImageInput, Live, Source
 from omnivat.baselines.ldc import DeConfused, TokenLevels
 from omnivat.baselines.ldc import fit as fit_ldc
-from omnivat.baselines.live import ImageInput, Live
 from omnivat.baselines.mmrl import SCALE, TOKENS, Representations
 from omnivat.baselines.mmrl import fit as fit_mmrl
 from omnivat.encoders.clip import open_clip
 from omnivat.encoders.clip_live import LiveClip, load_live
-from omnivat.encoders.places import remember
+from omnivat.encoders.hub import remember
 from omnivat.errors import DataError
 
 LAYOUTS = ("transformers folder", "bare safetensors", "OpenAI TorchScript", "open_clip folder")

@@ -5,9 +5,10 @@ from dataclasses import replace
 import pytest
 import torch
 
-from omnivat.baselines import BASELINES, LABELS, OPTIONAL
+from omnivat.baselines import BASELINES, LABELS, OPTIONAL, spg
 from omnivat.baselines.contract import Source
-from omnivat.baselines.descent import Descent, rate
+from omnivat.baselines.descent import Descent, descend, rate
+from omnivat.baselines.promptstyler import PAPER
 from omnivat.baselines.robust_vish import fit as fit_robust_vish
 from omnivat.baselines.vt_cmc_head import contrastive_loss
 from omnivat.errors import DataError
@@ -153,3 +154,33 @@ def test_the_rate_rises_then_falls_to_almost_nothing():
     assert rates[0] == pytest.approx(0.1)
     assert rates[-1] < 0.01
     assert rates[10:] == sorted(rates[10:], reverse=True)
+
+
+def test_spg_has_the_size_and_the_clips_of_its_code():
+    """4,708,225 parameters at D = 512 fix the layers; the clips differ by layer."""
+    prompt = torch.randn(4, 512)
+    nets = spg.Generator(512, (4, 512)), spg.Discriminator(512, (4, 512))
+    assert sum(p.numel() for net in nets for p in net.parameters()) == 4_708_225
+    optimisers = [torch.optim.AdamW(net.parameters(), lr=0.0) for net in nets]
+    images = 1e3 * torch.randn(2, 8, 512)
+    spg._gan_step(*nets, optimisers, *images, prompt)
+    norms = {name: float(p.grad.norm()) for name, p in nets[0].named_parameters()}
+    assert norms["layers.2.weight"] == pytest.approx(5e-3, rel=1e-2)
+    assert norms["layers.2.bias"] <= 5.1e-8 < norms["layers.11.bias"] <= 1.01
+
+
+def test_spg_warms_up_and_ends_near_zero():
+    rates = [spg.rate(epoch, 2e-4, 70, 4) for epoch in range(70)]
+    assert rates[:5] == pytest.approx([1e-5, 5e-5, 1e-4, 1.5e-4, 2e-4])
+    assert rates[4:] == sorted(rates[4:], reverse=True)
+
+
+def test_promptstyler_keeps_the_papers_rate(monkeypatch):
+    """No warm-up, cosine, decay or clip, which the paper does not state."""
+    seen = []
+    kept = lambda own: seen.append((own.param_groups[0]["lr"], float(head.weight.grad.norm())))  # noqa: E731
+    monkeypatch.setattr(torch.optim.SGD, "step", kept)
+    head = torch.nn.Linear(4, 2, bias=False)
+    descend(head, 300, PAPER, lambda rows: 1e3 * head.weight.sum())
+    assert seen == [(0.005, pytest.approx(1e3 * 8**0.5))] * 150
+    assert PAPER.weight_decay == 0

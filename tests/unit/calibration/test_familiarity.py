@@ -1,5 +1,7 @@
 """Familiarity: the nearest training image, read against the training set's own distances."""
 
+from dataclasses import replace
+
 import pytest
 import torch
 from torch.nn.functional import normalize
@@ -7,8 +9,10 @@ from torch.nn.functional import normalize
 from omnivat.calibration.familiarity import (
     MOST_ROWS,
     familiarity_of,
+    load_familiarity,
     nearest_cosine,
     quantile_of,
+    save_familiarity,
     words,
 )
 from omnivat.errors import DataError
@@ -67,7 +71,7 @@ def test_a_quantile_is_where_a_value_stands():
 def test_words_have_an_order():
     assert [words(q) for q in (0.0, 0.1, 0.5, 1.0)] == [
         "unlike the training images",
-        "unusual",
+        "familiar",  # an ordinary rank: a tenth of the training images lie below
         "familiar",
         "familiar",
     ]
@@ -81,3 +85,18 @@ def test_a_large_set_keeps_a_bounded_number_of_rows():
 def test_one_object_is_refused():
     with pytest.raises(DataError, match="two objects or more"):
         familiarity_of(torch.randn(3, 4), None, ["same"] * 3)
+
+
+def test_the_training_rows_come_back_with_lengths_and_classes(images, tmp_path):
+    labels = torch.arange(200) % 5
+    found = familiarity_of(*images, own_objects(200), labels)
+    save_familiarity(tmp_path / "file.safetensors", found)
+    again = load_familiarity(tmp_path / "file.safetensors", 32)
+    assert torch.equal(again.labels, labels)
+    for name, rows in zip(("vis", "tac"), images, strict=True):
+        again_rows = again.rows[name] * again.lengths[name][:, None]
+        torch.testing.assert_close(again_rows, rows, atol=0.01, rtol=0.01)  # half precision
+    broken = replace(found, labels=labels[:3])
+    save_familiarity(tmp_path / "file.safetensors", broken)
+    with pytest.raises(DataError, match="does not fit"):
+        load_familiarity(tmp_path / "file.safetensors", 32)

@@ -2,12 +2,15 @@
 
 import json
 from pathlib import Path
+from shutil import copytree
 
 import numpy as np
 import pytest
 from PIL import Image
 
 from omnivat.cli import main
+from omnivat.data.rest import RESTED
+from omnivat.heads import default_head
 
 
 @pytest.fixture
@@ -54,3 +57,34 @@ def test_a_single_pair_that_cannot_be_read_is_an_error_without_json(folder, caps
     assert main(["predict", *files, "--json", "--no-cache"]) == 1
     said = capsys.readouterr()
     assert said.out == "" and "a_vis.png" in said.err and said.err.count("\n") == 1
+
+
+def test_a_head_of_rest_pictures_uses_the_one_given_and_tells_when_it_needs_one(
+    folder, tmp_path, capsys
+):
+    head = tmp_path / "head"
+    copytree(default_head(), head)
+    settings = json.loads((head / "settings.json").read_text())
+    settings["encoder"]["preprocessing"] += RESTED
+    (head / "settings.json").write_text(json.dumps(settings))
+    place = folder / "lab" / "wood"
+    rest = place.parent / "rest.png"
+    Image.new("RGB", (32, 24), (90, 120, 150)).save(rest)
+    base = ["predict", "--json", "--no-cache"]
+    pair = [str(place / "a_vis.png"), str(place / "a_tac.png")]
+
+    def touch(*arguments: str) -> dict[str, float]:
+        assert main([*base, *arguments]) == 0
+        found = json.loads(capsys.readouterr().out)
+        return (found[0] if isinstance(found, list) else found)["modalities"]["tac"]
+
+    own = ["--head", str(head)]
+    plain = touch(*pair)
+    assert touch(*pair, *own, "--tac-rest", "none") == plain
+    rested = touch(*pair, *own, "--tac-rest", str(rest))
+    assert rested != plain
+    assert touch("--pairs", str(folder), *own) == rested  # rest.png lies in the domain's folder
+    assert main([*base, *pair, *own]) == 1
+    assert "name the picture of your untouched sensor" in capsys.readouterr().err
+    assert main([*base, *pair, "--tac-rest", str(rest)]) == 1
+    assert "trained on tactile images as they come" in capsys.readouterr().err

@@ -39,7 +39,7 @@ def test_styles_are_learned_through_clip_and_the_bank_says_so(tmp_path, monkeypa
         embed_texts=lambda texts: torch.ones(len(texts), 4),
     )
     monkeypatch.setattr("omnivat.encoders.clip_text.load_text_encoder", lambda name, **_: clip)
-    monkeypatch.setattr("omnivat.lang.clip_words.ClipWords", Words)
+    monkeypatch.setattr("omnivat.lang.clip_prompts.ClipWords", Words)
     out = tmp_path / "bank.safetensors"
     command = ["prompts", "--out", str(out), "--encoder", "clip-vit-b16", "--styles", "3"]
     assert main([*command, "--method", "promptstyler", "--steps", "2", "--seed", "7"]) == 0

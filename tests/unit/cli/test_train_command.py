@@ -115,9 +115,7 @@ def test_training_again_does_not_delete_a_file_beside_the_head(file, tmp_path, c
     assert (tmp_path / "head" / "notes.md").read_text() == "mine"
 
 
-def test_the_search_for_an_order_is_kept_in_the_head_folder(file, tmp_path, monkeypatch):
-    for steps in ("COARSE_STEPS", "FINE_STEPS"):  # what is found does not matter here
-        monkeypatch.setattr(f"omnivat.train.order_search.{steps}", 4)
+def test_the_search_for_an_order_is_kept_in_the_head_folder(file, tmp_path):
     more = ("--set", "order_search=true", "--set", "order_stops=2", "--set", "lang=false")
     assert main(command(file, tmp_path / "head", *more)) == 0
     search = load_head(tmp_path / "head").metrics["order_search"]

@@ -9,10 +9,12 @@ import pytest
 import torch
 
 from omnivat.cli import main
+from omnivat.data.images import read_image
 from omnivat.data.pairs import Pair, PairSet
+from omnivat.data.rest import RESTED, minus_rest, with_rest
 from omnivat.data.store import load_embeddings
-from omnivat.embed.local import in_order
-from omnivat.encoders.cache import embed_image
+from omnivat.embed.engines import in_order
+from omnivat.encoders.cache import EmbeddingCache, embed_image
 from omnivat.errors import DataError, MissingNameError, OmniVatError, SettingsError
 from omnivat.progress import Step
 
@@ -47,6 +49,33 @@ def test_the_crop_of_a_pair_is_cut_from_its_tactile_image_alone(tmp_path: Path) 
     loaded = load_embeddings(embed(PairSet(pairs=(cut,)), tmp_path / "set.safetensors").out)
     assert np.array_equal(loaded.vis[0], embed_image(MeanColour(), pair.vis))
     assert np.array_equal(loaded.tac[0], embed_image(MeanColour(), pair.tac, crop=8))
+
+
+def test_a_rest_picture_changes_touch_alone_and_is_named_in_the_header(tmp_path: Path) -> None:
+    pairs = make_pairs(tmp_path / "set", 4)
+    (tmp_path / "set" / "OF Real" / "rest.png").write_bytes(png(99))
+    plain = load_embeddings(embed(pairs, tmp_path / "plain.safetensors").out)
+    rested = with_rest(pairs, "all")
+    loaded = load_embeddings(embed(rested, tmp_path / "set.safetensors").out)
+
+    own = loaded.domain == loaded.header.domains.index("OF Real")
+    assert np.array_equal(loaded.vis, plain.vis)
+    assert np.array_equal(loaded.tac[~own], plain.tac[~own])
+    assert (loaded.tac[own] != plain.tac[own]).all(axis=1).all()
+    assert set(loaded.header.tac_rest) == {"OF Real"}
+    assert loaded.header.preprocessing == plain.header.preprocessing + RESTED
+    # The expected value, by hand: mean colours add up where nothing is clipped.
+    wanted = np.asarray(minus_rest(read_image(rested.pairs[1].tac), read_image(png(99))), float)
+    assert np.allclose(loaded.tac[1][:3], wanted[:, :10].mean((0, 1)), atol=1e-4)
+
+
+def test_a_cached_image_is_encoded_again_for_a_rest_picture(tmp_path: Path) -> None:
+    (pair,), cache = make_pairs(tmp_path, 1).pairs, EmbeddingCache()
+    calm = tmp_path / "rest.png"
+    calm.write_bytes(png(99))
+    plain = embed_image(MeanColour(), pair.tac, cache)
+    assert not np.array_equal(embed_image(MeanColour(), pair.tac, cache, rest=calm), plain)
+    assert np.array_equal(embed_image(MeanColour(), pair.tac, cache), plain)
 
 
 def test_pairs_with_an_unreadable_image_are_left_out_and_listed(tmp_path: Path) -> None:

@@ -81,6 +81,7 @@ def make_pairs(folder: Path, count: int) -> PairSet:
 
 
 @pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.skipif(not HAS_RAY, reason="ray is not installed: pip install 'ray[data]'")
 def test_with_one_of_two_workers_killed_nothing_is_lost_doubled_or_changed(tmp_path: Path) -> None:
     pairs = make_pairs(tmp_path, 40)

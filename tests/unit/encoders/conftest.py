@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from omnivat.encoders.clip_shapes import PUBLISHED
+from omnivat.encoders.clip_settings import PUBLISHED
 
 
 @pytest.fixture

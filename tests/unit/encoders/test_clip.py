@@ -9,7 +9,7 @@ import torch
 from torch import Tensor
 
 from omnivat.encoders import load_encoder, text_encoder
-from omnivat.encoders.clip_shapes import PUBLISHED, ImageShape, require_name
+from omnivat.encoders.clip_settings import PUBLISHED, ImageShape, require_name
 from omnivat.encoders.clip_text import load_text_encoder
 from omnivat.errors import DataError
 

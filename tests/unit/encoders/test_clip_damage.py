@@ -10,8 +10,8 @@ import torch
 from safetensors.torch import load_file, save_file
 
 from omnivat.encoders import load_encoder, text_encoder
-from omnivat.encoders.checkpoints import Checkpoint, find
-from omnivat.encoders.clip_shapes import PUBLISHED
+from omnivat.encoders.clip_settings import PUBLISHED
+from omnivat.encoders.hub import Checkpoint, find
 from omnivat.errors import DataError
 
 pytest.importorskip("transformers")
@@ -104,7 +104,7 @@ def test_a_width_that_no_heads_of_64_fill_needs_its_settings(clips: Any, tmp_pat
 def test_a_folder_without_a_tokenizer_is_refused_where_no_package_carries_one(
     clips: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("omnivat.encoders.clip_tokenizer.CARRIERS", ())
+    monkeypatch.setattr("omnivat.encoders.clip_text.CARRIERS", ())
     folder = clips.write("transformers folder", tmp_path / "clip", clips.small_model())
     for file in folder.iterdir():
         if file.name not in ("config.json", WEIGHTS):
@@ -127,7 +127,7 @@ def test_published_merges_give_the_tokens_of_the_published_vocabulary(tmp_path: 
     """Two merges, so `ab` is one token, in the order: bytes, bytes ending a word, merges, marks."""
     import gzip
 
-    from omnivat.encoders.clip_tokenizer import MERGES, load_tokenizer
+    from omnivat.encoders.clip_text import MERGES, load_tokenizer
 
     (tmp_path / MERGES).write_bytes(gzip.compress(b"#version\na b\nb c</w>"))
     found = load_tokenizer(tmp_path, longest=9, vocabulary=49408)

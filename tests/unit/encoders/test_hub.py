@@ -24,8 +24,8 @@ REPOSITORY = "openai/clip-vit-base-patch16"
 # The published size of clip-vit-b16 becomes that of the small model which the server has.
 COMMAND = """
 import sys
-from omnivat.encoders import clip_shapes
-clip_shapes.PUBLISHED["clip-vit-b16"] = clip_shapes.ImageShape("ViT", 32, 64, (2,), 24, 96)
+from omnivat.encoders import clip_settings
+clip_settings.PUBLISHED["clip-vit-b16"] = clip_settings.ImageShape("ViT", 32, 64, (2,), 24, 96)
 from omnivat.cli import main
 for more in sys.argv[1].split(","):
     code = main([*sys.argv[2:], *filter(None, [more])])
@@ -83,6 +83,7 @@ def embed(pairs: Path, address: str, *more: str) -> "subprocess.CompletedProcess
     )
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_model_is_downloaded_once_and_then_found_in_the_cache_without_a_network(
     served: tuple[str, Path], pairs: Path

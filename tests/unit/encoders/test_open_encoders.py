@@ -11,9 +11,9 @@ from torch import Tensor, nn
 
 from omnivat.encoders import PairEncoder, TorchEncoder, load_encoder
 from omnivat.encoders import names as names_module
+from omnivat.encoders.base import for_modality
 from omnivat.encoders.cache import embed_pair
-from omnivat.encoders.paired import for_modality
-from omnivat.encoders.places import recall
+from omnivat.encoders.hub import recall
 from omnivat.errors import DataError, MissingNameError, SettingsError
 
 pytestmark = pytest.mark.usefixtures("nothing_outside")

@@ -7,7 +7,7 @@ import pytest
 import torch
 
 from omnivat.errors import SettingsError, ShapeError
-from omnivat.fractional import basis, coefficients, dfrft, project, synthesise
+from omnivat.fractional import basis, coefficients, dfrft, synthesise
 
 X = torch.ones(5, 12)
 
@@ -47,11 +47,6 @@ def test_an_axis_without_samples_is_refused() -> None:
 def test_orders_that_do_not_fit_say_how_to_write_many() -> None:
     with pytest.raises(ShapeError, match=r"shape \(3,\).*\(5,\): use order\[:, None\]"):
         dfrft(X, torch.zeros(3))
-
-
-def test_directions_of_another_length_are_refused() -> None:
-    with pytest.raises(ShapeError, match="directions has shape"):
-        project(coefficients(X), 0.3, torch.ones(2, 11))
 
 
 def test_a_buffer_is_for_the_last_axis_without_centring() -> None:

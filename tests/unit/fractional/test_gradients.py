@@ -4,7 +4,7 @@ import pytest
 import torch
 from torch.autograd import gradcheck, gradgradcheck
 
-from omnivat.fractional import FractionalTransform, basis, coefficients, dfrft, project
+from omnivat.fractional import FractionalTransform, basis, dfrft
 
 ORDERS = {
     "between": torch.tensor(0.37, dtype=torch.float64),
@@ -25,14 +25,6 @@ def test_gradients_pass_finite_differences_twice(size: int, kind: torch.dtype, o
     planar = size % 2 == 0
     assert gradcheck(lambda x, p: dfrft(x, p, planar=planar), (x, p))
     assert gradgradcheck(lambda x, p: dfrft(x, p, planar=planar), (x, p))
-
-
-@pytest.mark.parametrize("order", ["between", "whole", "many"])
-def test_a_projection_has_gradients_in_all_three(order: str) -> None:
-    x = torch.randn(2, 8, dtype=torch.float64, requires_grad=True)
-    directions = torch.randn(3, 8, dtype=torch.float64, requires_grad=True)
-    p = ORDERS[order].clone().requires_grad_()
-    assert gradcheck(lambda x, p, d: project(coefficients(x), p, d), (x, p, directions))
 
 
 @pytest.mark.parametrize("size", [64, 511, 512])

@@ -9,7 +9,7 @@ import pytest
 import torch
 
 from omnivat.errors import ShapeError
-from omnivat.fractional import Coefficients, basis, coefficients, dfrft, project, synthesise
+from omnivat.fractional import basis, coefficients, dfrft, synthesise
 
 sys.path.insert(0, str(Path(__file__).parent))
 oracles = importlib.import_module("oracles")
@@ -198,10 +198,6 @@ def test_autocast_changes_nothing() -> None:
 @pytest.mark.parametrize("shape", [(0, 12), (3, 0, 12), (0, 7)])
 def test_an_empty_batch_stays_empty(shape: tuple[int, ...]) -> None:
     assert dfrft(torch.zeros(shape), 0.3).shape == shape
-    assert project(coefficients(torch.zeros(shape)), 0.3, torch.ones(2, shape[-1])).shape == (
-        *shape[:-1],
-        2,
-    )
 
 
 @pytest.mark.parametrize("rows", [4, 50])
@@ -226,30 +222,12 @@ def test_strided_input_gives_what_a_copy_gives_and_is_left_alone() -> None:
     assert torch.equal(x, before)
 
 
-def test_coefficients_can_be_chosen_moved_and_joined() -> None:
-    x = torch.randn(6, 12)
-    kept = coefficients(x)
-    parts = [kept[:2], kept[2:]]
-    assert torch.equal(Coefficients.cat(parts).values, kept.values)
+def test_coefficients_can_be_chosen_and_moved() -> None:
+    kept = coefficients(torch.randn(6, 12))
     torch.testing.assert_close(synthesise(kept[3], 0.3), synthesise(kept, 0.3)[3])
     assert kept[torch.tensor([0, 5])].shape == (2,)
     assert kept.to(torch.float64).values.dtype == torch.float64
     assert len(kept) == 6
-    with pytest.raises(ShapeError, match=r"lengths \[12, 13\] cannot be joined"):
-        Coefficients.cat([kept, coefficients(torch.randn(6, 13))])
-
-
-@pytest.mark.parametrize("kind", [torch.float64, torch.complex128])
-@pytest.mark.parametrize("centered", [False, True])
-@pytest.mark.parametrize("order", [0.3, torch.rand(5), torch.rand(3, 1)])
-def test_a_projection_is_the_transform_and_then_the_sum(
-    kind: torch.dtype, centered: bool, order: float | torch.Tensor
-) -> None:
-    x = torch.randn(5, 12, dtype=kind)
-    kept = coefficients(x, centered=centered)
-    for directions in (torch.randn(2, 12), torch.randn(2, 12, dtype=torch.complex64)):
-        wanted = synthesise(kept, order) @ directions.to(torch.complex128).T
-        assert torch.allclose(project(kept, order, directions), wanted, rtol=0, atol=2e-14)
 
 
 @pytest.mark.parametrize("size", [1, 2, 7, 12])

@@ -5,9 +5,9 @@ import warnings
 import pytest
 import torch
 from torch.autograd import forward_ad
-from torch.func import grad, jacfwd, jacrev, jvp, vmap
+from torch.func import functional_call, grad, jacfwd, jacrev, jvp, vmap
 
-from omnivat.fractional import coefficients, dfrft, synthesise
+from omnivat.fractional import FractionalTransform, coefficients, dfrft, synthesise
 from omnivat.fractional.build import splits
 
 # torch 2.13 scripts its own rules the first time that forward mode is used, and warns of that.
@@ -107,6 +107,56 @@ def test_an_exported_program_transforms_other_vectors_too(x):
     splits.clear()
     program = torch.export.export(_Real(), (x,), strict=False)
     torch.testing.assert_close(program.module()(2 * x), dfrft(2 * x, 0.3).real)
+
+
+class _Layer(torch.nn.Module):
+    def __init__(self):
+        super().__init__()
+        self.turn = FractionalTransform(0.3)
+
+    def forward(self, x):
+        return self.turn(x).abs()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("wants_gradient", [True, False])
+def test_an_exported_layer_keeps_its_learned_order_and_its_gradient(x, wants_gradient):
+    layer = _Layer()
+    with torch.set_grad_enabled(wants_gradient):
+        program = torch.export.export(layer, (x,), strict=False).module()
+    (order,) = program.parameters()
+    with torch.no_grad():
+        order.fill_(0.8)
+        layer.turn.order.fill_(0.8)
+    torch.testing.assert_close(program(2 * x), layer(2 * x))
+    for one in (program, layer):
+        one(x).pow(4).sum().backward()
+    torch.testing.assert_close(order.grad, layer.turn.order.grad)
+
+
+def test_the_layer_passes_through_vmap_and_jvp_in_vectors_and_order(x):
+    layer = _Layer()
+    torch.testing.assert_close(vmap(layer)(x), layer(x))
+
+    def moved(order):
+        return functional_call(layer, {"turn.order": order}, (x,))
+
+    at, step = layer.turn.order.detach(), 1e-6
+    _, slope = jvp(moved, (at,), (torch.ones_like(at),))
+    wanted = (moved(at + step) - moved(at - step)) / (2 * step)
+    torch.testing.assert_close(slope, wanted, atol=1e-7, rtol=0)
+
+
+@pytest.mark.slow
+def test_a_compiled_layer_learns_its_order(x):
+    layer = _Layer()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        found = torch.compile(layer, backend="eager")(x)
+    torch.testing.assert_close(found, layer(x))
+    (slope,) = torch.autograd.grad(found.pow(4).sum(), layer.turn.order)
+    (wanted,) = torch.autograd.grad(layer(x).pow(4).sum(), layer.turn.order)
+    torch.testing.assert_close(slope, wanted)
 
 
 @pytest.mark.slow

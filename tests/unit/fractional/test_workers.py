@@ -7,6 +7,7 @@ import warnings
 from collections.abc import Iterator
 
 import pytest
+import threadpoolctl
 import torch
 
 from omnivat.fractional import coefficients, dfrft, synthesise
@@ -129,8 +130,6 @@ def test_a_forked_child_has_workers_of_its_own() -> None:
 
 
 def test_builds_at_once_leave_the_limit_of_blas_as_it_was() -> None:
-    threadpoolctl = pytest.importorskip("threadpoolctl")
-
     def counts() -> list[int]:
         return [
             i["num_threads"] for i in threadpoolctl.threadpool_info() if i["user_api"] == "blas"

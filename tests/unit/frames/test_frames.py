@@ -6,12 +6,11 @@ import torch
 
 from omnivat.errors import DataError, SettingsError
 from omnivat.frames import build_frames, builder, read_frames, write_frames
-from omnivat.frames.build import DEFAULT_MAPS, spread, stacked
+from omnivat.frames.builder import DEFAULT_MAPS, spread, stacked
 from omnivat.frames.records import LEVELS, MapFrames, quantised
 from omnivat.gaps.unit import unit
 from omnivat.projection import pca, torch_umap
-from omnivat.projection.align import aligned
-from omnivat.projection.chain import chain
+from omnivat.projection.chain import aligned, chain
 from omnivat.sweep import sweep
 
 from .small_head import ORDERS, head, pairs
@@ -23,7 +22,7 @@ def features(stage):
     data, model = pairs(), head()
     for order in ORDERS:
         out = model(torch.from_numpy(data.vis), torch.from_numpy(data.tac), order=order)
-        rows = getattr(out, stage)
+        rows = {name: x.movedim(-2, 0) for name, x in getattr(out, stage).items()}
         yield torch.cat([unit(rows["vis"].flatten(1)), unit(rows["tac"].flatten(1))])
 
 

@@ -34,3 +34,12 @@ def test_blocks_across_do_not_change_the_exact_sum(monkeypatch):
     monkeypatch.setattr(mmd, "BLOCK", 33)
     monkeypatch.setattr(mmd, "ACROSS", 41)
     assert torch.allclose(mmd_rbf(a, b), exact, rtol=1e-5)
+
+
+def test_without_a_width_the_estimate_takes_that_of_all_rows_of_both_sets_whatever_their_sizes():
+    """Weighted by the sets' sizes: the larger and more spread one counts more."""
+    a, b = rows(30, 0.0, 1), rows(90, 0.0, 2) + torch.linspace(0, 6, 16)
+    every = torch.nn.functional.normalize(torch.cat([a, b]))
+    width = float(1 / torch.cdist(every, every).square().mean())
+    free, fixed = (mmd_rbf_estimate(a, b, gamma=g, seed=3).value for g in (None, width))
+    torch.testing.assert_close(free, fixed, rtol=1e-4, atol=0)

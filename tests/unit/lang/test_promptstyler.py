@@ -6,7 +6,7 @@ import torch
 
 from omnivat.errors import DataError
 from omnivat.lang.bank import load_bank, save_bank
-from omnivat.lang.clip_words import ClipWords
+from omnivat.lang.clip_prompts import ClipWords
 from omnivat.lang.promptstyler import (
     STYLE,
     content_loss,

@@ -9,9 +9,7 @@ from hypothesis import strategies as st
 from torch.nn.functional import normalize
 
 from omnivat.errors import ShapeError
-from omnivat.losses.mma import mma_loss
-from omnivat.losses.nod import nod_loss
-from omnivat.losses.total import joint_loss
+from omnivat.losses import joint_loss, mma_loss, nod_loss
 
 
 def test_mma_is_kl_from_lang_and_not_towards_it():

@@ -3,9 +3,9 @@
 import pytest
 import torch
 
+from omnivat.model import reference
 from omnivat.model.dtg import DTG
-from omnivat.model.fratt import FrATT
-from omnivat.model.mffa import expanded
+from omnivat.model.mffa import FrATT
 from omnivat.model.training import class_means
 
 
@@ -29,20 +29,20 @@ def test_tokens_are_the_transform_of_the_expanded_embedding():
     first = dfrft(theta[:, None] * embedding[:, None], 0.3)
     wanted = torch.cat([torch.relu(first.real), torch.relu(first.imag)], dim=1)
     once = dfrft(embedding, 0.3)
-    tokens = expanded(torch.stack([once.real, once.imag], dim=1), theta)
-    torch.testing.assert_close(tokens, wanted)
+    tokens = reference.tokens_of(torch.stack([once.real, once.imag]), theta, "tokens")
+    torch.testing.assert_close(tokens[0], wanted)
 
 
 def test_attention_equals_the_printed_order_of_operations():
-    """Mean over queries before the values equals values, then mean (Eq. 4)."""
+    """Values of all tokens, then the mean over queries (Eq. 4)."""
     torch.manual_seed(0)
     fratt = FrATT(8).double()
     queries, tokens = (torch.randn(2, n, 8, dtype=torch.float64) for n in (3, 5))
     weights = torch.softmax(fratt.query(queries) @ fratt.key(tokens).mT / 8**0.5, dim=-1)
     wanted = fratt.ffn((weights @ fratt.value(tokens)).mean(1))
-    attended = fratt(queries, tokens)
-    torch.testing.assert_close(attended.feature, wanted)
-    torch.testing.assert_close(attended.weights.sum(-1), torch.ones(2, 3, dtype=torch.float64))
+    feature, shares = reference.attention(fratt, queries[None], tokens[None])
+    torch.testing.assert_close(feature, wanted)
+    torch.testing.assert_close(shares.sum(-1), torch.ones(2, 3, dtype=torch.float64))
 
 
 def test_literal_attention_divides_after_the_softmax():
@@ -53,7 +53,7 @@ def test_literal_attention_divides_after_the_softmax():
     value = tokens @ fratt.value.weight.T * 1.0
     bias = fratt.value.bias / 8**0.5
     wanted = fratt.ffn((weights @ value).mean(1) + bias)
-    torch.testing.assert_close(fratt(tokens, tokens).feature, wanted)
+    torch.testing.assert_close(reference.attention(fratt, tokens[None], tokens[None])[0], wanted)
 
 
 def test_class_means_are_those_of_the_batch():

@@ -7,10 +7,9 @@ import pytest
 import torch
 
 from omnivat.errors import DataError, SettingsError
-from omnivat.guard import guided_probabilities, lang_guard
+from omnivat.held_out import guided_probabilities, lang_guard
 from omnivat.lang.bank import load_bank
-from omnivat.losses.mma import mma_loss
-from omnivat.losses.total import joint_loss
+from omnivat.losses import joint_loss, mma_loss
 from omnivat.model.settings import HeadSettings
 from omnivat.train import TrainSettings, train
 from omnivat.train.batches import Batch
@@ -76,13 +75,6 @@ def test_a_guide_changes_guided_pairs_and_no_others(make_head, change):
     for name in ("vis", "tac"):
         same = torch.isclose(usual.features[name], other.features[name]).all(-1)
         assert same.tolist() == [False, True] * 3
-
-
-def test_the_open_form_of_the_default_guide_is_the_closed_one(make_head):
-    closed = make_head()
-    usual = one_batch(closed)
-    closed.mffa.as_printed = True
-    torch.testing.assert_close(one_batch(closed).features["vis"], usual.features["vis"])
 
 
 def test_an_unknown_guide_or_kind_of_pairs_is_refused():

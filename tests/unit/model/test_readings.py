@@ -4,8 +4,8 @@ import pytest
 import torch
 
 from omnivat.checkpoint import load_head
-from omnivat.errors import SettingsError
-from omnivat.model.fusion import FUSIONS, Calibration, fused_logs, plain
+from omnivat.errors import MissingNameError, SettingsError
+from omnivat.model.fusion import FUSIONS, LATE, Calibration, fused_logs, plain
 from omnivat.predict import predict_embeddings
 
 GENERATIONS = ("tree", "series", "parallel", "interpolation", "none")
@@ -92,6 +92,20 @@ def test_confidence_fusion_of_two_uniform_branches_is_uniform():
 def test_an_unknown_fusion_is_refused(make_head):
     with pytest.raises(SettingsError, match="fusion is 'vote'; choose one of mean, product"):
         make_head(fusion="vote")
+
+
+def test_an_unknown_fusion_of_two_branches_is_an_error_with_the_nearest_name():
+    with pytest.raises(
+        MissingNameError, match="'prodct'; there are mean, .*Did you mean 'product'"
+    ):
+        fused_logs("prodct", torch.zeros(1, 3), torch.zeros(1, 3))
+
+
+def test_a_fusion_of_one_line_is_a_fusion_of_the_library(monkeypatch):
+    """docs/extend.md: one entry in LATE."""
+    monkeypatch.setitem(LATE, "photo", lambda logs, share: logs[0])
+    vis, tac = torch.randn(2, 4, 3)
+    torch.testing.assert_close(fused_logs("photo", vis, tac).exp(), vis.softmax(-1))
 
 
 def test_a_calibration_is_plain_values():

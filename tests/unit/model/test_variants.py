@@ -5,11 +5,11 @@ import torch
 
 from omnivat.config import settings_dict, settings_from
 from omnivat.errors import SettingsError
-from omnivat.fractional import dfrft
-from omnivat.losses.nod import nod_loss
+from omnivat.losses import nod_loss
+from omnivat.model import reference
 from omnivat.model.dtg import DTG, interpolated
-from omnivat.model.fratt import FrATT
 from omnivat.model.head import parameter_count
+from omnivat.model.mffa import FrATT
 from omnivat.model.settings import HeadSettings, literal
 
 CLASSES = ("wood", "steel", "plastic", "ceramic", "glass")
@@ -126,7 +126,7 @@ def test_without_generation_features_are_classified_as_they_are(make_head, make_
 
 
 def test_without_mffa_the_tree_grows_from_the_embeddings_at_any_order(make_head, make_pairs):
-    model = make_head(mffa=False, input_width=16)
+    model = make_head(mffa=False, input_width=16, standardize=False)
     vis, tac = make_pairs(4, 16)
     units = [torch.nn.functional.normalize(x, dim=-1) for x in (vis, tac)]
     with torch.no_grad():
@@ -139,7 +139,7 @@ def test_without_mffa_the_tree_grows_from_the_embeddings_at_any_order(make_head,
 
 
 def test_without_mffa_training_adds_lang_to_the_root_and_aligns_nothing(make_head, make_pairs):
-    model = make_head(mffa=False, input_width=16)
+    model = make_head(mffa=False, input_width=16, standardize=False)
     lang, labels = torch.randn(3, 8, dtype=torch.float64), torch.tensor([0, 1, 2])
     on = torch.tensor([True, True, False])
     output = model.training_pass(*make_pairs(3, 16), lang, labels, lang_on=on)
@@ -152,40 +152,13 @@ def test_without_mffa_training_adds_lang_to_the_root_and_aligns_nothing(make_hea
 # ---- complex to real -----------------------------------------------------------------------------
 
 
-def channels_of(model, embedding, order):
-    turned = dfrft(embedding, order)
-    kind = model.settings.complex_to_real
-    if kind == "magnitude":
-        return turned.abs()[:, None]
-    return turned.real[:, None] if kind == "real" else torch.stack((turned.real, turned.imag), 1)
-
-
-@pytest.mark.parametrize("kind", ["tokens", "magnitude", "real"])
-def test_tokens_are_made_of_the_parts_that_the_setting_names(make_head, make_pairs, kind):
-    """Eq. 3 and 4 written out token by token."""
-    model, (vis, _) = make_head(theta="normal", complex_to_real=kind), make_pairs(3)
-    theta = model.mffa.theta["vis"].detach()
-    embedding = 16**0.5 * torch.nn.functional.normalize(model.project_image(vis), dim=-1)
-    channels = channels_of(model, embedding, 0.3)
-    own = theta.abs() if kind == "magnitude" else theta
-    tokens = torch.relu(own[:, None] * channels[:, :, None]).flatten(1, 2)
-    token = model.mffa.class_agnostic_token("vis")
-    feature = model.mffa.fratt(tokens, tokens + token).feature
-    with torch.no_grad():
-        found = model(vis, None, order=0.3)
-    torch.testing.assert_close(found.f_bar["vis"], torch.nn.functional.normalize(feature, dim=-1))
-    means = torch.relu(own[:, None] * channels[:, :, None]).mean(2)
-    torch.testing.assert_close(found.relu["vis"][:, : means.shape[1]], means)
-    assert found.relu["vis"].shape == (3, 2, 16)
-
-
 def test_hermitian_attention_is_that_of_complex_numbers():
     torch.manual_seed(0)
     fratt = FrATT(6).double()
     queries, tokens = (torch.randn(2, 2, n, 6, dtype=torch.float64) for n in (3, 4))
 
     def layer(module, parts):
-        whole = torch.complex(parts[:, 0], parts[:, 1])
+        whole = torch.complex(*parts)
         return whole @ module.weight.T.to(whole.dtype) + module.bias
 
     asked, keys, values = (
@@ -194,9 +167,9 @@ def test_hermitian_attention_is_that_of_complex_numbers():
     )
     weights = torch.softmax((asked @ keys.mH).real / 6**0.5, dim=-1)
     mixed = (weights.to(values.dtype) @ values).mean(1)
-    attended = fratt.hermitian(queries, tokens)
-    torch.testing.assert_close(attended.weights, weights)
-    torch.testing.assert_close(attended.feature, fratt.ffn(mixed.abs()))
+    feature, found = reference.attention(fratt, queries, tokens)
+    torch.testing.assert_close(found, weights)
+    torch.testing.assert_close(feature, fratt.ffn(mixed.abs()))
 
 
 @pytest.mark.parametrize("kind", ["tokens", "hermitian", "magnitude", "real"])

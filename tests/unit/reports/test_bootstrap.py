@@ -3,6 +3,7 @@
 import pytest
 
 from omnivat.reports.bootstrap import (
+    _objects,
     complete_rows,
     draws_for,
     percentile,
@@ -35,6 +36,15 @@ def test_test_objects_that_are_reused_count_once():
     found = grid("omnivat", 0.75)
     draws = resampled(found, ("omnivat", "fused"), draws_for(found, draws=2000))["accuracy"].draws
     assert draws.std() == pytest.approx((0.75 * 0.25 / 40) ** 0.5, rel=0.1)
+
+
+def test_every_draw_holds_as_many_objects_of_each_class_as_the_domain():
+    drawn = draws_for(found := grid("omnivat", 0.75), draws=50)
+    for domain, classes in _objects(found).items():
+        for label in set(classes.values()):
+            columns = [drawn.places[domain][one] for one, name in classes.items() if name == label]
+            assert 0 < len(columns) < len(classes)
+            assert (drawn.weights[domain][:, columns].sum(1) == len(columns)).all()
 
 
 def test_simultaneous_intervals_are_wider_than_single_ones_and_grow_with_the_rows():

@@ -1,21 +1,20 @@
 """Spreads, intervals, texts and plots, against figures worked out by hand."""
 
 import math
-from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 
+from omnivat.reports.evidence_report import interval_text, markdown, percent, spread_text
 from omnivat.reports.intervals import (
     Interval,
     Spread,
     bootstrap_interval,
     paired_differences,
     spread,
+    spread_lines,
     t_interval,
 )
-from omnivat.reports.plot import line_plot
-from omnivat.reports.text_table import interval_text, markdown, percent, spread_text
 
 
 def test_a_spread_has_n_minus_one_in_its_deviation():
@@ -65,16 +64,5 @@ def test_figures_are_written_with_one_digit_and_bars_escaped():
     assert markdown(["a"], [["x|y"]]).endswith("| x\\|y |")
 
 
-def test_a_plot_is_a_picture_with_a_name_and_a_point_for_every_value():
-    series = {"ACC": [Spread(mean=50, std=2, n=3), Spread(mean=60, std=math.nan, n=1)]}
-    root = ElementTree.fromstring(line_plot("p & q", "p", ["0", "0.5"], series))
-    names = [element.tag.rsplit("}", 1)[1] for element in root.iter()]
-    assert root.find("{http://www.w3.org/2000/svg}title").text == "p & q"
-    assert names.count("circle") == 2
-    heights = [float(e.get("cy")) for e in root.iter() if e.tag.endswith("circle")]
-    assert heights[1] < heights[0]  # more is higher
-
-
-def test_a_plot_without_values_is_still_a_picture():
-    nothing = Spread(mean=math.nan, std=math.nan, n=0)
-    assert ElementTree.fromstring(line_plot("t", "p", ["0"], {"ACC": [nothing]})) is not None
+def test_spreads_become_places_means_and_deviations_of_a_line():
+    assert spread_lines([spread([1.0, 3.0])]) == ([0.0], [2.0], [pytest.approx(2**0.5)])

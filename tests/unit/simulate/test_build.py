@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from omnivat.data.readers import read_pairs
+from omnivat.data.rest import with_rest
 from omnivat.errors import DataError, MissingNameError
 from omnivat.progress import Step
 from omnivat.simulate.build import COLUMNS, simulate
@@ -45,7 +47,19 @@ def test_the_same_seed_gives_the_same_bytes_and_another_seed_others(
 
     first, again, other = (hashes(f) for f in (built, tmp_path / "again", tmp_path / "other"))
     assert again == first
-    assert all(other[name] != first[name] for name in first if name.endswith(".png"))
+    drawn = [name for name in first if name.endswith(("_vis.png", "_tac.png"))]
+    assert len(drawn) == 36 and all(other[name] != first[name] for name in drawn)
+
+
+def test_the_folder_of_every_domain_has_the_rest_picture_that_its_images_are_found_to_have(
+    built: Path,
+) -> None:
+    found = with_rest(read_pairs(built), "all")
+
+    assert {pair.tac_rest for pair in found.pairs} == {
+        built / "TAG-sim" / "rest.png",
+        built / "TQ-T3D-sim" / "rest.png",
+    }
 
 
 def test_a_stopped_build_draws_only_what_is_missing_or_broken(tmp_path: Path) -> None:

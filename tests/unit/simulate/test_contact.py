@@ -31,3 +31,11 @@ def test_a_softer_give_draws_more_of_the_gel_down() -> None:
     stiff, soft = (draped(indent, field=16.0, give=give, skin=0.05).sum() for give in (0.3, 1.5))
 
     assert soft > 1.1 * stiff
+
+
+def test_x_grows_to_the_right_and_y_upwards_in_mm() -> None:
+    x, y = plane(10.0, 5)
+
+    np.testing.assert_allclose(x[2], [-4, -2, 0, 2, 4])
+    np.testing.assert_allclose(y[:, 2], [4, 2, 0, -2, -4])
+    assert not x[:, 2].any() and not y[2].any()

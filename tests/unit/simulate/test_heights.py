@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from omnivat.simulate.contact import plane
-from omnivat.simulate.heights import BELOW, contact_height
 from omnivat.simulate.shapes import KINDS, Spot, made_of, spot
 from omnivat.simulate.shapes.making import block, turned
+from omnivat.simulate.shapes.spots import BELOW, contact_height
 
 RADIUS = 30.0
 

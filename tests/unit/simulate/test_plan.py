@@ -6,8 +6,7 @@ import pytest
 
 from omnivat.data.domains import DOMAINS
 from omnivat.data.materials import MATERIALS
-from omnivat.simulate.looks import IMITATIONS
-from omnivat.simulate.plan import PAIRS, classes, planned
+from omnivat.simulate.plan import IMITATIONS, PAIRS, classes, planned
 from omnivat.simulate.surfaces import recipe
 
 EVERYTHING = [

@@ -4,16 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.ndimage import gaussian_filter
 
-from omnivat.simulate.contact import Press, plane
-from omnivat.simulate.displacement import coloured, displacements
+from omnivat.simulate.contact import Press, coloured, displacements, plane
 from omnivat.simulate.sensors import SENSORS, Lamp, Markers
 from omnivat.simulate.shapes import Spot
 from omnivat.simulate.shapes.making import block
 from omnivat.simulate.surfaces import surface
-from omnivat.simulate.tactile import lit, marker_shade, touch, untouched
+from omnivat.simulate.tactile import at_rest, lit, marker_shade, touch, untouched, used
 from omnivat.simulate.things import Thing
-from omnivat.simulate.wear import used
 
 PRESS = Press(turn=0.4, lean=(0.0, 0.0), depth=0.5, shear=(0.05, 0.0))
 RED_FROM_THE_RIGHT = replace(
@@ -32,13 +31,23 @@ def slab(material: str, number: int) -> Thing:
     return Thing(solid=solid, sight=own, touch=own, spot=spot, material=material)
 
 
-def test_a_lamp_on_the_right_lights_the_right_flank_of_a_bump() -> None:
-    x, y = plane(RED_FROM_THE_RIGHT.field, 64)
-    change = lit(np.exp(-(x**2 + y**2) / 8), RED_FROM_THE_RIGHT)
+@pytest.mark.parametrize(
+    ("azimuth", "near", "far"),
+    [
+        (0, (32, 44), (32, 19)),
+        (90, (19, 32), (44, 32)),
+        (180, (32, 19), (32, 44)),
+        (270, (44, 32), (19, 32)),
+    ],
+    ids=["right", "top", "left", "bottom"],
+)
+def test_a_lamp_lights_the_flank_of_a_bump_that_faces_it(azimuth, near, far) -> None:
+    sensor = replace(RED_FROM_THE_RIGHT, lamps=(Lamp(azimuth=azimuth, colour=(1.0, 0.0, 0.0)),))
+    x, y = plane(sensor.field, 64)
+    change = lit(np.exp(-(x**2 + y**2) / 8), sensor)
 
-    right, left = change[32, 44], change[32, 19]
-    assert right[0] > 0.05 > -0.05 > left[0]
-    assert right[1:] == pytest.approx(0.0)
+    assert change[near][0] > 0.05 > -0.05 > change[far][0]
+    assert change[near][1:] == pytest.approx(0.0)
 
 
 def test_a_flat_gel_is_unchanged_by_its_lamps() -> None:
@@ -54,6 +63,22 @@ def test_every_sensor_gives_an_image_that_its_press_has_changed(name: str) -> No
     assert image.min() >= 0.0
     assert image.max() <= 1.0
     assert np.abs(image - untouched(sensor, size=64)).mean() > 0.01
+
+
+@pytest.mark.parametrize("name", SENSORS)
+def test_a_press_that_touches_nothing_is_the_rest_picture_of_its_gel_but_for_noise(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("omnivat.simulate.tactile.indentation", lambda h, **_: np.zeros_like(h))
+    still = replace(PRESS, shear=(0.0, 0.0))
+    image = touch(slab("plastic", 2), still, SENSORS[name], size=64, seed=1)
+    rest = at_rest(SENSORS[name], size=64, seed=1)
+
+    scale = (image * rest).sum() / (rest * rest).sum()  # the exposure of one picture
+    assert 0.85 < scale < 1.15
+    smooth = gaussian_filter(image - scale * rest, (3, 3, 0))  # noise averages out
+    assert np.abs(smooth).mean() < 0.004
+    assert np.abs(rest - at_rest(SENSORS[name], size=64)).mean() > 0.008  # other gels differ
 
 
 def test_gels_of_one_sensor_differ_and_some_have_no_markers() -> None:

@@ -5,8 +5,7 @@ import numpy as np
 from omnivat.data.domains import DOMAINS
 from omnivat.data.materials import MATERIALS
 from omnivat.simulate.contact import plane
-from omnivat.simulate.looks import IMITATIONS
-from omnivat.simulate.plan import Planned, planned
+from omnivat.simulate.plan import IMITATIONS, Planned, planned
 from omnivat.simulate.surfaces import surface
 from omnivat.simulate.things import thing
 

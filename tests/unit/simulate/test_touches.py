@@ -5,12 +5,12 @@ import pytest
 
 from omnivat.data.domains import DOMAINS
 from omnivat.simulate.contact import plane
-from omnivat.simulate.heights import contact_height
 from omnivat.simulate.plan import Planned, planned
 from omnivat.simulate.shapes import KINDS, made_of
+from omnivat.simulate.shapes.spots import contact_height
 from omnivat.simulate.surfaces import RECIPES
 from omnivat.simulate.surfaces.skins import SMOOTH
-from omnivat.simulate.touches import touch_surface, touched_spot
+from omnivat.simulate.things import touch_surface, touched_spot
 
 STEEL = planned(DOMAINS["TAG"], "steel", pairs=60)
 

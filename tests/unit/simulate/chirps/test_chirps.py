@@ -15,8 +15,7 @@ from omnivat.embed import embed_pairs
 from omnivat.encoders import load_encoder
 from omnivat.errors import SettingsError, ShapeError
 from omnivat.fractional import dfrft
-from omnivat.simulate.chirps import ChirpSettings, chirp_embeddings, interference_orders
-from omnivat.simulate.chirps.signals import places
+from omnivat.simulate.chirps import ChirpSettings, chirp_embeddings, interference_orders, places
 
 SMALL = ChirpSettings(pairs_per_class=4, domains=4)
 

@@ -1,0 +1,217 @@
+"""The API for programs, over HTTP and MCP: `about`, `predict`, `gaps`, `report`; `--api` opens it.
+
+It obeys the page's rules (`app.guard`), limits (`app.limits`) and queue (`app.jobs`).
+"""
+
+from base64 import b64decode
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any
+
+from starlette.requests import Request
+from starlette.responses import JSONResponse, Response
+from starlette.routing import Route
+
+from app.api_schema import TOOLS, document
+from app.jobs import Job
+from app.limits import MAX_API_BYTES, REPORT_S
+from app.messages import Handler, in_sentences, refusal
+from app.pair_input import embedded, refs_from
+from app.request_work import done, received
+from app.requests import question_from
+from app.resources import Resources
+from app.state import order_from
+from app.views.data import without_nan
+from app.views.explore import kept_features
+from app.visitor_sets import VisitorSets
+from omnivat.errors import DataError
+
+Arguments = Mapping[str, Any]
+Work = Callable[[Resources, Arguments, Job[Any]], dict[str, Any]]
+KINDS: dict[str, Any] = {"string": str, "number": int | float}
+CLOSED = "The API is off; whoever runs this page can open it with --api."
+ONE_AT_A_TIME = ("report",)  # tools of the long lane
+
+
+def about(resources: Resources, _: Arguments, job: Job[Any]) -> dict[str, Any]:
+    """Return the names that the other tools take."""
+    from omnivat.heads import shipped_sets
+
+    head, data = resources.head(), resources.embeddings().header
+    return {
+        "classes": list(head.settings.classes),
+        "domains": list(data.domains),
+        "pairs": len(resources.embeddings()),
+        "simulated": data.simulated,
+        "encoder": data.encoder,
+        "source": head.source,
+        "learned_order": head.model.order,
+        "examples": list(resources.examples()),
+        "heads": [name for name in resources.heads if name],
+        "sets": list(shipped_sets()),
+    }
+
+
+def predict(resources: Resources, given: Arguments, job: Job[Any]) -> dict[str, Any]:
+    """Return the record of `omnivat.predict` for one pair, and the names of its images."""
+    from omnivat.predict import predict_embeddings
+
+    order, head = order_from(given.get("order")), resources.head_named(given.get("head"))
+    named = {name: _image(resources, given.get(name), name, job) for name in ("vis", "tac")}
+    refs = refs_from(named)
+    pair = embedded(resources, refs)
+    found = predict_embeddings(head, pair["vis"], pair["tac"], order=order)[0]
+    found.pop("profile")
+    images = {name: ref for name, ref in named.items() if ref}
+    return {**found, "source": head.source, "images": images}
+
+
+def _image(resources: Resources, value: Any, name: str, job: Job[Any]) -> Any:
+    """Return the reference of an image; a data: address is decoded and embedded."""
+    if not isinstance(value, str) or not value.startswith("data:"):
+        return value
+    kind, comma, text = value.partition(";base64,")
+    try:
+        content = b64decode(text, validate=True)
+    except ValueError:
+        comma = ""
+    if not comma or len(kind) > 40:
+        raise DataError(f"{name} is no data address; send 'data:image/png;base64,' and the file.")
+    return str(resources.take_image(content, name, job.check)[0])
+
+
+def gaps(resources: Resources, given: Arguments, job: Job[Any]) -> dict[str, Any]:
+    """Return the record of `omnivat gaps --json`."""
+    import torch
+
+    from omnivat.gaps.domain import gap_record
+    from omnivat.gaps.large import parts_of
+
+    stage, measure = given.get("stage", "f_hat"), given.get("measure", "centroid")
+    order, data = order_from(given.get("order")), resources.embeddings()
+    order = resources.head().model.order if order is None else order
+    points = torch.from_numpy(kept_features(resources, stage, order))
+    sets, rows = parts_of(points, data.domain, data.header.domains)
+    return {
+        "stage": stage,
+        "order": None if stage == "raw" else order,
+        "measure": measure,
+        "pairs": len(data),
+        "simulated": data.header.simulated,
+        **gap_record(rows, sets, measure, job.check),
+    }
+
+
+def report(resources: Resources, _: Arguments, job: Job[Any]) -> dict[str, Any]:
+    """Return the numbers of `omnivat report`; they are computed once for a set."""
+    if (kept := resources.results.get("report")) is None:
+        from omnivat.shift.reading import features_of
+        from omnivat.shift.report import methods, notes, numbers
+
+        found = features_of(resources.embeddings())
+        kept = resources.results.keep(
+            "report",
+            {
+                "pairs": len(found.embeddings),
+                "domains": found.domains,
+                "simulated": found.embeddings.header.simulated,
+                "numbers": numbers(found, job.report),
+                "notes": notes(found),
+                "methods": methods(found, 0),
+            },
+        )
+    return kept
+
+
+WORK: dict[str, Work] = {"about": about, "predict": predict, "gaps": gaps, "report": report}
+
+
+def checked(name: str, given: Arguments) -> Arguments:
+    """Return the arguments of a tool without nulls; raises DataError for one that it does not take."""
+    takes = TOOLS[name][1]["properties"]
+    for key, value in given.items():
+        if key not in takes:
+            raise DataError(f"{name} takes no '{key:.40}'; it takes {', '.join(takes)}.")
+        kind, names = takes[key]["type"], takes[key].get("enum")
+        if value is not None and (isinstance(value, bool) or not isinstance(value, KINDS[kind])):
+            raise DataError(f"{key} has to be a {kind}; '{type(value).__name__}' came.")
+        if value is not None and names and value not in names:
+            raise DataError(f"{key} is '{value:.40}'; it can be {', '.join(names)}.")
+    return {key: value for key, value in given.items() if value is not None}
+
+
+async def used(
+    sets: VisitorSets, request: Request, read: Callable[[bytes], tuple[str, Arguments] | None]
+) -> dict[str, Any] | None:
+    """Run the tool that `read` finds in a request's body; None if it finds none.
+
+    The body waits on the disk and is read in turn, so that many large ones hold no memory.
+    """
+    long: list[tuple[str, Resources]] = []
+
+    def begun(job: Job[Any]) -> dict[str, Any] | None:
+        if (found := read(file.read_bytes())) is None:
+            return None
+        name, given = found[0], checked(*found)
+        resources = sets.named(given.get("set", "")[:64])
+        if name in ONE_AT_A_TIME:
+            long.append((name, resources))
+            return None
+        return WORK[name](resources, given, job)
+
+    jobs = sets.shared.jobs
+    async with received(request, sets.shared.scratch, MAX_API_BYTES, "The request") as file:
+        result = await done(request, jobs, begun, priority=1)
+    if long:
+        name, resources = long[0]
+        work = partial(WORK[name], resources, {})
+        result = await done(request, jobs, work, lane="long", deadline_s=REPORT_S)
+    return None if result is None else without_nan(result)
+
+
+async def serve(sets: VisitorSets, name: str, request: Request) -> Response:
+    """Run one tool with the JSON object in the body."""
+    return JSONResponse(await used(sets, request, lambda body: (name, question_from(body))))
+
+
+async def schema(_: Request) -> Response:
+    """Serve the OpenAPI document."""
+    return JSONResponse(document())
+
+
+async def nothing(_: Request) -> Response:
+    """Refuse an address without a tool."""
+    return refusal(f"There is no such tool; there are {', '.join(TOOLS)}, and schema.", 404)
+
+
+async def closed(_: Request) -> Response:
+    """Refuse while the API is off."""
+    return refusal(CLOSED, 404)
+
+
+def only(method: str, handler: Handler) -> Handler:
+    """Refuse other methods in a sentence."""
+
+    async def one(request: Request) -> Response:
+        if request.method == method:
+            return await handler(request)
+        reply = refusal(f"Send {method} to this address, not {request.method:.10}.", 405)
+        reply.headers["allow"] = method
+        return reply
+
+    return one
+
+
+def api_routes(sets: VisitorSets, mcp: Handler, *, opened: bool) -> list[Route]:
+    """Return the routes of the API; while it is not opened, each refuses."""
+    handlers = {
+        "/omnivat/api/schema": only("GET", schema),
+        **{f"/omnivat/api/{name}": only("POST", partial(serve, sets, name)) for name in TOOLS},
+        "/omnivat/mcp": only("POST", mcp),
+        "/omnivat/api/{rest:path}": nothing,
+    }
+    methods = ["GET", "POST", "PUT", "PATCH", "DELETE"]
+    return [
+        Route(path, in_sentences(handler if opened else closed), methods=methods)
+        for path, handler in handlers.items()
+    ]

@@ -1,0 +1,121 @@
+"""The API's tools by the Model Context Protocol: JSON-RPC over streamable HTTP, without state or streams.
+
+Gradio has an MCP server, too. It reaches its tools through Gradio's queue and event streams, which
+`app.guard` keeps closed, so it could not have the page's limits.
+"""
+
+import json
+from collections.abc import Mapping
+from typing import Any, TypeGuard
+
+from starlette.requests import Request
+from starlette.responses import JSONResponse, Response
+
+from app.api import used
+from app.api_schema import TOOLS
+from app.messages import UNEXPECTED, log, readable, status_of
+from app.requests import question_from
+from app.visitor_sets import VisitorSets
+from omnivat import __version__
+from omnivat.errors import DataError, OmniVatError
+
+VERSIONS = ("2025-11-25", "2025-06-18", "2025-03-26")  # newest first
+PARSE, REQUEST, METHOD, PARAMS = -32700, -32600, -32601, -32602
+USE = "Start with about: it names the classes, domains, examples and sets."
+
+
+class RpcError(DataError):
+    """An error of the protocol, with its code."""
+
+    def __init__(self, sentence: str, code: int) -> None:
+        super().__init__(sentence)
+        self.code = code
+
+
+async def mcp(sets: VisitorSets, request: Request) -> Response:
+    """Reply to one JSON-RPC message."""
+    asked: dict[str, Any] = {}
+
+    def read(body: bytes) -> tuple[str, Mapping[str, Any]] | None:
+        try:
+            asked.update(question_from(body))
+        except DataError as error:
+            raise RpcError(str(error), PARSE) from error
+        if asked.get("method") != "tools/call" or "id" not in asked:
+            return None
+        params = asked.get("params")
+        name, given = (
+            (params.get("name"), params.get("arguments") or {}) if _is(params) else ("", {})
+        )
+        if not isinstance(name, str) or name not in TOOLS:
+            raise RpcError(f"There is no such tool; there are {', '.join(TOOLS)}.", PARAMS)
+        if not _is(given):
+            raise RpcError("arguments has to be an object.", PARAMS)
+        return name, given
+
+    try:
+        result = await used(sets, request, read)
+        if result is not None:
+            found = {"content": _text(json.dumps(result)), "structuredContent": result}
+        elif "id" not in asked:  # a notification, or a reply to nothing
+            return Response(status_code=202)
+        else:
+            found = replied(asked)
+    except OmniVatError as error:
+        return _failed(asked.get("id"), error)
+    return JSONResponse({"jsonrpc": "2.0", "id": _name(asked.get("id")), "result": found})
+
+
+def replied(asked: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the result of a request that uses no tool; raises RpcError for an unknown one."""
+    method, params = asked.get("method"), asked.get("params")
+    if method == "ping":
+        return {}
+    if method == "initialize":
+        wanted = params.get("protocolVersion") if _is(params) else None
+        return {
+            "protocolVersion": wanted if wanted in VERSIONS else VERSIONS[0],
+            "capabilities": {"tools": {}},
+            "serverInfo": {"name": "omnivat", "version": __version__},
+            "instructions": USE,
+        }
+    if method == "tools/list":
+        return {
+            "tools": [
+                {"name": name, "description": what, "inputSchema": given, "outputSchema": found,
+                 "annotations": {"readOnlyHint": True}}
+                for name, (what, given, found) in TOOLS.items()
+            ]
+        }  # fmt: skip
+    if not isinstance(method, str) or asked.get("jsonrpc") != "2.0":
+        raise RpcError('A request has "jsonrpc": "2.0", an id and a method.', REQUEST)
+    raise RpcError(
+        f"The method '{method:.40}' is unknown; there are tools/list and tools/call.", METHOD
+    )
+
+
+def _failed(number: Any, error: OmniVatError) -> Response:
+    """Return an error: of a tool as a result that a model can read, of the protocol by its code."""
+    sentence, code = readable(str(error)), getattr(error, "code", None)
+    log.info("mcp refused: %s", error)
+    head = {"jsonrpc": "2.0", "id": _name(number)}
+    if code is None and number is not None and sentence != UNEXPECTED:
+        return JSONResponse({**head, "result": {"content": _text(sentence), "isError": True}})
+    body = {**head, "error": {"code": code or REQUEST, "message": sentence}}
+    known = code in (METHOD, PARAMS)
+    return JSONResponse(body, status_code=200 if known else status_of(error))
+
+
+def _text(text: str) -> list[dict[str, str]]:
+    return [{"type": "text", "text": text}]
+
+
+def _is(value: Any) -> TypeGuard[dict[str, Any]]:
+    return isinstance(value, dict)
+
+
+def _name(number: Any) -> Any:
+    """Return a request's id, which is a short text or a number; None for anything else."""
+    if isinstance(number, str):
+        return readable(number[:200])
+    return number if isinstance(number, int | float) and abs(number) < 1e15 else None

@@ -1,0 +1,106 @@
+"""My sensor: the profile of a visitor's unlabelled pictures.
+
+A profile is mean and variance of each embedding channel; no picture is in it. Requests name it, and
+`app.pair_input` then moves uploaded images onto the statistics of the head's source.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
+
+from app.pair_input import profile_in
+from app.resources import Resources
+from app.state import content_name, ref_from
+from omnivat.errors import DataError
+
+if TYPE_CHECKING:
+    from omnivat.data.profile import Channels, Profile
+
+MOST_AT_ONCE = 100  # pictures of one request; a page with more sends several
+DOMAIN = "My sensor"
+
+
+def profile(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
+    """Make a profile of uploaded images, or add them to one.
+
+    question  {"photos", "touches": references, at most MOST_AT_ONCE; "profile": one to add to}
+    return    `profile`, its name, and `counts` of pictures by modality
+
+    Raises DataError for no images or too many, or a head without its source's profile; ForgottenError for one that is not kept.
+    """
+    import numpy as np
+
+    from omnivat.data.profile import Profile, channels_of
+
+    source = resources.head().source_profile
+    before = profile_in(resources, question)
+    given = {"vis": question.get("photos") or [], "tac": question.get("touches") or []}
+    if not all(isinstance(some, list) for some in given.values()):
+        raise DataError("photos and touches have to be lists of uploaded pictures.")
+    if not 0 < sum(map(len, given.values())) <= MOST_AT_ONCE:
+        raise DataError(f"Send 1 to {MOST_AT_ONCE} pictures of your sensor at a time.")
+    channels = dict(before.channels) if before else {}
+    for name, some in given.items():
+        refs = [ref for one in some if (ref := ref_from(one)) is not None]
+        if refs:
+            rows = np.stack([resources.embedding(ref, name) for ref in refs])
+            found = channels_of(rows)
+            channels[name] = joined(channels[name], found) if name in channels else found
+    return _kept(resources, Profile(channels=channels, key=source.key, domain=DOMAIN))
+
+
+def joined(one: "Channels", other: "Channels") -> "Channels":
+    """Return the statistics of two sets of pictures together, in double precision."""
+    import numpy as np
+
+    from omnivat.data.profile import Channels
+
+    count = one.count + other.count
+    shares = [part.count / count for part in (one, other)]
+    means = [part.mean.astype(np.float64) for part in (one, other)]
+    mean = shares[0] * means[0] + shares[1] * means[1]
+    variance = sum(
+        share * (part.variance + (own - mean) ** 2)
+        for share, own, part in zip(shares, means, (one, other), strict=True)
+    )
+    return Channels(
+        mean=mean.astype(np.float32), variance=np.asarray(variance, np.float32), count=count
+    )
+
+
+def save_sensor(resources: Resources, question: Mapping[str, Any]) -> bytes:
+    """Return the profile named in a request as a file for the page and for `--profile`."""
+    from omnivat.data.profile_file import save_profile
+
+    found = profile_in(resources, question)
+    if found is None:
+        raise DataError("There is no profile of your sensor yet; give it pictures first.")
+    with TemporaryDirectory(prefix="omnivat-save-") as folder:
+        file = Path(folder) / "my-sensor.safetensors"
+        save_profile(file, found)
+        return file.read_bytes()
+
+
+def load_sensor(resources: Resources, file: Path) -> dict[str, Any]:
+    """Keep a saved profile; return as `profile` does. Raises DataError if it does not fit the head."""
+    from omnivat.data.profile import require_key
+    from omnivat.data.profile_file import load_profile
+
+    found = load_profile(file)
+    source = resources.head().source_profile
+    require_key(found, source.key, source.width)
+    return _kept(resources, found)
+
+
+def from_the_start(resources: Resources) -> dict[str, Any]:
+    """Return the profile of --profile as `load_sensor` does; {} without one."""
+    file = resources.where.profile
+    return load_sensor(resources, file) if file else {}
+
+
+def _kept(resources: Resources, found: "Profile") -> dict[str, Any]:
+    parts = [(one.mean.tobytes(), one.variance.tobytes()) for one in found.channels.values()]
+    name = content_name(repr([found.counts, *parts]).encode())
+    resources.profiles.keep(name, found)
+    return {"profile": name, "counts": found.counts}

@@ -1,0 +1,170 @@
+"""What a page without a server computes with: heads and encoder as ONNX files, the set in parts.
+
+models.json              classes, orders and files of each head; rows of the examples
+NAME.onnx                a head (`omnivat/portable.py`); "first" is the page's own
+NAME-stages.onnx         its stages and trees for many pairs at one order
+familiarity, profile, …   of the first head, as its folder has them
+set-N.safetensors        embeddings of PART pairs each, in half precision
+../encoder-HASH.onnx     one file for all sets of that encoder
+
+Each but the script of the runtime is packed as NAME.gz; the browser unpacks it.
+"""
+
+import shutil
+from collections.abc import Mapping
+from gzip import compress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from app.familiar import training_pairs
+from app.resources import Resources
+from app.site_runtime import write_runtime
+from app.state import content_name
+from app.views.pair import token_names, trained_span
+from omnivat.files import replacing, write_json
+from omnivat.progress import OnStep, Step, ignore
+from omnivat.stages import IMAGES
+
+if TYPE_CHECKING:
+    from omnivat.checkpoint import Head
+
+PART = 256  # pairs of one file of the set, 1.3 MB of the default encoder
+COPIED = (  # for familiarity, profiles, and saving a taught head
+    "familiarity.safetensors",
+    "profile.safetensors",
+    "weights.safetensors",
+    "settings.json",
+)
+
+
+def write_models(
+    desks: Mapping[str, Resources],
+    folder: Path,
+    runtime: Path | None = None,
+    on_step: OnStep = ignore,
+) -> str:
+    """Write all that the routes of Try a pair need into a new folder of `folder`; return its name.
+
+    desks    set -> its head and embeddings
+    runtime  as for `write_runtime`
+
+    The name changes with the content, so a browser may keep every file. Raises MissingPackageError
+    if a package of ONNX is not installed, DataError for a head or set that cannot be read.
+    """
+    made = folder / "models"
+    write_runtime(made / "runtime", runtime)
+    for done, (name, resources) in enumerate(desks.items()):
+        on_step(Step(done=done, total=len(desks), text=f"models of {name}"))
+        write_set(resources, made / name)
+    for file in files_in(made):
+        if file.suffix != ".mjs":
+            pack(file)
+    hashes = (bytes.fromhex(content_name(file.read_bytes())) for file in files_in(made))
+    return made.rename(folder / f"models-{content_name(b''.join(hashes))[:8]}").name
+
+
+def files_in(folder: Path) -> list[Path]:
+    """Return all files below a folder."""
+    return sorted(path for path in folder.rglob("*") if path.is_file())
+
+
+def pack(file: Path) -> None:
+    """Replace a file by its gzip, whose bytes depend on nothing else; a plain server packs nothing."""
+    with replacing(file.with_name(f"{file.name}.gz")) as packed:
+        packed.write_bytes(compress(file.read_bytes(), 9, mtime=0))
+    file.unlink()
+
+
+def write_set(resources: Resources, folder: Path) -> None:
+    """Write the models of one set into `folder`, and its encoder beside it."""
+    folder.mkdir(parents=True, exist_ok=True)
+    first, embeddings = resources.head(), resources.embeddings()
+    first.require_embeddings(embeddings)
+    files = {name: name or "first" for name in resources.folders}
+    index, of = training_pairs(resources)
+    _write_rows(resources, folder)
+    for name in COPIED:
+        if first.path and (first.path / name).is_file():
+            shutil.copyfile(first.path / name, folder / name)
+    record = {
+        "heads": {
+            name: _write_head(resources.head_named(name), folder, file)
+            for name, file in files.items()
+        },
+        "encoder": write_encoder(resources, folder.parent),
+        "key": dict(first.encoder),
+        "width": embeddings.width,
+        "pairs": len(embeddings),
+        "part": PART,
+        "rows": resources.example_rows(),
+        "set": {
+            "domains": embeddings.header.domains,
+            "classes": embeddings.header.classes,
+            "domain": embeddings.domain.tolist(),
+            "label": embeddings.label.tolist(),
+        },
+        "training": {"index": index.tolist(), "of": of},
+        "has": [name.split(".")[0] for name in COPIED if (folder / name).is_file()],
+    }
+    write_json(folder / "models.json", record)
+
+
+def write_encoder(resources: Resources, folder: Path) -> dict[str, Any] | None:
+    """Write the encoder of a set's head and return how the page uses it; None for one that needs
+    Python.
+    """
+    from omnivat.data.strips import ENCODER as STRIP
+    from omnivat.encoders.efficientnet import MEAN, NAME, STD, EfficientNetLite0
+
+    wanted = resources.head().encoder
+    if wanted["name"] == STRIP:
+        return {"kind": "strip"}
+    if wanted["name"] != NAME:
+        return None
+    file = folder / f"encoder-{wanted['weights_hash']}.onnx"
+    encoder = resources.encoder()
+    if not file.is_file() and isinstance(encoder, EfficientNetLite0):
+        encoder.write_onnx(file)
+    return {"kind": "onnx", "file": file.name, "mean": MEAN, "std": STD}
+
+
+def _write_head(head: "Head", folder: Path, name: str) -> dict[str, Any]:
+    """Write one head; return what the page has to know of it."""
+    from omnivat.model.dtg import groups, parents
+    from omnivat.portable import write_head, write_stages
+
+    write_head(folder / f"{name}.onnx", head)
+    write_stages(folder / f"{name}-stages.onnx", head)
+    model, own = head.model, head.settings
+    count = 0 if own.generation == "none" else 2**own.levels - 1
+    tokens = {n: 2 * len(model.mffa.theta[n]) for n in IMAGES} if own.mffa else {}
+    if own.complex_to_real != "tokens":
+        tokens = {n: len(model.mffa.theta[n]) for n in tokens}
+    return {
+        "file": f"{name}.onnx",
+        "stages": f"{name}-stages.onnx",
+        "parents": parents(own.generation, count) if count else [],
+        "groups": [[g.start, g.stop] for g in groups(own.generation, count)] if count else [],
+        "arrangement": own.generation,
+        "in_use": own.tree_at_inference,
+        "classes": own.classes,
+        "learned": model.order,
+        "orders": {n: model.orders[n] for n in IMAGES},
+        "span": trained_span(head),
+        "tokens": {n: token_names(model, n, count) for n, count in tokens.items()},
+        "directions": model.directions().tolist(),
+        "scale": own.logit_scale,
+        "source": head.source,
+    }
+
+
+def _write_rows(resources: Resources, folder: Path) -> None:
+    import numpy as np
+    from safetensors.numpy import save_file
+
+    embeddings = resources.embeddings()
+    for start in range(0, len(embeddings), PART):
+        some = slice(start, start + PART)
+        rows = {n: np.asarray(getattr(embeddings, n)[some]).astype(np.float16) for n in IMAGES}
+        with replacing(folder / f"set-{start // PART}.safetensors") as file:
+            save_file(rows, file)

@@ -1,0 +1,136 @@
+/** The words and figures of the chapters, made from what is on the screen. */
+
+import { orderText } from "../shared/frames.js";
+import { values } from "../shared/measures.js";
+import { escaped, percent } from "../shared/text.js";
+import { inWords } from "./strangers.js";
+
+export const CLEAR = 0.1; // of accuracy: a smaller change over p is called small
+const AWAY = 0.8; // the order at which the first chapter opens if p decides: most heads fail there
+const MEASURING = "<small>Measuring each domain…</small>";
+const b = (text) => `<b>${text}</b>`;
+const known = (curve) => (curve ?? []).filter(Number.isFinite);
+const plural = (n, one, many = `${one}s`) => `${inWords(n)} ${n === 1 ? one : many}`;
+
+/** {best, range}: the order of the highest accuracy, and how far accuracy ranges over p; null if unknown. */
+export function decided(frames) {
+  const curve = values(frames, "accuracy", "f_hat");
+  const all = known(curve);
+  if (!all.length) return null;
+  const [low, high] = [Math.min(...all), Math.max(...all)];
+  return { best: frames.orders[curve.indexOf(high)], low, high, range: high - low };
+}
+
+/** The order at which a chapter opens. */
+export function startOf(chapter, frames, own) {
+  const at = Number.isFinite(own.learned) ? own.learned : 0.5;
+  const wanted = chapter === "order" && (decided(frames)?.range ?? 0) >= CLEAR ? AWAY : at;
+  return frames.orders[frames.stop(wanted)];
+}
+
+/** The accuracy at one stop, and whose it is, as HTML; one sentence on a screen. */
+export function headOf(frames, stop) {
+  const right = values(frames, "accuracy", "f_hat")?.[stop];
+  const p = orderText(frames.orders[stop]);
+  const learned = Math.abs(frames.orders[stop] - frames.learned) < 5e-4;
+  const many = frames.meta.head.seeds?.length ?? 1;
+  const whose = {
+    retrained: `${many > 1 ? `mean of ${inWords(many)} heads` : "a head"} trained at p = ${p}`,
+    every: `one head for every p, at p = ${p}`,
+    moved: learned ? `the loaded head at its learned p = ${p}` : `the loaded head, moved to p = ${p}`,
+  }[frames.kind];
+  if (!Number.isFinite(right)) return `<small>Unseen accuracy is unknown here: ${blind(frames)}</small>`;
+  return `<b class="large">${percent(right)}</b> <span>right in ${where(frames)}: ${whose}</span>`;
+}
+
+const blind = ({ source, domains }) =>
+  !source
+    ? "the source of the head is not stated."
+    : domains.includes(source)
+      ? "there is no domain that the head has not seen."
+      : `the head was trained on ${escaped(source)}, which is not in this set.`;
+
+const where = ({ domains, source, domain }) => {
+  const there = new Set(domain); // a set may name domains of which it has no pair
+  const others = domains.filter((name, i) => name !== source && (!domain || there.has(i))).length;
+  return `${plural(others, "unseen domain")}`;
+};
+
+function order({ frames, stop }) {
+  const facts = decided(frames);
+  const figure = headOf(frames, stop);
+  if (!facts) return { title: "When does the order p decide?", figure, remark: "Drag p: the map follows." };
+  const kinds = `${inWords(frames.classes.length)} kinds of ${frames.signals ? "signal" : "pair"}`;
+  if (facts.range < CLEAR)
+    return {
+      title: "On this set the order p hardly matters.",
+      figure,
+      remark: `Drag p. Accuracy stays between ${percent(facts.low)} and ${percent(facts.high)}.`,
+    };
+  const there = Math.abs(frames.orders[stop] - facts.best) < 0.026;
+  return {
+    title: there ? `At one order, ${kinds} come apart.` : `At which order do ${kinds} come apart?`,
+    figure,
+    remark: there
+      ? `Elsewhere accuracy falls, to ${percent(facts.low)} at worst. Grey: on touch sensors every order does about as well.`
+      : "Drag <i>p</i>. Each stop is a head trained at that order.",
+  };
+}
+
+function failure({ own, frames, facts: { unseen } }) {
+  const title = "Why does it fail on the next sensor?";
+  if (!unseen) return { title, figure: MEASURING, remark: shifted(frames) };
+  const home = unseen.domains.find(({ is_source }) => is_source)?.["answers/fused"];
+  const away = unseen.unseen["answers/fused"];
+  if (!home || !away)
+    return {
+      title,
+      figure: away
+        ? `${b(percent(away.share))} right on a new sensor: the loaded head, which learned from ${escaped(own.source)}.`
+        : `Learned from ${b(escaped(own.source || "an unknown domain"))}: ${blind(own)}`,
+      remark: shifted(frames),
+    };
+  return {
+    title,
+    figure: `${b(percent(away.share))} right on a new sensor, ${b(percent(home.share))} at home: the loaded head.`,
+    remark: shifted(frames),
+  };
+}
+
+/** How far domains lie apart, as they come and centred, in words. */
+function shifted({ kindOfStops, meta, domains = [] }) {
+  const [before, after] = (kindOfStops === "centred" && meta.curves["domain_gap/raw"]) || [];
+  if (!before) return domains.length > 1 ? "Each colour is a domain." : "The set has one domain.";
+  return `Each domain shifts all its pictures: domains lie ${before.toFixed(2)} apart, and ${after.toFixed(2)} once centred.`;
+}
+
+function fooled({ own, facts: { unseen } }) {
+  const title = "When is touch needed?";
+  if (!unseen) return { title, figure: "", remark: "" };
+  const alike = unseen.look_alikes;
+  const pairs = unseen.domains.reduce((sum, one) => sum + (one.is_source ? 0 : one.pairs), 0);
+  if (!alike)
+    return {
+      title: "Which domains fool the head?",
+      figure: unseen.unseen["answers/fused"] ? "" : `Learned from ${escaped(own.source)}: ${blind(own)}`,
+      remark: "Each bar is a domain, with its 95 % interval. The thin line is guessing.",
+    };
+  const [photo, touch] = ["vis", "tac"].map((name) => alike[`answers/${name}`]);
+  const apart = touch.low > photo.high || photo.low > touch.high;
+  return {
+    title,
+    figure: `${b(percent(alike.pairs / pairs))} of the unseen pairs look like another class. There the photo is right in ${b(percent(photo.share))}, the touch in ${b(percent(touch.share))}.`,
+    remark: apart
+      ? "Where a photo deceives, only touch can tell."
+      : "The two intervals overlap, so neither is surely ahead.",
+  };
+}
+
+const CHAPTERS = {
+  order: { words: order, to: "failure", next: "Now the touch sensors →" },
+  failure: { words: failure, to: "fooled", next: "Who is fooled →" },
+  fooled: { words: fooled, to: "analyse", next: "Analyse →" },
+};
+
+/** {words(scene), to, next} of a chapter; undefined for the workbench. */
+export const chapterNamed = (chapter) => CHAPTERS[chapter];

@@ -1,0 +1,201 @@
+/** My sensor: a profile of unlabelled pictures; predictions, familiarity and the map then follow it. */
+
+import { ask, get, json, refused, visit } from "../shared/api.js";
+import { made, save } from "../shared/save.js";
+import { bytesOf, escaped, percent } from "../shared/text.js";
+import { chosenFiles } from "./dropped.js";
+import { upload } from "./many.js";
+import { isPicture, named } from "./pairing.js";
+import { best, READINGS, TERMS, unlike } from "./verdict.js";
+
+const KEPT = "omnivat-sensor"; // of this visit: survives a reload, not the browser's end
+const AT_ONCE = 50; // pictures of one request
+const FEW = 5;
+const plural = (n, [one, many]) => `${n.toLocaleString("en-US")} ${n === 1 ? one : many}`;
+
+/** What a profile was made of, in words. */
+export const madeOf = (counts) =>
+  Object.entries(counts)
+    .map(([name, n]) => plural(n, [TERMS[name].one, TERMS[name].many]))
+    .join(" and ");
+
+/** Pictures by modality; those whose names do not tell are `rest`. */
+export function sorted(files, rest) {
+  const found = { vis: [], tac: [] };
+  for (const { path, file } of files) if (isPicture(path)) found[named(path).modality || rest].push(file);
+  return found;
+}
+
+export class Sensor {
+  /** on: again() predicts anew; pair() is the open one. */
+  constructor(box, on) {
+    this.box = box;
+    this.on = on;
+    this.counts = null;
+    this.note = "";
+    visit.renew = () => this.restore();
+    box.onclick = ({ target }) => {
+      if (target.matches(".stop")) this.stopped.abort();
+      if (target.matches(".off")) this.use("", null);
+      if (target.matches(".save"))
+        this.bytes()
+          .then((blob) => save("my-sensor.safetensors", blob))
+          .catch(this.told);
+    };
+    box.onchange = ({ target }) => {
+      const files = chosenFiles(target.files ?? []);
+      target.value = target.matches("select") ? target.value : "";
+      if (!files.length) return;
+      if (target.matches(".load")) this.load(files[0].file);
+      else this.take(files);
+    };
+    this.show();
+    this.restore();
+  }
+
+  told = (error) => refused(error, (sentence) => this.say(sentence));
+
+  say(note) {
+    this.note = note;
+    this.show();
+  }
+
+  show() {
+    const { counts, box } = this;
+    const rest = box.querySelector("select")?.value ?? "tac";
+    const option = (name) =>
+      `<option value="${name}"${rest === name ? " selected" : ""}>${TERMS[name].many}</option>`;
+    box.innerHTML = `<h3>My sensor</h3><p class="hint">${counts ? `In use: profile of ${madeOf(counts)}. Check it with labelled pairs: it also turns guesses into figures.` : "5 to 50 pictures, no labels."}</p>
+      <div class="row"><label class="choose">Pictures<input type="file" multiple></label><label class="choose">Folder<input type="file" webkitdirectory multiple></label>${counts ? '<button type="button" class="save">Save</button><button type="button" class="off">Stop using it</button>' : '<label class="choose">Load<input type="file" class="load" accept=".safetensors"></label>'}</div>
+      <details><summary>Names</summary><label>Pictures not named vis or tac are <select>${option("tac")}${option("vis")}</select></label></details>
+      <p class="hint" role="status">${escaped(this.note)}</p><div class="compared"></div>`;
+    this.compare();
+  }
+
+  /** The open pair as it comes, and with the profile. */
+  async compare() {
+    const pair = this.on.pair();
+    const place = this.box.querySelector(".compared");
+    if (!this.counts || !place || ![pair.vis, pair.tac].some((ref) => ref?.startsWith("image:"))) return;
+    try {
+      const [before, after] = await Promise.all(
+        ["", visit.profile].map((profile) => ask("many", { pairs: [pair], profile })),
+      );
+      place.innerHTML = sideBySide(before.classes, before.pairs[0], after.pairs[0]);
+    } catch (error) {
+      refused(error, () => {}); // the panel of the prediction has the reason
+    }
+  }
+
+  /** files: [{path, file}]. The profile in use stays until the new one is complete. */
+  async take(files) {
+    const mine = (this.stopped = new AbortController());
+    const queue = Object.entries(sorted(files, this.box.querySelector("select").value)).flatMap(
+      ([name, some]) => some.map((file) => [name, file]),
+    );
+    const broken = [];
+    let made = null;
+    let batch = { vis: [], tac: [] };
+    const flush = async () => {
+      if (!batch.vis.length && !batch.tac.length) return;
+      made = await ask(
+        "profile",
+        { photos: batch.vis, touches: batch.tac, profile: made?.profile ?? "" },
+        mine.signal,
+      );
+      batch = { vis: [], tac: [] };
+    };
+    try {
+      for (const [i, [name, file]] of queue.entries()) {
+        this.box.querySelector("[role=status]").innerHTML =
+          `Reading picture ${i + 1} of ${queue.length}… <button type="button" class="stop">Cancel</button>`;
+        try {
+          batch[name].push(await upload(file, mine.signal));
+        } catch (error) {
+          refused(error, (sentence) => broken.push(sentence));
+          mine.signal.throwIfAborted();
+        }
+        if (batch.vis.length + batch.tac.length === AT_ONCE) await flush();
+      }
+      await flush();
+      const failed = broken.length
+        ? ` ${plural(broken.length, ["picture was", "pictures were"])} left out: ${broken[0]}`
+        : "";
+      if (!made)
+        return this.say(
+          broken[0] ?? "No picture was among these files. Give photos, tactile images or both.",
+        );
+      const few =
+        Math.min(...Object.values(made.counts)) < FEW ? ` Fewer than ${FEW} of a kind change little.` : "";
+      this.note = `${few}${failed}`.trim();
+      this.use(made.profile, made.counts);
+    } catch (error) {
+      if (mine.signal.aborted) return this.say("Cancelled; nothing was changed.");
+      this.told(error);
+    }
+  }
+
+  async load(file) {
+    try {
+      const { profile, counts } = await (await get("sensor", { method: "POST", body: file })).json();
+      this.note = "";
+      this.use(profile, counts);
+    } catch (error) {
+      this.told(error);
+    }
+  }
+
+  /** The profile's file. */
+  bytes = () => made("save/sensor", { profile: visit.profile });
+
+  async use(profile, counts) {
+    visit.profile = profile;
+    this.counts = counts;
+    if (!profile) this.note = "";
+    this.show();
+    this.on.again();
+    try {
+      if (!profile) return sessionStorage.removeItem(KEPT);
+      const bytes = new Uint8Array(await (await this.bytes()).arrayBuffer());
+      sessionStorage.setItem(KEPT, btoa(bytes.reduce((text, byte) => text + String.fromCharCode(byte), "")));
+    } catch (error) {
+      if (error.name !== "SecurityError" && error.name !== "QuotaExceededError") this.told(error); // a browser may refuse its storage
+    }
+  }
+
+  /** Send the visit's profile again: after a reload, or to a server that has lost it. True if it is back. */
+  async restore() {
+    let text = null;
+    try {
+      text = sessionStorage.getItem(KEPT);
+    } catch {
+      /* a browser may refuse its storage */
+    }
+    if (!text) {
+      const { sensor } = await json("about").catch(() => ({})); // the page itself reports a lost set
+      if (sensor?.profile) await this.use(sensor.profile, sensor.counts); // of --profile
+      return Boolean(visit.profile);
+    }
+    visit.profile = "";
+    await this.load(new Blob([bytesOf(text)]));
+    return Boolean(visit.profile);
+  }
+}
+
+/** Each reading of a pair before and after; guesses have no figure. */
+export function sideBySide(classes, before, after) {
+  const given = ["vis", "tac"].filter((name) => before.readings[name]);
+  const told = (one, reading) => {
+    const { label, share } = best(classes, one.readings[reading]);
+    return unlike(reading, given, one.images).length
+      ? `${escaped(label)}?`
+      : `${escaped(label)} <b>${percent(share)}</b>`;
+  };
+  const rows = READINGS.filter(
+    ([reading]) => before.readings[reading] && (reading !== "fused" || given.length > 1),
+  ).map(
+    ([reading, title]) =>
+      `<tr><th scope="row">${title}</th><td>${told(before, reading)}</td><td>${told(after, reading)}</td></tr>`,
+  );
+  return `<table><thead><tr><th scope="col">This pair</th><th scope="col">as it comes</th><th scope="col">with the profile</th></tr></thead><tbody>${rows.join("")}</tbody></table>`;
+}

@@ -1,0 +1,25 @@
+/** Tables as CSV, out and in. No DOM here. */
+
+/** A cell: quoted where needed, and never a formula; numbers stay numbers. */
+export const cell = (value) => {
+  const text = /^ *[=+\-@\t\r]/.test(value) && !Number.isFinite(Number(value)) ? `'${value}` : String(value);
+  return /[",\r\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
+};
+
+/** The rows of a table as text. */
+export const csv = (rows) => `${rows.map((row) => row.map(cell).join(",")).join("\n")}\n`;
+
+/** Cells of a CSV, row by row; quoted cells may hold commas, quotes and line ends. */
+export function cells(text) {
+  const rows = [[""]];
+  for (const [, quoted, bare, end] of text
+    .replace(/^\ufeff/, "")
+    .matchAll(/(?:"((?:[^"]|"")*)"|([^",\r\n]*))(,|\r?\n|$)/g)) {
+    const row = rows.at(-1);
+    row[row.length - 1] = quoted?.replaceAll('""', '"') ?? bare.trim();
+    if (end === ",") row.push("");
+    else if (end) rows.push([""]);
+    else break;
+  }
+  return rows.filter((row) => row.some(Boolean));
+}

@@ -1,0 +1,11 @@
+/** Which set a chapter of Explore shows. */
+
+const LESSON = "chirps"; // the set on which p decides
+const SENSORS = "sensors";
+/** The set of a chapter, by name; "" is the page's own. `listed` are the sets of the project. */
+export function setOf(chapter, listed) {
+  const shown = listed.find((one) => one.shown)?.name;
+  const wanted = { order: LESSON, failure: SENSORS, fooled: SENSORS }[chapter];
+  if (!shown && chapter !== "order") return "";
+  return wanted && wanted !== shown && listed.some(({ name }) => name === wanted) ? wanted : "";
+}

@@ -1,0 +1,181 @@
+/** What a visitor has given to one set, and the pair and head that a question names. Runs in the worker. */
+
+import { moved, profileFrom } from "./profiles.js";
+import { Refused } from "./refusal.js";
+import { lessonsIn, scoresOf, taught } from "./teaching.js";
+import { dot, rounded, rowOf, unit } from "./tensors.js";
+
+export const IMAGES = ["vis", "tac"];
+export const OTHER = { vis: "tac", tac: "vis" };
+const READINGS = ["fused", "vis", "tac", "vis_branch", "tac_branch"];
+const UNLIKE = 0.05; // below this quantile a prediction is a guess
+const KEPT = 512;
+
+/** What this visitor has given to one set: pictures, profiles, lessons. Nothing leaves the browser. */
+export class Desk {
+  constructor(models) {
+    this.models = models;
+    this.sent = new Map(); // reference -> embedding
+    this.profiles = new Map();
+    this.taught = new Map();
+  }
+
+  keep(kept, key, value) {
+    kept.set(key, value);
+    if (kept.size > KEPT) kept.delete(kept.keys().next().value);
+    return value;
+  }
+}
+
+/** A name for bytes; two visitors share nothing here, so it only has to tell files apart. */
+export function nameOf(bytes) {
+  let [a, b] = [0xdeadbeef, 0x41c6ce57];
+  for (const byte of bytes) {
+    a = Math.imul(a ^ byte, 2654435761);
+    b = Math.imul(b ^ byte, 1597334677);
+  }
+  return [a, b, bytes.length].map((part) => (part >>> 0).toString(16).padStart(8, "0")).join("");
+}
+
+export function orderIn(value) {
+  if (value === null || value === undefined || value === "") return null;
+  const p = Number(value);
+  if (!Number.isFinite(p) || Math.abs(p) > 4)
+    throw new Refused(`p is ${String(value).slice(0, 40)}; choose a number between -4 and 4 quarter turns.`);
+  return p;
+}
+
+/** The embedding of one reference, moved by the question's profile if it is a visitor's picture. */
+export async function embedding(desk, ref, modality, question) {
+  if (typeof ref !== "string")
+    throw new Refused("An image is named by a short text such as 'row:12'; choose one again.");
+  const [kind, ...rest] = ref.split(":");
+  const name = rest.join(":");
+  if (kind === "row") return desk.models.row(Number(name), modality);
+  if (kind === "example") {
+    const row = (await desk.models.about()).rows[name];
+    if (row === undefined) throw new Refused(`No example is called '${name.slice(0, 60)}' here.`);
+    return desk.models.row(row, modality);
+  }
+  const row = desk.sent.get(ref);
+  if (!row) throw new Refused("The page no longer has this image; send it again.", 410);
+  return movedBy(desk, question, modality, row);
+}
+
+export async function movedBy(desk, question, modality, row) {
+  const profile = profileIn(desk, question);
+  if (!profile?.channels[modality]) return row;
+  return moved(row, profile.channels[modality], (await sourceProfile(desk)).channels[modality]);
+}
+
+export function profileIn(desk, { profile }) {
+  if (!profile) return null;
+  const found = desk.profiles.get(profile);
+  if (!found) throw new Refused("The page no longer has the profile of your sensor; load it again.", 410);
+  return found;
+}
+
+export async function sourceProfile(desk) {
+  const { has } = await desk.models.about();
+  if (!has.includes("profile"))
+    throw new Refused("This head has no profile of its source, so no sensor's profile can be matched to it.");
+  return profileFrom(await desk.models.file("profile.safetensors"));
+}
+
+/** Both embeddings of a question's pair; null for a missing image. */
+export async function pairOf(desk, question) {
+  if (!question.vis && !question.tac)
+    throw new Refused("Choose a pair first: a VIS image, a TAC image or both.");
+  const rows = await Promise.all(
+    IMAGES.map((name) => (question[name] ? embedding(desk, question[name], name, question) : null)),
+  );
+  return { vis: rows[0], tac: rows[1] };
+}
+
+/** The head of a question, taught by its lessons. */
+export async function headFor(desk, question) {
+  const head = await desk.models.head(question.head);
+  const lessons = lessonsIn(question);
+  if (!lessons.length) return head;
+  const key = taughtName(question);
+  const found = desk.taught.get(key);
+  if (found) return found;
+  return desk.keep(desk.taught, key, await taught(await classroom(desk, head, question)));
+}
+
+export const taughtName = ({ head = "", profile = "", lessons }) =>
+  nameOf(new TextEncoder().encode(JSON.stringify([head, profile, lessons])));
+
+/** What teaching needs: lessons as pairs of embeddings, the training pairs, and a way to run the head. */
+export async function classroom(desk, head, question) {
+  const lessons = await Promise.all(
+    lessonsIn(question).map(async (one) => ({
+      label: one.label.trim(),
+      pair: await pairOf(desk, { ...one, profile: question.profile }),
+    })),
+  );
+  const { has } = await desk.models.about();
+  const known = has.includes("familiarity") ? await desk.models.file("familiarity.safetensors") : null;
+  const run = (pair, other = head) => desk.models.run(other, pair, [learned(head)]);
+  return { head, lessons, known, run };
+}
+
+export const learned = ({ orders }) => [orders.vis, orders.tac];
+
+/** The readings of a head's outputs at one stop; one image alone has its own reading as both. */
+export function readingsOf(head, out, stop, pair) {
+  const there = IMAGES.filter((name) => pair[name]);
+  if (head.rows) return scoresOf(head, out, there);
+  const of = (name) => Array.from(rowOf(out[`p_${name}`], stop));
+  if (there.length === 1) return { fused: of(there[0]), [there[0]]: of(there[0]) };
+  return Object.fromEntries(READINGS.map((name) => [name, of(name)]));
+}
+
+export const roundedAll = (readings) =>
+  Object.fromEntries(Object.entries(readings).map(([name, row]) => [name, rounded(row)]));
+
+/** Readings at the learned order, and the familiarity of each image. */
+export async function predictOne(desk, head, rows, order = null) {
+  const orders = order === null ? learned(head) : [order, order];
+  const out = await desk.models.run(head, rows, [orders]);
+  return { readings: roundedAll(readingsOf(head, out, 0, rows)), images: await lookedAt(desk, rows) };
+}
+
+/** Cosine to the nearest training image of each modality, its place among the training images, and words. */
+export async function lookedAt(desk, rows) {
+  const { has } = await desk.models.about();
+  if (!has.includes("familiarity")) return {};
+  const known = await desk.models.file("familiarity.safetensors");
+  const found = {};
+  for (const name of IMAGES.filter((one) => rows[one] && known[one])) {
+    const query = unit(rows[name]);
+    let cosine = -1;
+    for (let row = 0; row < known[name].shape[0]; row++) {
+      const own = rowOf(known[name], row);
+      cosine = Math.max(cosine, dot(query, own) / (Math.sqrt(dot(own, own)) || 1));
+    }
+    const quantile = quantileOf(cosine, known[`${name}_quantiles`].values);
+    const guess = quantile < UNLIKE;
+    const words = guess ? "unlike the training images" : "familiar";
+    found[name] = { cosine: rounded([cosine], 4)[0], quantile: rounded([quantile], 3)[0], words, guess };
+  }
+  return found;
+}
+
+/** The place of a value among ascending quantiles, 0 to 1. */
+export function quantileOf(value, quantiles) {
+  const last = quantiles.length - 1;
+  const above = quantiles.findIndex((one) => one > value);
+  const upper = Math.min(last, Math.max(1, above < 0 ? last : above));
+  const [low, high] = [quantiles[upper - 1], quantiles[upper]];
+  const inside = Math.min(1, Math.max(0, (value - low) / Math.max(1e-12, high - low)));
+  return (upper - 1 + inside) / last;
+}
+
+export function keptProfile(desk, found) {
+  const counts = Object.fromEntries(Object.entries(found.channels).map(([name, one]) => [name, one.count]));
+  const bytes = Object.values(found.channels).flatMap((one) => [one.mean, one.variance]);
+  const name = nameOf(bytes.flatMap((values) => [...new Uint8Array(values.buffer)]));
+  desk.keep(desk.profiles, name, found);
+  return { profile: name, counts };
+}

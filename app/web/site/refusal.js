@@ -1,0 +1,7 @@
+/** A sentence for the visitor, with the status of a server's reply. */
+export class Refused extends Error {
+  constructor(sentence, status = 400) {
+    super(sentence);
+    this.status = status;
+  }
+}

@@ -1,0 +1,192 @@
+/** The routes of Try a pair whose body is a question: the same reply as the server's. Runs in the worker. */
+
+import {
+  classroom,
+  embedding,
+  headFor,
+  IMAGES,
+  keptProfile,
+  lookedAt,
+  OTHER,
+  orderIn,
+  pairOf,
+  predictOne,
+  profileIn,
+  readingsOf,
+  roundedAll,
+  sourceProfile,
+  taughtName,
+} from "./desk.js";
+import { channelsOf, joined, saved } from "./profiles.js";
+import { Refused } from "./refusal.js";
+import { headOf, lessonsIn } from "./teaching.js";
+import { base64, dot, rounded, unit } from "./tensors.js";
+
+const STOPS = Array.from({ length: 101 }, (_, k) => k / 100);
+const COLUMNS = 256; // of the spectrum
+const NEAREST = 3;
+const MOST_PAIRS = 25;
+const MOST_PICTURES = 100;
+
+/** A prediction now and at every stop, with the spectra. */
+async function pair(desk, question) {
+  const order = orderIn(question.order);
+  const rows = await pairOf(desk, question);
+  const head = await headFor(desk, question);
+  const exact = order ?? head.learned;
+  const orders = [...STOPS, exact].map((p) => [p, p]);
+  const out = await desk.models.run(head, rows, orders);
+  const each = orders.map((_, stop) => readingsOf(head, out, stop, rows));
+  const names = ["fused", ...IMAGES].filter((name) => each[0][name]);
+  return {
+    classes: head.classes,
+    orders: STOPS,
+    learned: head.learned,
+    span: head.span,
+    stops: Object.fromEntries(
+      names.map((name) => [name, each.slice(0, -1).map((one) => rounded(one[name]))]),
+    ),
+    exact: { order: exact, readings: roundedAll(each.at(-1)) },
+    spectra: Object.fromEntries(
+      IMAGES.filter((name) => rows[name]).map((name) => [name, spectrum(out[`${name}_size`], STOPS.length)]),
+    ),
+  };
+}
+
+/** Moduli (P, D) as a picture of bytes. */
+function spectrum({ shape, values }, rows) {
+  const width = shape[1];
+  const columns = Math.min(width, COLUMNS);
+  const edges = Array.from({ length: columns + 1 }, (_, i) => Math.floor((i * width) / columns));
+  const joint = new Float64Array(rows * columns);
+  for (let row = 0; row < rows; row++)
+    for (let column = 0; column < columns; column++)
+      for (let i = edges[column]; i < edges[column + 1]; i++)
+        joint[row * columns + column] = Math.max(joint[row * columns + column], values[row * width + i]);
+  const top = joint.reduce((a, b) => Math.max(a, b), 0) || 1;
+  const pixels = Uint8Array.from(joint, (value) => Math.round((value / top) * 255));
+  return { rows, columns, width, top, pixels: base64(pixels) };
+}
+
+async function attention(desk, question) {
+  const rows = await pairOf(desk, question);
+  const head = await headFor(desk, question);
+  const names = IMAGES.filter((name) => rows[name] && head.tokens[name]);
+  if (!names.length) throw new Refused("This head has no MFFA, so there is no attention to show.");
+  const out = await desk.models.run(
+    head,
+    rows,
+    STOPS.map((p) => [p, p]),
+  );
+  const count = (name) => out[`${name}_attention`].shape.at(-1);
+  const off = (name) => Array.from(out[`${name}_attention`].values, (value) => value - 1 / count(name));
+  const found = Object.fromEntries(names.map((name) => [name, off(name)]));
+  const scale =
+    Math.max(...names.map((name) => found[name].reduce((a, b) => Math.max(a, Math.abs(b)), 0))) || 1;
+  const coded = (values) =>
+    base64(new Uint8Array(Int8Array.from(values, (v) => Math.round((v / scale) * 127)).buffer));
+  const by = (make) => Object.fromEntries(names.map((name) => [name, make(name)]));
+  return {
+    tokens: by((n) => head.tokens[n]),
+    count: by(count),
+    off: by((n) => coded(found[n])),
+    scale,
+    learned: head.learned,
+  };
+}
+
+async function many(desk, question) {
+  const { pairs } = question;
+  if (!Array.isArray(pairs))
+    throw new Refused("pairs has to be a list of pairs with a photo, a touch or both.");
+  if (!pairs.length || pairs.length > MOST_PAIRS)
+    throw new Refused(`${pairs.length} pairs were sent; send 1 to ${MOST_PAIRS} at a time.`);
+  const head = await headFor(desk, question);
+  const found = [];
+  for (const one of pairs)
+    found.push(await predictOne(desk, head, await pairOf(desk, { ...one, profile: question.profile })));
+  return { classes: head.classes, pairs: found };
+}
+
+/** The nearest training pairs of the set by cosine, except the pair itself. */
+async function nearest(desk, name, row, own) {
+  const { training } = await desk.models.about();
+  const query = unit(row);
+  const found = await Promise.all(
+    training.index.map(async (pair) => ({
+      pair,
+      cosine: dot(query, unit(await desk.models.row(pair, name))),
+    })),
+  );
+  const sorted = found.filter((one) => one.pair !== own).sort((a, b) => b.cosine - a.cosine);
+  return sorted.slice(0, NEAREST).map((one) => ({ ...one, cosine: rounded([one.cosine], 4)[0] }));
+}
+
+async function familiar(desk, question) {
+  const rows = await pairOf(desk, question);
+  const looked = await lookedAt(desk, rows);
+  const images = {};
+  for (const name of IMAGES.filter((one) => rows[one])) {
+    const ref = question[name];
+    const near = await nearest(desk, name, rows[name], ref.startsWith("row:") ? Number(ref.slice(4)) : -1);
+    images[name] = { nearest: near, ...looked[name] };
+    if (ref.startsWith("image:") && !question.profile) {
+      const [there] = await nearest(desk, OTHER[name], rows[name], -1);
+      images[name].strays = there.cosine > near[0].cosine;
+    }
+  }
+  return { images, of: (await desk.models.about()).training.of };
+}
+
+/** A profile of a visitor's pictures without labels, or more pictures for one. */
+async function profile(desk, question) {
+  await sourceProfile(desk);
+  const { photos = [], touches = [] } = question;
+  const count = photos.length + touches.length;
+  if (!(count > 0 && count <= MOST_PICTURES))
+    throw new Refused(`Send 1 to ${MOST_PICTURES} pictures of your sensor at a time.`);
+  const channels = { ...profileIn(desk, question)?.channels };
+  for (const [name, refs] of [
+    ["vis", photos],
+    ["tac", touches],
+  ]) {
+    if (!refs.length) continue;
+    const rows = await Promise.all(refs.map((ref) => embedding(desk, ref, name, {})));
+    const found = channelsOf(rows);
+    channels[name] = channels[name] ? joined(channels[name], found) : found;
+  }
+  return keptProfile(desk, { channels });
+}
+
+async function saveSensor(desk, question) {
+  const found = profileIn(desk, question);
+  if (!found) throw new Refused("There is no profile of your sensor yet; give it pictures first.");
+  return saved(found, (await desk.models.about()).key);
+}
+
+/** What the head says of each lesson before and after teaching. */
+async function teach(desk, question) {
+  const head = await desk.models.head(question.head);
+  const room = await classroom(desk, head, question);
+  const { report, made } = await headOf(room);
+  desk.keep(desk.taught, taughtName(question), made);
+  return { ...report, classes: made.classes };
+}
+
+async function taughtRoute(desk, question) {
+  if (!lessonsIn(question).length)
+    throw new Refused("No pair is labelled yet, so no head can be taught. Label two or more.");
+  await headFor(desk, question);
+  return { taught: taughtName(question) };
+}
+
+export const QUESTIONS = {
+  pair,
+  many,
+  attention,
+  familiar,
+  profile,
+  teach,
+  taught: taughtRoute,
+  "save/sensor": saveSensor,
+};

@@ -1,0 +1,42 @@
+/** onnxruntime-web, where the browser can run it. */
+
+import { Refused } from "./refusal.js";
+
+// a module whose function has one SIMD instruction
+const SIMD = Uint8Array.from(atob("AGFzbQEAAAABBQFgAAF7AwIBAAoKAQgAQQD9D/1iCw=="), (one) =>
+  one.charCodeAt(0),
+);
+const MOST_THREADS = 4;
+const ABSENT = "This browser has no WebAssembly, or it is switched off; open the page in another browser.";
+const OLD =
+  "This browser's WebAssembly has no SIMD, which the models need; use a browser from 2023 or later.";
+export const LOST = "A file of this page did not arrive; check the connection and try again.";
+
+let ort = null;
+
+async function started(base, bytes) {
+  if (typeof WebAssembly !== "object") throw new Refused(ABSENT);
+  if (!WebAssembly.validate(SIMD)) throw new Refused(OLD);
+  const [found, program] = await Promise.all([
+    import(new URL("runtime/ort.wasm.bundle.min.mjs", base).href).catch(() => {
+      throw new Refused(LOST);
+    }),
+    bytes(new URL("runtime/ort-wasm-simd-threaded.wasm", base), "the program that computes"),
+  ]);
+  found.env.wasm.numThreads = self.crossOriginIsolated
+    ? Math.min(MOST_THREADS, navigator.hardwareConcurrency ?? 1)
+    : 1;
+  found.env.wasm.wasmBinary = program;
+  return found;
+}
+
+/** The runtime from the folder of the models. `bytes` fetches a file; a Refused where it cannot run. */
+export async function runtime(base, bytes) {
+  ort ??= started(base, bytes);
+  try {
+    return await ort;
+  } catch (error) {
+    ort = null; // another try may have a connection
+    throw error;
+  }
+}

@@ -1,0 +1,43 @@
+/** The page without a server: plain tabs; the script of a tab is fetched when the tab first opens. */
+
+import { start as startHeader } from "../header/header.js";
+import { state } from "../shared/store.js";
+
+const tabs = /** @type {HTMLElement[]} */ ([...document.querySelectorAll("[role=tab]")]);
+const started = new Set();
+
+/** Show one tab, and start it if it was never open. */
+async function open(view) {
+  for (const tab of tabs) {
+    const chosen = tab.id === `view-${view}-button`;
+    tab.setAttribute("aria-selected", String(chosen));
+    tab.tabIndex = chosen ? 0 : -1;
+    document.getElementById(tab.getAttribute("aria-controls")).hidden = !chosen;
+  }
+  if (started.has(view)) return;
+  started.add(view);
+  const { start } = await import(`../${view}/${view}.js`);
+  await start(document.getElementById(`view-${view}`));
+}
+
+/** With a network, fetch the rest once the first view is there, so that the next visit needs none. */
+async function keep() {
+  await navigator.serviceWorker.register("sw.js");
+  const { active } = await navigator.serviceWorker.ready;
+  if (!(/** @type {any} */ (navigator).connection?.saveData)) active.postMessage("keep");
+}
+
+for (const tab of tabs) {
+  tab.onclick = () => open(tab.id.split("-")[1]);
+  tab.onkeydown = ({ key }) => {
+    const step = { ArrowRight: 1, ArrowLeft: -1 }[key];
+    const next = step && tabs.at((tabs.indexOf(tab) + step) % tabs.length);
+    next?.click();
+    next?.focus();
+  };
+}
+document.body.classList.toggle("dark", matchMedia("(prefers-color-scheme: dark)").matches);
+document.querySelector(".unstarted").remove();
+startHeader(document.querySelector("#omnivat-header"));
+await open(state.view);
+if (navigator.serviceWorker) setTimeout(() => keep().catch(() => {}), 2000); // a browser may forbid it; the page works without

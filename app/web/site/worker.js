@@ -1,0 +1,43 @@
+/** The worker: all inference of a page without a server. */
+
+import { Desk } from "./desk.js";
+import { FOREST } from "./forest.js";
+import { Models } from "./models.js";
+import { FILES } from "./pictures.js";
+import { Refused } from "./refusal.js";
+import { QUESTIONS } from "./routes.js";
+import { SAVING } from "./saving.js";
+
+const FAILED =
+  "Something went wrong in this browser; the console has the details. Try again, or choose another pair.";
+const desks = new Map();
+const withdrawn = new Set();
+
+function deskOf(base, set) {
+  const told = (loading) => postMessage({ loading });
+  if (!desks.has(set)) desks.set(set, new Desk(new Models(new URL(base), set, told)));
+  return desks.get(set);
+}
+
+async function reply({ id, base, set, path, query, body }) {
+  const desk = deskOf(base, set);
+  const stopped = () => withdrawn.has(id);
+  const question = QUESTIONS[path] ?? SAVING[path] ?? FOREST[path];
+  if (question) return question(desk, JSON.parse(body), stopped);
+  return FILES[path](desk, { body: new Uint8Array(body), query: new URLSearchParams(query), stopped });
+}
+
+self.onmessage = async ({ data }) => {
+  const { id } = data;
+  if (data.withdrawn) return withdrawn.add(id);
+  try {
+    const value = await reply(data);
+    postMessage({ id, status: 200, value });
+  } catch (error) {
+    if (!(error instanceof Refused)) console.error(error);
+    const [sentence, status] = error instanceof Refused ? [error.message, error.status] : [FAILED, 500];
+    postMessage({ id, status, value: { error: sentence } });
+  } finally {
+    withdrawn.delete(id);
+  }
+};

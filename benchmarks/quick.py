@@ -1,0 +1,159 @@
+"""How quick the page is, without a browser: `python -m benchmarks.quick [--repeat 5] [--visitors 50]`.
+
+Each round starts a server. Figures are medians over rounds (and over requests): the first page and its
+memory, an own pair from the drop to three readings, the profile of a sensor from 20 pictures, and
+visitors who drag p, upload and train at the same time. Seconds are wall time, so they hold on a quiet machine
+alone; the load is in the record.
+"""
+
+import argparse
+import json
+import statistics
+import sys
+import time
+from collections import Counter
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+from urllib.error import URLError
+from urllib.request import Request, urlopen
+
+import numpy as np
+from PIL import Image
+
+from benchmarks._page_browser import resident_mb
+from benchmarks.measure import machine
+from benchmarks.page import started
+from omnivat.files import write_json
+
+OUT = Path("docs/benchmarks/quick.json")
+PROFILE, PAIRS, DRAGS, EVERY = 20, 10, 20, 5  # pictures, own pairs; drags; each 5th visitor trains
+# figure -> what it is, and its target on a quiet machine
+FIGURES = {
+    "first_page_s": ("process start to first page, s", 2.0),
+    "first_page_mb": ("server after the first page, its map, head and set, MB", 350),
+    "own_pair_s": ("own pair, from the drop to three readings, s", 0.5),
+    "profile_s": ("profile from 20 pictures, s", 1.0),
+    "drag_p95_s": ("visitors at once: a drag, 95th percentile, s", 0.3),
+    "upload_p95_s": ("visitors at once: an upload, 95th percentile, s", 3.0),
+    "failed": ("visitors at once: requests that failed", 0),
+}
+
+
+def picture(number: int) -> bytes:
+    """Return a JPEG of 640 x 480 that no other number has."""
+    random = np.random.default_rng(number)
+    small = Image.fromarray(random.integers(0, 256, (12, 16, 3), dtype=np.uint8))
+    with BytesIO() as handle:
+        small.resize((640, 480)).save(handle, "JPEG", quality=90)
+        return handle.getvalue()
+
+
+class Visitor:
+    """One visitor: an address of its own, as a proxy would report it."""
+
+    def __init__(self, address: str, number: int) -> None:
+        self.address, self.number = address, number
+        self.headers = {"X-Forwarded-For": f"10.1.{number // 250}.{number % 250 + 1}"}
+
+    def send(self, path: str, body: bytes | dict[str, Any]) -> Any:
+        """Return the JSON reply of a POST."""
+        content = body if isinstance(body, bytes) else json.dumps(body).encode()
+        with urlopen(Request(f"{self.address}omnivat/{path}", content, self.headers)) as reply:
+            return json.load(reply)
+
+    def image(self, number: int) -> str:
+        """Upload a picture; return its reference."""
+        ref: str = self.send("image?name=x", picture(1000 * self.number + number))["ref"]
+        return ref
+
+    def own_pair(self, number: int) -> float:
+        """Return the seconds from two new pictures to their three readings."""
+        began = time.perf_counter()
+        pair = {name: self.image(2 * number + k) for k, name in enumerate(("vis", "tac"))}
+        assert len(self.send("pair", pair)["exact"]["readings"]) >= 3
+        return time.perf_counter() - began
+
+    def profile(self, first: int) -> float:
+        """Return the seconds from PROFILE new pictures to their profile."""
+        began = time.perf_counter()
+        refs = [self.image(first + k) for k in range(PROFILE)]
+        self.send("profile", {"touches": refs})
+        return time.perf_counter() - began
+
+    def visit(self, source: str) -> Iterator[tuple[str, float]]:
+        """Drag p, upload a picture, drag again; some train meanwhile. Yield names and seconds."""
+
+        def timed(what: str, path: str, body: bytes | dict[str, Any]) -> tuple[str, float]:
+            began = time.perf_counter()
+            try:
+                self.send(path, body)
+            except (URLError, ValueError):
+                return "failed", 0.0
+            return what, time.perf_counter() - began
+
+        if self.number % EVERY == 0:
+            training = {"source": source, "width": 16, "epochs": 5, "visitor": str(self.number)}
+            yield timed("train", "train", training)
+        for k in range(DRAGS):
+            row = f"row:{self.number * DRAGS + k}"
+            yield timed("drag", "pair", {"vis": row, "tac": row, "order": k / DRAGS})
+            if k == DRAGS // 2:
+                yield timed("upload", "image?name=x", picture(1000 * self.number + 999))
+
+
+def measured(visitors: int) -> dict[str, float]:
+    """Start a server and measure one round."""
+    process, address, first = started()
+    try:
+        for path in ("omnivat/frames", "omnivat/about", "omnivat/pairs"):
+            with urlopen(address + path) as reply:
+                reply.read()
+        one = Visitor(address, 0)
+        found = {"first_page_s": first, "first_page_mb": resident_mb(process.pid)}
+        one.send("pair", {"vis": "row:0", "tac": "row:0"})
+        one.own_pair(0)  # loads the encoder
+        found["own_pair_s"] = statistics.median(one.own_pair(k) for k in range(1, PAIRS + 1))
+        found["profile_s"] = statistics.median(one.profile(100 * k) for k in (1, 2, 3))
+        source = one.send("trainings", {})["first"]["source"]
+        with ThreadPoolExecutor(visitors) as crowd:
+            visits = crowd.map(lambda k: list(Visitor(address, k).visit(source)), range(visitors))
+            every = [one for visit in visits for one in visit]
+        kinds = Counter(what for what, _ in every)
+        for what in ("drag", "upload"):
+            seconds = [s for kind, s in every if kind == what] or [float("inf")]
+            found[f"{what}_p95_s"] = float(np.quantile(seconds, 0.95))
+        return found | {"failed": kinds["failed"]}
+    finally:
+        process.terminate()
+        process.wait()
+
+
+def main() -> int:
+    """Measure some rounds, print a table, write the record."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--repeat", type=int, default=5, help="rounds")
+    parser.add_argument("--visitors", type=int, default=50)
+    parser.add_argument("--out", type=Path, default=OUT)
+    chosen = parser.parse_args()
+    rounds = [measured(chosen.visitors) for _ in range(chosen.repeat)]
+    figures = {
+        name: {
+            "median": round(statistics.median(one[name] for one in rounds), 3),
+            "least": round(min(one[name] for one in rounds), 3),
+            "most": round(max(one[name] for one in rounds), 3),
+            "target": target,
+        }
+        for name, (_, target) in FIGURES.items()
+    }
+    write_json(chosen.out, {"machine": machine(), "rounds": len(rounds), "figures": figures})
+    for name, one in figures.items():
+        met = "met" if one["median"] <= one["target"] else "NOT met"
+        print(f"{FIGURES[name][0]:60} {one['median']:8.3g}  target {one['target']:g}  {met}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

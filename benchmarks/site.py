@@ -1,0 +1,324 @@
+"""Compare the page without a server with `predict`: the same pairs, in a real Chromium.
+
+    python -m benchmarks.site [--pairs 300] [--firefox] [--runtime FOLDER] [--out docs/benchmarks/site]
+
+A quarter of the pairs are the example pictures as files, a quarter are parts cut from them, and half
+are pairs of the shipped set; each has three readings. Then pictures of kinds that decoders treat
+differently. Time and memory are of one browser, without and with its processor slowed four times.
+"""
+
+import argparse
+import functools
+import http.server
+import json
+import shutil
+import threading
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from io import BytesIO
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+import torch
+from PIL import Image
+
+from app.components import WEB
+from app.decoder import Decoder
+from app.places import places
+from app.resources import Resources
+from app.site_models import write_models
+from benchmarks._page_browser import FLAGS
+from omnivat.errors import OmniVatError
+from omnivat.files import write_json, write_text
+from omnivat.predict import predict_embeddings
+
+PAGE = '<!doctype html><meta charset="utf-8"><title>models</title><link rel="icon" href="data:,">'
+ASK = """async ([path, query, body]) => {
+  const { respond } = await import('./web/site/local.js');
+  const bytes = (text) => Uint8Array.from(atob(text), (one) => one.charCodeAt(0));
+  const began = performance.now();
+  const response = await respond({ set: 'sensors', path, query: new URLSearchParams(query), models,
+    body: body.file === undefined ? JSON.stringify(body) : new Blob([bytes(body.file)]) });
+  return [response.status, await response.json(), performance.now() - began];
+}"""
+CHROMIUM = ("chromium", "chromium-browser", "google-chrome")
+WANTED = 0.005
+
+
+class Site:
+    """A folder of scripts and models alone, served as it is, and a page of it in a browser."""
+
+    def __init__(self, page: Any) -> None:
+        self.page = page
+        self.outside: list[str] = []
+        page.on(
+            "request",
+            lambda r: (
+                self.outside.append(r.url)
+                if "localhost" not in r.url and r.url.startswith("http")
+                else None
+            ),
+        )
+
+    def ask(self, path: str, body: Any, query: str = "") -> tuple[int, Any, float]:
+        """Return status, reply and milliseconds of one request; bytes are sent as a file."""
+        import base64
+
+        if isinstance(body, bytes):
+            body = {"file": base64.b64encode(body).decode()}
+        status, reply, ms = self.page.evaluate(ASK, [path, query, body])
+        return status, reply, ms
+
+    def sent(self, content: bytes) -> str:
+        """Send a picture; return its reference."""
+        status, reply, _ = self.ask("image", content)
+        if status != 200:
+            raise ValueError(reply["error"])
+        return str(reply["ref"])
+
+
+@contextmanager
+def served(folder: Path) -> Iterator[str]:
+    """Yield the address of a plain file server of `folder`."""
+
+    class Quiet(http.server.SimpleHTTPRequestHandler):
+        extensions_map = {  # noqa: RUF012
+            **http.server.SimpleHTTPRequestHandler.extensions_map,
+            ".mjs": "text/javascript",
+        }
+
+        def log_message(self, *_: Any) -> None:
+            """Stay silent."""
+
+    handler = functools.partial(Quiet, directory=str(folder))
+    server = http.server.ThreadingHTTPServer(("localhost", 0), handler)
+    server.handle_error = lambda *_: None  # type: ignore[method-assign]  # a browser that left
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    try:
+        yield f"http://localhost:{server.server_port}/"
+    finally:
+        server.shutdown()
+        server.server_close()
+
+
+def make(resources: Resources, folder: Path, runtime: Path | None) -> None:
+    """Write the models, the scripts that use them, and an empty page."""
+    models = write_models({"sensors": resources}, folder, runtime)
+    shutil.copytree(WEB, folder / "web")
+    write_text(folder / "index.html", f"{PAGE}<script>const models = '{models}/';</script>")
+
+
+@contextmanager
+def opened(folder: Path, firefox: bool = False) -> Iterator[Site]:
+    """Yield the site in a browser."""
+    from playwright.sync_api import sync_playwright
+
+    with served(folder) as address, sync_playwright() as player:
+        if firefox:
+            browser = player.firefox.launch()
+        else:
+            binary = next((path for name in CHROMIUM if (path := shutil.which(name))), None)
+            browser = player.chromium.launch(executable_path=binary, args=FLAGS)
+        page = browser.new_page()
+        site = Site(page)
+        page.goto(address)
+        yield site
+        browser.close()
+
+
+def png(image: Image.Image, kind: str = "PNG", **options: Any) -> bytes:
+    """Return the file of a picture."""
+    with BytesIO() as handle:
+        image.save(handle, kind, **options)
+        return handle.getvalue()
+
+
+def own_pairs(resources: Resources, count: int) -> Iterator[dict[str, bytes]]:
+    """Yield pairs of files: the examples as they are, then parts cut from them."""
+    examples = list(resources.examples().values())
+    random = np.random.default_rng(0)
+    for number in range(count):
+        one = examples[number % len(examples)]
+        files = {name: one.file(name) for name in ("vis", "tac")}
+        if number < len(examples):
+            yield {name: file.read_bytes() for name, file in files.items()}
+            continue
+        pair = {}
+        for name, file in files.items():
+            with Image.open(file) as image:
+                wide, high = (int(side * random.uniform(0.4, 0.9)) for side in image.size)
+                left = int(random.integers(image.width - wide + 1))
+                top = int(random.integers(image.height - high + 1))
+                pair[name] = png(image.convert("RGB").crop((left, top, left + wide, top + high)))
+        yield pair
+
+
+def expected(resources: Resources, pair: Mapping[str, torch.Tensor]) -> dict[str, Any]:
+    """Return the readings of `predict` for one pair of embeddings."""
+    (found,) = predict_embeddings(resources.head(), pair["vis"], pair["tac"])
+    return {"fused": found["probabilities"], **found["modalities"]}
+
+
+def embedded(resources: Resources, decoder: Decoder, content: bytes) -> torch.Tensor:
+    """Return the embedding (1, width) of a file, as the server makes it."""
+    encoder = resources.encoder()
+    return encoder.embed(encoder.preprocess(decoder.read(content, "a").image)[None])
+
+
+def compared(
+    found: Mapping[str, Any], classes: list[str], wanted: Mapping[str, Any]
+) -> tuple[float, int]:
+    """Return the largest difference of a probability, and the number of changed classes."""
+    gaps, changed = [], 0
+    for name, shares in wanted.items():
+        ours, theirs = np.array(found[name]), np.array([shares[c] for c in classes])
+        gaps.append(float(np.abs(ours - theirs).max()))
+        changed += int(ours.argmax() != theirs.argmax())
+    return max(gaps), changed
+
+
+def pairs_compared(site: Site, resources: Resources, count: int) -> dict[str, Any]:
+    """Return the largest differences from `predict` over `count` pairs, by kind of pair."""
+    decoder, embeddings = Decoder(), resources.embeddings()
+    classes = list(resources.head().settings.classes)
+    gaps: dict[str, list[float]] = {"pictures": [], "pairs of the set": []}
+    changed, ms = 0, []
+    for files in own_pairs(resources, count // 2):
+        pair = {name: embedded(resources, decoder, content) for name, content in files.items()}
+        refs = {name: site.sent(content) for name, content in files.items()}
+        _, reply, _ = site.ask("many", {"pairs": [refs]})
+        gap, more = compared(reply["pairs"][0]["readings"], classes, expected(resources, pair))
+        gaps["pictures"].append(gap)
+        changed += more
+    rows = np.linspace(0, len(embeddings) - 1, count - count // 2).astype(int).tolist()
+    for row in rows:
+        pair = {
+            n: torch.from_numpy(getattr(embeddings, n)[row : row + 1].copy())
+            for n in ("vis", "tac")
+        }
+        _, reply, spent = site.ask("many", {"pairs": [{"vis": f"row:{row}", "tac": f"row:{row}"}]})
+        gap, more = compared(reply["pairs"][0]["readings"], classes, expected(resources, pair))
+        gaps["pairs of the set"].append(gap)
+        changed += more
+        ms.append(spent)
+    decoder.close()
+    return {
+        "pairs": {name: len(found) for name, found in gaps.items()},
+        "readings": 3 * count,
+        "largest_difference": {name: max(found) for name, found in gaps.items()},
+        "changed_classes": changed,
+        "pair_ms": float(np.median(ms)),
+    }
+
+
+def odd_pictures(resources: Resources) -> dict[str, bytes]:
+    """Return files of kinds that decoders treat differently."""
+    with Image.open(next(iter(resources.examples().values())).vis) as file:
+        base = file.convert("RGB").resize((640, 480), Image.Resampling.BICUBIC)
+    turned = {}
+    for turn in (3, 6, 7):
+        exif = Image.Exif()
+        exif[274] = turn
+        turned[f"JPEG, orientation {turn}"] = png(base, "JPEG", quality=95, exif=exif)
+        turned[f"PNG, orientation {turn}"] = png(base, exif=exif)
+        turned[f"WebP, orientation {turn}"] = png(base, "WEBP", lossless=True, exif=exif)
+    ramp = Image.linear_gradient("L").resize(base.size)
+    alpha = base.copy()
+    alpha.putalpha(ramp)
+    grey = np.asarray(base.convert("L")).astype(np.uint16) * 256 + 77
+    large = base.resize((5472, 3648), Image.Resampling.BICUBIC)
+    whole = png(base)
+    return {
+        **turned,
+        "JPEG, CMYK": png(base.convert("CMYK"), "JPEG", quality=95),
+        "JPEG, grey": png(base.convert("L"), "JPEG", quality=95),
+        "JPEG, progressive": png(base, "JPEG", quality=95, progressive=True),
+        "PNG, 16 bit": png(Image.fromarray(grey)),
+        "PNG, palette": png(base.quantize(64)),
+        "PNG, alpha": png(alpha),
+        "WebP, lossy": png(base, "WEBP", quality=90),
+        "GIF": png(base.quantize(128), "GIF"),
+        "BMP": png(base, "BMP"),
+        "JPEG, 20 megapixels": png(large, "JPEG", quality=90),
+        "PNG, 1 pixel wide": png(base.resize((1, 400))),
+        "JPEG, cut short": png(base, "JPEG", quality=95)[:9000],
+        "PNG, cut short": whole[: len(whole) // 2],
+        "PNG, a damaged piece": whole[:3000] + bytes(40) + whole[3040:],
+        "text": b"this is no picture",
+        "empty": b"",
+    }
+
+
+def odd_compared(site: Site, resources: Resources) -> dict[str, Any]:
+    """Return, for each odd file, the difference from `predict`, or both refusals."""
+    decoder = Decoder()
+    classes = list(resources.head().settings.classes)
+    found: dict[str, Any] = {}
+    for name, content in odd_pictures(resources).items():
+        status, reply, _ = site.ask("image", content)
+        try:
+            row = embedded(resources, decoder, content)
+        except OmniVatError as error:
+            found[name] = {"server": str(error), "browser": reply.get("error", "taken")}
+            continue
+        if status != 200:
+            found[name] = {"server": "taken", "browser": reply["error"]}
+            continue
+        _, reply, _ = site.ask("many", {"pairs": [{"vis": reply["ref"]}]})
+        (wanted,) = predict_embeddings(resources.head(), row, None)
+        gap, changed = compared(
+            reply["pairs"][0]["readings"], classes, {"vis": wanted["probabilities"]}
+        )
+        found[name] = {"difference": gap, "changed": changed}
+    decoder.close()
+    return found
+
+
+def times(folder: Path, resources: Resources, slowed: int) -> dict[str, float]:
+    """Return milliseconds of a first and a later own pair, of a new p, and the heap in megabytes."""
+    first, second = list(own_pairs(resources, 2))
+    with opened(folder) as site:
+        client = site.page.context.new_cdp_session(site.page)
+        client.send("Emulation.setCPUThrottlingRate", {"rate": slowed})
+        record: dict[str, float] = {}
+        for name, files in (("first_pair_ms", first), ("later_pair_ms", second)):
+            spent, refs = 0.0, {}
+            for modality, content in files.items():
+                _, reply, ms = site.ask("image", content)
+                refs[modality], spent = reply["ref"], spent + ms
+            record[name] = spent + site.ask("many", {"pairs": [refs]})[2]
+        record["new_p_ms"] = min(site.ask("pair", {**refs, "order": p / 10})[2] for p in range(5))
+        record["live_ms"] = min(site.ask("live", files["tac"], "modality=tac")[2] for _ in range(3))
+        record["memory_mb"] = site.page.evaluate("performance.memory.totalJSHeapSize / 1e6")
+    return record
+
+
+def main() -> None:
+    """Make the site, open it, compare, and write the figures."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--pairs", type=int, default=300)
+    parser.add_argument("--firefox", action="store_true", help="use Playwright's Firefox")
+    parser.add_argument("--runtime", type=Path, help="folder of onnxruntime-web")
+    parser.add_argument("--out", type=Path, help="write the figures here, as JSON")
+    options = parser.parse_args()
+    resources = Resources(places())
+    with TemporaryDirectory(prefix="omnivat-site-") as place:
+        folder = Path(place)
+        make(resources, folder, options.runtime)
+        with opened(folder, options.firefox) as site:
+            record = pairs_compared(site, resources, options.pairs)
+            record["odd_pictures"] = odd_compared(site, resources)
+            record["other_hosts"] = site.outside
+        if not options.firefox:
+            record["times"] = {f"slowed {n}": times(folder, resources, n) for n in (1, 4)}
+    print(json.dumps(record, indent=2, ensure_ascii=False))
+    if options.out:
+        write_json(options.out.with_suffix(".json"), record)
+    if record["changed_classes"] or max(record["largest_difference"].values()) >= WANTED:
+        raise SystemExit("The browser's predictions differ from those of `predict`.")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,1 @@
+"""Studies: what was measured once to answer a question, and can be measured again."""

@@ -1,0 +1,1 @@
+"""A new sensor: profiles of its pictures, and what they bring back."""

@@ -1,0 +1,88 @@
+"""Profile a sensor from pictures without labels: the statistics of its embeddings.
+
+python -m omnivat profile PICTURES-OR-EMBEDDINGS --out FILE [--domain NAME] [--vis DIR] [--tac DIR]
+"""
+
+import argparse
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from omnivat.cli.arguments import add_device, add_download, add_rest, progress_bar
+from omnivat.encoders.base import DEFAULT_ENCODER
+from omnivat.errors import SettingsError
+from omnivat.files import require_writable
+
+if TYPE_CHECKING:
+    from omnivat.data.profile import Profile
+
+EMBEDDINGS = ".safetensors"
+
+
+def add(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument(
+        "pictures",
+        nargs="?",
+        type=Path,
+        help="an embeddings file, or a folder of pictures: pairs in any layout of `embed`, or files "
+        "named *_vis.* and *_tac.*, or folders named vis and tac",
+    )
+    parser.add_argument("--vis", type=Path, metavar="DIR", help="a folder of photos alone")
+    parser.add_argument("--tac", type=Path, metavar="DIR", help="a folder of tactile images alone")
+    parser.add_argument("--out", type=Path, required=True, help="the .safetensors file to write")
+    parser.add_argument(
+        "--domain", default="", help="name of the domain; of a set: the one to take"
+    )
+    parser.add_argument(
+        "--encoder", default=DEFAULT_ENCODER, help="image encoder, named as for `embed`"
+    )
+    parser.add_argument("--weights", type=Path, help="checkpoint of the encoder")
+    add_rest(parser)
+    add_device(parser)
+    add_download(parser)
+
+
+def run(options: argparse.Namespace) -> None:
+    """Read the embeddings or embed the pictures, write the profile, print what it holds."""
+    require_writable(options.out, EMBEDDINGS)
+    from omnivat.data.profile_file import save_profile
+
+    named = [place for place in (options.pictures, options.vis, options.tac) if place]
+    if not named or (options.pictures and len(named) > 1):
+        raise SettingsError("Give PICTURES, or --vis and --tac: one of the two, or both.")
+    whole = options.pictures and options.pictures.suffix.lower() == EMBEDDINGS
+    profile = _of_embeddings(options) if whole else _of_pictures(options)
+    save_profile(options.out, profile)
+    words = {"vis": "photos", "tac": "tactile images"}
+    counts = " and ".join(f"{count:,} {words[name]}" for name, count in profile.counts.items())
+    print(f"profile of {counts}, no labels read; written to {options.out}")
+
+
+def _of_embeddings(options: argparse.Namespace) -> "Profile":
+    from omnivat.data.profile import profile_of
+    from omnivat.data.store import load_embeddings
+
+    embeddings = load_embeddings(options.pictures)
+    domains = embeddings.header.domains
+    if not options.domain and len(domains) > 1:
+        raise SettingsError(
+            f"The set has {len(domains)} domains; name one: --domain {domains[0]!r}."
+        )
+    name = options.domain or domains[0]
+    return profile_of(embeddings, embeddings.rows_of(name), domain=name)
+
+
+def _of_pictures(options: argparse.Namespace) -> "Profile":
+    from omnivat.adapt.pictures import pictures_in, profile_of_pictures
+    from omnivat.encoders import load_encoder
+
+    found = pictures_in(options.pictures, vis=options.vis, tac=options.tac, rest=options.tac_rest)
+    encoder = load_encoder(
+        options.encoder, weights=options.weights, device=options.device, download=options.download
+    )
+    with progress_bar(f"embed with {encoder.name}") as show:
+        profile, skipped = profile_of_pictures(encoder, found, domain=options.domain, on_step=show)
+    for one in skipped:
+        print(f"skipped {one.what}: {one.why}", file=sys.stderr)
+    return profile

@@ -1,0 +1,53 @@
+"""Report the domain shift of any features, without a head: gaps, retrieval, neighbours, probes, maps.
+
+python -m omnivat report FEATURES --out DIR [--encoder NAME] [--column vis=THEIRS]
+"""
+
+import argparse
+from pathlib import Path
+
+from omnivat.cli.arguments import add_seed, listed, progress_bar
+from omnivat.cli.imports import add_foreign, columns_of
+from omnivat.errors import SettingsError
+from omnivat.files import require_writable
+
+
+def add(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument(
+        "features",
+        type=Path,
+        metavar="FEATURES",
+        help="embeddings .safetensors, or .npz, .parquet, .h5 or .csv as `omnivat import` reads them; "
+        "one modality, one domain and no classes are accepted",
+    )
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder to write")
+    parser.add_argument(
+        "--encoder", default="", metavar="NAME", help="name of the vectors' encoder"
+    )
+    add_foreign(parser)
+    add_seed(parser, of="maps and the random part of a large set")
+
+
+def run(options: argparse.Namespace) -> None:
+    """Read, measure, draw, write; print where the page is."""
+    if options.out.is_file():
+        raise SettingsError(f"--out is the file '{options.out}'; name a folder.")
+    for name in ("report.html", "numbers.csv", "methods.txt", "figures/x.svg"):
+        require_writable(options.out / name)
+    from omnivat.shift import read_features, write_report
+
+    found = read_features(
+        options.features,
+        encoder=options.encoder,
+        domain=options.domain,
+        classes=listed(options.classes),
+        columns=columns_of(options.column),
+        simulated=options.simulated,
+        seed=options.seed,
+    )
+    with progress_bar("report") as show:
+        files = write_report(found, options.out, seed=options.seed, on_step=show)
+    what = " and ".join(found.modalities) + ("" if found.labelled else ", without classes")
+    print(f"{len(found.embeddings)} pairs, domains: {', '.join(found.domains)}; {what}")
+    print(f"{len(files)} files written; open {files[-1]}")

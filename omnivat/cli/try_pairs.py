@@ -1,0 +1,219 @@
+"""Try your own pairs: embed, train a small head, honest figures, one folder, then the page.
+
+python -m omnivat try PAIRS [--out DIR] [--source DOMAIN] [--no-page]
+
+PAIRS: a folder or CSV of pictures, an embeddings file, or vectors as NPZ, Parquet, HDF5 or CSV. One
+domain, one modality, no classes and two pairs are accepted.
+"""
+
+import argparse
+import shutil
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from omnivat.cli.arguments import add_device, add_download, add_rest, add_seed, listed, progress_bar
+from omnivat.cli.imports import add_foreign, columns_of
+from omnivat.encoders.base import DEFAULT_ENCODER
+from omnivat.errors import DataError, SettingsError, printable
+from omnivat.files import replacing, require_writable, write_json
+
+if TYPE_CHECKING:
+    from omnivat.data.pairs import PairSet
+    from omnivat.shift import Features
+
+SET, HEAD, SUMMARY = "set.safetensors", "head", "summary.txt"
+PAGE = "from app.server import main; raise SystemExit(main())"
+
+
+def add(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument(
+        "pairs", type=Path, metavar="PAIRS", help="a folder, a CSV, embeddings, NPZ or Parquet"
+    )
+    parser.add_argument(
+        "--out", type=Path, metavar="DIR", help="folder to write; default: beside PAIRS"
+    )
+    parser.add_argument("--source", default="", help="domain to train on; default: the largest")
+    parser.add_argument("--encoder", default=DEFAULT_ENCODER, help="named as for `embed`")
+    parser.add_argument("--no-page", action="store_true", help="write the folder, open no page")
+    add_rest(parser)
+    add_foreign(parser)
+    add_seed(parser)
+    add_device(parser)
+    add_download(parser)
+
+
+def run(options: argparse.Namespace) -> None:
+    """Read or embed, train, print the figures, write the folder, open the page."""
+    place = options.pairs
+    if not place.exists():
+        raise DataError(f"There is no folder or file at '{printable(str(place))}'. Check the path.")
+    whole = place.resolve()
+    out = options.out or whole.with_name(f"{whole.stem if whole.is_file() else whole.name}-try")
+    if out.is_file():
+        raise SettingsError(f"--out is the file '{out}'; name a folder.")
+    if (out / SET).resolve() == whole:
+        raise SettingsError(f"--out would replace '{place}'; name another folder.")
+    from omnivat.checkpoint import require_head_folder, save_head
+    from omnivat.trial import try_pairs
+
+    require_head_folder(out / HEAD)
+    for name in (SET, SUMMARY):
+        require_writable(out / name)
+    found, notes = _features(options, out)
+    notes.append(_what(found))
+    print("\n".join(notes), flush=True)
+    with progress_bar("train and test") as show:
+        trial = try_pairs(found, source=options.source, seed=options.seed, on_step=show)
+    print("\n".join(trial.lines))
+    files = _write_profiles(found, out)
+    if trial.head is not None:
+        save_head(out / HEAD, trial.head)
+    else:
+        shutil.rmtree(out / HEAD, ignore_errors=True)  # of an earlier set
+    write_json(out / "figures.json", trial.records)
+    with replacing(out / SUMMARY) as temporary:
+        temporary.write_text("\n".join([*notes, *trial.lines, ""]), encoding="utf-8")
+    print(f"Everything is in {out}: {SET}, {files} profiles, {SUMMARY}, figures.json")
+    if not options.no_page:
+        _open_page(out, found)
+
+
+def _features(options: argparse.Namespace, out: Path) -> tuple["Features", list[str]]:
+    """Return the set, which is then in `out`, and notes on it."""
+    from omnivat.data.store import save_embeddings
+    from omnivat.shift import read_features
+    from omnivat.thumbnails import sheet_of
+
+    place, notes = options.pairs, []
+    pictures = place.is_dir() or (place.suffix.lower() == ".csv" and _of_pictures(place))
+    if pictures:
+        notes = _embed(options, out)
+    found = read_features(
+        out / SET if pictures else place,
+        encoder="" if options.encoder == DEFAULT_ENCODER else options.encoder,
+        domain=options.domain,
+        classes=listed(options.classes),
+        columns=columns_of(options.column),
+        simulated=options.simulated,
+        seed=options.seed,
+    )
+    if found.drawn_of > len(found.embeddings):
+        notes.append(f"{len(found.embeddings):,} of {found.drawn_of:,} pairs, drawn at random.")
+        pictures = False  # the sheet of thumbnails is of all pairs
+        sheet_of(out / SET).unlink(missing_ok=True)
+    if any(found.embeddings.rows["split"]):
+        notes.append("The set's split is not used: whole objects are left out instead.")
+        rows = {**found.embeddings.rows, "split": [""] * len(found.embeddings)}
+        found, pictures = replace(found, embeddings=replace(found.embeddings, rows=rows)), False
+    if not pictures:
+        save_embeddings(out / SET, found.embeddings)
+    return found, notes
+
+
+def _of_pictures(table: Path) -> bool:
+    """True for a table whose first row has a column vis or tac: names of files, not numbers."""
+    with table.open(encoding="utf-8-sig", errors="replace") as lines:
+        header = {name.strip().strip('"').lower() for name in lines.readline().split(",")}
+    return bool(header & {"vis", "tac"}) or not any("_0" in name for name in header)
+
+
+def _embed(options: argparse.Namespace, out: Path) -> list[str]:
+    """Embed the pictures into `out`, with thumbnails; return notes."""
+    from omnivat.data.pairs import summary_table
+    from omnivat.data.rest import with_rest
+    from omnivat.data.store import load_embeddings
+    from omnivat.embed import embed_pairs
+    from omnivat.thumbnails import sheet_of, write_thumbnails
+
+    pairs = with_rest(_pairs(options.pairs), options.tac_rest or "none")
+    print(summary_table(pairs), flush=True)
+    with progress_bar(f"embed with {options.encoder}") as show:
+        report = embed_pairs(
+            pairs,
+            options.encoder,
+            out / SET,
+            device=options.device,
+            download=options.download,
+            on_step=show,
+        )
+    notes = [f"Skipped {one.what}: {one.why}" for one in report.skipped]
+    embeddings = load_embeddings(out / SET)
+    wanted = Path(embeddings.rows["vis"][0]).parts
+    files = (pair.vis.absolute() for pair in pairs.pairs)
+    depth = len(wanted)
+    root = next(f.parents[depth - 1] for f in files if f.parts[-depth:] == wanted)
+    try:
+        with progress_bar("thumbnails") as show:
+            write_thumbnails(embeddings, root, sheet_of(out / SET), on_step=show)
+    except DataError as error:
+        notes.append(f"No thumbnails: {error}")
+    return notes
+
+
+def _pairs(place: Path) -> "PairSet":
+    """Return the pairs in a known layout; otherwise those that names of files alone make."""
+    from omnivat.data.readers import read_pairs
+
+    try:
+        return read_pairs(place)
+    except DataError as error:
+        if not place.is_dir():
+            raise
+        try:
+            return read_pairs(place, reader="loose")
+        except DataError:
+            raise error from None
+
+
+def _what(found: "Features") -> str:
+    classes = len({*found.embeddings.label.tolist()}) if found.labelled else 0
+    alone = {"vis": "photos alone", "tac": "touches alone"}.get("+".join(found.modalities))
+    text = (
+        f"{len(found.embeddings)} pairs, {len(found.domains)} domain(s): "
+        f"{', '.join(map(printable, found.domains))}; {classes or 'no'} classes"
+    )
+    return f"{text}; {alone}: the page draws each twice." if alone else f"{text}."
+
+
+def _write_profiles(found: "Features", out: Path) -> int:
+    """Write a profile of each domain; return their number."""
+    from omnivat.data.profile import profile_of
+    from omnivat.data.profile_file import save_profile
+
+    for k, name in enumerate(found.domains):
+        profile = profile_of(
+            found.embeddings, found.members(name), domain=name, modalities=found.modalities
+        )
+        plain = "".join(letter if letter.isalnum() else "-" for letter in name)[:60]
+        save_profile(out / "profiles" / f"{k + 1}-{plain}.safetensors", profile)
+    return len(found.domains)
+
+
+def _open_page(out: Path, found: "Features") -> None:
+    """Open the page on the folder in another process, until it is stopped."""
+    command = [sys.executable, "-c", PAGE, "--embeddings", str(out / SET)]
+    if (out / HEAD).is_dir():
+        command += ["--head", str(out / HEAD)]
+    else:
+        from omnivat.checkpoint import load_head
+        from omnivat.heads import default_head
+
+        try:
+            load_head(default_head()).require_embeddings(found.embeddings)
+        except DataError:
+            print(
+                "The page needs a head of the same encoder, and there is none; see the set with "
+                f"`python -m omnivat report {out / SET} --out {out / 'report'}`."
+            )
+            return
+        print("The page shows the set through the project's own head, which was trained on others.")
+    print(f"The page again: python app.py {' '.join(command[3:])}", flush=True)
+    with subprocess.Popen(command) as page:
+        try:
+            page.wait()
+        except KeyboardInterrupt:  # the page gets it, too, and cleans up
+            page.wait()

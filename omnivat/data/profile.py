@@ -1,0 +1,257 @@
+"""Profiles: mean and variance of every embedding channel over pictures of one domain, without labels.
+
+A new sensor shifts and stretches the channels. Its profile, matched to the source's, undoes that:
+no label, no gradient, no training. The idea is AdaBN's (Li et al., arXiv:1603.04779), applied to the
+encoder's output; a rest picture subtracted from each tactile image does the same for pixels.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from tempfile import TemporaryFile
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from omnivat.data.arrays import LARGE_BYTES, walked
+from omnivat.data.embeddings import Embeddings
+from omnivat.errors import DataError
+from omnivat.seeding import derive_seed
+from omnivat.stages import IMAGES
+
+Array = NDArray[np.float32]
+MEAN_PRIOR, VARIANCE_PRIOR = 2, 10  # pictures that the source's mean and variance weigh
+FLOOR = 1.0  # mean deviations added to every channel's, so that still channels count less
+FIELDS = tuple(f"{name}{flip}" for name in IMAGES for flip in ("", "_flip"))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Channels:
+    """Statistics of one modality: mean and variance (W,) over `count` pictures."""
+
+    mean: Array
+    variance: Array
+    count: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Profile:
+    """Channel statistics of one domain, for each modality by itself.
+
+    channels  "vis", "tac" or both
+    key       the encoder of the pictures: name, hash of the weights, preprocessing
+    domain    name of the domain; "" if it has none
+    """
+
+    channels: dict[str, Channels]
+    key: tuple[str, str, str]
+    domain: str = ""
+
+    @property
+    def width(self) -> int:
+        """W, the encoder's width."""
+        return len(next(iter(self.channels.values())).mean)
+
+    def checked(self) -> "Profile":
+        """Return itself; raise ValueError without a modality, or with two widths."""
+        if len({len(one.mean) for one in self.channels.values()}) != 1:
+            raise ValueError("it needs one modality or two of equal width")
+        return self
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Number of pictures by modality."""
+        return {name: one.count for name, one in self.channels.items()}
+
+
+def channels_of(rows: Array, index: NDArray[np.int64] | None = None) -> Channels:
+    """Return the statistics of rows (N, W), in one walk in double precision.
+
+    Raises DataError without rows.
+    """
+    count, total, squares, start = 0, 0.0, 0.0, None
+    for block in walked(rows, index):
+        wide = block.astype(np.float64)
+        start = wide[0].copy() if start is None else start  # near the mean: no cancellation
+        with np.errstate(invalid="ignore"):  # the loss reports values that are not finite
+            wide -= start
+            squares = squares + np.square(wide).sum(0)
+        count, total = count + len(wide), total + wide.sum(0)
+    if start is None:
+        raise DataError("A profile needs one picture or more; there are none.")
+    offset = np.asarray(total) / count
+    variance = np.maximum(np.asarray(squares) / count - offset**2, 0)
+    return Channels(
+        mean=(start + offset).astype(np.float32),
+        variance=variance.astype(np.float32),
+        count=count,
+    )
+
+
+def profile_of(
+    embeddings: Embeddings,
+    rows: NDArray[np.int64] | None = None,
+    *,
+    domain: str = "",
+    modalities: Sequence[str] = IMAGES,
+) -> Profile:
+    """Return the profile of some pairs (None: all). Their labels are not read.
+
+    Raises DataError without pairs.
+    """
+    return Profile(
+        channels={name: channels_of(getattr(embeddings, name), rows) for name in modalities},
+        key=embeddings.header.key,
+        domain=domain,
+    )
+
+
+def shrunk(target: Channels, source: Channels) -> Channels:
+    """Draw a target's statistics of n pictures towards the source's: by n / (n + 2) and n / (n + 10).
+
+    Without pictures it is the source's, so that nothing moves. Few pictures know a mean better than
+    a variance.
+    """
+    n = target.count
+    mean, variance = n / (n + MEAN_PRIOR), n / (n + VARIANCE_PRIOR)
+    return replace(
+        target,
+        mean=source.mean + mean * (target.mean - source.mean),
+        variance=source.variance + variance * (target.variance - source.variance),
+    )
+
+
+def floor_of(source: Channels) -> float:
+    """Return what is added to each channel's deviation, so that a still channel is not blown up."""
+    return FLOOR * float(np.sqrt(source.variance).mean()) or 1.0
+
+
+def scale_of(channels: Channels, floor: float) -> Array:
+    """Return the divisor (W,) of each channel: its deviation and the floor."""
+    scale: Array = np.sqrt(channels.variance) + np.float32(floor)
+    return scale
+
+
+def moved(rows: Array, target: Channels, source: Channels) -> Array:
+    """Return rows (N, W) of a target domain with the source's mean and deviation.
+
+    The target's statistics are shrunk first. A head's standardisation by the source's profile then
+    equals one by the target's.
+    """
+    near, floor = shrunk(target, source), floor_of(source)
+    ratio = scale_of(source, floor) / scale_of(near, floor)
+    changed: Array = (rows - near.mean) * ratio + source.mean
+    return changed
+
+
+def standardised(rows: Array, source: Channels) -> Array:
+    """Return tanh of rows (N, W) less the mean, by the deviation: what a head computes first.
+
+    The bound keeps a channel that a new sensor shifts far from drowning the others.
+    """
+    changed: Array = np.tanh((rows - source.mean) / scale_of(source, floor_of(source)))
+    return changed
+
+
+def profiled(
+    embeddings: Embeddings, profiles: Mapping[str, Profile], source: Profile
+) -> Embeddings:
+    """Return embeddings with the pairs of each profiled domain moved onto the source's statistics.
+
+    profiles  domain -> its profile; other domains stay as they are
+    source    the profile of the head's training pairs
+
+    Raises DataError for a profile of another encoder.
+    """
+    owners = {}
+    for name, profile in profiles.items():
+        require_key(profile, embeddings.header.key, embeddings.width)
+        owners[embeddings.header.domains.index(name)] = profile
+    if not owners:
+        return embeddings
+    arrays: dict[str, Any] = {}
+    for field in FIELDS:
+        array, modality = getattr(embeddings, field), field[:3]
+        if array is not None:
+            arrays[field] = _moved_array(array, embeddings.domain, owners, modality, source)
+    return replace(embeddings, **arrays)
+
+
+def domain_of(profile: Profile, domains: Sequence[str], source: str) -> str:
+    """Return the domain of a set that a profile is of: by name, or the only one besides the source.
+
+    Raises DataError if neither decides.
+    """
+    others = [name for name in domains if name != source]
+    if profile.domain in domains:
+        return profile.domain
+    if len(others) == 1:
+        return others[0]
+    named = f"of '{profile.domain}'" if profile.domain else "without a domain's name"
+    raise DataError(
+        f"The profile is {named}, and the set has {', '.join(domains)}. Make the profile again with "
+        "--domain and one of these names."
+    )
+
+
+def require_key(profile: Profile, key: tuple[str, str, str], width: int) -> None:
+    """Raise DataError if a profile is of another encoder or width."""
+    if profile.key != key or profile.width != width:
+        raise DataError(
+            f"The profile comes from {profile.key[0]} (width {profile.width}, weights "
+            f"{profile.key[1][:12]}, {profile.key[2]}), and the embeddings from {key[0]} (width "
+            f"{width}, weights {key[1][:12]}, {key[2]}). Make the profile with that encoder."
+        )
+
+
+def _moved_array(
+    array: Array,
+    domain: NDArray[np.int64],
+    owners: Mapping[int, Profile],
+    modality: str,
+    source: Profile,
+) -> Array:
+    changed = _empty(array.shape)
+    start = 0
+    for block in walked(array):
+        some = slice(start, start + len(block))
+        for index, profile in owners.items():
+            target = profile.channels.get(modality)
+            rows = domain[some] == index
+            if target is not None and rows.any():
+                block[rows] = moved(block[rows], target, source.channels[modality])
+        changed[some] = block
+        start += len(block)
+    return changed
+
+
+def _empty(shape: tuple[int, ...]) -> Array:
+    """Return an array to fill: in memory, or in a nameless temporary file if it is large."""
+    if int(np.prod(shape)) * 4 <= LARGE_BYTES:
+        return np.empty(shape, np.float32)
+    with TemporaryFile() as file:
+        return np.memmap(file, np.float32, "w+", shape=shape)
+
+
+def drawn_profiles(
+    embeddings: Embeddings, source: str, count: int, *, seed: int = 0
+) -> tuple[dict[str, Profile], NDArray[np.int64]]:
+    """Return profiles of `count` unlabelled training pairs of each domain but the source.
+
+    count   pairs of each domain; fewer if it has fewer
+    return  profiles by domain, and the rows that were drawn
+
+    Raises DataError for a negative count.
+    """
+    if count < 0:
+        raise DataError(f"--unlabelled is {count}; choose 0 or more pairs.")
+    found, taken = {}, [np.zeros(0, np.int64)]
+    for name in embeddings.header.domains if count else ():
+        rows = embeddings.rows_of(name, split="train")
+        if name == source or not len(rows):
+            continue
+        random = np.random.default_rng(derive_seed(seed, "unlabelled", name))
+        some = np.sort(random.permutation(rows)[:count])  # more pairs keep the fewer
+        found[name] = profile_of(embeddings, some, domain=name)
+        taken.append(some)
+    return found, np.concatenate(taken)

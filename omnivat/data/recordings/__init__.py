@@ -1,0 +1,91 @@
+"""Pairs of pictures from recordings: LeRobot data sets with tactile images, and videos with a table of labels."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from omnivat.data.materials import NO_CLASS, class_key
+from omnivat.data.readers.names import show
+from omnivat.data.recordings.clips import HALVES, Clip, Track, labelled_rows
+from omnivat.data.recordings.lerobot import INFO, LeRobot
+from omnivat.data.recordings.writing import write_pairs
+from omnivat.errors import DataError, SettingsError
+
+__all__ = ["clips_of", "is_recording", "write_pairs"]
+
+TABLE = "videos.csv"  # of a folder of videos
+VIDEOS = (".mp4", ".mov", ".avi", ".mkv", ".webm", ".m4v", ".mpg", ".mpeg")
+
+
+def is_recording(source: Path) -> bool:
+    """True for a LeRobot data set, a folder with a videos.csv, or a CSV that names videos."""
+    if source.is_dir():
+        return (source / INFO).is_file() or (source / TABLE).is_file()
+    if source.suffix.lower() != ".csv" or not source.is_file():
+        return False
+    with source.open(encoding="utf-8-sig", errors="replace") as lines:
+        first = [next(lines, "") for _ in range(2)][1].lower()
+    return any(ending in first for ending in VIDEOS)
+
+
+def clips_of(
+    source: Path,
+    *,
+    vis: str = "",
+    tac: Sequence[str] = (),
+    domain: str = "",
+    labels: Path | None = None,
+) -> list[Clip]:
+    """Return the recordings in `source`.
+
+    vis, tac  LeRobot: names of cameras; "" and () choose by name
+    domain    of all pairs; "": the name of the data set, or of the tactile camera if there are several
+    labels    LeRobot: a CSV with the columns episode and material, perhaps domain, object, split
+
+    Raises DataError for another layout, or if the cameras cannot be told.
+    """
+    if source.is_dir() and (source / INFO).is_file():
+        return LeRobot(source).clips(vis, tac, domain, labels)
+    if vis or tac or labels:
+        raise SettingsError(
+            "--vis, --tac and --labels are for LeRobot; here the table has names and labels."
+        )
+    return _videos(source / TABLE if source.is_dir() else source, domain)
+
+
+def _videos(file: Path, domain: str) -> list[Clip]:
+    """Return the recordings of a table: vis and tac name videos; start and end are seconds."""
+    clips = []
+    for number, row in enumerate(labelled_rows(file, ("material",)), start=2):
+
+        def seconds(name: str, row: dict[str, str] = row, number: int = number) -> float | None:
+            if not row.get(name):
+                return None
+            try:
+                return float(row[name])
+            except ValueError as error:
+                raise DataError(
+                    f"'{show(file)}', row {number}: {name} is no number of seconds."
+                ) from error
+
+        start, end = seconds("start") or 0.0, seconds("end")
+        names = {half: row[half] for half in HALVES if row.get(half)}
+        if not names:
+            raise DataError(f"'{show(file)}', row {number}: name a video under vis or tac.")
+        delay = {"vis": 0.0, "tac": seconds("tac_delay") or 0.0}
+        clips.append(
+            Clip(
+                name=f"row {number}",
+                tracks={
+                    half: Track(file=file.parent / name, start=start + delay[half])
+                    for half, name in names.items()
+                },
+                length=None if end is None else end - start,
+                domain=row.get("domain") or domain or file.absolute().parent.name,
+                material=class_key(row["material"]) or NO_CLASS,
+                object=row.get("object") or f"row {number}",
+                split=row.get("split", ""),
+            )
+        )
+    if not clips:
+        raise DataError(f"'{show(file)}' has no rows below its header.")
+    return clips

@@ -1,0 +1,99 @@
+"""Pictures of a track at given moments, from a video or from a column of a Parquet file."""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from omnivat.data.images import MAX_PIXELS, read_image
+from omnivat.data.readers.names import show
+from omnivat.data.recordings.clips import Track
+from omnivat.errors import DataError
+from omnivat.tables import need
+
+if TYPE_CHECKING:
+    from PIL import Image
+
+NEAR = 0.25  # of a frame: a picture so little later counts as shown
+
+
+def pictures(track: Track, times: Sequence[float]) -> Iterator["Image.Image"]:
+    """Yield the picture of a track at each of the rising times; raises DataError if one is missing."""
+    return _stored(track, times) if track.column else _filmed(track, times)
+
+
+def _stored(track: Track, times: Sequence[float]) -> Iterator["Image.Image"]:
+    rows = parquet_rows(track.file, [track.column], [("episode_index", "=", track.episode)])
+    for moment in times:
+        k = min(int(moment * track.fps + NEAR), len(rows) - 1)
+        content = (rows[k].get(track.column) or {}).get("bytes") if rows else None
+        if not content:
+            raise DataError(
+                f"'{show(track.file)}' has no picture '{track.column}' at {moment:.2f} s."
+            )
+        yield read_image(content, f"{track.file.name}, row {k}")
+
+
+def _opened(file: Path) -> tuple[Any, Any]:
+    av = need("av", purpose="reading videos")
+    try:
+        container = av.open(str(file))
+        if not container.streams.video:
+            raise DataError(f"'{show(file)}' holds no video.")
+        stream = container.streams.video[0]
+    except (av.error.FFmpegError, OSError) as error:
+        raise DataError(
+            f"'{show(file)}' is no video that can be read; export it as MP4."
+        ) from error
+    if stream.width * stream.height > MAX_PIXELS:
+        raise DataError(f"'{show(file)}' has pictures over {MAX_PIXELS // 1_000_000} megapixels.")
+    return container, stream
+
+
+def extent(track: Track) -> tuple[float, float]:
+    """Return the seconds of a track's file (0 if stored in a table) and its pictures a second."""
+    if track.fps:
+        return 0.0, track.fps
+    container, stream = _opened(track.file)
+    with container:
+        seconds = (
+            stream.duration * stream.time_base if stream.duration else container.duration / 1e6
+        )
+        return float(seconds), float(stream.average_rate or 30)
+
+
+def _filmed(track: Track, times: Sequence[float]) -> Iterator["Image.Image"]:
+    container, stream = _opened(track.file)
+    waiting = [track.start + moment for moment in times]
+    first = float((stream.start_time or 0) * stream.time_base)
+    step, last, shown = 1 / float(stream.average_rate or 30), None, 0.0
+    with container:
+        try:
+            container.seek(int((waiting[0] + first) / stream.time_base), stream=stream)
+            for frame in container.decode(stream):
+                now = (frame.time or 0.0) - first
+                while waiting and last is not None and now > waiting[0] + NEAR * step:
+                    yield last.to_image()  # the one shown at that moment
+                    waiting.pop(0)
+                if not waiting:
+                    return
+                last, shown = frame, now
+        except Exception as error:  # PyAV has many kinds for damaged files
+            raise DataError(f"'{show(track.file)}' is damaged near {waiting[0]:.2f} s.") from error
+        while waiting and last is not None and waiting[0] <= shown + 1.5 * step:
+            yield last.to_image()
+            waiting.pop(0)
+    if waiting:
+        raise DataError(f"'{show(track.file)}' ends before {waiting[0]:.2f} s.")
+
+
+def parquet_rows(
+    file: Path, columns: list[str] | None = None, filters: Any = None
+) -> list[dict[str, Any]]:
+    """Return rows of a Parquet file; raises DataError if it cannot be read."""
+    parquet = need("pyarrow.parquet", purpose="reading LeRobot data sets", install="pyarrow")
+    try:
+        table = parquet.read_table(file, columns=columns, filters=filters)
+    except Exception as error:  # pyarrow has its own kinds for damaged files
+        first = (str(error).strip().splitlines() or [type(error).__name__])[0][:120]
+        raise DataError(f"'{show(file)}' cannot be read ({show(first)}).") from error
+    return list(table.to_pylist())

@@ -1,0 +1,88 @@
+"""Rest pictures: a tactile image minus the picture of the same sensor while it touches nothing.
+
+Subtracting one, for each sensor unit, is a habit of the field: Sparsh (Higuera et al., CoRL 2024),
+TVL (Fu et al., ICML 2024), gsrobotics (the mean of the first frames).
+"""
+
+from collections import defaultdict
+from dataclasses import replace
+from hashlib import blake2b
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from omnivat.data.domains import DOMAINS, paper_name
+from omnivat.data.images import read_bytes
+from omnivat.data.pairs import Pair, PairSet
+from omnivat.errors import DataError
+
+REST = "rest.png"  # in the folder of a domain, or of one sensor unit inside it
+RESTED = "; TAC minus its rest picture"  # at the end of a set's preprocessing
+LEVELS = 3  # folders above a tactile image in which REST is looked for: object, class, domain
+CHOICES = ("none", "auto", "all")
+MARKERS = ("GelSight", "GelSlim", "DuraGel", "Tac3D")  # printed dots shift, and would show twice
+
+
+def minus_rest(image: Image.Image, rest: Image.Image) -> Image.Image:
+    """Return clip((image - rest) / 255 + 0.5) in 8 bits; `rest` is resized to the image's size."""
+    away = np.asarray(rest.resize(image.size, Image.Resampling.BICUBIC), np.int16)
+    changed = np.asarray(image, np.int16) - away + 128
+    return Image.fromarray(np.clip(changed, 0, 255).astype(np.uint8))
+
+
+def with_rest(found: PairSet, choice: str) -> PairSet:
+    """Return the pairs with the rest picture of each tactile image.
+
+    choice  "none"; "auto": the nearest `rest.png` in the folders above an image, but not for
+            sensors with markers; "all": also for those; otherwise the file to use for every pair
+
+    Raises DataError if no pair has one, or the file cannot be read.
+    """
+    if choice == "none":
+        return found
+    if choice in CHOICES:
+        seen: dict[Path, Path | None] = {}
+        pairs = tuple(
+            pair
+            if choice == "auto" and has_markers(pair.domain)
+            else replace(pair, tac_rest=_nearest(pair.tac.parent, LEVELS, seen))
+            for pair in found.pairs
+        )
+    else:
+        read_bytes(Path(choice))
+        pairs = tuple(replace(pair, tac_rest=Path(choice)) for pair in found.pairs)
+    if not any(pair.tac_rest for pair in pairs):
+        beside = " for a sensor without markers ('all' takes every one)" if choice == "auto" else ""
+        raise DataError(
+            f"No '{REST}' lies in the folders of these tactile images{beside}; put one into the "
+            "domain's folder, or name a file."
+        )
+    return replace(found, pairs=pairs)
+
+
+def has_markers(domain: str) -> bool:
+    """True for a domain of the paper, real or simulated, whose sensor has markers."""
+    known = DOMAINS.get(paper_name(domain))
+    return known is not None and known.sensor in MARKERS
+
+
+def rests_of(pairs: tuple[Pair, ...]) -> dict[str, list[str]]:
+    """Return domain -> hashes of the rest pictures that its pairs use, for a set's header."""
+    found: dict[str, set[Path]] = defaultdict(set)
+    for pair in pairs:
+        if pair.tac_rest is not None:
+            found[pair.domain].add(pair.tac_rest)
+    return {
+        domain: sorted(blake2b(read_bytes(file), digest_size=8).hexdigest() for file in files)
+        for domain, files in found.items()
+    }
+
+
+def _nearest(folder: Path, levels: int, seen: dict[Path, Path | None]) -> Path | None:
+    """Return the nearest `rest.png` in `folder` or the folders above it, or None."""
+    if folder not in seen:
+        here = folder / REST
+        above = folder.parent if levels > 1 and folder.parent != folder else None
+        seen[folder] = here if here.is_file() else above and _nearest(above, levels - 1, seen)
+    return seen[folder]

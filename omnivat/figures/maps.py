@@ -1,0 +1,195 @@
+"""Maps: every photo and touch as a point, in two or three dimensions, with hover pictures."""
+
+import base64
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import plotly.graph_objects as go
+from numpy.typing import NDArray
+
+from omnivat.errors import SettingsError, ShapeError
+from omnivat.figures.page import Figure, figure, plain
+from omnivat.figures.theme import CLASSES, DOMAINS, MODALITIES, RIGHT_WRONG
+from omnivat.frames.records import FrameSet
+from omnivat.stages import STAGE_TITLES
+
+CIVIDIS = ["#00224e", "#27406f", "#575d6d", "#7d7c78", "#a59c74", "#d2c060", "#fee838"]
+COLOURS = ("domain", "class", "modality", "correctness", "confidence")
+MANY = 15_000  # from this many points on, WebGL draws them
+LIMIT = 16_000_000  # bytes of a sheet of pictures
+
+
+def map_figure(
+    places: NDArray[Any],
+    group: Sequence[int] | NDArray[Any],
+    names: Sequence[str],
+    *,
+    title: str,
+    caption: str = "",
+    colours: Sequence[str] = CLASSES,
+    hover: Sequence[str] | None = None,
+    pictures: dict[str, Any] | None = None,
+    modalities: Sequence[str] = ("VIS", "TAC"),
+    height: int = 620,
+) -> Figure:
+    """Return a map of N pairs: circles for photos, triangles for touches, one colour a group.
+
+    places      (M N, 2) or (M N, 3): the rows of the first of M modalities, then of the second
+    group       (N,) or (M N,) index into `names`; a click on a name hides its points
+    hover       N texts, shown at the pointer
+    pictures    from `pictures`: tile i is pair i's photo, tile N + i its touch
+
+    Raises ShapeError if the lengths do not fit.
+    """
+    places = np.asarray(places, dtype=np.float64)
+    rows, count = len(places), len(places) // max(1, len(modalities))
+    group = np.tile(group, rows // len(group)) if len(group) else np.zeros(rows, int)
+    if places.ndim != 2 or places.shape[1] not in (2, 3) or len(group) != rows or not rows:
+        raise ShapeError(
+            f"places has shape {places.shape} and group {np.shape(group)}; a map needs (M N, 2) or "
+            "(M N, 3), and N or M N groups."
+        )
+    traces = []
+    for k, modality in enumerate(modalities):
+        for index, name in enumerate(names):
+            own = np.flatnonzero(group[k * count : (k + 1) * count] == index) + k * count
+            if len(own):
+                first = not np.any(group[: k * count] == index)
+                look = _look(k, colours[index % len(colours)], first, plain(name))
+                traces.append(_points(places[own], rows, look))
+                at = [] if hover is None else [plain(hover[int(i) % count]) for i in own]
+                tiles = [[int(i % count), int(i % count + count)][: len(modalities)] for i in own]
+                traces[-1].update(
+                    text=[f"{modality} · {text}" for text in at] or None,
+                    hoverinfo="text" if at else "name",
+                    customdata=tiles if pictures else None,
+                )
+    shapes = "Circle VIS, triangle TAC" if len(modalities) == 2 else ""
+    words = ". ".join(part for part in (caption.rstrip("."), shapes) if part) + "."
+    layout = _flat(places) if places.shape[1] == 2 else _deep()
+    return figure(traces, title=title, caption=words, height=height, pictures=pictures, **layout)
+
+
+def _look(modality: int, colour: str, named: bool, name: str) -> dict[str, Any]:
+    return {
+        "mode": "markers",
+        "name": name,
+        "legendgroup": name,
+        "showlegend": named,
+        "marker": {
+            "color": colour,
+            "size": 6,
+            "opacity": 0.75,
+            "symbol": ("circle", "triangle-up")[modality],
+        },
+    }
+
+
+def _points(places: NDArray[Any], rows: int, look: dict[str, Any]) -> Any:
+    rounded = np.round(places, 4)
+    if places.shape[1] == 3:  # a triangle is no symbol of three dimensions
+        look["marker"] |= {
+            "size": 3,
+            "symbol": look["marker"]["symbol"].replace("triangle-up", "diamond"),
+        }
+        return go.Scatter3d(**look, x=rounded[:, 0], y=rounded[:, 1], z=rounded[:, 2])
+    kind = go.Scattergl if rows > MANY else go.Scatter
+    return kind(**look, x=rounded[:, 0], y=rounded[:, 1])
+
+
+def _flat(places: NDArray[Any]) -> dict[str, Any]:
+    middle = (places.max(0) + places.min(0)) / 2
+    half = 1.04 * max(float((places.max(0) - places.min(0)).max()) / 2, 1e-9)
+    ranges = [[float(m - half), float(m + half)] for m in middle]
+    margin = {"l": 12, "r": 12, "t": 44, "b": 12}
+    return {
+        "xaxis": {"range": ranges[0], "visible": False, "constrain": "domain"},
+        "yaxis": {"range": ranges[1], "visible": False, "scaleanchor": "x", "constrain": "domain"},
+        "margin": margin,
+        "dragmode": "pan",
+    }
+
+
+def _deep() -> dict[str, Any]:
+    bare = {"title": {"text": ""}, "showticklabels": False}
+    return {
+        "scene": {f"{k}axis": bare for k in "xyz"} | {"aspectmode": "data"},
+        "margin": {"l": 0, "r": 0, "t": 44, "b": 0},
+    }
+
+
+def frames_map(
+    frames: FrameSet,
+    *,
+    order: float,
+    stage: str = "f_hat",
+    kind: str = "pca",
+    colour: str = "domain",
+    pictures: dict[str, Any] | None = None,
+) -> Figure:
+    """Return the map of a stage at the stop nearest to `order` (quarter turns).
+
+    kind    "pca" or "umap"
+    colour  of COLOURS
+
+    Raises SettingsError for an unknown map or colouring.
+    """
+    drawn = frames.maps.get(f"{kind}/{stage}")
+    if drawn is None:
+        there = ", ".join(frames.maps)
+        raise SettingsError(f"There is no map '{kind}/{stage}' in these frames; there are {there}.")
+    frame = min(range(len(drawn.orders)), key=lambda i: abs(frames.orders[drawn.orders[i]] - order))
+    stop = min(range(len(frames.orders)), key=lambda i: abs(frames.orders[i] - order))
+    names, colours, group = _grouped(frames, colour, stop)
+    at = frames.orders[stop] if len(drawn.orders) == 1 else frames.orders[drawn.orders[frame]]
+    what = "simulated data" if frames.embeddings.get("simulated") else "real data"
+    predicted = [frames.classes[k] for k in frames.prediction[stop]]
+    hover = [
+        f"{frames.domains[d]} · {frames.classes[c]} · predicted {p}"
+        for d, c, p in zip(frames.domain, frames.label, predicted, strict=True)
+    ]
+    return map_figure(
+        drawn.places(frame),
+        group,
+        names,
+        colours=colours,
+        hover=hover,
+        pictures=pictures,
+        title=f"OmniVaT, {STAGE_TITLES[stage]}, p = {at:.2f}",
+        caption=f"{kind.upper()} of {frames.pairs} pairs, {what}; the axes have no unit",
+    )
+
+
+def _grouped(
+    frames: FrameSet, colour: str, stop: int
+) -> tuple[Sequence[str], Sequence[str], NDArray[Any]]:
+    """Return the groups' names and colours, and the group of each pair or each of the 2N points."""
+    if colour == "domain":
+        return frames.domains, DOMAINS, frames.domain
+    if colour == "class":
+        return frames.classes, CLASSES, frames.label
+    if colour == "correctness":
+        wrong = (frames.prediction[stop] != frames.label).astype(np.int64)
+        return ("right", "wrong"), RIGHT_WRONG, wrong
+    if colour == "confidence":
+        least = 1 / len(frames.classes)
+        step = (1 - least) / len(CIVIDIS)
+        bins = (frames.confidence[stop] / 255 - least) // step
+        names = [f"≥ {100 * (least + k * step):.0f} %" for k in range(len(CIVIDIS))]
+        return names, CIVIDIS, np.clip(bins, 0, len(CIVIDIS) - 1).astype(np.int64)
+    if colour == "modality":
+        return ("VIS", "TAC"), MODALITIES, np.repeat(np.arange(2), frames.pairs)
+    raise SettingsError(f"The colour is '{colour}'; choose one of {', '.join(COLOURS)}.")
+
+
+def pictures(sheet: str | Path) -> dict[str, Any] | None:
+    """Return a sheet from `omnivat thumbnails` for `pictures=`; None without one, or above 16 MB."""
+    file = Path(sheet)
+    if not file.is_file() or not file.with_suffix(".json").is_file() or file.stat().st_size > LIMIT:
+        return None
+    known = json.loads(file.with_suffix(".json").read_text(encoding="utf-8"))
+    data = base64.b64encode(file.read_bytes()).decode()
+    return {"sheet": f"data:image/webp;base64,{data}", "columns": int(known["columns"])}

@@ -1,0 +1,212 @@
+"""Figures as one HTML page that opens offline, as a notebook cell, or as a file of another kind."""
+
+import base64
+import gzip
+import json
+from collections.abc import Mapping, Sequence
+from functools import cache
+from html import escape
+from pathlib import Path
+from typing import Any
+
+import plotly.graph_objects as go
+from plotly.offline import get_plotlyjs
+
+from omnivat.errors import SettingsError
+from omnivat.figures.drawing import write_picture
+from omnivat.figures.still import picture
+from omnivat.figures.theme import CONFIG, THEMES, template
+from omnivat.files import write_text
+
+ENDINGS = (".html", ".svg", ".png", ".json")
+# nothing of another host is loaded or sent; Plotly's WebGL traces compile functions
+POLICY = (
+    "default-src 'none'; script-src 'unsafe-inline' 'unsafe-eval'; style-src 'unsafe-inline'; "
+    "img-src data: blob:; form-action 'none'; base-uri 'none'"
+)
+PAGE = """<!doctype html>
+<html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width">
+<meta http-equiv="Content-Security-Policy" content="{policy}"><title>{title}</title>
+<style>
+:root {{ --ink: #0f172a; --soft: #55637a; --card: #fff; --line: #dbe2ea; }}
+.dark {{ --ink: #e8eef6; --soft: #a3b1c6; --card: #0f172a; --line: #2b3a52; color-scheme: dark; }}
+body {{ margin: 0; background: var(--card); color: var(--ink); font: 15px/1.5 system-ui, sans-serif; }}
+main {{ max-width: 980px; margin: auto; padding: 8px; }} figure {{ margin: 0 0 28px; }}
+figcaption, small {{ color: var(--soft); padding: 0 12px; }} .theme {{ float: right; font-size: 18px;
+background: none; border: 1px solid var(--line); border-radius: 6px; color: inherit; }}
+.table {{ overflow-x: auto; }} table {{ border-collapse: collapse; }} h1 {{ font-size: 22px; }} h2 {{ font-size: 18px; }}
+th, td {{ padding: 3px 10px; text-align: right; border-bottom: 1px solid var(--line); font-size: 14px; white-space: nowrap; }}
+td:first-child, th:first-child {{ text-align: left; }}
+#tip {{ position: fixed; display: none; gap: 4px; padding: 4px; background: var(--card); border: 1px solid var(--line); pointer-events: none; z-index: 9; }}
+#tip i {{ width: 88px; height: 88px; }}
+</style></head><body><main><button class="theme" aria-label="Switch between light and dark">&#9680;</button>
+{body}<noscript>The figures need JavaScript; the SVG files show the same.</noscript></main><div id="tip"></div>
+<script>
+const figures = {figures}, templates = {templates}, config = {config};
+const tip = document.querySelector("#tip"), plots = [...document.querySelectorAll(".plot")];
+let dark = matchMedia("(prefers-color-scheme: dark)").matches;
+const template = () => templates[dark ? "omnivat_dark" : "omnivat"];
+const paint = () => document.documentElement.classList.toggle("dark", dark);
+paint();
+document.querySelector(".theme").onclick = () => {{
+  dark = !dark; paint();
+  for (const plot of plots) Plotly.relayout(plot, {{ template: template() }});
+}};
+function tile(sheet, index) {{
+  const i = document.createElement("i"), x = index % sheet.columns, y = Math.floor(index / sheet.columns);
+  i.style.background = `url(${{sheet.sheet}}) ${{-88 * x}}px ${{-88 * y}}px / ${{88 * sheet.columns}}px auto`;
+  return i;
+}}
+function hover(plot, sheet) {{
+  plot.on("plotly_hover", ({{ points: [point], event }}) => {{
+    const tiles = [].concat(point.customdata ?? []);
+    tip.replaceChildren(...tiles.map((index) => tile(sheet, index)));
+    const x = event?.clientX ?? 8, y = event?.clientY ?? 8;
+    tip.style.cssText = `display:${{tiles.length ? "flex" : "none"}};left:${{Math.max(4, Math.min(x + 16, innerWidth - 196))}}px;top:${{y > innerHeight - 150 ? y - 130 : y + 28}}px`;
+  }});
+  plot.on("plotly_unhover", () => (tip.style.display = "none"));
+}}
+(async () => {{
+  const bytes = Uint8Array.from(atob("{library}"), (c) => c.charCodeAt(0));
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
+  const script = document.createElement("script");
+  script.textContent = await new Response(stream).text();
+  document.head.append(script);
+  for (const [k, plot] of plots.entries()) {{
+    const {{ data, layout }} = figures[k];
+    await Plotly.newPlot(plot, data, {{ ...layout, template: template() }}, config);
+    if (layout.meta?.pictures) hover(plot, layout.meta.pictures);
+  }}
+  document.body.dataset.drawn = plots.length;
+}})();
+</script></body></html>
+"""
+CELL = (
+    '<iframe srcdoc="{page}" style="width:100%;height:{height}px;border:0" '
+    'sandbox="allow-scripts allow-downloads" title="{title}"></iframe>'
+)
+
+
+@cache
+def _library() -> str:
+    """Return plotly.js, compressed to two fifths, as base64."""
+    return base64.b64encode(gzip.compress(get_plotlyjs().encode(), 9, mtime=0)).decode()
+
+
+def html_page(title: str, parts: Sequence[Any]) -> str:
+    """Return one HTML page of figures and texts; it needs no network and makes no request.
+
+    parts  figures, with their captions below, and finished HTML
+    """
+    figures = [part for part in parts if isinstance(part, go.Figure)]
+    body = "".join(_section(p) if isinstance(p, go.Figure) else p for p in parts)
+    heading = "" if len(parts) == 1 else f"<h1>{escape(title)}</h1>"
+    return PAGE.format(
+        policy=POLICY,
+        title=escape(title),
+        body=heading + body,
+        figures=_held("[" + ",".join(_json(one) for one in figures) + "]"),
+        templates=_held(json.dumps({n: template(n).to_plotly_json() for n in THEMES})),
+        config=json.dumps(CONFIG),
+        library=_library(),
+    )
+
+
+def _section(found: Any) -> str:
+    words = escape((found.layout.meta or {}).get("caption", ""))
+    height = found.layout.height or 420
+    return f'<figure><div class="plot" style="height:{height}px"></div><figcaption>{words}</figcaption></figure>'
+
+
+def _json(found: Any) -> str:
+    """Return a figure without its template, which the page holds once."""
+    bare = go.Figure(found)
+    bare.layout.template = None
+    return str(bare.to_json(validate=False))
+
+
+def _held(text: str) -> str:
+    """Return JSON that may stand in a script."""
+    return text.replace("<", "\\u003c")
+
+
+def cell(found: Any) -> str:
+    """Return a figure as the HTML of a notebook cell; the frame cannot reach the notebook."""
+    title = str(found.layout.title.text or "figure")
+    whole = escape(html_page(title, [found]))
+    return CELL.format(page=whole, height=(found.layout.height or 420) + 90, title=escape(title))
+
+
+def write(path: str | Path, found: Any) -> Path:
+    """Write a figure, completely or not at all; the ending of the name chooses the kind.
+
+    Raises SettingsError for another ending, or for SVG and PNG of a figure in three dimensions.
+    """
+    target = require_ending(Path(path))
+    ending = target.suffix.lower()
+    if ending == ".html":
+        write_text(target, html_page(str(found.layout.title.text or "figure"), [found]))
+    elif ending == ".json":
+        write_text(target, found.to_json())
+    else:
+        write_picture(target, picture(found))
+    return target
+
+
+def require_ending(path: Path) -> Path:
+    """Return a path that ends in one of ENDINGS; raises SettingsError for another."""
+    if path.suffix.lower() not in ENDINGS:
+        raise SettingsError(
+            f"The figure '{path.name}' ends in '{path.suffix}'; choose {', '.join(ENDINGS)}."
+        )
+    return path
+
+
+class Figure(go.Figure):  # type: ignore[misc]  # plotly has no types
+    """A Plotly figure that shows itself in a notebook without another host, hover pictures included.
+
+    `layout.meta` holds "caption" and, if there are pictures, "pictures".
+    """
+
+    _ipython_display_ = None
+
+    def _repr_html_(self) -> str:
+        return cell(self)
+
+    def _repr_mimebundle_(self, *_: Any, **__: Any) -> dict[str, str]:
+        return {"text/html": self._repr_html_()}
+
+    def show(self, *arguments: Any, config: Mapping[str, Any] | None = None, **more: Any) -> Any:
+        """Show it by a renderer of Plotly, without the button that uploads it."""
+        return super().show(*arguments, config={**CONFIG, **(config or {})}, **more)
+
+
+def figure(
+    traces: Sequence[Any],
+    *,
+    title: str,
+    caption: str = "",
+    height: int = 420,
+    pictures: Mapping[str, Any] | None = None,
+    **layout: Any,
+) -> Figure:
+    """Return a figure in the light template; `layout` holds further fields of Plotly's layout.
+
+    title, caption  plain texts, not markup
+    pictures        from `omnivat.figures.pictures`: shown beside the pointer
+    """
+    meta = {"caption": caption, **({"pictures": dict(pictures)} if pictures else {})}
+    found = Figure(data=list(traces))
+    return found.update_layout(  # type: ignore[no-any-return]
+        template="omnivat", title_text=plain(title), height=height, meta=meta, **layout
+    )
+
+
+def plain(text: str) -> str:
+    """Return a text without what Plotly would read as markup."""
+    return str(text).replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
+
+
+def axis(title: str = "", **more: Any) -> dict[str, Any]:
+    """Return an axis; `more` holds further fields."""
+    return {"title": {"text": plain(title)}, "showgrid": True, "zeroline": False, **more}

@@ -1,0 +1,303 @@
+"""Scores with intervals, confusion and gaps between domains, and the tree of nodes."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import plotly.graph_objects as go
+
+from omnivat.errors import DataError
+from omnivat.figures.page import Figure, axis, figure, plain
+from omnivat.figures.theme import CLASSES, READINGS, SERIES, SOFT
+
+READING_NAMES = {"fused": "both images", "vis": "photo only", "tac": "touch only"}
+ROW = 34  # pixels of a row of dots, at least
+Record = Mapping[str, Any]
+
+
+def dots(
+    records: Sequence[Record],
+    *,
+    title: str,
+    across: str,
+    caption: str = "",
+    level: float | None = None,
+    colours: Mapping[str, str] | None = None,
+    ends: tuple[float, float] | None = None,
+    percent: bool = False,
+) -> Figure:
+    """Return a row of dots with intervals for each name: rows from the top, series side by side.
+
+    records  {"row", "value", and if known "series", "low", "high", "note"}; a value of None is left out
+    level    a dashed line, such as chance
+    ends     of the axis; None: around the values
+    percent  the values are shares
+
+    Raises DataError without any value.
+    """
+    known = [r for r in records if r.get("value") is not None and math.isfinite(r["value"])]
+    if not known:
+        raise DataError(
+            f"There is no value to draw for '{title}'; choose a set with labelled pairs."
+        )
+    rows = list(dict.fromkeys(str(r["row"]) for r in known))
+    series = list(dict.fromkeys(str(r.get("series", "")) for r in known))
+    traces = []
+    for k, name in enumerate(series):
+        own = [r for r in known if str(r.get("series", "")) == name]
+        colour = (colours or {}).get(name, SERIES[k % len(SERIES)])
+        shift = (k - (len(series) - 1) / 2) * 0.62 / max(2, len(series))
+        values = [float(r["value"]) for r in own]
+        low, high = ([_end(r, end) for r in own] for end in ("low", "high"))
+        traces.append(
+            go.Scatter(
+                x=values,
+                y=[rows.index(str(r["row"])) + shift for r in own],
+                error_x={
+                    "type": "data",
+                    "array": [h - v for h, v in zip(high, values, strict=True)],
+                    "arrayminus": [v - b for b, v in zip(low, values, strict=True)],
+                    "thickness": 1.6,
+                    "width": 0,
+                },
+                name=plain(name),
+                mode="markers",
+                marker={"color": colour, "size": 9},
+                text=[_words(r, percent) for r in own],
+                hoverinfo="text",
+            )
+        )
+    every = [_end(r, end) for r in known for end in ("low", "high")] + ([level] if level else [])
+    room = 0.04 * (max(every) - min(every) or 1)
+    span = (
+        (ends[0], 1.02 * ends[1])
+        if ends
+        else (min(0.0, min(every)) and min(every) - room, max(every) + room)
+    )
+    shapes = [] if level is None else [_upright(level)]
+    tall = 116 + max(ROW, 15 * len(series) + 8) * len(rows)
+    return figure(
+        traces,
+        title=title,
+        caption=caption,
+        height=tall,
+        xaxis=axis(across, range=list(span), tickformat=".0%" if percent else None),
+        yaxis=axis(
+            range=[len(rows) - 0.5, -0.5],
+            tickvals=list(range(len(rows))),
+            ticktext=[plain(row) for row in rows],
+        ),
+        margin={"l": 24 + 7 * max(map(len, rows))},
+        showlegend=len(series) > 1,
+        shapes=shapes,
+    )
+
+
+def _end(record: Record, name: str) -> float:
+    value = record.get(name)
+    return float(record["value"] if value is None or value != value else value)
+
+
+def _words(record: Record, percent: bool) -> str:
+    def number(v: float) -> str:
+        return f"{100 * v:.1f} %" if percent else f"{v:.4g}"
+
+    words = f"{record['row']} {record.get('series', '')}: {number(record['value'])}"
+    if record.get("low") is not None:
+        words += f" [{number(_end(record, 'low'))}, {number(_end(record, 'high'))}]"
+    return plain(f"{words} {record.get('note', '')}".strip())
+
+
+def _upright(level: float) -> dict[str, Any]:
+    line = {"color": SOFT, "dash": "dash"}
+    return {
+        "type": "line",
+        "line": line,
+        "x0": level,
+        "x1": level,
+        "yref": "y domain",
+        "y0": 0,
+        "y1": 1,
+    }
+
+
+def strangers(summary: Record) -> Figure:
+    """Return the accuracy in each domain with 95 % intervals: both images, photo only, touch only.
+
+    summary  from `omnivat.unseen.unseen_summary`, or with the same keys "domains", "chance", "unseen"
+    """
+    records = []
+    every = [*summary["domains"], {"name": "mean of unseen", **(summary.get("unseen") or {})}]
+    for domain in every:
+        name = domain["name"] + (" (source)" if domain.get("is_source") else "")
+        for reading, words in READING_NAMES.items():
+            share = domain.get(f"answers/{reading}")
+            if share:
+                note = f"of {domain['pairs']} pairs" if "pairs" in domain else ""
+                ends = {"low": share.get("low"), "high": share.get("high")}
+                records.append(
+                    {"row": name, "series": words, "value": share["share"], "note": note, **ends}
+                )
+    return dots(
+        records,
+        title="Accuracy in each domain",
+        across="accuracy",
+        level=summary.get("chance"),
+        colours={words: READINGS[name] for name, words in READING_NAMES.items()},
+        ends=(0, 1),
+        percent=True,
+        caption=f"Trained on {summary.get('source') or 'one domain'}. Bars: 95 % intervals. Dashed: chance.",
+    )
+
+
+def ladder(records: Sequence[Record], *, chance: float | None = None) -> Figure:
+    """Return accuracy against what is known of the target, with intervals, one colour a method.
+
+    records  {"known": words, "n": number of target pairs, "accuracy", "low", "high", "method"}
+    """
+    rungs = [
+        {
+            "row": f"{r['known']}, {r['n']}" if r.get("n") else str(r["known"]),
+            "series": r["method"],
+            "value": r["accuracy"],
+            "low": r.get("low"),
+            "high": r.get("high"),
+        }
+        for r in records
+    ]
+    caption = "Each row names what is known of the target, and the number of its pairs. Bars: 95 % intervals."
+    return dots(rungs, title="Accuracy against what is known of the target", across="accuracy",
+                level=chance, ends=(0, 1), percent=True, caption=caption)  # fmt: skip
+
+
+def confusion(
+    counts: Sequence[Sequence[float]], classes: Sequence[str], *, title: str = "Confusion"
+) -> Figure:
+    """Return counts (K, K), true class by predicted class, as shares of each row."""
+    totals = [sum(row) for row in counts]
+    shares = [
+        [v / t if t else math.nan for v in row] for row, t in zip(counts, totals, strict=True)
+    ]
+    words = [[f"{100 * v:.0f}" if v == v else "" for v in row] for row in shares]
+    rows = [f"{name} ({int(total)})" for name, total in zip(classes, totals, strict=True)]
+    return figure(
+        [_heat(shares, words, (0, 1), "true %{y}, predicted %{x}: %{text} %")],
+        title=title,
+        caption="Rows: the true class and its pairs. Columns: the predicted class. Figures: % of the row.",
+        height=190 + 42 * len(classes),
+        **_grid(rows, classes),
+    )
+
+
+def _heat(values: Any, words: Any, ends: tuple[float, float], hover: str, **more: Any) -> Any:
+    bare = [[v if v is not None and v == v else None for v in row] for row in values]
+    return go.Heatmap(z=bare, zmin=ends[0], zmax=ends[1], text=words, texttemplate="%{text}",
+                      hovertemplate=hover + "<extra></extra>", showscale=False, **more)  # fmt: skip
+
+
+def _grid(
+    rows: Sequence[str], columns: Sequence[str], key: str = "", **more: Any
+) -> dict[str, Any]:
+    def side(names: Sequence[str], ends: list[float], **extra: Any) -> dict[str, Any]:
+        ticks: dict[str, Any] = {
+            "tickvals": list(range(len(names))),
+            "ticktext": [plain(n) for n in names],
+        }
+        return axis(range=ends, showgrid=False, **ticks, **extra)
+
+    wide = max((len(name) for name in rows), default=0)
+    return {
+        f"xaxis{key}": side(columns, [-0.5, len(columns) - 0.5], **more),
+        f"yaxis{key}": side(rows, [len(rows) - 0.5, -0.5], anchor=f"x{key}"),
+        "margin": {"l": 24 + 7 * wide, "b": 70},
+    }
+
+
+def gap_tables(record: Record) -> Figure:
+    """Return the gap between all pairs of domains, of photos and of touches, as two tables of colour.
+
+    record  as `omnivat gaps --json` prints it
+    """
+    tables = record["domain_gap"]
+    names = list(next(iter(tables.values())))
+    most = max([1e-12, *(v for t in tables.values() for row in t.values() for v in row.values())])
+    traces: list[Any] = []
+    layout: dict[str, Any] = {}
+    sides = [(m, words) for m, words in (("vis", "photos"), ("tac", "touches")) if m in tables]
+    for k, (modality, words) in enumerate(sides):
+        key = "2" if k else ""
+        values = [[None if a == b else tables[modality][a][b] for b in names] for a in names]
+        cells = [["" if v is None else f"{v:.3g}" for v in row] for row in values]
+        hover = f"{words}, %{{y}} to %{{x}}: %{{text}}"
+        traces.append(_heat(values, cells, (0.0, most), hover, xaxis=f"x{key}", yaxis=f"y{key}"))
+        layout |= _grid(
+            names,
+            names,
+            key,
+            domain=[0.53 * k, 0.47 + 0.53 * k] if len(sides) == 2 else [0, 1],
+            title=words,
+            tickangle=-40,
+        )
+    if len(sides) == 2:  # one set of names for both tables
+        layout["yaxis2"] |= {"showticklabels": False, "tickvals": [], "ticktext": []}
+    gap = record["modality_gap"]["all"]
+    return figure(
+        traces,
+        title=f"{record['measure']} between domains",
+        caption=f"At {record['stage']}, {record['pairs']} pairs"
+        + (", simulated data" if record.get("simulated") else "")
+        + ("." if gap is None else f". Between photos and touches: {gap:.4g}."),
+        height=200 + 38 * len(names),
+        **layout,
+    )
+
+
+def tree(facts: Any, classes: Sequence[str], *, title: str = "Nodes of the tree") -> Figure:
+    """Return the nodes in layers: area by norm, colour by the most probable class.
+
+    facts  `omnivat.nodes.TreeFacts`
+    """
+    depth: list[int] = []
+    for parent in facts.parents:
+        depth.append(0 if parent < 0 else depth[parent] + 1)
+    rows = {d: [i for i, own in enumerate(depth) if own == d] for d in set(depth)}
+    at = [((rows[d].index(i) + 0.5) / len(rows[d]), -d) for i, d in enumerate(depth)]
+    most = float(max(facts.lengths)) or 1.0
+    best = [int(row.argmax()) for row in facts.probabilities]
+    share = [float(row.max()) for row in facts.probabilities]
+    label = [f"{plain(classes[k])}<br>{100 * p:.0f} %" for k, p in zip(best, share, strict=True)]
+    hover = [
+        f"node {i + 1}, norm {float(n):.3f}"
+        + "".join(
+            f"<br>{plain(c)} {100 * float(p):.1f} %" for c, p in zip(classes, row, strict=True)
+        )
+        for i, (n, row) in enumerate(zip(facts.lengths, facts.probabilities, strict=True))
+    ]
+    edges = [(at[p], at[i]) for i, p in enumerate(facts.parents) if p >= 0]
+    sizes = [10 + 30 * math.sqrt(float(n) / most) for n in facts.lengths]
+    colours = [CLASSES[k % len(CLASSES)] for k in best]
+    few = max(map(len, rows.values())) <= 8
+    return figure(
+        [
+            go.Scatter(
+                x=[x for a, b in edges for x in (a[0], b[0], None)],
+                y=[y for a, b in edges for y in (a[1], b[1], None)],
+                mode="lines", line={"color": SOFT, "width": 1}, hoverinfo="skip",
+            ),
+            go.Scatter(
+                x=[x for x, _ in at], y=[y for _, y in at], marker={"size": sizes, "color": colours},
+                mode="markers", hovertext=hover, hoverinfo="text",
+            ),
+            go.Scatter(
+                x=[x for x, _ in at], y=[y - 0.2 for _, y in at], text=label if few else [""] * len(at),
+                mode="text", textposition="bottom center", hoverinfo="skip",
+            ),
+        ],
+        title=title,
+        caption="Area: norm of the node. Colour: its most probable class, with its probability.",
+        height=180 + 120 * len(rows),
+        showlegend=False,
+        xaxis={"range": [0, 1], "visible": False},
+        yaxis={"range": [0.5 - len(rows) - 0.2, 0.5], "visible": False},
+        margin={"l": 16, "r": 16},
+    )  # fmt: skip

@@ -1,0 +1,283 @@
+"""A figure in two dimensions as shapes, for SVG and PNG without a browser.
+
+It draws what the figures of this folder use: scatter and heatmap traces, error bars, areas, lines
+and rectangles on axes, titles, ticks, legend and caption.
+"""
+
+import math
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from html import unescape
+from textwrap import wrap
+from typing import Any
+
+from omnivat.errors import SettingsError
+from omnivat.figures.drawing import GRID, INK, SOFT, Picture, Point, Shape, svg, text
+from omnivat.figures.theme import MARGIN, SERIES, THEMES
+
+WIDTH, LINE, LETTER = 760.0, 17.0, 6.6
+MARKS = {"triangle-up": "triangle"}
+
+
+@dataclass(frozen=True, slots=True)
+class Plane:
+    """One pair of axes: the ranges, and the pixels of left, right, bottom and top."""
+
+    x: tuple[float, float]
+    y: tuple[float, float]
+    box: tuple[float, float, float, float]
+
+    def at(self, x: float, y: float) -> Point:
+        """Return the pixel of a value, clipped to the axes."""
+        left, right, low, high = self.box
+        across = (x - self.x[0]) / (self.x[1] - self.x[0] or 1)
+        up = (y - self.y[0]) / (self.y[1] - self.y[0] or 1)
+        return (
+            left + min(1.0, max(0.0, across)) * (right - left),
+            low - min(1.0, max(0.0, up)) * (low - high),
+        )
+
+
+def picture(figure: Any, *, width: float = WIDTH) -> Picture:
+    """Return a figure as shapes in the light theme.
+
+    Raises SettingsError for a trace that has no flat picture, such as a map in three dimensions.
+    """
+    for trace in figure.data:
+        if trace.type not in ("scatter", "scattergl", "heatmap"):
+            raise SettingsError(
+                f"A figure of the kind '{trace.type}' has no SVG or PNG; name a file that ends in .html."
+            )
+    height = float(figure.layout.height or 420)
+    planes = {key: _plane(figure, key, width, height) for key in _keys(figure)}
+    shapes = [shape for key, plane in planes.items() for shape in _axes(figure, key, plane)]
+    shapes += [s for one in figure.layout.shapes for s in _marked(one, planes)]
+    for index, trace in enumerate(figure.data):
+        plane = planes[(trace.xaxis or "x")[1:]]
+        shapes += _heat(trace, plane) if trace.type == "heatmap" else _scatter(trace, index, plane)
+    shapes += [s for note in figure.layout.annotations for s in _note(note, planes, width, height)]
+    title = unescape(figure.layout.title.text or "")
+    shapes.append(text((12, 22), title, 15))
+    below, bottom = _below(figure, width, height)
+    return Picture(width=width, height=bottom, shapes=(*shapes, *below), title=title)
+
+
+def svg_of(figure: Any) -> str:
+    """Return a figure as SVG text; raises as `picture`."""
+    return svg(picture(figure))
+
+
+def _keys(figure: Any) -> list[str]:
+    """Return the suffixes of the axes: "", "2", ..."""
+    return [name[5:] for name in figure.layout.to_plotly_json() if name.startswith("xaxis")]
+
+
+def _plane(figure: Any, key: str, width: float, height: float) -> Plane:
+    across, up = figure.layout[f"xaxis{key}"], figure.layout[f"yaxis{key}"]
+    margin = {side: getattr(figure.layout.margin, side) or size for side, size in MARGIN.items()}
+    inner = width - margin["l"] - margin["r"], height - margin["t"] - margin["b"]
+    (x0, x1), (y0, y1) = across.domain or (0, 1), up.domain or (0, 1)
+    box = (
+        margin["l"] + x0 * inner[0],
+        margin["l"] + x1 * inner[0],
+        margin["t"] + (1 - y0) * inner[1],
+        margin["t"] + (1 - y1) * inner[1],
+    )
+    x, y = (tuple(map(float, one.range or (0, 1))) for one in (across, up))
+    if up.scaleanchor:  # one unit is as long in both directions
+        unit = min((box[1] - box[0]) / (x[1] - x[0]), (box[2] - box[3]) / (y[1] - y[0]))
+        box = (box[0], box[0] + unit * (x[1] - x[0]), box[3] + unit * (y[1] - y[0]), box[3])
+    return Plane(x, y, box)  # type: ignore[arg-type]
+
+
+def _axes(figure: Any, key: str, plane: Plane) -> Iterator[Shape]:
+    across, up = figure.layout[f"xaxis{key}"], figure.layout[f"yaxis{key}"]
+    left, right, low, high = plane.box
+    if across.visible is not False:
+        ticks = _ticks(across, plane.x)
+        wide = LETTER * max((len(label) for _, label in ticks), default=0)
+        rows = min(
+            4, max(1, math.ceil(wide * len(ticks) / (right - left)))
+        )  # long names take turns
+        for k, (value, label) in enumerate(ticks):
+            x = plane.at(value, plane.y[0])[0]
+            yield text((x, low + 16 + 13 * (k % rows)), label, 11, "middle")
+        yield text(
+            ((left + right) / 2, low + 23 + 13 * rows),
+            unescape(across.title.text or ""),
+            12,
+            "middle",
+        )
+    if up.visible is not False:
+        for value, label in _ticks(up, plane.y):
+            y = plane.at(plane.x[0], value)[1]
+            if up.showgrid is not False:
+                yield Shape(kind="line", points=((left, y), (right, y)), stroke=GRID)
+            yield text((left - 6, y + 4), label, 11, "end")
+        yield text((max(12, left - 46), high - 8), unescape(up.title.text or ""), 11)
+
+
+def _ticks(axis: Any, ends: Sequence[float]) -> list[tuple[float, str]]:
+    if axis.tickvals is not None:
+        words = axis.ticktext if axis.ticktext is not None else axis.tickvals
+        return [(float(v), unescape(str(w))) for v, w in zip(axis.tickvals, words, strict=True)]
+    if axis.showticklabels is False:
+        return []
+    low, high = min(ends), max(ends)
+    rough = (high - low or 1) / 5
+    size = 10.0 ** math.floor(math.log10(rough))
+    step = next(size * k for k in (1, 2, 5, 10) if size * k >= rough * 0.95)
+    first = math.ceil(low / step - 1e-9)
+    values = [k * step for k in range(first, first + 8) if k * step <= high + 1e-9 * step]
+    return [(v, f"{v:.0%}" if "%" in (axis.tickformat or "") else f"{v:.6g}") for v in values]
+
+
+def _scatter(trace: Any, index: int, plane: Plane) -> Iterator[Shape]:
+    known = [
+        (k, float(x), float(y))
+        for k, (x, y) in enumerate(zip(trace.x, trace.y, strict=True))
+        if x is not None and y is not None and math.isfinite(x) and math.isfinite(y)
+    ]
+    points = [plane.at(x, y) for _, x, y in known]
+    colour, mode = SERIES[index % len(SERIES)], trace.mode or "lines"
+    if trace.fill == "toself" and points:
+        fill, share = _paint(trace.fillcolor)
+        yield Shape(kind="area", points=tuple(points), fill=fill, opacity=share)
+    if "lines" in mode and (trace.line.width is None or trace.line.width):
+        size, stroke = trace.line.width or 2, trace.line.color or colour
+        for part in _unbroken(known, points):
+            dashed = trace.line.dash is not None
+            yield Shape(kind="line", points=tuple(part), stroke=stroke, size=size, dashed=dashed)
+    ink = trace.marker.color if isinstance(trace.marker.color, str) else None
+    for axis, error in (("x", trace.error_x), ("y", trace.error_y)):
+        if error.array is None:
+            continue
+        down = error.array if error.arrayminus is None else error.arrayminus
+        for k, x, y in known:
+            ends = [(x - down[k], y), (x + error.array[k], y)] if axis == "x" else []
+            ends = ends or [(x, y - down[k]), (x, y + error.array[k])]
+            if all(math.isfinite(v) for end in ends for v in end):
+                bar = tuple(plane.at(*end) for end in ends)
+                yield Shape(kind="line", points=bar, stroke=ink or colour, size=1.6)
+    if "markers" in mode:
+        kind = MARKS.get(str(trace.marker.symbol), "circle")
+        for (k, _, _), point in zip(known, points, strict=True):
+            size = trace.marker.size if trace.marker.size is not None else 8
+            size = float(size if isinstance(size, int | float) else size[k]) / 2
+            fill = trace.marker.color if trace.marker.color is not None else colour
+            fill = fill if isinstance(fill, str) else fill[k]
+            share = trace.marker.opacity or 1
+            yield Shape(kind=kind, points=(point,), fill=fill, size=size, opacity=share)
+    if "text" in mode:
+        yield from _labels(trace, known, points)
+
+
+def _labels(trace: Any, known: Any, points: Sequence[Point]) -> Iterator[Shape]:
+    place = trace.textposition or "middle center"
+    for (k, _, _), (x, y) in zip(known, points, strict=True):
+        words = trace.text if isinstance(trace.text, str) else trace.text[k]
+        lines = [unescape(line) for line in str(words).split("<br>")]
+        up = {"top": -7 - 13 * (len(lines) - 1), "bottom": 24}.get(place.split()[0], 4)
+        for row, line in enumerate(lines):
+            yield text((x, y + up + 13 * row), line, 11, "middle")
+
+
+def _unbroken(known: Any, points: Sequence[Point]) -> Iterator[list[Point]]:
+    """Yield the parts of a line between missing values."""
+    part: list[Point] = []
+    for place, point in enumerate(points):
+        if place and known[place][0] != known[place - 1][0] + 1:
+            yield part
+            part = []
+        part.append(point)
+    if len(part) > 1:
+        yield part
+
+
+def _heat(trace: Any, plane: Plane) -> Iterator[Shape]:
+    low, high = float(trace.zmin), float(trace.zmax)
+    full = THEMES["omnivat"]["full"]
+    for row, values in enumerate(trace.z):
+        for column, value in enumerate(values):
+            if value is None or not math.isfinite(value):
+                continue
+            share = min(1.0, max(0.0, (float(value) - low) / (high - low or 1)))
+            corners = plane.at(column - 0.5, row - 0.5), plane.at(column + 0.5, row + 0.5)
+            (x0, y0), (x1, y1) = corners
+            yield Shape(
+                kind="rect", points=((x0, min(y0, y1)), (x1, max(y0, y1))), fill=full, opacity=share
+            )
+            if trace.text is not None:
+                at = ((x0 + x1) / 2, (y0 + y1) / 2 + 4)
+                words = str(trace.text[row][column])
+                fill = "#ffffff" if share > 0.6 else INK
+                yield Shape(
+                    kind="text", points=(at,), text=words, size=11, anchor="middle", fill=fill
+                )
+
+
+def _marked(mark: Any, planes: dict[str, Plane]) -> Iterator[Shape]:
+    """Draw a line or rectangle of the layout; "domain" spans an axis."""
+    plane = planes[(mark.xref or "x").split()[0][1:]]
+    ends = []
+    for x, y in ((mark.x0, mark.y0), (mark.x1, mark.y1)):
+        if "domain" in (mark.xref or ""):
+            x = plane.x[0] + x * (plane.x[1] - plane.x[0])
+        if "domain" in (mark.yref or ""):
+            y = plane.y[0] + y * (plane.y[1] - plane.y[0])
+        ends.append(plane.at(x, y))
+    if mark.type == "line":
+        dashed = mark.line.dash is not None
+        stroke = mark.line.color or SOFT
+        yield Shape(kind="line", points=tuple(ends), stroke=stroke, dashed=dashed, size=1.4)
+    else:
+        (x0, y0), (x1, y1) = ends
+        fill, share = _paint(mark.fillcolor)
+        yield Shape(
+            kind="rect", points=((x0, min(y0, y1)), (x1, max(y0, y1))), fill=fill, opacity=share
+        )
+
+
+def _note(note: Any, planes: dict[str, Plane], width: float, height: float) -> Iterator[Shape]:
+    anchor = {"left": "start", "right": "end"}.get(note.xanchor, "middle")
+    if note.xref == "paper":
+        inner = width - MARGIN["l"] - MARGIN["r"], height - MARGIN["t"] - MARGIN["b"]
+        at = MARGIN["l"] + note.x * inner[0], MARGIN["t"] + (1 - note.y) * inner[1]
+    elif " domain" in (note.xref or ""):
+        left, right, low, high = planes[note.xref.split()[0][1:]].box
+        at = left + note.x * (right - left), low - note.y * (low - high) - 6
+    else:
+        at = planes[(note.xref or "x")[1:]].at(note.x, note.y)
+    rows = [unescape(row) for row in note.text.split("<br>")]
+    for k, row in enumerate(rows):
+        yield text((at[0], at[1] - 15 * (len(rows) - 1 - k)), row, 12, anchor)
+
+
+def _below(figure: Any, width: float, height: float) -> tuple[list[Shape], float]:
+    """Return legend and caption under the axes, and the lower end of the picture."""
+    shapes, x, y = [], 14.0, height
+    named = [(i, t) for i, t in enumerate(figure.data) if t.name and t.showlegend is not False]
+    for index, trace in named if figure.layout.showlegend is not False else []:
+        name, colour = unescape(trace.name), trace.marker.color or trace.line.color
+        size = 34 + LETTER * len(name)
+        if x + size > width and x > 14:
+            x, y = 14.0, y + LINE
+        fill = colour if isinstance(colour, str) else SERIES[index % len(SERIES)]
+        shapes.append(Shape(kind="rect", points=((x, y - 10), (x + 11, y + 1)), fill=fill))
+        shapes.append(text((x + 16, y), name))
+        x += size
+    y += 8 if named else 0
+    words = wrap((figure.layout.meta or {}).get("caption", ""), int(width / (LETTER - 0.7)))
+    for line in words:
+        y += LINE
+        shapes.append(text((14, y), line, 11))
+    return shapes, y + 14
+
+
+def _paint(colour: str) -> tuple[str, float]:
+    """Return "rgba(r,g,b,a)" or "#rrggbb" as a colour and its opacity."""
+    parts = re.findall(r"[\d.]+", colour)
+    if not colour.startswith("rgba"):
+        return colour, 1.0
+    return "#" + "".join(f"{int(part):02x}" for part in parts[:3]), float(parts[3])

@@ -1,0 +1,99 @@
+"""The losses: multimodal alignment (MMA), node diversity (NOD), and the joint loss with its parts."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import torch
+from torch import Tensor
+from torch.nn.functional import cross_entropy, mse_loss, normalize
+
+from omnivat.shapes import require_shapes
+from omnivat.stages import MODALITIES
+
+
+def mma_loss(lang: Tensor, vis: Tensor | None = None, tac: Tensor | None = None) -> Tensor:
+    """Multimodal alignment (MMA): KL(LANG || VIS) + KL(LANG || TAC), without the weight λ.
+
+    lang, vis, tac  (B, D) features; a softmax over D makes each a distribution. An absent modality
+                    (None) has no term
+    return          () nats, >= 0, mean over the batch; 0 if they agree
+
+    LANG is the reference, the first argument of the divergence. Gradients flow to all.
+    Raises ShapeError if shapes differ.
+    Source: paper, L_MMA.
+    """
+    others = {name: x for name, x in (("vis", vis), ("tac", tac)) if x is not None}
+    require_shapes(lang=(lang, "B D"), **{name: (x, "B D") for name, x in others.items()})
+    if not others:
+        return lang.new_zeros(())
+    logs = torch.log_softmax(torch.stack((lang, *others.values())), dim=-1)
+    excess = logs[0] * len(others) - logs[1:].sum(0)  # (B, D), summed over the others
+    return (logs[0].exp() * excess).sum(-1).mean()
+
+
+EPS = 1e-12  # below this length a node has no direction
+
+
+def nod_loss(layers: Sequence[Tensor]) -> Tensor:
+    """Node diversity (NOD): the distance of each level's cosine matrix from the identity.
+
+    layers  one (B, 2^(r-1), D) for each level r = 1..R
+    return  () >= 0: Frobenius norms summed over levels, mean over the batch
+
+    Level 1 has one node and is left out, because the gradient of a norm at zero would be NaN.
+    Negative and positive cosines count equally, as printed.
+    Source: paper, Eq. 9 and 10.
+    """
+    total = layers[0].new_zeros(())
+    for nodes in layers[1:]:
+        units = normalize(nodes, dim=-1, eps=EPS)
+        cosines = units @ units.mT
+        apart = cosines - torch.diag_embed(cosines.diagonal(dim1=-2, dim2=-1))
+        total = total + torch.linalg.matrix_norm(apart).mean()
+    return total
+
+
+class Losses(NamedTuple):
+    """The parts of the joint loss, unweighted, and their weighted sum."""
+
+    total: Tensor
+    mma: Tensor
+    nod: Tensor
+    cross_entropy: Tensor
+
+
+def joint_loss(
+    *,
+    features: dict[str, Tensor],
+    layers: list[Tensor],
+    logits: dict[str, Tensor],
+    labels: Tensor,
+    aligned: Tensor | None = None,
+    mma_weight: float = 10.0,
+    nod_weight: float = 1.0,
+    targets: dict[str, Tensor] | None = None,
+) -> Losses:
+    """Return λ MMA + NOD + CE.
+
+    features  F-bar (B, D) of "vis", "tac" or both, and of "lang" if present
+    layers    the tree's levels (B, n, D)
+    logits    (B, K) of "vis", "tac" or both; CE is their mean
+    labels    (B,)
+    aligned   (B,) bool: pairs that MMA acts on; None: all
+    targets   (B, K) of the same names: logits of another head. The total then has their mean
+              squared difference from `logits` in place of CE
+    Source: paper, Eq. 12; for `targets`, docs/order.md.
+    """
+    zero = layers[0].new_zeros(())
+    mma = zero
+    if "lang" in features and mma_weight > 0:
+        given = {n: features[n] for n in MODALITIES if n in features}
+        mma = mma_loss(**{n: x if aligned is None else x[aligned] for n, x in given.items()})
+    nod = nod_loss(layers) if nod_weight > 0 else zero
+    ce = torch.stack([cross_entropy(values, labels) for values in logits.values()]).mean()
+    fit = (
+        ce
+        if targets is None
+        else torch.stack([mse_loss(logits[n], targets[n]) for n in logits]).mean()
+    )
+    return Losses(mma_weight * mma + nod_weight * nod + fit, mma, nod, ce)

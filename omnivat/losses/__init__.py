@@ -1,1 +1,0 @@
-"""The joint loss: MMA + NOD + cross-entropy."""

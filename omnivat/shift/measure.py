@@ -1,0 +1,257 @@
+"""Gaps with intervals, retrieval both ways, and neighbours across domains, of unit rows."""
+
+from collections.abc import Callable, Mapping
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from omnivat.errors import ShapeError
+from omnivat.gaps import GAPS
+from omnivat.progress import OnStep, Step
+from omnivat.seeding import derive_seed
+from omnivat.shift.reading import Features
+from omnivat.tables import load
+
+BLOCKS, T_BLOCKS = 8, 2.3646  # of objects; Student's 97.5 % quantile for 7 degrees of freedom
+LEAST = 10  # pairs of a domain whose gaps are measured
+MOST_DOMAINS = 12  # the largest, for gaps between domains
+DEPTHS = (1, 5, 10)
+NEAR = 10
+DRAWS = 1000
+Record = dict[str, Any]
+Array = NDArray[Any]
+
+
+def interval(values: Array, objects: Array, *, seed: int = 0) -> tuple[float, float]:
+    """Return the 95 % interval of the mean of values (N,): a bootstrap of whole objects."""
+    _, own = np.unique(objects, return_inverse=True)
+    sums, sizes = np.bincount(own, values), np.bincount(own)
+    if len(sums) < 2:
+        return float("nan"), float("nan")
+    random = np.random.default_rng(derive_seed(seed, "objects"))
+    drawn = random.integers(len(sums), size=(DRAWS, len(sums)))
+    means = sums[drawn].sum(1) / sizes[drawn].sum(1)
+    low, high = np.quantile(means, [0.025, 0.975])
+    return float(low), float(high)
+
+
+def share(part: str, measure: str, values: Array, objects: Array, **more: Any) -> Record:
+    """Return the record of a mean over pairs, with its interval."""
+    low, high = interval(values, objects)
+    return record(part, measure, float(values.mean()), low=low, high=high, n=len(values), **more)
+
+
+def record(part: str, measure: str, value: float, **more: Any) -> Record:
+    """Return one line of the table of numbers."""
+    empty = {"modality": "", "from": "", "to": "", "low": None, "high": None, "n": "", "note": ""}
+    return {"part": part, "measure": measure, "value": value, **empty, **more}
+
+
+def gaps(found: Features, on_step: OnStep) -> list[Record]:
+    """Return both gaps by every measure of `GAPS`, with jackknife intervals and a no-gap level.
+
+    Means over domains (photos to touches) or over pairs of domains have intervals: a jackknife of
+    BLOCKS blocks of objects. "no gap" is the same measure between two random halves of one domain.
+    """
+    sizes = {name: len(found.members(name)) for name in found.domains}
+    names = [n for n in sorted(sizes, key=lambda n: -sizes[n]) if sizes[n] >= LEAST][:MOST_DOMAINS]
+    names = [name for name in found.domains if name in names]
+    rows = {m: found.rows(m) for m in found.modalities}
+    members = {name: found.members(name) for name in names}
+    objects = found.objects
+    random = np.random.default_rng(derive_seed(0, "blocks"))
+    block = random.permutation(objects.max() + 1)[objects] % BLOCKS
+    records = []
+    for done, (name, _) in enumerate(GAPS.items()):
+        gap: Callable[[Tensor, Tensor], Tensor] = load(GAPS, name, kind="gap")
+        whole = _of(rows, members, gap)
+        parts = []
+        for left_out in range(BLOCKS):
+            kept = {d: own[block[own] != left_out] for d, own in members.items()}
+            parts.append(_of(rows, kept, gap))
+            text = f"{name}, block {left_out + 1} of {BLOCKS}"
+            on_step(Step(done=done * BLOCKS + left_out + 1, total=len(GAPS) * BLOCKS, text=text))
+        records += _summed(name, whole, parts)
+        records += _halves(name, rows, members, gap)
+    return records
+
+
+Gaps = dict[tuple[str, str, str], float]  # modality ("" between modalities), domain, domain
+
+
+def _of(rows: Mapping[str, Tensor], members: Mapping[str, Array], gap: Any) -> Gaps:
+    """Return the gap between modalities in each domain, and between each two domains."""
+    found: Gaps = {}
+    for name, own in members.items():
+        if len(rows) == 2:
+            found["", name, name] = _one(gap, rows["vis"][own], rows["tac"][own])
+    for modality, every in rows.items():
+        for a, b in combinations(members, 2):
+            found[modality, a, b] = _one(gap, every[members[a]], every[members[b]])
+    return found
+
+
+def _one(gap: Any, a: Tensor, b: Tensor) -> float:
+    try:
+        return float(gap(a, b))
+    except ShapeError:  # a block left too few rows
+        return float("nan")
+
+
+def _summed(measure: str, whole: Gaps, parts: list[Gaps]) -> list[Record]:
+    """Return the means with intervals, then each value."""
+    records = []
+    for modality in dict.fromkeys(key[0] for key in whole):
+        keys = [key for key in whole if key[0] == modality]
+        part = "domain gap" if modality else "modality gap"
+        mean, *others = (float(np.nanmean([one[k] for k in keys])) for one in (whole, *parts))
+        error = float(np.sqrt((BLOCKS - 1) * np.var(others)))
+        most = 2.0 if measure == "proxy_a" else np.inf
+        ends = {
+            "low": max(0.0, mean - T_BLOCKS * error),
+            "high": min(most, mean + T_BLOCKS * error),
+        }
+        note = f"mean, {len(keys)} {'pairs of domains' if modality else 'domains'}"
+        records.append(record(part, measure, mean, modality=modality, note=note, **ends))
+        for key in keys:
+            sides = {"from": key[1], "to": key[2] if modality else ""}
+            records.append(record(part, measure, whole[key], modality=modality, **sides))
+    return records
+
+
+def _halves(
+    measure: str, rows: Mapping[str, Tensor], members: Mapping[str, Array], gap: Any
+) -> list[Record]:
+    random = np.random.default_rng(derive_seed(0, "halves"))
+    found = []
+    for modality, every in rows.items():
+        values = []
+        for own in members.values():
+            mixed = random.permutation(own)
+            first, second = mixed[: len(mixed) // 2], mixed[len(mixed) // 2 :]
+            values.append(_one(gap, every[first], every[second]))
+        if values:
+            note = "mean over domains of two random halves of one domain"
+            found.append(
+                record("no gap", measure, float(np.nanmean(values)), modality=modality, note=note)
+            )
+    return found
+
+
+def retrieval(found: Features) -> list[Record]:
+    """Return recall at DEPTHS, the median rank, and with classes mAP: photo to touch, and back.
+
+    Each photo ranks all touches of its domain by cosine; its own touch is the one to find. A tie
+    counts half. For mAP, every touch of the photo's class is right.
+    """
+    if len(found.modalities) < 2:
+        return []
+    vis, tac = found.rows("vis"), found.rows("tac")
+    records, objects, label = [], found.objects, found.embeddings.label
+    for domain in found.domains:
+        own = found.members(domain)
+        if len(own) < 2:
+            continue
+        cosines = vis[own] @ tac[own].T
+        for sides, table in ((("photo", "touch"), cosines), (("touch", "photo"), cosines.T)):
+            right = table.diagonal()[:, None]
+            ranks = ((table > right).sum(1) + ((table == right).sum(1) - 1) / 2 + 1).numpy()
+            more = {"from": sides[0], "to": sides[1], "modality": domain}
+            for k in DEPTHS:
+                note = f"chance {min(1.0, k / len(own)):.4f}"
+                records.append(
+                    share("retrieval", f"recall@{k}", ranks <= k, objects[own], note=note, **more)
+                )
+            note = f"of {len(own)}; chance {(len(own) + 1) / 2:g}"
+            records.append(
+                record(
+                    "retrieval",
+                    "median rank",
+                    float(np.median(ranks)),
+                    n=len(own),
+                    note=note,
+                    **more,
+                )
+            )
+            if found.labelled:
+                precision, level = _precision(table, label[own])
+                records.append(
+                    share(
+                        "retrieval",
+                        "mAP of the class",
+                        precision,
+                        objects[own],
+                        note=f"chance {level:.4f}",
+                        **more,
+                    )
+                )
+    return records
+
+
+def _precision(table: Tensor, label: Array) -> tuple[Array, float]:
+    """Return the average precision (n,) of each query, and the share of right ones among all."""
+    same = torch.from_numpy(label[:, None] == label[None])
+    right = same.gather(1, table.argsort(1, descending=True)).double()
+    at = right.cumsum(1) / torch.arange(1, len(label) + 1)
+    return ((at * right).sum(1) / right.sum(1)).numpy(), float(same.double().mean())
+
+
+def neighbours(found: Features) -> list[Record]:
+    """Return how far domains mix, and whether the nearest pair of another domain has the class.
+
+    The NEAR nearest rows of other objects: the share of the own domain, beside the share if domains
+    were mixed. The nearest row of another domain: the share of the own class, beside chance.
+    """
+    domain, label, objects = found.embeddings.domain, found.embeddings.label, found.objects
+    if len(found.domains) < 2:
+        return []
+    records = []
+    for modality in found.modalities:
+        rows = found.rows(modality)
+        home, level, right, chance = [], [], [], []
+        for some in np.array_split(np.arange(len(rows)), -(-len(rows) // 512)):
+            cosines = rows[some] @ rows.T
+            near = cosines.clone()
+            near[torch.from_numpy(objects[some][:, None] == objects[None])] = -2
+            k = min(NEAR, len(rows) - 1)
+            same = domain[some][:, None] == domain[None]
+            others = objects[some][:, None] != objects[None]
+            home.append(same[np.arange(len(some))[:, None], near.topk(k).indices.numpy()].mean(1))
+            level.append((same & others).sum(1) / np.maximum(1, others.sum(1)))
+            cosines[torch.from_numpy(same)] = -2
+            right.append(label[cosines.argmax(1).numpy()] == label[some])
+            alike = label[some][:, None] == label[None]
+            chance.append((alike & ~same).sum(1) / np.maximum(1, (~same).sum(1)))
+        mixed = float(np.concatenate(level).mean())
+        values = np.concatenate(home)
+        for name in ("", *found.domains):
+            own = found.members(name) if name else np.arange(len(values))
+            note = f"{mixed:.4f} if domains were mixed" if not name else ""
+            records.append(
+                share(
+                    "neighbours",
+                    f"own domain among {NEAR} nearest",
+                    values[own],
+                    objects[own],
+                    modality=modality,
+                    note=note,
+                    **{"from": name},
+                )
+            )
+        if found.labelled:
+            note = f"chance {float(np.concatenate(chance).mean()):.4f}"
+            records.append(
+                share(
+                    "neighbours",
+                    "class of the nearest in another domain",
+                    np.concatenate(right),
+                    objects,
+                    modality=modality,
+                    note=note,
+                )
+            )
+    return records

@@ -1,0 +1,284 @@
+"""Try a set of pairs: a head that suits their number, and figures on objects that it did not see."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from omnivat.checkpoint import Head
+from omnivat.data.profile import profile_of, profiled
+from omnivat.data.store import Embeddings
+from omnivat.errors import DataError, printable
+from omnivat.evaluate import label_map, predicted_probabilities
+from omnivat.from_pairs import TrainingPlan, plan_training, trained_head
+from omnivat.lang.bank import DEFAULT_BANK, load_bank
+from omnivat.model.head import parameter_count
+from omnivat.progress import OnStep, ignore
+from omnivat.seeding import derive_seed
+from omnivat.shift.probe import fitted_probe, joined
+from omnivat.shift.reading import Features
+from omnivat.train import TrainSettings, Watch, train
+from omnivat.train.loop import steps_of
+from omnivat.unseen.masks import wilson
+
+STEPS = 1500  # of all trainings together: under a minute on two cores
+FOLDS, FEW = 5, 200  # up to FEW pairs; with more, 3
+KNOWN = 20  # pictures of a target's profile; they are not tested, and are half of it at most
+VIEWS = {"vis": ("vis",), "tac": ("tac",), "both": ("vis", "tac")}
+WORDS = {"vis": "photo only", "tac": "touch only", "both": "both"}
+PROBE = "a logistic regression of the same vectors"
+Rows = NDArray[np.int64]
+Labels = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Trial:
+    """A head (None: `lines` say why), figures as records, and both in sentences."""
+
+    head: Head | None
+    lines: list[str]
+    records: list[dict[str, Any]] = field(default_factory=list)
+
+
+def try_pairs(
+    found: Features, *, source: str = "", seed: int = 0, on_step: OnStep = ignore
+) -> Trial:
+    """Train on one domain and measure at home, with whole objects left out, and in every other domain.
+
+    source  "": the domain with the most pairs among those with two classes or more
+
+    Raises DataError for a source without two classes.
+    """
+    data = found.embeddings
+    kinds = {name: np.unique(data.label[found.members(name)]) for name in found.domains}
+    able = [name for name, own in kinds.items() if len(own) > 1]
+    if source and source not in able:
+        raise DataError(
+            f"'{printable(source)}' cannot train a head: it needs pairs of two classes. Choose "
+            f"{' or '.join(able) or 'a set with labels'}."
+        )
+    if not found.labelled or not able:
+        return Trial(head=None, lines=[_no_head(found)])
+    source = source or max(able, key=lambda name: len(found.members(name)))
+    own, objects = found.members(source), _objects(data)
+    folds, alone = _folds(data.label[own], objects[own], seed)
+    plan = _plan(found, source, len(folds) + 2, seed)
+    each = plan.training.epochs * steps_of(len(plan.pairs), plan.training)
+    watch, whole = Watch(on_step=on_step), (len(folds) + 1) * each
+    said = {view: np.full(len(own), -1) for view in _views(found)} | {PROBE: np.full(len(own), -1)}
+    for k, out in enumerate(folds):
+        fit = own[~out]
+        part = _plan(found, source, len(folds) + 2, seed, rows=fit)
+        model = train(
+            part.pairs,
+            part.settings,
+            part.training,
+            bank=part.bank,
+            seed=seed,
+            watch=watch.part(k * each, whole),
+        ).model
+        for view, labels in _predicted(model, data, own[out], _views(found)).items():
+            said[view][out] = labels
+        said[PROBE][out] = _probe(found, fit)(_rows(found, data, own[out]))
+    head = trained_head(plan, watch=watch.part(len(folds) * each, whole))
+    tested = np.any(folds, axis=0) if folds else np.zeros(len(own), bool)
+    lines = [_about(plan, source)]
+    records = []
+    if tested.any():
+        record = _record(source, data.label[own][tested], objects[own][tested])
+        records.append(_filled(record, {name: labels[tested] for name, labels in said.items()}))
+        lines.append(f"At home, objects that it did not see: {_sentence(records[-1])}")
+        lines += alone
+    else:
+        lines.append(
+            f"At home there is no honest figure: every class of '{source}' has one object only, so "
+            "none can be left out. Add a second object of each class."
+        )
+    targets = [name for name in found.domains if name != source]
+    for name in targets:
+        away, text = _in_target(found, head, own, found.members(name), name)
+        records += [away] if away else []
+        lines.append(text)
+    if not targets:
+        lines.append("There is one domain, so how this head fares on another sensor is not known.")
+    if len(np.unique(objects)) == len(data) and len(data) > 2:
+        lines.append(
+            "No two pairs share an object's name, so each pair counts as an object. If several show "
+            "one thing, name the objects: these figures are too good otherwise."
+        )
+    return Trial(head=head, lines=lines, records=records)
+
+
+def _no_head(found: Features) -> str:
+    if found.labelled:
+        return "No head was trained: no single domain has pairs of two classes."
+    return (
+        "No head was trained: the pairs have no classes, or all have the same one. "
+        "Gaps, retrieval and maps need none: `python -m omnivat report` measures them."
+    )
+
+
+def _objects(data: Embeddings) -> NDArray[np.int64]:
+    """Return an index (N,) of objects by domain and name; a pair without a name is its own."""
+    names = data.rows["object"]
+    keys = [
+        f"{d}/{name or f'{chr(0)}{k}'}"
+        for k, (d, name) in enumerate(zip(data.domain, names, strict=True))
+    ]
+    return np.unique(keys, return_inverse=True)[1]
+
+
+def _views(found: Features) -> tuple[str, ...]:
+    """Return the readings of a set: one modality, or both and each alone."""
+    return tuple(VIEWS) if len(found.modalities) == 2 else found.modalities
+
+
+def _plan(
+    found: Features, source: str, trainings: int, seed: int, rows: Rows | None = None
+) -> TrainingPlan:
+    """Return the plan of a head that suits the pairs: small, with noise and imitated sensors."""
+    data = found.embeddings if rows is None else found.embeddings.select(rows)
+    count = len(found.members(source))
+    batch = 16 if count <= 500 else 64 if count <= 2000 else 256
+    epochs = int(np.clip(STEPS * batch // (trainings * max(count, batch)), 5, 40))
+    classes = {data.header.classes[k] for k in np.unique(data.label)}
+    training = TrainSettings(
+        epochs=epochs,
+        batch=batch,
+        noise=4.0,
+        shift=1.0,
+        lang=classes <= set(load_bank(DEFAULT_BANK).classes),
+        modalities="+".join(found.modalities),
+    )
+    return plan_training(data, source, head={"width": 64}, training=training, seed=seed)
+
+
+def _folds(labels: Labels, objects: Rows, seed: int) -> tuple[list[NDArray[np.bool_]], list[str]]:
+    """Return masks (N,) of left-out pairs, and a note on classes of one object, which stay in."""
+    random = np.random.default_rng(derive_seed(seed, "folds"))
+    most = FOLDS if len(labels) <= FEW else 3
+    fold, notes, largest = np.full(len(labels), -1), [], 0
+    _, first = np.unique(objects, return_index=True)
+    for label in np.unique(labels[first]):
+        own = random.permutation(objects[first][labels[first] == label])
+        if len(own) < 2:
+            notes.append(label)
+            continue
+        start = int(random.integers(most))
+        for k, name in enumerate(own):
+            fold[objects == name] = (start + k) % most
+        largest = max(largest, len(own))
+    masks = [fold == k for k in range(most) if (fold == k).any()]
+    masks = [out for out in masks if len(np.unique(labels[~out])) > 1]
+    word = f"{len(notes)} {'class has' if len(notes) == 1 else 'classes have'}"
+    left = f"{word} one object only: its pairs are trained on and not tested." if notes else ""
+    return masks, [left] if left and masks else []
+
+
+def _predicted(model: Any, data: Embeddings, rows: Rows, views: Sequence[str]) -> dict[str, Labels]:
+    """Return the predicted label (N,) in the set's classes for each reading."""
+    back = label_map(data.header.classes, model.settings.classes)
+    found = {}
+    for view in views:
+        shares = predicted_probabilities(model, data, modalities=VIEWS[view], rows=rows)["fused"]
+        found[view] = back[shares.argmax(-1).numpy()]
+    return found
+
+
+def _rows(found: Features, data: Embeddings, rows: Rows) -> Any:
+    """Return unit vectors of the modalities side by side, as doubles."""
+    return joined([np.array(getattr(data, name)[rows], np.float32) for name in found.modalities])
+
+
+def _probe(found: Features, fit: Rows) -> Any:
+    return fitted_probe(_rows(found, found.embeddings, fit), found.embeddings.label[fit])
+
+
+def _record(domain: str, labels: Labels, objects: Rows) -> dict[str, Any]:
+    """Return a record without predictions; the labels and objects of the tested pairs."""
+    sizes = np.bincount(labels)
+    return {
+        "domain": domain,
+        "pairs": len(labels),
+        "objects": len(np.unique(objects)),
+        "classes": int((sizes > 0).sum()),
+        "always the largest class": float(sizes.max() / len(labels)),
+        "labels": labels,
+    }
+
+
+def _filled(record: dict[str, Any], said: dict[str, Labels]) -> dict[str, Any]:
+    """Return the record with the share right of each reading and its interval, by objects."""
+    labels, objects = record.pop("labels"), record["objects"]
+    for name, guessed in said.items():
+        share = float((guessed == labels).mean())
+        low, high = wilson(share * objects, objects)
+        record[name] = {"share": share, "low": low, "high": high}
+    return record
+
+
+def _in_target(
+    found: Features, head: Head, own: Rows, rows: Rows, name: str
+) -> tuple[dict[str, Any] | None, str]:
+    """Return the record of a target domain, plain and with a profile of its pictures, and a sentence."""
+    data, views = found.embeddings, _views(found)
+    lead = f"In '{printable(name)}'"
+    known = rows[np.isin(data.label[rows], np.unique(data.label[own]))]
+    if not len(known):
+        return None, f"{lead}: no pair is of a class that the head learned."
+    record = _filled(
+        _record(name, data.label[known], _objects(data)[known]),
+        _predicted(head.model, data, known, views)
+        | {PROBE: _probe(found, own)(_rows(found, data, known))},
+    )
+    text = f"{lead}, of which nothing was known: {_sentence(record)}"
+    mixed = np.random.default_rng(derive_seed(0, "known", name)).permutation(rows)
+    count = min(KNOWN, len(rows) // 2)
+    rest = np.setdiff1d(known, mixed[:count])
+    if count and len(rest):
+        profile = profile_of(data, np.sort(mixed[:count]), domain=name)
+        moved = profiled(data, {name: profile}, head.source_profile)
+        view = views[-1]
+        before, after = (
+            float((_predicted(head.model, some, rest, (view,))[view] == data.label[rest]).mean())
+            for some in (data, moved)
+        )
+        record["profile"] = {"pictures": count, "pairs": len(rest), "share": after, "plain": before}
+        text += (
+            f" With a profile of {count} of its pairs without labels: {_percent(after)} of the other "
+            f"{len(rest)}, against {_percent(before)} without."
+        )
+    shared = {data.rows["object"][k] for k in own} & {data.rows["object"][k] for k in known} - {""}
+    if shared:
+        text += f" {len(shared)} of its objects have names of training objects: if they are the same things, only the sensor is new."
+    return record, text
+
+
+def _about(plan: TrainingPlan, source: str) -> str:
+    numbers, settings = parameter_count(plan.settings), plan.training
+    return (
+        f"Trained on '{printable(source)}': {len(plan.pairs)} pairs, {len(plan.settings.classes)} classes; "
+        f"a small head of {numbers:,} numbers (width {plan.settings.width}, noise {settings.noise:g}, "
+        f"shift {settings.shift:g}, {settings.epochs} epochs{', with texts' if settings.lang else ''})."
+    )
+
+
+def _sentence(record: dict[str, Any]) -> str:
+    """Return the figures of a record; the interval counts objects, since pairs of one are alike."""
+    views = [name for name in ("both", "vis", "tac") if name in record]
+    main = record[views[0]]
+    n, objects = record["pairs"], record["objects"]
+    text = (
+        f"{round(main['share'] * n)} of {n} pairs right, {_percent(main['share'])} "
+        f"(95 %: {100 * main['low']:.0f} to {100 * main['high']:.0f}, of {objects} objects)"
+    )
+    others = [f"{WORDS[name]} {_percent(record[name]['share'])}" for name in views[1:]]
+    others.append(f"{PROBE} {_percent(record[PROBE]['share'])}")
+    others.append(f"always its largest class {_percent(record['always the largest class'])}")
+    return f"{text}; {', '.join(others)}."
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.0f} %"

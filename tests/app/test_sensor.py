@@ -1,0 +1,116 @@
+"""My sensor: a profile of a visitor's unlabelled pictures, and what follows from it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+from hypothesis import given
+from hypothesis import strategies as st
+
+from app.pair_input import embedded
+from app.sensor import MOST_AT_ONCE, joined, load_sensor, profile, save_sensor
+from app.server import main
+from app.state import ForgottenError, Ref
+from app.views.data import about
+from app.views.pair import many
+from omnivat.data.profile import channels_of
+from omnivat.errors import DataError
+
+OWN = {"vis": Ref("image", "0"), "tac": Ref("image", "0")}
+
+
+@pytest.fixture
+def visiting(resources):
+    """Return resources that keep 20 uploaded pictures of a sensor whose channels are shifted."""
+    for k in range(20):
+        resources._sent.keep(str(k), resources.embeddings().vis[k] + 3)
+    return resources
+
+
+def refs(count):
+    return [f"image:{k}" for k in range(count)]
+
+
+@given(st.integers(1, 9), st.integers(1, 9), st.integers(0, 99))
+def test_statistics_of_two_batches_join_to_those_of_all_pictures(first, second, seed):
+    rows = np.random.default_rng(seed).normal(5, 2, (first + second, 4)).astype(np.float32)
+    got = joined(channels_of(rows[:first]), channels_of(rows[first:]))
+    wanted = channels_of(rows)
+    assert got.count == wanted.count
+    np.testing.assert_allclose(got.mean, wanted.mean, rtol=1e-6)
+    np.testing.assert_allclose(got.variance, wanted.variance, rtol=1e-4, atol=1e-6)
+
+
+def test_a_profile_moves_a_visitors_pictures_and_never_pairs_of_the_set(visiting):
+    name = profile(visiting, {"photos": refs(20)})["profile"]
+    plain, with_it = (embedded(visiting, OWN, q) for q in ({}, {"profile": name}))
+    wanted = visiting.head().moved("vis", plain["vis"], visiting.profiles.get(name))
+    torch.testing.assert_close(with_it["vis"], wanted)
+    assert (plain["vis"] - with_it["vis"]).mean() > 1  # most of the shift is undone
+    torch.testing.assert_close(with_it["tac"], plain["tac"])  # no touch is in the profile
+    row = {"vis": Ref("row", "3"), "tac": None}
+    torch.testing.assert_close(
+        embedded(visiting, row, {"profile": name})["vis"], embedded(visiting, row)["vis"]
+    )
+
+
+def test_predictions_follow_the_profile_and_go_back_without_it(visiting):
+    name = profile(visiting, {"photos": refs(20)})["profile"]
+    asked = {"pairs": [{"vis": "image:0"}]}
+    before = many(visiting, asked)["pairs"][0]["readings"]["vis"]
+    after = many(visiting, {**asked, "profile": name})["pairs"][0]["readings"]["vis"]
+    assert before != after
+    assert many(visiting, {**asked, "profile": ""})["pairs"][0]["readings"]["vis"] == before
+
+
+def test_more_pictures_are_added_to_a_profile(visiting):
+    first = profile(visiting, {"photos": refs(8)})
+    both = profile(visiting, {"photos": refs(20)[8:], "profile": first["profile"]})
+    assert both["counts"] == {"vis": 20}
+    alone = visiting.profiles.get(profile(visiting, {"photos": refs(20)})["profile"])
+    np.testing.assert_allclose(
+        visiting.profiles.get(both["profile"]).channels["vis"].mean,
+        alone.channels["vis"].mean,
+        rtol=1e-5,
+    )
+
+
+def test_a_saved_profile_is_loaded_again_and_a_broken_file_is_refused(visiting, tmp_path):
+    made = profile(visiting, {"photos": refs(5), "touches": refs(3)})
+    file = tmp_path / "sensor.safetensors"
+    file.write_bytes(save_sensor(visiting, made))
+    assert load_sensor(visiting, file) == made
+    file.write_bytes(file.read_bytes()[:90])
+    with pytest.raises(DataError, match="profile"):
+        load_sensor(visiting, file)
+
+
+@pytest.mark.parametrize(
+    "question",
+    [{}, {"photos": []}, {"photos": "image:0"}, {"touches": ["image:0"] * (MOST_AT_ONCE + 1)}],
+)
+def test_no_pictures_or_too_many_are_refused(visiting, question):
+    with pytest.raises(DataError, match="pictures"):
+        profile(visiting, question)
+
+
+def test_a_profile_that_the_server_has_lost_is_said_to_be(visiting):
+    with pytest.raises(ForgottenError, match="load it again"):
+        embedded(visiting, OWN, {"profile": "gone"})
+    with pytest.raises(DataError, match="no profile of your sensor yet"):
+        save_sensor(visiting, {})
+
+
+def test_a_profile_of_the_command_line_is_in_use_from_the_start(visiting, tmp_path):
+    file = tmp_path / "p.safetensors"
+    made = profile(visiting, {"touches": refs(5)})
+    file.write_bytes(save_sensor(visiting, made))
+    assert about(visiting)["sensor"] == {}
+    visiting.where = replace(visiting.where, profile=file)
+    assert about(visiting)["sensor"]["counts"] == {"tac": 5}
+
+
+def test_a_profile_that_is_not_there_stops_the_start_in_one_sentence(capsys, tmp_path):
+    assert main(["--profile", str(tmp_path / "no.safetensors"), "--no-browser"]) == 1
+    assert "No profile at" in capsys.readouterr().err

@@ -1,0 +1,148 @@
+"""The page as a folder for a file server: what is in it, and how it is written."""
+
+import json
+import re
+from dataclasses import replace
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import pytest
+
+from app import site
+from app.export import frames_file
+from app.site import MARK, OWN, Files, export_site
+from app.site_models import files_in
+from omnivat.cli import main
+from omnivat.errors import DataError, SettingsError, WriteError
+
+
+@pytest.fixture(scope="module")
+def where(small_places, tmp_path_factory):
+    """Return the places of the small head and set, with their frames."""
+    folder = tmp_path_factory.mktemp("frames")
+    found = replace(small_places, computed=folder)
+    return replace(found, frames=frames_file(found))
+
+
+@pytest.fixture(scope="module")
+def written(where, tmp_path_factory) -> Path:
+    """Return the site of the small set alone."""
+    out = tmp_path_factory.mktemp("sites") / "of 2% é"
+    export_site(where, out, sets=(), models=False)
+    return out
+
+
+def held(out: Path) -> dict:
+    text = (out / "index.html").read_text(encoding="utf-8")
+    return json.loads(re.search(r'id="omnivat-held">(.*?)</script>', text)[1])
+
+
+def test_every_address_is_relative_and_of_a_file_in_the_folder(written):
+    text = (written / "index.html").read_text(encoding="utf-8")
+    named = [*re.findall(r'(?:src|href)="([^"]+)"', text), *held(written)["files"].values()]
+    kept = json.loads(
+        re.match(r"globalThis.omnivatSite = (.*);", (written / "sw.js").read_text())[1]
+    )
+    for address in [*named, *kept["first"], *kept["rest"], *kept["lazy"]]:
+        parts = urlsplit(address)
+        assert not parts.scheme and not parts.netloc and not address.startswith("/"), address
+        assert (written / address).is_file(), address
+    assert len(named) > 30
+
+
+def test_no_file_of_the_page_names_another_host(written):
+    files = [file for file in files_in(written) if file.suffix in (".js", ".css", ".html")]
+    found = {
+        (file.name, host)
+        for file in files
+        for host in re.findall(r"(?:https?:)?//([\w.-]+\.[a-z]{2,})", file.read_text())
+    }
+    assert {host for _, host in found} <= {"www.w3.org"}  # the name of SVG, never fetched
+    assert "default-src 'none'" in (written / "index.html").read_text()
+
+
+def test_names_suit_any_file_system_and_follow_the_content(written, where, tmp_path):
+    names = [file.relative_to(written).as_posix() for file in files_in(written)]
+    assert all(re.fullmatch(r"[\w./-]+", name, re.ASCII) for name in names)
+    export_site(where, tmp_path / "again", sets=(), models=False)
+    assert names == [
+        p.relative_to(tmp_path / "again").as_posix() for p in files_in(tmp_path / "again")
+    ]
+
+
+def test_replies_are_those_of_the_server(written, where):
+    from app.resources import Resources
+    from app.routes import FACTS, QUESTIONS
+
+    index, resources = held(written), Resources(where)
+    assert index["home"] == OWN and index["sets"] == [OWN]
+    for name in ("about", "unseen", "pairs", "examples", "first"):
+        file = index["files"][f"{OWN}/{name}"]
+        assert json.loads((written / file).read_text()) == json.loads(
+            json.dumps(FACTS[name](resources))
+        )
+    file = index["files"][f'{OWN}/votes {{"head":""}}']
+    assert json.loads((written / file).read_text()) == QUESTIONS["votes"](resources, {"head": ""})
+    picture = index["files"][f"{OWN}/example/OF Real-sim/steel/new/tac"]
+    assert (written / picture).read_bytes() == resources.examples()[
+        "OF Real-sim/steel/new"
+    ].tac.read_bytes()
+
+
+def test_a_reply_that_is_a_refusal_is_held_as_its_sentence(where, tmp_path, monkeypatch):
+    def broken(_):
+        raise DataError("The set has no map.")
+
+    monkeypatch.setitem(site.FACTS, "toy", broken)
+    export_site(where, tmp_path / "site", sets=(), models=False)
+    assert held(tmp_path / "site")["refused"] == {f"{OWN}/toy": "The set has no map."}
+
+
+def test_a_new_export_replaces_the_old_files_and_leaves_what_was_added(where, tmp_path):
+    out = tmp_path / "site"
+    export_site(where, out, sets=(), models=False)
+    (out / "data" / "stale.json").write_text("{}")
+    mark = json.loads((out / MARK).read_text())
+    (out / MARK).write_text(json.dumps({"files": [*mark["files"], "data/stale.json"]}))
+    (out / "README.md").write_text("sdk: static")
+    export_site(where, out, sets=(), models=False)
+    assert (out / "README.md").read_text() == "sdk: static"
+    assert not (out / "data" / "stale.json").exists()
+
+
+@pytest.mark.parametrize("kind", ["folder", "file"])
+def test_nothing_foreign_is_overwritten(where, tmp_path, kind):
+    out = tmp_path / "thesis"
+    if kind == "folder":
+        out.mkdir()
+        (out / "thesis.tex").write_text("years")
+    else:
+        out.write_text("years")
+    before = {file: file.read_text() for file in files_in(tmp_path)}
+    with pytest.raises(WriteError, match="name a"):
+        export_site(where, out)
+    assert {file: file.read_text() for file in files_in(tmp_path)} == before
+
+
+def test_a_site_appears_completely_or_not_at_all(where, tmp_path, monkeypatch):
+    out = tmp_path / "site"
+
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Files, "add", full)
+    with pytest.raises(WriteError, match="No space left"):
+        export_site(where, out, sets=(), models=False)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_set_that_the_project_lacks_is_refused(where, tmp_path):
+    with pytest.raises(SettingsError, match="No set is called 'chirp'; there are sensors, chirps"):
+        export_site(where, tmp_path / "site", sets=["chirp"])
+
+
+def test_the_command_takes_a_file_or_a_folder(tmp_path, capsys):
+    with pytest.raises(SystemExit):
+        main(["export", "--site", str(tmp_path / "a"), "--out", str(tmp_path / "b.html")])
+    assert main(["export", "--out", str(tmp_path / "b.png"), "--sets", "chirps"]) == 1
+    assert "belong to --site" in capsys.readouterr().err

@@ -1,0 +1,92 @@
+"""Interactive figures in a real Chromium: offline, in light and dark, with pictures at the pointer."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from omnivat import figures
+
+pytestmark = pytest.mark.browser
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory) -> Path:
+    """A page with a map in two and in three dimensions, and a sheet of thumbnails."""
+    folder = tmp_path_factory.mktemp("figures")
+    Image.new("RGB", (256, 192), "#336699").save(folder / "s.webp")
+    (folder / "s.json").write_text('{"tile": 64, "columns": 4, "count": 12}')
+    tiles = figures.pictures(folder / "s.webp")
+    places = np.random.default_rng(0).normal(size=(12, 3))
+    parts = [
+        figures.map_figure(some, [0, 1, 2] * 2, ["a", "b", "c"], title="map", pictures=tiles)
+        for some in (places[:, :2], places)
+    ]
+    (folder / "page.html").write_text(figures.html_page("Maps", parts), encoding="utf-8")
+    return folder / "page.html"
+
+
+@pytest.fixture
+def opened(chromium, file):
+    """Return a function that opens the page; it collects errors and requests."""
+    contexts = []
+
+    def open_page(**options):
+        contexts.append(chromium.new_context(**options))
+        page = contexts[-1].new_page()
+        page.wrong = []
+        page.on("pageerror", lambda error: page.wrong.append(str(error)))
+        page.on(
+            "request",
+            lambda r: r.url.startswith(("data:", "blob:", "file:")) or page.wrong.append(r.url),
+        )
+        page.goto(file.as_uri())
+        page.wait_for_selector("body[data-drawn]", timeout=120_000)
+        return page
+
+    yield open_page
+    for context in contexts:
+        context.close()
+
+
+def test_no_control_of_a_figure_leads_to_another_host(opened):
+    page = opened()
+    titles = page.eval_on_selector_all(
+        ".modebar-btn", "all => all.map((e) => e.dataset.title ?? e.title)"
+    )
+    assert len(titles) >= 6 and not [t for t in titles if "Share" in t]
+    assert page.eval_on_selector_all("a[href]", "all => all.map((e) => e.href)") == []
+    refused = page.evaluate("fetch('https://example.org').then(() => 'sent', () => 'refused')")
+    assert refused == "refused"
+    assert [one for one in page.wrong if "example.org" not in one] == []
+
+
+def test_the_check_sees_the_upload_button_of_plotlys_defaults(opened):
+    page = opened()
+    page.evaluate(
+        "tip.insertAdjacentHTML('afterend', '<div id=bare></div>'), Plotly.newPlot('bare', [{ y: [1, 2] }]).then(() => 0)"
+    )
+    titles = page.eval_on_selector_all(
+        "#bare .modebar-btn",
+        "all => all.map((e) => (e.dataset.title ?? '') + (e.href ?? ''))",
+    )
+    assert [t for t in titles if "Share" in t] and [t for t in titles if "plotly.com" in t]
+
+
+def test_the_figure_follows_light_and_dark_and_its_own_switch(opened):
+    ink = "getComputedStyle(document.querySelector('.gtitle')).fill"
+    page = opened(color_scheme="dark")
+    assert page.evaluate(ink) == "rgb(232, 238, 246)"
+    page.click(".theme")
+    page.wait_for_function(f"{ink} === 'rgb(15, 23, 42)'")
+
+
+def test_pointing_at_a_point_shows_its_photo_and_its_touch(opened):
+    page = opened(viewport={"width": 400, "height": 800})
+    mark = page.locator(".plot").first.locator(".point").first
+    mark.hover(force=True)
+    page.wait_for_selector("#tip i >> nth=1", state="attached")
+    assert page.eval_on_selector("#tip", "tip => getComputedStyle(tip).display") == "flex"
+    assert "data:image/webp" in page.eval_on_selector("#tip i", "i => i.style.backgroundImage")
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")

@@ -1,0 +1,164 @@
+"""The routes of Try a pair in the browser reply as the server's functions do."""
+
+import base64
+import zipfile
+from io import BytesIO
+from pathlib import Path
+
+import pytest
+import torch
+
+pytest.importorskip("onnx", reason="the extra [onnx] is not installed")
+pytest.importorskip("onnxscript", reason="the extra [onnx] is not installed")
+
+from app import camera, familiar, occlusion, sensor, teaching
+from app.places import places
+from app.resources import Resources
+from app.views import pair
+from benchmarks.site import ASK, make, served
+from omnivat.checkpoint import load_head
+from omnivat.data.store import load_embeddings
+from omnivat.errors import DataError
+from omnivat.predict import predict_embeddings
+
+pytestmark = pytest.mark.browser
+NEAR = 0.005  # of a probability
+SAVE = """async ([path, question]) => {
+  const { respond } = await import('./web/site/local.js');
+  const body = JSON.stringify(question);
+  const response = await respond({ set: 'sensors', path, query: new URLSearchParams(), body, models });
+  let text = '';
+  for (const byte of new Uint8Array(await response.arrayBuffer())) text += String.fromCharCode(byte);
+  return btoa(text);
+}"""
+
+
+class Both:
+    """One request to the browser's routes and to the server's functions."""
+
+    def __init__(self, page, resources):
+        self.page, self.resources, self.names = page, resources, {}
+
+    def browser(self, path, body, query=""):
+        sent = {"file": base64.b64encode(body).decode()} if isinstance(body, bytes) else body
+        status, reply, _ = self.page.evaluate(ASK, [path, query, sent])
+        assert status == 200, reply
+        return reply
+
+    def saved(self, path, question, folder):
+        """Unpack the zip of a route."""
+        text = self.page.evaluate(SAVE, [path, question])
+        with zipfile.ZipFile(BytesIO(base64.b64decode(text))) as archive:
+            archive.extractall(folder)
+        return next(folder.iterdir())
+
+    def send(self, file):
+        ref, _ = self.resources.take_image(file.read_bytes(), file.name)
+        reply = self.browser("image", file.read_bytes(), f"name={file.name}")
+        assert reply["preview"].startswith("data:image/jpeg;base64,")
+        return str(ref), reply["ref"]
+
+
+def near(found, wanted, within=NEAR):
+    """Compare plain values; numbers may differ by `within`."""
+    if isinstance(wanted, dict):
+        assert found.keys() == wanted.keys()
+        for key, value in wanted.items():
+            near(found[key], value, within)
+    elif isinstance(wanted, list | tuple):
+        assert len(found) == len(wanted)
+        for ours, theirs in zip(found, wanted, strict=True):
+            near(ours, theirs, within)
+    elif isinstance(wanted, float):
+        assert found == pytest.approx(wanted, abs=within)
+    else:
+        assert found == wanted
+
+
+@pytest.fixture(scope="module")
+def both(chromium, tmp_path_factory):
+    resources = Resources(places())
+    folder = Path(tmp_path_factory.mktemp("a site of 100 %, its models"))
+    try:
+        make(resources, folder, None)
+    except DataError as error:  # no npm here, or no network
+        pytest.skip(str(error))
+    with served(folder) as address:
+        context = chromium.new_context()
+        page = context.new_page()
+        page.goto(address)
+        yield Both(page, resources)
+        context.close()
+
+
+@pytest.mark.long
+def test_every_route_of_try_a_pair_replies_as_the_server_does(both, tmp_path):
+    resources = both.resources
+    examples = list(resources.examples().values())[::6][:8]
+    refs = [{m: both.send(one.file(m)) for m in ("vis", "tac")} for one in examples]
+    server, browser = ([{m: ref[m][side] for m in ref} for ref in refs] for side in (0, 1))
+    half = ({"vis": server[2]["vis"]}, {"vis": browser[2]["vis"]})
+
+    for ours, theirs in (
+        (browser[0], server[0]),
+        half[::-1],
+        ({"vis": "row:7", "tac": "row:7"},) * 2,
+    ):
+        wanted = pair.predicted(resources, theirs | {"order": 0.3})
+        found = both.browser("pair", ours | {"order": 0.3})
+        spectra = found.pop("spectra"), wanted.pop("spectra")
+        near(found, wanted)
+        assert [one["columns"] for one in spectra[0].values()] == [64] * len(spectra[1])
+        looked = familiar.familiar(resources, theirs)
+        near(both.browser("familiar", ours), looked, 0.02)
+
+    shown, wanted = both.browser("attention", browser[0]), pair.attention(resources, server[0])
+    assert (shown["tokens"], shown["count"]) == (wanted["tokens"], wanted["count"])
+    assert shown["scale"] == pytest.approx(wanted["scale"], rel=0.01)
+
+    pictures = {"photos": [one["vis"] for one in server], "touches": [one["tac"] for one in server]}
+    ours = {"photos": [one["vis"] for one in browser], "touches": [one["tac"] for one in browser]}
+    made, theirs = both.browser("profile", ours), sensor.profile(resources, pictures)
+    assert made["counts"] == theirs["counts"] == {"vis": 8, "tac": 8}
+    asked = {"pairs": [browser[1]], "profile": made["profile"]}
+    known = {"pairs": [server[1]], "profile": theirs["profile"]}
+    near(both.browser("many", asked), pair.many(resources, known), 0.02)
+
+    def lessons(sides):
+        given = zip(sides, examples, strict=True)
+        return [{**one, "label": ("cork", "wood")[i % 2]} for i, (one, _) in enumerate(given)]
+
+    report = both.browser("teach", {"lessons": lessons(browser)})
+    wanted = teaching.teach(resources, {"lessons": lessons(server)})
+    assert report["classes"] == wanted["classes"] and report["judged"] == wanted["judged"]
+    assert (report["method"], report["methods"]) == (wanted["method"], wanted["methods"])
+    near(
+        both.browser("many", {"pairs": [browser[0]], "lessons": lessons(browser)}),
+        pair.many(resources, {"pairs": [server[0]], "lessons": lessons(server)}),
+        0.02,
+    )
+
+    taught = pair.many(resources, {"pairs": [server[0]], "lessons": lessons(server)})
+    head = load_head(both.saved("save/head", {"lessons": lessons(browser)}, tmp_path / "head"))
+    kept = both.saved("save/set", {"lessons": lessons(browser)}, tmp_path / "set")
+    own = load_embeddings(kept / "embeddings.safetensors")
+    assert (own.header.classes, own.header.key) == (("cork", "wood"), tuple(head.encoder.values()))
+    assert own.label.tolist() == [0, 1] * 4 and own.header.domains == ("My pairs",)
+    rows = [torch.from_numpy(getattr(own, name)[:1].copy()) for name in ("vis", "tac")]
+    (found,) = predict_embeddings(head, *rows)
+    assert (
+        list(found["probabilities"])
+        == taught["classes"]
+        == [*resources.head().settings.classes, "cork"]
+    )
+    near(list(found["probabilities"].values()), taught["pairs"][0]["readings"]["fused"], 0.02)
+
+    content = examples[1].file("tac").read_bytes()
+    found = both.browser("live", content, "modality=tac")
+    wanted = camera.live(resources, content, modality="tac", other=None, order=None)
+    near(found["readings"], wanted["readings"])
+    found = both.browser("occlusion", content, "modality=tac")
+    wanted = occlusion.occlusion(resources, content, modality="tac", other=None, order=None)
+    near(
+        {k: found[k] for k in ("class", "drops")}, {k: wanted[k] for k in ("class", "drops")}, 0.01
+    )

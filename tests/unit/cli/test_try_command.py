@@ -1,0 +1,213 @@
+"""`omnivat try`: from pairs of any kind to a folder, figures and the page."""
+
+import json
+from unittest.mock import MagicMock
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from app.server import parser
+from omnivat import trial
+from omnivat.checkpoint import load_head
+from omnivat.cli import main, try_pairs
+from omnivat.data.profile_file import load_profile
+from omnivat.data.store import load_embeddings, save_embeddings
+from omnivat.shift import read_features
+
+
+@pytest.fixture(autouse=True)
+def short(monkeypatch):
+    monkeypatch.setattr(trial, "STEPS", 60)
+
+
+def tried(capsys, place, *more):
+    assert main(["try", str(place), "--no-page", *more]) == 0
+    return capsys.readouterr().out
+
+
+def pictures(root, names):
+    random = np.random.default_rng(0)
+    for name in names:
+        path = root / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        pixels = random.integers(0, 255, (32, 32, 3), dtype=np.uint8)
+        Image.fromarray(pixels).save(path)
+    return root
+
+
+def vectors(file, count=24, **columns):
+    random = np.random.default_rng(0)
+    labels = np.arange(count) % 3
+    rows = random.normal(size=(3, 16))[labels] + 0.1 * random.normal(size=(count, 16))
+    np.savez(
+        file, **{"vis": rows, "tac": rows + 1, "material": np.array(list("abc"))[labels]} | columns
+    )
+    return file
+
+
+def test_features_of_two_domains_become_a_folder_with_head_profiles_and_figures(
+    make_embeddings, tmp_path, capsys
+):
+    save_embeddings(tmp_path / "mine.safetensors", make_embeddings(split=True))
+    said = tried(capsys, tmp_path / "mine.safetensors")
+    out = tmp_path / "mine-try"
+    head, data = load_head(out / "head"), load_embeddings(out / "set.safetensors")
+    assert (head.settings.width, head.source, set(data.rows["split"])) == (64, "TAG-sim", {""})
+    assert head.provenance["train"]["noise"] == 4 and head.provenance["train"]["shift"] == 1
+    home, away = json.loads((out / "figures.json").read_text())
+    assert (home["domain"], home["pairs"], home["objects"]) == ("TAG-sim", 40, 20)
+    assert (away["domain"], away["profile"]["pictures"]) == ("OF Real-sim", 20)
+    assert {p.channels["vis"].count for p in map(load_profile, (out / "profiles").iterdir())} == {
+        40
+    }
+    assert "of which nothing was known" in said and "split is not used" in said
+    assert all(line in said for line in (out / "summary.txt").read_text().splitlines())
+
+
+def test_no_head_sees_an_object_that_it_is_tested_on(make_embeddings, tmp_path, monkeypatch):
+    save_embeddings(tmp_path / "mine.safetensors", make_embeddings())
+    found = read_features(tmp_path / "mine.safetensors")
+    learned, tested = [], []
+    train, predicted = trial.train, trial._predicted
+
+    def training(source, *rest, **more):
+        learned.append(set(source.rows["object"]))
+        return train(source, *rest, **more)
+
+    def predicting(model, data, rows, views):
+        tested.append({data.rows["object"][row] for row in rows})
+        return predicted(model, data, rows, views)
+
+    monkeypatch.setattr(trial, "train", training)
+    monkeypatch.setattr(trial, "_predicted", predicting)
+    trial.try_pairs(found)
+    folds = list(zip(learned, tested, strict=False))
+    assert len(folds) == 5
+    assert all(not a & b for a, b in folds)
+    assert set().union(*(b for _, b in folds)) == {
+        name for name in found.embeddings.rows["object"] if name.startswith("TAG-sim")
+    }
+
+
+def test_noise_without_classes_in_it_is_not_praised(tmp_path, capsys):
+    random = np.random.default_rng(1)
+    rows = random.normal(size=(2, 120, 16))
+    objects = np.repeat(np.arange(30), 4).astype(str)  # alike within an object
+    rows += 3 * random.normal(size=(2, 30, 16)).repeat(4, axis=1)
+    labels = np.array(list("ab"))[np.repeat(np.arange(30) % 2, 4)]
+    np.savez(tmp_path / "x.npz", vis=rows[0], tac=rows[1], material=labels, object=objects)
+    tried(capsys, tmp_path / "x.npz")
+    (home,) = json.loads((tmp_path / "x-try" / "figures.json").read_text())
+    assert home["both"]["low"] < 0.5 < home["both"]["high"]
+
+
+def test_one_domain_says_what_is_not_known(tmp_path, capsys):
+    said = tried(capsys, vectors(tmp_path / "one.npz"))
+    assert "another sensor is not known" in said and "each pair counts as an object" in said
+
+
+def test_one_modality_trains_a_head_of_that_modality(tmp_path, capsys):
+    vectors(tmp_path / "both.npz")
+    kept = dict(np.load(tmp_path / "both.npz"))
+    np.savez(tmp_path / "touch.npz", tac=kept["tac"], material=kept["material"])
+    assert "touches alone" in tried(capsys, tmp_path / "touch.npz")
+    train = load_head(tmp_path / "touch-try" / "head").provenance["train"]
+    assert train["modalities"] == "tac"
+
+
+def test_two_pairs_give_a_head_and_no_figure(tmp_path, capsys):
+    said = tried(capsys, vectors(tmp_path / "two.npz", 2))
+    assert "no honest figure" in said
+    assert json.loads((tmp_path / "two-try" / "figures.json").read_text()) == []
+
+
+def test_a_class_of_one_object_is_named_and_not_tested(tmp_path, capsys):
+    objects = np.array([f"o{k}" if k % 3 else "same" for k in range(24)])
+    said = tried(capsys, vectors(tmp_path / "x.npz", object=objects))
+    assert "1 class has one object only" in said
+    (home,) = json.loads((tmp_path / "x-try" / "figures.json").read_text())
+    assert (home["pairs"], home["classes"]) == (16, 2)
+
+
+def test_without_classes_there_is_no_head_and_the_report_is_offered(tmp_path, capsys):
+    rows = np.random.default_rng(0).normal(size=(6, 16))
+    np.savez(tmp_path / "bare.npz", vis=rows, tac=rows + 1)
+    assert main(["try", str(tmp_path / "bare.npz")]) == 0  # no page either: another encoder
+    said = capsys.readouterr().out
+    assert "No head was trained" in said and "omnivat report" in said
+    assert not (tmp_path / "bare-try" / "head").exists()
+
+
+def parquet_of(columns, file):
+    arrow = pytest.importorskip("pyarrow")
+    table = arrow.table({name: list(values) for name, values in columns.items()})
+    pytest.importorskip("pyarrow.parquet").write_table(table, file)
+
+
+def hdf5_of(columns, file):
+    with pytest.importorskip("h5py").File(file, "w") as handle:
+        for name, values in columns.items():
+            handle[name] = values.astype("S") if values.dtype.kind == "U" else values
+
+
+@pytest.mark.parametrize("labelled", [True, False])
+@pytest.mark.parametrize(("ending", "write"), [("parquet", parquet_of), ("h5", hdf5_of)])
+def test_parquet_and_hdf5_are_tried_like_npz(tmp_path, capsys, ending, write, labelled):
+    with np.load(vectors(tmp_path / "a.npz")) as data:
+        columns = {name: data[name] for name in data.files if labelled or name != "material"}
+    write(columns, tmp_path / f"b.{ending}")
+    if not labelled:
+        assert "No head was trained" in tried(capsys, tmp_path / f"b.{ending}")
+        return
+    tried(capsys, tmp_path / "a.npz")
+    tried(capsys, tmp_path / f"b.{ending}")
+    one, other = (load_embeddings(tmp_path / f"{k}-try" / "set.safetensors") for k in "ab")
+    assert np.allclose(one.vis, other.vis) and one.label.tolist() == other.label.tolist()
+    assert load_head(tmp_path / "b-try" / "head").settings.classes == ("a", "b", "c")
+
+
+def test_pictures_with_names_alone_get_thumbnails(tmp_path, capsys):
+    root = pictures(
+        tmp_path / "p", [f"{k}_{half}.png" for k in range(2) for half in ("vis", "tac")]
+    )
+    said = tried(capsys, root)
+    assert "no classes" in said and "No thumbnails" not in said
+    assert (tmp_path / "p-try" / "set.thumbnails.webp").is_file()
+
+
+def test_touches_alone_in_folders_of_classes_are_one_modality(tmp_path, capsys):
+    names = [f"lab/{name}/{k}_tac.png" for name in ("wood", "steel") for k in range(2)]
+    assert "touches alone" in tried(capsys, pictures(tmp_path / "p", names))
+
+
+def test_the_page_opens_on_the_new_head_and_set(tmp_path, monkeypatch):
+    started = []
+
+    def start(command):
+        started.append(command)
+        return MagicMock()
+
+    monkeypatch.setattr(try_pairs.subprocess, "Popen", start)
+    assert main(["try", str(vectors(tmp_path / "x.npz")), "--out", str(tmp_path / "out")]) == 0
+    (command,) = started
+    chosen = parser({}).parse_args(command[3:])
+    assert (chosen.head, chosen.embeddings) == (
+        tmp_path / "out" / "head",
+        tmp_path / "out" / "set.safetensors",
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "words"), [("none.npz", "no folder or file"), ("x.txt", "ends in '.txt'")]
+)
+def test_what_cannot_be_read_ends_in_one_sentence(tmp_path, capsys, name, words):
+    (tmp_path / "x.txt").write_text("x")
+    assert main(["try", str(tmp_path / name), "--no-page"]) == 1
+    assert words in capsys.readouterr().err
+
+
+def test_a_source_of_one_class_is_refused(tmp_path, capsys):
+    file = vectors(tmp_path / "x.npz")
+    assert main(["try", str(file), "--no-page", "--source", "mini"]) == 1
+    assert "needs pairs of two classes" in capsys.readouterr().err

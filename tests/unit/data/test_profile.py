@@ -1,0 +1,158 @@
+"""Profiles: the statistics of a domain, without labels, and what they move."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from omnivat.data.profile import (
+    Channels,
+    Profile,
+    channels_of,
+    domain_of,
+    drawn_profiles,
+    moved,
+    profile_of,
+    profiled,
+    shrunk,
+    standardised,
+)
+from omnivat.data.profile_file import load_profile, save_profile
+from omnivat.errors import DataError
+
+
+def rows(count, seed, width=6, offset=0.0, scale=1.0):
+    random = np.random.default_rng(seed)
+    return (offset + scale * random.normal(size=(count, width))).astype(np.float32)
+
+
+@given(st.integers(1, 40), st.floats(-100, 100))
+def test_statistics_are_those_of_numpy_far_from_zero_too(count, offset):
+    some = rows(count, 3, offset=offset)
+    found = channels_of(some)
+    wide = some.astype(np.float64)
+    np.testing.assert_allclose(found.mean, wide.mean(0), rtol=1e-6, atol=1e-6)
+    np.testing.assert_allclose(found.variance, wide.var(0), rtol=1e-5, atol=1e-6)
+    assert found.count == count
+
+
+@given(st.integers(1, 30))
+def test_a_profile_never_reads_a_label(make_embeddings, count):
+    pairs = make_embeddings()
+    other = replace(pairs, label=pairs.label[::-1].copy())
+    first, second = profile_of(pairs), profile_of(other)
+    np.testing.assert_array_equal(first.channels["vis"].mean, second.channels["vis"].mean)
+
+
+def test_no_picture_changes_nothing():
+    source, some = channels_of(rows(50, 0)), rows(4, 1)
+    none = Channels(mean=np.full(6, 9.0, np.float32), variance=np.ones(6, np.float32), count=0)
+    np.testing.assert_allclose(moved(some, none, source), some, atol=1e-6)
+
+
+def test_many_pictures_move_a_shifted_domain_back_onto_the_source():
+    plain = rows(4000, 0)
+    shifted = 2 * plain + 5
+    source = channels_of(plain)
+    back = moved(shifted, channels_of(shifted), source)
+    assert np.abs(back.mean(0) - plain.mean(0)).max() < 0.01
+    assert np.abs(back - plain).mean() < 0.2 * np.abs(shifted - plain).mean()
+
+
+@given(st.integers(1, 500), st.integers(1, 500))
+def test_more_pictures_weigh_more_and_a_mean_is_trusted_before_a_variance(few, more):
+    source, target = channels_of(rows(50, 0)), channels_of(rows(50, 1, offset=4, scale=3))
+    near, far = (shrunk(replace(target, count=n), source) for n in sorted((few, more)))
+    assert (np.abs(far.mean - target.mean) <= np.abs(near.mean - target.mean) + 1e-6).all()
+    share = (near.mean - source.mean) / (target.mean - source.mean)
+    stretch = (near.variance - source.variance) / (target.variance - source.variance)
+    assert (share >= stretch - 1e-4).all() and (share < 1).all()
+
+
+def test_standardising_moved_rows_equals_standardising_by_the_target_profile():
+    source, target = channels_of(rows(500, 0)), channels_of(rows(10**3, 1, offset=2, scale=2))
+    target = replace(target, count=10**9)  # nothing is drawn towards the source
+    some = rows(5, 2, offset=2, scale=2)
+    floor = np.sqrt(source.variance).mean()
+    wanted = np.tanh((some - target.mean) / (np.sqrt(target.variance) + floor))
+    np.testing.assert_allclose(standardised(moved(some, target, source), source), wanted, atol=1e-5)
+
+
+def test_only_the_profiled_domain_moves_and_mirrored_rows_move_with_it(make_embeddings):
+    pairs = make_embeddings(domains=("A", "B", "C"))
+    pairs = replace(pairs, vis_flip=pairs.vis + 1, tac_flip=pairs.tac + 1)
+    source = profile_of(pairs, pairs.rows_of("A"))
+    other = profile_of(pairs, pairs.rows_of("B"), domain="B")
+    found = profiled(pairs, {"B": other}, source)
+    still = pairs.domain != 1
+    for name in ("vis", "tac", "vis_flip", "tac_flip"):
+        before, after = getattr(pairs, name), getattr(found, name)
+        np.testing.assert_array_equal(after[still], before[still])
+        assert np.abs(after[~still] - before[~still]).max() > 0.01
+    ratio = (found.vis_flip - found.vis)[~still] / 1.0
+    assert (ratio > 0).all()
+
+
+def test_a_modality_without_pictures_stays(make_embeddings):
+    pairs = make_embeddings(domains=("A", "B"))
+    source = profile_of(pairs, pairs.rows_of("A"))
+    whole = profile_of(pairs, pairs.rows_of("B"), domain="B")
+    photos = replace(whole, channels={"vis": whole.channels["vis"]})
+    found = profiled(pairs, {"B": photos}, source)
+    np.testing.assert_array_equal(found.tac, pairs.tac)
+
+
+def test_more_unlabelled_pairs_contain_the_fewer(make_embeddings):
+    pairs = make_embeddings(domains=("A", "B", "C"))
+    _, few = drawn_profiles(pairs, "A", 3, seed=5)
+    profiles, more = drawn_profiles(pairs, "A", 6, seed=5)
+    assert set(few) < set(more) and set(profiles) == {"B", "C"}
+    assert not (pairs.domain[more] == 0).any()
+
+
+def test_a_profile_of_another_encoder_is_refused(make_embeddings):
+    pairs = make_embeddings(domains=("A", "B"))
+    mine = profile_of(pairs, domain="B")
+    other = replace(mine, key=("clip", "0", "resize"))
+    with pytest.raises(DataError, match="comes from clip .* Make the profile with that encoder"):
+        profiled(pairs, {"B": other}, mine)
+
+
+def test_a_profile_without_a_name_is_of_the_only_other_domain():
+    nameless = Profile(channels={"vis": channels_of(rows(2, 0))}, key=("e", "w", "p"))
+    assert domain_of(nameless, ("A", "B"), "A") == "B"
+    with pytest.raises(DataError, match="--domain and one of these names"):
+        domain_of(nameless, ("A", "B", "C"), "A")
+
+
+def test_a_profile_file_comes_back_as_it_was(tmp_path, make_embeddings):
+    mine = profile_of(make_embeddings(), domain="häßlich = 1")
+    save_profile(tmp_path / "p.safetensors", mine)
+    back = load_profile(tmp_path / "p.safetensors")
+    assert (back.key, back.domain, back.counts) == (mine.key, mine.domain, mine.counts)
+    np.testing.assert_array_equal(back.channels["tac"].variance, mine.channels["tac"].variance)
+
+
+@pytest.mark.parametrize("spoilt", ["mean", "variance", "count", "width", "cut", "format", "none"])
+def test_a_damaged_profile_file_ends_in_one_sentence(tmp_path, make_embeddings, spoilt):
+    file = tmp_path / "p.safetensors"
+    mine = profile_of(make_embeddings(), domain="B")
+    vis = mine.channels["vis"]
+    changed = {
+        "mean": replace(vis, mean=vis.mean * np.nan),
+        "variance": replace(vis, variance=-vis.variance - 1),
+        "count": replace(vis, count=-3),
+        "width": replace(vis, mean=vis.mean[:-1], variance=vis.variance[:-1]),
+    }.get(spoilt, vis)
+    save_profile(file, replace(mine, channels={**mine.channels, "vis": changed}))
+    if spoilt == "cut":
+        file.write_bytes(file.read_bytes()[:-20])
+    if spoilt == "format":
+        file.write_bytes(file.read_bytes().replace(b"omnivat-profile-1", b"omnivat-profile-9"))
+    if spoilt == "none":
+        file.unlink()
+    with pytest.raises(DataError) as caught:
+        load_profile(file)
+    assert str(file) in str(caught.value) and "\n" not in str(caught.value)

@@ -1,0 +1,258 @@
+"""Recordings: LeRobot data sets in both layouts, and tables of videos, become folders of pairs."""
+
+import io
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from omnivat.cli import main
+from omnivat.data.readers import read_pairs
+from omnivat.data.recordings import clips_of, is_recording, write_pairs
+from omnivat.errors import DataError, MissingPackageError, SettingsError, WriteError
+
+parquet = pytest.importorskip("pyarrow.parquet")
+pa = pytest.importorskip("pyarrow")
+
+FPS, LENGTH = 10, 20
+VIS, TAC = "observation.images.wrist", "observation.images.tactile_left"
+TASKS = ("press wood", "press steel", "press wood")
+
+
+def grey(episode, k, half):
+    """Return the level that frame k of an episode shows: its code, so that pictures can be told apart."""
+    return 20 + 60 * episode + 2 * k + (100 if half == "vis" else 0)
+
+
+def levels(episode, half, count=LENGTH):
+    return [grey(episode, k, half) % 256 for k in range(count)]
+
+
+def film(file, values, fps=FPS, spot=slice(0, 48)):
+    """Encode a video whose frames are plain greys, in a spot of them."""
+    av = pytest.importorskip("av")
+    file.parent.mkdir(parents=True, exist_ok=True)
+    with av.open(str(file), "w") as container:
+        stream = container.add_stream("libx264", rate=fps, options={"crf": "4", "g": "7"})
+        stream.width = stream.height = 48
+        stream.pix_fmt = "yuv420p"
+        for value in values:
+            pixels = np.full((48, 48, 3), 50, np.uint8)
+            pixels[spot, spot] = value
+            container.mux(stream.encode(av.VideoFrame.from_ndarray(pixels, format="rgb24")))
+        container.mux(stream.encode())
+
+
+def png(value):
+    with io.BytesIO() as handle:
+        Image.new("RGB", (48, 48), (value,) * 3).save(handle, "PNG")
+        return handle.getvalue()
+
+
+def info(version, kind, **more):
+    data = {
+        "v2.1": "data/chunk-{episode_chunk:03d}/episode_{episode_index:06d}.parquet",
+        "v3.0": "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet",
+    }
+    films = {
+        "v2.1": "videos/chunk-{episode_chunk:03d}/{video_key}/episode_{episode_index:06d}.mp4",
+        "v3.0": "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4",
+    }
+    features = {key: {"dtype": kind, "shape": [48, 48, 3]} for key in (VIS, TAC)}
+    return {
+        "codebase_version": version, "fps": FPS, "chunks_size": 1000, "data_path": data[version],
+        "video_path": films[version], "features": features | {"action": {"dtype": "float32"}}, **more,
+    }  # fmt: skip
+
+
+def lerobot(root, version, kind="video", **more):
+    """Write a data set of three episodes; in v3 all of them share a file."""
+    (root / "meta").mkdir(parents=True)
+    (root / "meta" / "info.json").write_text(json.dumps(info(version, kind, **more)))
+    halves = {VIS: "vis", TAC: "tac"}
+    rows = [{"episode_index": n, "length": LENGTH, "tasks": [task]} for n, task in enumerate(TASKS)]
+    if version == "v2.1":
+        lines = "\n".join(json.dumps(row) for row in rows)
+        (root / "meta" / "episodes.jsonl").write_text(lines + "\n")
+    else:
+        for n, row in enumerate(rows):
+            for key in halves:
+                row |= {f"videos/{key}/{name}": 0 for name in ("chunk_index", "file_index")}
+                row[f"videos/{key}/from_timestamp"] = n * LENGTH / FPS
+            row |= {"data/chunk_index": 0, "data/file_index": 0}
+        (root / "meta" / "episodes" / "chunk-000").mkdir(parents=True)
+        table = pa.Table.from_pylist(rows)
+        parquet.write_table(table, root / "meta" / "episodes" / "chunk-000" / "file-000.parquet")
+    for key, half in halves.items():
+        if kind == "video" and version == "v2.1":
+            for n in range(3):
+                film(root / f"videos/chunk-000/{key}/episode_{n:06d}.mp4", levels(n, half))
+        elif kind == "video":
+            joined = [value for n in range(3) for value in levels(n, half)]
+            film(root / f"videos/{key}/chunk-000/file-000.mp4", joined)
+    if kind == "image":
+        for n in range(3) if version == "v2.1" else (None,):
+            some = range(3) if n is None else (n,)
+            stored = [
+                {"episode_index": e, "frame_index": k}
+                | {key: {"bytes": png(grey(e, k, half) % 256), "path": None} for key, half in halves.items()}
+                for e in some
+                for k in range(LENGTH)
+            ]  # fmt: skip
+            name = "file-000" if n is None else f"episode_{n:06d}"
+            (root / "data" / "chunk-000").mkdir(parents=True, exist_ok=True)
+            parquet.write_table(
+                pa.Table.from_pylist(stored), root / f"data/chunk-000/{name}.parquet"
+            )
+    return root
+
+
+def seen(file):
+    return float(np.asarray(Image.open(file).convert("L"), float).mean())
+
+
+@pytest.mark.parametrize("version", ["v2.1", "v3.0"])
+@pytest.mark.parametrize("kind", ["video", "image"])
+def test_each_layout_gives_the_pictures_of_the_same_moments(tmp_path, version, kind):
+    if kind == "video":
+        pytest.importorskip("av")
+    root = lerobot(tmp_path / "press", version, kind)
+    assert is_recording(root)
+    count, skipped = write_pairs(clips_of(root), tmp_path / "out", frames=4)
+    assert (count, skipped) == (12, [])
+    found = read_pairs(tmp_path / "out")
+    assert found.domains() == ("press",) and set(found.materials()) == {"press wood", "press steel"}
+    assert len({pair.object for pair in found.pairs}) == 3
+    for pair in found.pairs:
+        episode, k = int(pair.object.split()[1]), int(pair.vis.name[:3])
+        frame = int((k + 0.5) * LENGTH / 4 + 0.25)
+        for half, file in (("vis", pair.vis), ("tac", pair.tac)):
+            assert abs(seen(file) - grey(episode, frame, half) % 256) < 1.5, (pair, half)
+
+
+def test_contact_picks_the_moments_whose_touch_differs_most(tmp_path):
+    touch = [50] * 12 + [200, 210, 220] + [50] * 5
+    film(tmp_path / "t.mp4", touch, spot=slice(12, 24))
+    film(tmp_path / "v.mp4", range(100, 120))
+    (tmp_path / "videos.csv").write_text("vis,tac,material\nv.mp4,t.mp4,wood\n")
+    write_pairs(clips_of(tmp_path), tmp_path / "out", frames=3, pick="contact")
+    pairs = read_pairs(tmp_path / "out").pairs
+    assert [pair.tac.name for pair in pairs] == ["000_tac.png", "001_tac.png", "002_tac.png"]
+    assert [seen(pair.tac) for pair in pairs] == pytest.approx([59.4, 60, 60.6], abs=0.5)
+    assert [round(seen(pair.vis)) for pair in pairs] == pytest.approx([112, 113, 114], abs=1)
+
+
+def test_a_table_of_videos_gives_labels_parts_and_a_delay(tmp_path):
+    film(tmp_path / "a.mp4", range(100, 140))
+    film(tmp_path / "b.mp4", range(40, 80))
+    rows = ("vis,tac,domain,material,object,split,start,end,tac_delay",
+            "a.mp4,b.mp4,lab,Wood,oak,train,1,2,0.5", "a.mp4,b.mp4,lab,steel,,test,2,3,")  # fmt: skip
+    (tmp_path / "mine.csv").write_text("\n".join(rows))
+    assert is_recording(tmp_path / "mine.csv")
+    assert write_pairs(clips_of(tmp_path / "mine.csv"), tmp_path / "out", frames=1) == (2, [])
+    first, second = read_pairs(tmp_path / "out").pairs
+    assert (first.material, first.object, first.split, second.split) == (
+        "wood",
+        "oak",
+        "train",
+        "test",
+    )
+    assert seen(first.vis) == pytest.approx(115, abs=1.5)
+    assert seen(first.tac) == pytest.approx(60, abs=1.5)  # half a second later
+    assert seen(second.tac) == pytest.approx(65, abs=1.5)
+
+
+def test_one_modality_and_labels_of_episodes_are_enough_for_the_command(tmp_path, capsys):
+    pytest.importorskip("av")
+    root = lerobot(tmp_path / "press", "v3.0")
+    (tmp_path / "labels.csv").write_text("episode,material,domain\n0,wood,A\n2,glass,B\n")
+    line = ["import", str(root), "--out", str(tmp_path / "out"), "--frames", "2"]
+    assert main([*line, "--labels", str(tmp_path / "labels.csv")]) == 0
+    assert "4 pairs of 2 recordings" in capsys.readouterr().out
+    assert read_pairs(tmp_path / "out").domains() == ("A", "B")
+    (tmp_path / "videos.csv").write_text(
+        f"tac,material\n{root}/videos/{TAC}/chunk-000/file-000.mp4,felt\n"
+    )
+    assert main(["import", str(tmp_path / "videos.csv"), "--out", str(tmp_path / "alone")]) == 0
+    assert len(read_pairs(tmp_path / "alone", reader="loose").pairs) == 5
+
+
+def test_damaged_and_missing_videos_are_left_out_with_reasons(tmp_path):
+    film(tmp_path / "good.mp4", range(100, 120))
+    (tmp_path / "cut.mp4").write_bytes((tmp_path / "good.mp4").read_bytes()[:900])
+    (tmp_path / "text.mp4").write_text("no video")
+    names = ("good", "cut", "text", "gone")
+    lines = [f"{name}.mp4,{name}.mp4,wood," for name in names] + ["good.mp4,good.mp4,wood,99"]
+    (tmp_path / "videos.csv").write_text("vis,tac,material,end\n" + "\n".join(lines))
+    count, skipped = write_pairs(clips_of(tmp_path), tmp_path / "out", frames=2)
+    assert count == 2 and len(skipped) == 4
+    assert "ends before" in skipped[-1].why and all(one.why.endswith(".") for one in skipped)
+
+
+def test_nothing_is_written_unless_all_of_it_is(tmp_path, monkeypatch):
+    film(tmp_path / "a.mp4", range(100, 120))
+    (tmp_path / "videos.csv").write_text("vis,tac,material\na.mp4,a.mp4,wood\n")
+    clips = clips_of(tmp_path)
+
+    def stop(_):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        write_pairs(clips, tmp_path / "out", on_step=stop)
+    (tmp_path / "full").mkdir()
+    (tmp_path / "full" / "mine.txt").write_text("mine")
+    with pytest.raises(WriteError, match="new folder"):
+        write_pairs(clips, tmp_path / "full")
+    assert {path.name for path in tmp_path.iterdir()} == {"a.mp4", "videos.csv", "full"}
+    monkeypatch.setitem(__import__("sys").modules, "av", None)
+    with pytest.raises(MissingPackageError, match="pip install av"):
+        write_pairs(clips, tmp_path / "out")
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"codebase_version": "v1.6"}, "v2 and v3 are read"),
+        ({"fps": 0}, "fps 0"),
+        ({"fps": "x"}, "fps 'x'"),
+        ({"data_path": "../../{episode_index}.parquet"}, "leads out of"),
+        ({"data_path": "{nobody}"}, "odd path"),
+        ({"data_path": "{episode_index.real.__class__}{0}"}, "odd path"),
+        ({"features": []}, "No camera is called tactile"),
+        ({"features": {TAC: {"dtype": "image"}, "a": {"dtype": "image"}, "b": {"dtype": "image"}}}, "--vis"),
+    ],
+)  # fmt: skip
+def test_an_odd_description_is_refused_in_a_sentence(tmp_path, change, words):
+    root = lerobot(tmp_path / "press", "v2.1", "image", **change) if "codebase_version" not in change else tmp_path  # fmt: skip
+    if root == tmp_path:
+        (tmp_path / "meta").mkdir()
+        (tmp_path / "meta" / "info.json").write_text(json.dumps(info("v2.1", "image") | change))
+    with pytest.raises(DataError, match=words):
+        write_pairs(clips_of(root), tmp_path / "out")
+
+
+def test_unknown_cameras_and_settings_are_refused_in_a_sentence(tmp_path):
+    root = lerobot(tmp_path / "press", "v2.1", "image")
+    with pytest.raises(DataError, match="omnivat import"):
+        read_pairs(root)
+    with pytest.raises(DataError, match="There is no camera 'x'"):
+        clips_of(root, vis="x")
+    with pytest.raises(DataError, match="asked for"):
+        write_pairs(clips_of(root), tmp_path / "out", frames=LENGTH + 1)
+    (root / "meta" / "episodes.jsonl").write_text('{"episode_index": 0}')
+    with pytest.raises(DataError, match="without its number or length"):
+        clips_of(root)
+    (tmp_path / "videos.csv").write_text("tac,material,start\na.mp4,wood,soon\n")
+    with pytest.raises(DataError, match="row 2: start is no number"):
+        clips_of(tmp_path)
+    with pytest.raises(SettingsError, match="for LeRobot"):
+        clips_of(tmp_path, vis="x")
+    assert not is_recording(Path("none.csv"))
+
+
+def test_the_command_wants_an_encoder_for_what_is_no_recording(tmp_path, capsys):
+    np.savez(tmp_path / "a.npz", vis=np.zeros((2, 3)))
+    assert main(["import", str(tmp_path / "a.npz"), "--out", str(tmp_path / "a.safetensors")]) == 1
+    assert "--encoder" in capsys.readouterr().err

@@ -1,0 +1,172 @@
+"""Figures: every value is in the picture, bad input is one sentence, and no page names a host."""
+
+import json
+import math
+import re
+from xml.etree import ElementTree
+
+import numpy as np
+import plotly.graph_objects as go
+import pytest
+
+from omnivat import figures
+from omnivat.errors import DataError, SettingsError, ShapeError
+from omnivat.figures.page import POLICY, cell
+from omnivat.figures.still import svg_of
+from omnivat.figures.theme import CONFIG
+
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+def some_map(columns=2, **more):
+    places = np.random.default_rng(0).normal(size=(12, columns))
+    return figures.map_figure(places, [0, 1, 2] * 2, ["a", "<b>", "c"], title="t", **more)
+
+
+def table():
+    return {
+        "measure": "centroid",
+        "stage": "raw",
+        "pairs": 8,
+        "modality_gap": {"all": 0.5},
+        "domain_gap": {m: {"A": {"A": 0.0, "B": 0.2}, "B": {"A": 0.2, "B": 0.0}} for m in ("vis", "tac")},
+    }  # fmt: skip
+
+
+EVERY = {
+    "map": some_map,
+    "lines": lambda: figures.lines({"a": ([0, 1], [1, math.nan], [0.1, math.nan])}, title="t"),
+    "training": lambda: figures.training_curves([{"epoch": 0.0, "loss": 2.0}, {"epoch": 1.0, "loss": 1.0}]),
+    "search": lambda: figures.search_curve({"orders": [0, 1], "score": [2, 1], "round": ["coarse", "fine"]}),
+    "ladder": lambda: figures.ladder([{"known": "nothing", "n": 0, "accuracy": 0.5, "low": 0.4, "high": 0.6, "method": "m"}]),
+    "confusion": lambda: figures.confusion([[3, 1], [0, 0]], ["wood", "steel"]),
+    "gaps": lambda: figures.gap_tables(table()),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", EVERY)
+def test_every_figure_is_plotlys_and_has_a_still_picture_of_valid_svg(name, tmp_path):
+    found = EVERY[name]()
+    assert isinstance(found, go.Figure)
+    root = ElementTree.fromstring(svg_of(found))
+    assert root.find(f"{SVG}title").text
+    assert json.loads(found.to_json())["data"]
+    figures.write(tmp_path / "f.png", found)
+    assert (tmp_path / "f.png").stat().st_size > 1000
+
+
+def test_a_map_has_a_mark_for_every_point_and_one_name_a_group():
+    root = ElementTree.fromstring(svg_of(some_map()))
+    tags = [element.tag.removeprefix(SVG) for element in root.iter()]
+    assert (tags.count("circle"), tags.count("polygon")) == (6, 6)
+    texts = [element.text for element in root.iter(f"{SVG}text")]
+    assert [t for t in texts if t in ("a", "<b>", "c", "&lt;b&gt;")] == ["a", "<b>", "c"]
+    assert "Circle VIS, triangle TAC." in texts
+
+
+def test_higher_values_are_higher_and_bars_reach_as_far_as_their_error():
+    found = figures.lines({"s": ([0, 1], [50, 60], [2, 0])}, title="p & q")
+    root = ElementTree.fromstring(svg_of(found))
+    low, high = (float(e.get("cy")) for e in root.iter(f"{SVG}circle"))
+    assert high < low
+    unit = (low - high) / 10
+    ends = [
+        e.get("points").split() for e in root.iter(f"{SVG}polyline") if e.get("stroke") == "#3b82f6"
+    ]
+    bar = next(e for e in ends if len({point.split(",")[0] for point in e}) == 1)
+    y = sorted(float(point.split(",")[1]) for point in bar)
+    assert y == pytest.approx([low - 2 * unit, low + 2 * unit], abs=0.05)
+
+
+def test_names_of_a_set_are_shown_as_text_and_never_as_markup():
+    evil = "<img src=x onerror=alert(1)></script><script>alert(2)</script>"
+    places = [[0, 0], [1, 1]]
+    found = figures.map_figure(places, [0], [evil], title=evil, hover=[evil])
+    text = figures.html_page(evil, [found])
+    assert "<img" not in text.replace("</script><script>", "") or "<img src=x" not in text
+    assert "alert(2)</script>" not in text
+    assert "<img" not in str(found.data[0].text) and "<img" not in found.data[0].name
+
+
+def test_a_page_holds_its_library_and_may_load_nothing_else():
+    text = figures.html_page("one", [some_map(), "<p>words</p>", EVERY["gaps"]()])
+    assert f'content="{POLICY}"' in text and "default-src 'none'" in text
+    assert not re.findall(r'(?:src|href)="[^"]', text)
+    assert json.loads(re.search(r"config = (\{.*?\});", text)[1]) == CONFIG
+    assert (CONFIG["showSendToCloud"], CONFIG["displaylogo"], CONFIG["plotlyServerURL"]) == (
+        False,
+        False,
+        "",
+    )
+    assert text.count('class="plot"') == 2 and "<p>words</p>" in text
+
+
+def test_a_cell_is_a_frame_that_cannot_reach_the_notebook():
+    shown = some_map()._repr_mimebundle_()["text/html"]
+    assert shown == cell(some_map())
+    assert 'sandbox="allow-scripts allow-downloads"' in shown and "<script" not in shown
+
+
+def test_pictures_travel_as_one_sheet_and_each_point_names_its_photo_and_touch(tmp_path):
+    sheet = tmp_path / "s.webp"
+    assert figures.pictures(sheet) is None
+    sheet.write_bytes(b"RIFF")
+    sheet.with_suffix(".json").write_text('{"tile": 64, "columns": 4, "count": 12}')
+    tiles = figures.pictures(sheet)
+    assert tiles == {"sheet": "data:image/webp;base64,UklGRg==", "columns": 4}
+    found = some_map(pictures=tiles)
+    assert found.layout.meta["pictures"] == tiles
+    assert sorted(map(tuple, np.concatenate([t.customdata for t in found.data]))) == sorted(
+        2 * [(i, i + 6) for i in range(6)]
+    )
+
+
+def test_bad_input_is_one_sentence(tmp_path):
+    with pytest.raises(ShapeError, match=r"places has shape \(12, 4\)"):
+        some_map(4)
+    with pytest.raises(SettingsError, match="'f.gif' ends in '.gif'; choose .html, .svg"):
+        figures.write(tmp_path / "f.gif", some_map())
+    with pytest.raises(
+        SettingsError, match="'scatter3d' has no SVG or PNG; name a file that ends in .html"
+    ):
+        figures.write(tmp_path / "f.svg", some_map(3))
+    with pytest.raises(DataError, match="There is no value to draw for 'x'"):
+        figures.dots([{"row": "a", "value": None}], title="x", across="y")
+    assert not list(tmp_path.iterdir())
+    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
+        _ = figures.nothing
+
+
+def test_strangers_have_a_row_for_each_domain_and_the_mean(head_folder):
+    from omnivat.checkpoint import load_head
+    from omnivat.data.store import load_embeddings
+    from omnivat.unseen import unseen_summary
+
+    head, pairs = load_head(head_folder), load_embeddings(head_folder.parent / "set.safetensors")
+    summary = unseen_summary(head, pairs)
+    found = figures.strangers(summary)
+    assert list(found.layout.yaxis.ticktext)[-1] == "mean of unseen"
+    both = next(t for t in found.data if t.name == "both images")
+    assert both.x[-1] == pytest.approx(summary["unseen"]["answers/fused"]["share"])
+    assert all(
+        x - low >= 0 and x + high <= 1
+        for x, low, high in zip(both.x, both.error_x.arrayminus, both.error_x.array, strict=True)
+    )
+
+
+def test_a_tree_has_a_disc_for_each_node_with_all_probabilities_at_the_pointer():
+    import torch
+
+    from omnivat.nodes import TreeFacts
+
+    facts = TreeFacts(
+        parents=[-1, 0, 0],
+        lengths=torch.tensor([1.0, 2.0, 4.0]),
+        probabilities=torch.tensor([[0.6, 0.4], [0.1, 0.9], [0.5, 0.5]]),
+        right=None,
+        levels=[],
+    )
+    edges, discs, words = figures.tree(facts, ["wood", "steel"]).data
+    assert len(discs.x) == 3 and len(edges.x) == 6
+    assert discs.marker.size[2] > discs.marker.size[1] > discs.marker.size[0]
+    assert "steel 90.0 %" in discs.hovertext[1] and words.text[1].startswith("steel")

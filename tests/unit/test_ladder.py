@@ -1,0 +1,117 @@
+"""The ladder: rungs of a loaded head, and rungs from records."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+from hypothesis import given
+from hypothesis import strategies as st
+
+from omnivat import ladder
+from omnivat.data.profile import FLOOR
+from omnivat.evaluate import evaluate, target_mean, target_scores
+from omnivat.from_pairs import head_from_pairs
+from omnivat.ladder import FORMAT, METHOD, lettered, letters, recorded, rungs
+from omnivat.train import TrainSettings
+
+
+@pytest.fixture(autouse=True)
+def no_records(monkeypatch, tmp_path):
+    monkeypatch.setattr(ladder, "RECORDS", tmp_path / "none.jsonl.gz")
+    ladder._records.cache_clear()
+    yield
+    ladder._records.cache_clear()
+
+
+@pytest.fixture(scope="module")
+def shifted(make_embeddings):
+    """A set whose second domain is offset: a profile finds the offset."""
+    embeddings = make_embeddings(per_class=24, split=True)
+    offset = 12 * np.random.default_rng(5).normal(size=embeddings.width).astype(np.float32)
+    for rows in (embeddings.vis, embeddings.tac):
+        rows[embeddings.domain == 1] += offset
+    return embeddings
+
+
+@pytest.fixture(scope="module")
+def head(shifted):
+    return head_from_pairs(
+        shifted,
+        "TAG-sim",
+        head={"width": 16},
+        training=TrainSettings(epochs=15, lang=False),
+        calibrate=False,
+    )
+
+
+def test_an_offset_is_mended_rung_by_rung(head, shifted):
+    found = {one["rung"]: one for one in rungs(head, shifted)}
+    assert list(found) == ["home", "none", "n1", "n2", "n5", "n10", "n20", "n50", "all"]
+    assert found["none"]["accuracy"] < 0.9 * found["home"]["accuracy"]
+    assert found["none"]["accuracy"] < found["n5"]["accuracy"] <= found["all"]["accuracy"] + 0.05
+    assert found["all"]["accuracy"] > 0.8 * found["home"]["accuracy"]
+    for one in found.values():
+        assert 0 <= one["low"] <= one["accuracy"] + 1e-9 <= one["high"] + 2e-9 <= 1 + 3e-9
+        assert one["from"] == "this head" and one["source"] == "TAG-sim"
+
+
+def test_the_first_rungs_are_what_evaluate_says(head, shifted):
+    records = evaluate(head, shifted)
+    found = {one["rung"]: one for one in rungs(head, shifted)}
+    assert found["none"]["accuracy"] == pytest.approx(target_mean(target_scores(records)))
+    own = next(one for one in records if one["is_source"])
+    assert found["home"]["accuracy"] == pytest.approx(own["scores"]["fused"]["accuracy"])
+
+
+def test_a_head_without_a_profile_has_two_rungs(head, shifted):
+    older = replace(head, profile=None)
+    assert [one["rung"] for one in rungs(older, shifted)] == ["home", "none"]
+
+
+@given(st.lists(st.integers(-1, 25)))
+def test_letters_come_back(labels):
+    assert letters(lettered(np.array(labels, dtype=np.int64))).tolist() == labels
+
+
+def test_another_source_and_other_rungs_come_from_the_records(head, shifted, tmp_path, monkeypatch):
+    file = tmp_path / "ladder.jsonl"
+    names = list(shifted.header.domains)
+    first = {"domains": names, "classes": ["a", "b"], "domain": [0, 0, 1, 1], "truth": "abab"}
+    answers = {"home": "..ab", "none": "aa..", "m2": "ab..", "one:a": "ab..", "one:b": "ba.."}
+    one = {"method": METHOD, "source": names[1], "seed": 0, "answers": answers}
+    lines = [first, one, {**one, "source": names[0], "answers": {"k1": "..aa", "none": "..bb"}}]
+    file.write_text("".join(json.dumps({"format": FORMAT, **line}) + "\n" for line in lines))
+    monkeypatch.setattr(ladder, "RECORDS", file)
+    ladder._records.cache_clear()
+
+    other = {r["rung"]: (r["accuracy"], r["from"]) for r in rungs(head, shifted, source=names[1])}
+    assert other == {
+        "home": (1.0, "records"),
+        "none": (0.5, "records"),
+        "one": (0.5, "records"),
+        "m2": (1.0, "records"),
+    }
+    own = {r["rung"]: r["from"] for r in rungs(head, shifted)}
+    assert own["k1"] == "records" and own["none"] == "this head"
+    assert recorded("nowhere") == []
+
+
+def test_predictions_of_rungs_are_those_of_profiled_embeddings(head, shifted):
+    """An oracle by hand: the mean of all training pairs moved onto the source's."""
+    test = shifted.rows_of("OF Real-sim", split="test")
+    train = shifted.rows_of("OF Real-sim", split="train")
+    pair = []
+    for name in ("vis", "tac"):
+        rows, own = getattr(shifted, name), head.profile.channels[name]
+        n = len(train)
+        mean = own.mean + n / (n + 2) * (rows[train].mean(0) - own.mean)
+        variance = own.variance + n / (n + 10) * (rows[train].var(0) - own.variance)
+        floor = FLOOR * np.sqrt(own.variance).mean()
+        ratio = (np.sqrt(own.variance) + floor) / (np.sqrt(variance) + floor)
+        pair.append(torch.from_numpy((rows[test] - mean) * ratio + own.mean).float())
+    said = head.model(*pair).probabilities.argmax(1).numpy()
+    wanted = (said == shifted.label[test]).mean()
+    found = {one["rung"]: one["accuracy"] for one in rungs(head, shifted)}
+    assert found["all"] == pytest.approx(wanted)

@@ -1,0 +1,40 @@
+import assert from "node:assert/strict";
+import test from "node:test";
+import "./browser.js";
+
+let written = "";
+globalThis.location = {
+  search: "?tab=pair&vis=pairs/a.png&tac=https://else.where/b.png",
+  href: "http://x/?tab=pair&vis=pairs/a.png",
+  origin: "http://x",
+};
+globalThis.history = { state: null, replaceState: (_, __, address) => (written = String(address)) };
+globalThis.document.querySelector = (what) =>
+  what.startsWith("meta") ? { getAttribute: () => "explore pair" } : null;
+const sent = [];
+globalThis.fetch = async (address, options) => {
+  sent.push([String(address), options?.method ?? "GET"]);
+  const reply = options?.method ? JSON.stringify({ ref: "image:f00", width: 2, height: 2 }) : "bytes";
+  return new Response(reply);
+};
+const { change, links, state } = await import("../../app/web/shared/store.js");
+const { takeLinked } = await import("../../app/web/pair/linked.js");
+
+test("a picture of this origin is sent, one of another host is refused with its address", async () => {
+  assert.equal(state.view, "pair");
+  const problem = await takeLinked();
+  assert.match(problem, /touch 'https:\/\/else.where\/b.png' is not on this page's host/);
+  assert.deepEqual(sent, [
+    ["http://x/pairs/a.png", "GET"],
+    ["http://x/omnivat/image?name=a.png", "POST"],
+  ]);
+  assert.deepEqual([state.vis, state.tac], ["image:f00", null]);
+});
+
+test("the address goes on naming the picture by its own address", async () => {
+  change({ tree: "A" });
+  await new Promise((resolve) => setTimeout(resolve, 200));
+  const query = new URL(written).searchParams;
+  assert.deepEqual([query.get("vis"), query.get("tab"), query.get("view")], ["pairs/a.png", null, "pair"]);
+  assert.equal(links.get("pairs/a.png"), "image:f00");
+});
