@@ -103,11 +103,10 @@ export class Finder {
   set(name, range) {
     const { ranges } = this.scene;
     const [low, high] = this.spans[name];
+    range = range?.map((end) => +end.toFixed(4)); // as the address holds it: a link shows the same pairs
     if (range && range[1] > range[0] && (range[0] > low || range[1] < high)) ranges[name] = range;
     else delete ranges[name];
-    const parts = Object.entries(ranges).map(([key, ends]) =>
-      [key, ...ends.map((end) => +end.toFixed(4))].join(":"),
-    );
+    const parts = Object.entries(ranges).map(([key, ends]) => [key, ...ends].join(":"));
     change({ range: parts.join("~") });
   }
 
