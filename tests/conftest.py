@@ -49,6 +49,24 @@ def clips() -> Any:
 
 
 @pytest.fixture(scope="session")
+def presses() -> Callable[[str], tuple[Any, Any]]:
+    """Return a reader of real frames: "gelsight" or "gelsight_mini" -> the rest picture, presses of a ball.
+
+    Pictures are (H, W, 3) bytes. They are those that the package `taxim` carries (MIT).
+    """
+    found = importlib.util.find_spec("taxim")  # its code is not run
+    if found is None or not found.submodule_search_locations:
+        pytest.skip("taxim is not installed")
+    folder = Path(found.submodule_search_locations[0]) / "calib"
+
+    def read(name: str) -> tuple[Any, Any]:
+        with np.load(folder / name / "dataPack.npz") as data:
+            return data["f0"], list(data["imgs"])
+
+    return read
+
+
+@pytest.fixture(scope="session")
 def make_embeddings() -> Callable[..., object]:
     """Return a maker of small, learnable embeddings: classes are directions, domains are shifts."""
     from omnivat.data.store import Embeddings, Header

@@ -13,6 +13,8 @@ from urllib.request import urlopen
 
 import pytest
 
+from .fake_sensor import FakeSensor
+
 ROOT = Path(__file__).resolve().parents[2]
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 FLAGS = [
@@ -38,14 +40,21 @@ def missing(what: str) -> None:
 
 
 @pytest.fixture(scope="session")
-def chromium() -> Iterator[Any]:
+def sensor(tmp_path_factory: pytest.TempPathFactory) -> FakeSensor:
+    """Return what Chromium's fake camera sees."""
+    return FakeSensor(tmp_path_factory.mktemp("sensor") / "frames.y4m")
+
+
+@pytest.fixture(scope="session")
+def chromium(sensor: FakeSensor) -> Iterator[Any]:
     """Return a running Chromium."""
     binary = next((path for name in BROWSERS if (path := shutil.which(name))), None)
     if binary is None:
         missing("No Chromium was found")
     playwright = pytest.importorskip("playwright.sync_api")
     with playwright.sync_playwright() as player:
-        browser = player.chromium.launch(executable_path=binary, args=FLAGS)
+        flags = [*FLAGS, f"--use-file-for-fake-video-capture={sensor.file}"]
+        browser = player.chromium.launch(executable_path=binary, args=flags)
         yield browser
         browser.close()
 

@@ -1,13 +1,21 @@
 """Try a pair: one journey for each action."""
 
+import json
 import re
 from collections.abc import Callable
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 from zipfile import ZipFile
 
+import numpy as np
 import pytest
+from PIL import Image
 
+from omnivat.cli import main
+from omnivat.data.store import load_embeddings
+
+from .fake_sensor import CAMERAS, FakeSensor
 from .gestures import ANSWERED, texture
 
 pytestmark = pytest.mark.browser
@@ -134,14 +142,6 @@ def test_own_pairs_are_counted_taught_and_saved(open_page: Callable[..., Any]) -
         assert saved.value.path().read_bytes()[:2] == b"PK"
 
 
-def live(page: Any) -> Any:
-    """Open Live and start it; the fake cameras of the browser are its sources."""
-    page.wait_for_selector(ANSWERED)
-    page.click(".pair .cameras > summary")
-    page.click(".pair .cameras .start")
-    return page.locator(".pair .cameras .start")
-
-
 def test_a_second_click_while_the_camera_opens_leaves_it_off(
     open_page: Callable[..., Any],
 ) -> None:
@@ -170,45 +170,177 @@ def test_a_second_click_while_the_camera_opens_leaves_it_off(
     page.wait_for_selector(ANSWERED)
 
 
-def test_live_predicts_calibrates_and_records_pairs_that_embed_reads(
-    open_page: Callable[..., Any], tmp_path: Path
+@pytest.fixture
+def live(open_page: Callable[..., Any], sensor: FakeSensor, presses: Any) -> Callable[..., Any]:
+    """Return an opener of Live: two cameras see a real sensor at rest, and Live is started."""
+
+    def opened(name: str = "gelsight", **kept: Any) -> Any:
+        sensor.see(presses(name)[0])
+        page = open_page(PAIR, permissions=["camera"])
+        page.add_init_script(f"{{{CAMERAS}}}")
+        for modality, wanted in kept.items():
+            page.add_init_script(
+                f"localStorage['omnivat-live-{modality}'] ??= '{json.dumps(wanted)}'"
+            )
+        page.goto(page.url)
+        page.wait_for_selector(ANSWERED)
+        page.click(".pair .cameras > summary")
+        page.click(".pair .cameras .start")
+        page.wait_for_selector(".pair .verdict .tag:has-text('live')")
+        page.wait_for_selector(".pair .verdict .reading[data-reading=tac]")  # no rest picture yet
+        return page
+
+    return opened
+
+
+def take_rest(page: Any) -> None:
+    """Take the rest picture."""
+    page.click(".pair .cameras .rest")
+    page.wait_for_selector(".pair .feed[data-modality=tac] .state:has-text('mean of 10 frames')")
+
+
+STATE = ".pair .feed[data-modality=tac] .state:has-text('{}')"
+TOUCHED = ".pair .verdict .reading[data-reading=tac]"
+IDLE = ".pair .verdict:has-text('No contact')"
+
+
+@pytest.mark.parametrize("name", ["gelsight", "gelsight_mini"])
+def test_live_gives_a_class_to_a_real_press_and_none_to_a_sensor_at_rest(
+    live: Callable[..., Any], sensor: FakeSensor, presses: Any, name: str
 ) -> None:
-    page = open_page(PAIR, permissions=["camera"])
-    start = live(page)
-    page.wait_for_selector(".pair .verdict .tag:has-text('live')")
-    assert page.locator(".pair .feed .device option.camera").first.inner_text()
+    calm, pressed = presses(name)
+    page = live(name)
+    names = page.locator(".pair .feed .device option:checked").all_inner_texts()
+    assert names == ["Webcam", "Sensor"]
     page.wait_for_selector(".pair .cameras .rate:has-text('ms from camera')")
-    page.click(".pair .cameras .calibrate")
+    take_rest(page)
+    page.wait_for_selector(IDLE)
+    assert page.locator(TOUCHED).count() == 0
+    for k in (0, len(pressed) // 2, len(pressed) - 1):
+        sensor.see(pressed[k], page=page)
+        page.wait_for_selector(TOUCHED)
+        assert page.locator(".pair .verdict .reading").count() == 3
+        sensor.see(calm, page=page)
+        page.wait_for_selector(IDLE)
+    page.click(".pair .cameras .start")
+
+
+def test_no_rest_picture_is_made_of_a_sensor_that_is_touched_meanwhile(
+    live: Callable[..., Any], sensor: FakeSensor, presses: Any
+) -> None:
+    calm, pressed = presses("gelsight")
+    page = live(vis={"device": "none"})
+    sensor.see(calm, calm, pressed[0], page=page)
+    page.click(".pair .cameras .rest")
+    page.wait_for_selector(STATE.format("without touching"))
+    page.wait_for_selector(TOUCHED)
+    sensor.see(calm, page=page)
+    take_rest(page)
+    page.wait_for_selector(IDLE)
+    page.click(".pair .cameras .start")
+
+
+def shown(body: bytes, pictures: list[Any]) -> int:
+    """Return which picture a request shows."""
+    with Image.open(BytesIO(body)) as image:
+        sent = np.asarray(image.convert("RGB").resize((64, 48)), float)
+    apart = [
+        np.abs(np.asarray(Image.fromarray(p).resize((64, 48)), float) - sent).mean()
+        for p in pictures
+    ]
+    return int(np.argmin(apart))
+
+
+def test_a_slow_server_gets_the_newest_frame_and_none_in_between(
+    live: Callable[..., Any], sensor: FakeSensor, presses: Any
+) -> None:
+    pressed = presses("gelsight")[1]
+    scenes = [presses("gelsight")[0], pressed[0], pressed[24], presses("gelsight_mini")[0]]
+    page = live(vis={"device": "none"})
+    held: list[Any] = []
+    sent: list[int] = []
+    waits = True
+
+    def take(route: Any) -> None:
+        sent.append(shown(route.request.post_data_buffer, scenes))
+        held.append(route) if waits else route.continue_()
+
+    page.route("**/omnivat/live?*", take)
+    while len(held) < 2:  # as many as Live has on their way
+        page.wait_for_timeout(20)
+    for scene in scenes[1:]:
+        sensor.see(scene, page=page)
+    assert sent == [0, 0]
+    waits = False
+    for route in held:
+        route.continue_()
+    while len(sent) < 4:
+        page.wait_for_timeout(20)
+    page.unroute("**/omnivat/live?*")
+    assert sent[2:4] == [3, 3]
+    page.click(".pair .cameras .start")
+
+
+def test_live_calibrates_and_records_pairs_that_embed_reads(
+    live: Callable[..., Any], sensor: FakeSensor, presses: Any, tmp_path: Path
+) -> None:
+    calm, pressed = presses("gelsight_mini")
+    page = live("gelsight_mini")
+    take_rest(page)
+    page.wait_for_selector(IDLE)
+    page.click(".pair .cameras .calibrate")  # waits for a contact
+    sensor.see(pressed[0], page=page)
     page.wait_for_selector(".pair .sensor:has-text('profile of 10')")
     page.fill(".pair .cameras .label", "wood")
     page.click(".pair .cameras .record")
     page.wait_for_selector(".pair .cameras .rate:has-text('2 pairs recorded')")
+    sensor.see(calm, page=page)
+    page.wait_for_selector(IDLE)
+    page.fill(".pair .cameras .label", "steel/rusty")
+    sensor.see(pressed[5], page=page)
+    page.wait_for_selector(".pair .cameras .rate:has-text('4 pairs recorded')")
     with page.expect_download() as saved:
-        start.click()
+        page.click(".pair .cameras .start")
     with ZipFile(saved.value.path()) as archive:
         archive.extractall(tmp_path)
-    names = [one.name for one in (tmp_path / "recording" / "My sensor" / "wood").iterdir()]
     table = (tmp_path / "recording" / "pairs.csv").read_text(encoding="utf-8").splitlines()
     assert table[0] == "vis,tac,domain,material,time"
-    assert len(table) >= 3
-    assert any(name.endswith(("_vis.jpg", "_tac.jpg")) for name in names)
+    assert (
+        main(["embed", str(tmp_path / "recording"), "--out", str(tmp_path / "set.safetensors")])
+        == 0
+    )
+    found = load_embeddings(tmp_path / "set.safetensors")
+    assert len(found) == len(table) - 1 >= 4
+    assert found.header.domains == ("My sensor",) and len(found.header.classes) == 2
     page.wait_for_selector(ANSWERED)
 
 
-def test_another_crop_drops_the_rest_picture_and_says_so(open_page: Callable[..., Any]) -> None:
-    page = open_page(PAIR, permissions=["camera"])
-    page.evaluate("localStorage.setItem('omnivat-live-vis', '{\"device\": \"none\"}')")
-    live(page)
-    page.wait_for_selector(".pair .verdict .tag:has-text('live')")
-    page.click(".pair .cameras .rest")
-    page.wait_for_timeout(1500)
-    page.evaluate(
-        """() => { const rate = document.querySelector('.pair .cameras .rate'); window.said = [];
-          new MutationObserver(() => window.said.push(rate.innerText)).observe(rate, {childList: true}); }"""
-    )
+def test_another_crop_drops_the_rest_picture_and_says_so_until_it_is_taken_again(
+    live: Callable[..., Any],
+) -> None:
+    page = live(vis={"device": "none"})
+    take_rest(page)
+    page.wait_for_selector(IDLE)
     page.select_option(".pair .feed[data-modality=tac] .crop", "border")
-    page.wait_for_function("window.said.some((one) => one.includes('was dropped'))")
+    page.wait_for_selector(STATE.format("was dropped"))
+    page.wait_for_selector(TOUCHED)
+    assert "Take it again" in page.locator(STATE.format("was dropped")).inner_text()
+    take_rest(page)
+    page.wait_for_selector(IDLE)
     page.click(".pair .cameras .start")
+
+
+def test_an_unplugged_camera_ends_live_in_a_sentence(live: Callable[..., Any]) -> None:
+    page = live(vis={"device": "none"})
+    page.evaluate(
+        """() => { for (const { srcObject } of window.videos) srcObject?.getTracks().forEach((track) => {
+          track.stop();
+          track.dispatchEvent(new Event('ended'));
+        }); }"""
+    )
+    page.wait_for_selector(STATE.format("was disconnected"))
+    page.wait_for_selector(".pair .cameras .rate:has-text('no source is left')")
+    page.wait_for_selector(ANSWERED)
 
 
 def test_where_tells_whether_any_part_matters(open_page: Callable[..., Any]) -> None:

@@ -8,7 +8,8 @@ import { camera } from "./webcam.js";
 
 const KEPT = "omnivat-live-";
 const SIDE = 256; // pixels of the longer side sent; encoders use 224
-const FRAMES = 10; // of a rest picture
+export const FRAMES = 10; // of a rest picture
+const LATE = 250; // milliseconds to wait for a new frame; some browsers do not announce frames
 const GRID = 16; // blocks along a side of the picture, of which contact changes some
 const LEAST = 3; // grey levels of a block: smaller changes are never contact
 const NOISE = 2; // contact changes a block by more than this many times the most that rest frames do
@@ -31,10 +32,11 @@ export const feedHtml = (
     .map(([key, [label]]) => `<option value="${key}">${label}</option>`)
     .join("")}</select></label>
   <label>Turn <select class="turn">${[0, 90, 180, 270].map((turn) => `<option value="${turn}">${turn}°</option>`).join("")}</select></label>
-  <input type="file" class="clip" hidden accept="video/*" aria-label="Video of the ${TERMS[name].one}"></div>`;
+  <input type="file" class="clip" hidden accept="video/*" aria-label="Video of the ${TERMS[name].one}">
+  <p class="hint state" role="status"></p></div>`;
 
 export class Feed {
-  /** tell(sentence) shows a warning. */
+  /** tell(sentence) shows why a source could not be opened. */
   constructor(box, tell) {
     this.box = box;
     this.tell = tell;
@@ -45,7 +47,7 @@ export class Feed {
       playsInline: true,
     });
     this.canvas = box.querySelector("canvas");
-    this.rest = null; // {mean: grey level of each block, limit}
+    this.rest = null; // {shape, mean: grey level of each block, limit}
     this.active = false; // a source chosen while Live runs opens at once
     this.stream = null;
     for (const select of box.querySelectorAll("select"))
@@ -86,7 +88,6 @@ export class Feed {
   async changed(select) {
     if (select.matches(".device") && select.value === "file") this.clip.click();
     else if (select.matches(".device") && this.active) await this.open();
-    this.forget();
     const device = this.select("device");
     this.wanted = {
       device: device.value === "file" ? "" : device.value ? device.selectedOptions[0].text : "none",
@@ -96,13 +97,16 @@ export class Feed {
     keep(KEPT + this.modality, JSON.stringify(this.wanted));
   }
 
-  /** The rest picture fits no other crop, turn or source. */
-  forget() {
-    if (this.rest)
-      this.tell(
-        `The rest picture of the ${TERMS[this.modality].one} was dropped, because its source, crop or turn changed. Take it again.`,
-      );
-    this.rest = null;
+  /** What a rest picture depends on: source, crop, turn and size. */
+  get shape() {
+    const [clip] = this.clip.files;
+    const menus = ["device", "crop", "turn"].map((name) => this.select(name).value);
+    return [...menus, clip?.name, this.video.videoWidth, this.video.videoHeight].join();
+  }
+
+  /** Tell what became of the rest picture or the source; it stays until something else does. */
+  say(sentence) {
+    this.box.querySelector(".state").textContent = sentence;
   }
 
   async open() {
@@ -113,7 +117,13 @@ export class Feed {
     if (value === "file") {
       if (!this.clip.files[0]) return;
       video.src = URL.createObjectURL(this.clip.files[0]);
-    } else video.srcObject = this.stream = await camera({ deviceId: { exact: value } });
+    } else {
+      video.srcObject = this.stream = await camera({ deviceId: { exact: value } });
+      this.stream.getVideoTracks()[0].onended = () => {
+        this.close();
+        this.say(`The camera of the ${TERMS[this.modality].one} was disconnected.`);
+      };
+    }
     try {
       await video.play();
     } catch {
@@ -134,6 +144,12 @@ export class Feed {
   /** Draw the newest frame, cropped and turned. Returns whether it touches something: null without a rest picture. */
   draw() {
     const { video, canvas } = this;
+    if (this.rest && this.rest.shape !== this.shape) {
+      this.rest = null;
+      this.say(
+        `The rest picture of the ${TERMS[this.modality].one} was dropped, because its source, crop, turn or size changed. Take it again.`,
+      );
+    }
     const [across, down] = CROPS[this.select("crop").value][1](video.videoWidth, video.videoHeight);
     const [wide, high] = [video.videoWidth * across, video.videoHeight * down];
     const turn = +this.select("turn").value;
@@ -160,16 +176,35 @@ export class Feed {
     return new Promise((resolve) => this.canvas.toBlob(resolve, type, 0.92));
   }
 
-  /** Take the rest picture: the mean of some frames, and their noise. */
-  async takeRest() {
+  /** Wait for a new frame, or a moment. */
+  fresh() {
+    return new Promise((done) => {
+      setTimeout(done, LATE);
+      this.video.requestVideoFrameCallback?.(done);
+    });
+  }
+
+  /** Take the rest picture: the mean of some frames, and their noise. told(n) gets the number so far. */
+  async takeRest(told) {
     this.rest = null;
-    const all = [];
-    for (let i = 0; i < FRAMES; i++) {
+    let frames = [];
+    let { shape } = this;
+    while (frames.length < FRAMES) {
+      await this.fresh();
+      if (!this.on) return;
       this.draw();
-      all.push(grey(this.canvas));
-      await new Promise((resolve) => setTimeout(resolve, 60));
+      if (shape !== this.shape) frames = []; // from the start with another source, crop, turn or size
+      shape = this.shape;
+      frames.push(grey(this.canvas));
+      told(frames.length);
     }
-    this.rest = restOf(all);
+    const rest = restOf(frames);
+    this.rest = rest && { shape, ...rest };
+    this.say(
+      rest
+        ? `Rest picture: the mean of ${FRAMES} frames.`
+        : "No rest picture: the frames differ as by a touch. Take it again without touching the sensor.",
+    );
   }
 }
 
@@ -200,9 +235,9 @@ export function apart(one, other) {
   return changes.reduce((most, change) => Math.max(most, Math.abs(change - median)), 0);
 }
 
-/** The rest picture of some frames, and the limit beyond which a picture is a contact. */
+/** The rest picture of some frames and the limit beyond which a picture is a contact; null if they differ as by a touch. */
 export function restOf(frames) {
   const mean = frames[0].map((_, i) => frames.reduce((sum, one) => sum + one[i], 0) / frames.length);
   const noise = Math.max(...frames.map((one) => apart(one, mean)));
-  return { mean, limit: Math.max(LEAST, NOISE * noise) };
+  return noise > LEAST ? null : { mean, limit: Math.max(LEAST, NOISE * noise) };
 }

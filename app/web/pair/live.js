@@ -3,7 +3,7 @@
 import { askOfImage, refused } from "../shared/api.js";
 import { csv } from "../shared/csv.js";
 import { save } from "../shared/save.js";
-import { Feed, feedHtml } from "./feed.js";
+import { Feed, FRAMES, feedHtml } from "./feed.js";
 import { called, READINGS, unlike } from "./verdict.js";
 import { camera } from "./webcam.js";
 import { zipped } from "./zip.js";
@@ -23,6 +23,7 @@ export class Live {
     this.on = on;
     this.run = null; // a new object for each start: what belongs to an older one is dropped
     this.recording = null;
+    this.guiding = false; // a rest picture or a calibration has the status line
     box.innerHTML = `<summary>Live: photo and touch</summary><div class="feeds">${["vis", "tac"].map(feedHtml).join("")}</div>
       <div class="row"><button type="button" class="main start" aria-pressed="false">Start</button><button type="button" class="rest" disabled title="Do not touch: ten frames of the sensor at rest">Rest picture</button><button type="button" class="calibrate" disabled title="Ten frames of different presses make the profile of My sensor">Calibrate</button></div>
       <div class="row"><label>Label <input class="label" maxlength="40" size="8"></label><button type="button" class="record" disabled aria-pressed="false">Record</button></div>
@@ -32,14 +33,30 @@ export class Live {
     );
     box.onclick = ({ target }) => {
       if (target.matches(".start")) this.run ? this.off() : this.start();
-      if (target.matches(".rest")) this.takeRest();
-      if (target.matches(".calibrate")) this.calibrate();
+      if (target.matches(".rest")) this.guide(() => this.takeRest());
+      if (target.matches(".calibrate")) this.guide(() => this.calibrate());
       if (target.matches(".record")) this.record();
     };
   }
 
   tell(text) {
     this.box.querySelector(".rate").textContent = text;
+  }
+
+  /** Tell how Live goes, unless the line is needed for what to do. */
+  report(text) {
+    if (!this.guiding) this.tell(text);
+  }
+
+  /** Run `work`, which tells what to do, with the status line and without a second one beside it. */
+  async guide(work) {
+    if (this.guiding) return;
+    this.guiding = true;
+    try {
+      await work();
+    } finally {
+      this.guiding = false;
+    }
   }
 
   press(on) {
@@ -110,10 +127,14 @@ export class Live {
       const number = ++mine.sent;
       const began = performance.now();
       const there = this.feeds.filter((feed) => feed.on);
+      if (!there.length) {
+        this.off();
+        return this.tell("Live has stopped: no source is left.");
+      }
       const contact = Object.fromEntries(there.map((feed) => [feed.modality, feed.draw()]));
       if (contact.tac === false) {
         this.on.answer({ idle: true });
-        this.tell("No contact, so no class.");
+        this.report("No contact, so no class.");
         await pause(60);
         continue;
       }
@@ -128,28 +149,30 @@ export class Live {
       mine.shown = number;
       this.keepPair(there, blobs);
       const now = performance.now();
-      this.tell(toldOf(answer, rate(mine.times, now), now - began, this.recording?.pairs.length));
+      this.report(toldOf(answer, rate(mine.times, now), now - began, this.recording?.pairs.length));
       this.on.answer(answer);
     }
   }
 
   async takeRest() {
-    this.tell("Do not touch the sensor…");
-    for (const feed of this.feeds.filter(({ modality, on }) => on && modality === "tac"))
-      await feed.takeRest();
+    const touch = this.feeds.find(({ modality }) => modality === "tac");
+    if (touch.on) await touch.takeRest((n) => this.tell(`Do not touch the sensor: ${n} of ${FRAMES}.`));
+    else touch.say("A rest picture is of the touch: choose its source first.");
   }
 
-  /** Frames of different presses become the profile of My sensor. */
+  /** Frames of different presses become the profile of My sensor; frames without contact are left out. */
   async calibrate() {
     const files = [];
-    for (let i = 0; i < PRESSES && this.run; i++) {
-      this.tell(`Press differently each time: ${i + 1} of ${PRESSES}.`);
-      for (const feed of this.feeds.filter(({ on }) => on)) {
-        feed.draw();
-        const name = `${i}_${feed.modality}.png`;
-        files.push({ path: name, file: new File([await feed.blob("image/png")], name) });
-      }
-      await pause(APART);
+    for (let taken = 0; taken < PRESSES && this.run; await pause(APART)) {
+      this.tell(`Press differently each time: ${taken + 1} of ${PRESSES}.`);
+      const there = this.feeds.filter(({ on }) => on);
+      if (there.map((feed) => feed.draw()).includes(false)) continue;
+      const drawn = there.map((feed) => ({
+        name: `${taken}_${feed.modality}.png`,
+        blob: feed.blob("image/png"),
+      }));
+      for (const { name, blob } of drawn) files.push({ path: name, file: new File([await blob], name) });
+      taken++;
     }
     if (this.run) this.on.calibrate(files);
   }

@@ -1,9 +1,5 @@
-"""Live's own functions on real frames of GelSights: contact, and a recording that `embed` reads.
+"""Live's own functions on real frames of GelSights: contact, and a recording that `embed` reads."""
 
-The frames are ball presses and rest pictures that the package `taxim` carries (MIT).
-"""
-
-import importlib.util
 import io
 import json
 import shutil
@@ -31,7 +27,7 @@ const blocks = (name) => blocksOf({ data: readFileSync(name), width: 256, height
 const { rest, frames, pictures, out } = JSON.parse(readFileSync(0));
 if (rest) {
   const known = restOf(rest.map(blocks));
-  console.log(JSON.stringify(frames.map((name) => apart(blocks(name), known.mean) > known.limit)));
+  console.log(JSON.stringify(known && frames.map((name) => apart(blocks(name), known.mean) > known.limit)));
 } else {
   const blob = (name) => new Blob([readFileSync(name)]);
   const pairs = pictures.map(({ label, ...files }) =>
@@ -54,16 +50,6 @@ def page(**asked):
     return json.loads(done.stdout or "null")
 
 
-def presses(name):
-    """Return the rest picture and the presses of a sensor, (H, W, 3) bytes each."""
-    found = importlib.util.find_spec("taxim")  # its code is not run
-    if found is None or not found.submodule_search_locations:
-        pytest.skip("taxim is not installed")
-    file = Path(found.submodule_search_locations[0]) / "calib" / name / "dataPack.npz"
-    with np.load(file) as data:
-        return data["f0"], list(data["imgs"])
-
-
 def written(folder, name, pixels, noise, random):
     """Write a frame as the canvas holds it, with the noise of a camera; return its place."""
     small = np.asarray(Image.fromarray(pixels).resize(SIZE), float)
@@ -76,7 +62,7 @@ def written(folder, name, pixels, noise, random):
 
 @pytest.mark.parametrize("noise", [1, 4])
 @pytest.mark.parametrize("name", ["gelsight", "gelsight_mini"])
-def test_each_real_press_is_a_contact_and_no_rest_frame_is(tmp_path, name, noise):
+def test_each_real_press_is_a_contact_and_no_rest_frame_is(tmp_path, presses, name, noise):
     calm, pressed = presses(name)
     random = np.random.default_rng(0)
     rest = [written(tmp_path, f"r{k}", calm, noise, random) for k in range(10)]
@@ -87,8 +73,18 @@ def test_each_real_press_is_a_contact_and_no_rest_frame_is(tmp_path, name, noise
     assert len(pressed) >= 24
 
 
+def test_a_rest_picture_is_refused_if_the_sensor_was_touched_meanwhile(tmp_path, presses):
+    calm, pressed = presses("gelsight")
+    random = np.random.default_rng(0)
+    touched = np.argsort([np.abs(one.astype(int) - calm).mean() for one in pressed])[0]  # lightest
+    frames = [calm] * 9 + [pressed[touched]]
+    rest = [written(tmp_path, f"r{k}", one, 1, random) for k, one in enumerate(frames)]
+    assert page(rest=rest, frames=[]) is None
+    assert page(rest=rest[:9], frames=[]) == []
+
+
 @pytest.mark.parametrize("halves", [("vis", "tac"), ("tac",)])
-def test_a_recording_of_live_is_embedded(tmp_path, halves):
+def test_a_recording_of_live_is_embedded(tmp_path, presses, halves):
     """With photo and touch by `embed`, of touches alone by its reader for names alone."""
     _, pressed = presses("gelsight_mini")
     pictures = []
