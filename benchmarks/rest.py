@@ -17,7 +17,7 @@ import numpy as np
 from PIL import Image
 
 from benchmarks._ladder_methods import logistic, onto, profile, unit
-from omnivat.data.domains import DOMAINS, simulated
+from omnivat.data.domains import simulated
 from omnivat.data.profile import standardised
 from omnivat.data.rest import has_markers, minus_rest
 from omnivat.data.store import Embeddings, load_embeddings
@@ -37,16 +37,16 @@ Arrays = dict[str, np.ndarray[Any, Any]]
 
 def embedded(found: Embeddings, count: int) -> Arrays:
     """Return TAC embeddings (N, D) in three ways, and the `rows` that were drawn."""
-    from omnivat.simulate.pressing import resting, tactile  # type: ignore[import-not-found,import-untyped,unused-ignore]
-
     from omnivat.encoders import load_encoder
+    from omnivat.simulate.domains import SIMULATED
+    from omnivat.simulate.drawing import resting, tactile
     from omnivat.simulate.plan import classes, planned
     from omnivat.simulate.things import thing
 
     encoder = load_encoder("efficientnet-lite0")
     plan = {
         (simulated(pair.domain), pair.material, pair.object): pair
-        for domain in DOMAINS.values()
+        for domain in SIMULATED.values()
         for material in classes(domain)
         for pair in planned(domain, material, pairs=60)
     }
@@ -57,7 +57,7 @@ def embedded(found: Embeddings, count: int) -> Arrays:
     def vector(image: Image.Image) -> Any:
         return encoder.embed(encoder.preprocess(image)[None])[0].numpy()
 
-    rests = {name: picture(resting(name, size=224)) for name in DOMAINS}
+    rests = {name: picture(resting(made.sensor, size=224)) for name, made in SIMULATED.items()}
     rows = np.random.default_rng(0).permutation(len(found))[:count]
     arrays = {
         way: np.zeros((len(found), found.width), np.float32) for way in ("plain", "rest", "own")
@@ -66,8 +66,8 @@ def embedded(found: Embeddings, count: int) -> Arrays:
         domain = found.header.domains[found.domain[row]]
         pair = plan[domain, found.header.classes[found.label[row]], found.rows["object"][row]]
         stream = derive_seed(0, "pair", pair.domain, pair.material, pair.object)
-        image = picture(tactile(thing(pair, seed=0), pair.domain, stream, size=224))
-        own = picture(resting(pair.domain, size=224, stream=stream))
+        image = picture(tactile(thing(pair, seed=0), pair.made.sensor, stream, size=224))
+        own = picture(resting(pair.made.sensor, size=224, stream=stream))
         arrays["plain"][row] = vector(image)
         arrays["rest"][row] = vector(minus_rest(image, rests[pair.domain]))
         arrays["own"][row] = vector(minus_rest(image, own))

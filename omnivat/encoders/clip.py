@@ -1,25 +1,21 @@
 """Open a CLIP checkpoint of any layout: find it, read it, check its name, load its image tower."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
 import torch
 
-from omnivat.encoders.clip_names import RESNET, ClipState, State, clip_state
+from omnivat.encoders.clip_names import RESNET, clip_state
 from omnivat.encoders.clip_settings import (
     ANY,
-    GELU,
-    ClipSettings,
-    ImageShape,
+    Clip,
     clip_settings,
     image_shape,
     require_name,
 )
 from omnivat.encoders.clip_towers import ClipTower
 from omnivat.encoders.hub import Checkpoint, find
-from omnivat.encoders.running import state_hash
 from omnivat.encoders.weights import read_weights
 from omnivat.errors import DataError
 
@@ -53,39 +49,6 @@ CHECKPOINTS = {
         Checkpoint(name=ANY, fetch="hf download OWNER/NAME --local-dir {folder}"),
     )
 }
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Clip:
-    """A CLIP checkpoint in memory: the weights of its towers, and its settings.
-
-    name    name of a published CLIP if its image tower has that shape, else "clip"
-    place   the given folder or file
-    file    the weights file in it
-    """
-
-    name: str
-    place: Path
-    file: Path
-    weights: ClipState
-    settings: ClipSettings
-    shape: ImageShape | None
-
-    @property
-    def image_hash(self) -> str:
-        """A hash of the image tower, independent of the file layout."""
-        return self._hash(self.weights.image, plain=self.weights.kind == RESNET)
-
-    @property
-    def text_hash(self) -> str:
-        """A hash of the text tower; "" if the checkpoint has none."""
-        return self._hash(self.weights.text) if self.weights.text else ""
-
-    def _hash(self, state: State, *, plain: bool = False) -> str:
-        """Return the hash of `state`; GELU in place of QuickGELU changes it unless `plain`."""
-        if self.settings.activation == GELU and not plain:
-            state = state | {"activation.gelu": torch.ones(1)}
-        return state_hash(state)
 
 
 def open_clip(name: str, weights: Path | None, *, download: str = "ask") -> Clip:

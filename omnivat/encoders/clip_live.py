@@ -12,7 +12,8 @@ from torch import Tensor, nn
 
 from omnivat.devices import current
 from omnivat.encoders.base import JOINED
-from omnivat.encoders.clip import Clip, load_tower, open_clip
+from omnivat.encoders.clip import load_tower, open_clip
+from omnivat.encoders.clip_settings import Clip
 from omnivat.encoders.clip_text import ClipText
 from omnivat.encoders.clip_towers import ClipTower
 from omnivat.encoders.hub import recall

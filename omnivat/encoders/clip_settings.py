@@ -6,8 +6,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import torch
+
 from omnivat.encoders.clip_names import RESNET, VIT, ClipState, State
-from omnivat.encoders.running import CLIP_MEAN, CLIP_STD
+from omnivat.encoders.running import CLIP_MEAN, CLIP_STD, state_hash
 from omnivat.encoders.weights import Weights
 from omnivat.errors import DataError
 
@@ -221,3 +223,36 @@ def heads(width: int, stated: int | None, place: object) -> int:
             + "; put the model's config.json beside the file."
         )
     return number
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Clip:
+    """A CLIP checkpoint in memory: the weights of its towers, and its settings.
+
+    name    name of a published CLIP if its image tower has that shape, else "clip"
+    place   the given folder or file
+    file    the weights file in it
+    """
+
+    name: str
+    place: Path
+    file: Path
+    weights: ClipState
+    settings: ClipSettings
+    shape: ImageShape | None
+
+    @property
+    def image_hash(self) -> str:
+        """A hash of the image tower, independent of the file layout."""
+        return self._hash(self.weights.image, plain=self.weights.kind == RESNET)
+
+    @property
+    def text_hash(self) -> str:
+        """A hash of the text tower; "" if the checkpoint has none."""
+        return self._hash(self.weights.text) if self.weights.text else ""
+
+    def _hash(self, state: State, *, plain: bool = False) -> str:
+        """Return the hash of `state`; GELU in place of QuickGELU changes it unless `plain`."""
+        if self.settings.activation == GELU and not plain:
+            state = state | {"activation.gelu": torch.ones(1)}
+        return state_hash(state)

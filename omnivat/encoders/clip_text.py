@@ -9,8 +9,8 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from omnivat.encoders.clip import CHECKPOINTS, Clip, open_clip
-from omnivat.encoders.clip_settings import count, heads
+from omnivat.encoders.clip import CHECKPOINTS, open_clip
+from omnivat.encoders.clip_settings import Clip, count, heads
 from omnivat.encoders.clip_towers import PURPOSE, filled, mlp_width, require_stated
 from omnivat.errors import DataError, MissingNameError
 from omnivat.files import cache_folder

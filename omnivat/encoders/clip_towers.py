@@ -5,7 +5,7 @@ Radford et al., "Learning Transferable Visual Models From Natural Language Super
 have a stride, and attention instead of the last average. All sizes come from the weights.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import torch
 from PIL import Image
@@ -13,14 +13,10 @@ from torch import Tensor, nn
 from torch.nn.functional import avg_pool2d, conv2d, linear, relu, scaled_dot_product_attention
 
 from omnivat.encoders.clip_names import State
-from omnivat.encoders.clip_settings import ImageShape, heads
+from omnivat.encoders.clip_settings import Clip, ImageShape, heads
 from omnivat.encoders.running import one_by_one, pixels, placed, precision_type, resized
 from omnivat.errors import DataError
 from omnivat.tables import need
-
-if TYPE_CHECKING:
-    from omnivat.encoders.clip import Clip
-
 
 PURPOSE = "CLIP's ViT encoders"
 
@@ -29,7 +25,7 @@ class ClipTower:
     """The image tower of CLIP, a ViT or a ResNet, as an `Encoder`."""
 
     def __init__(
-        self, clip: "Clip", shape: ImageShape, device: torch.device, precision: str, *, vit: bool
+        self, clip: Clip, shape: ImageShape, device: torch.device, precision: str, *, vit: bool
     ) -> None:
         try:
             network = _network(clip, shape) if vit else Tower(clip.weights.image)
@@ -61,7 +57,7 @@ class ClipTower:
         return embeds
 
 
-def _network(clip: "Clip", shape: ImageShape) -> Any:
+def _network(clip: Clip, shape: ImageShape) -> Any:
     """Return the tower of `transformers` with the checkpoint's weights."""
     transformers = need("transformers", purpose=PURPOSE)
     state, stated = clip.weights.image, clip.settings.image
@@ -83,7 +79,7 @@ def _network(clip: "Clip", shape: ImageShape) -> Any:
     return filled(network, state, clip)
 
 
-def mlp_width(state: State, layer: str, clip: "Clip") -> int:
+def mlp_width(state: State, layer: str, clip: Clip) -> int:
     """Return the hidden width of the perceptron in `layer`; raises DataError without one."""
     weight = state.get(f"{layer}mlp.fc1.weight")
     if weight is None:
@@ -91,7 +87,7 @@ def mlp_width(state: State, layer: str, clip: "Clip") -> int:
     return len(weight)
 
 
-def require_stated(stated: Any, found: dict[str, int], clip: "Clip") -> None:
+def require_stated(stated: Any, found: dict[str, int], clip: Clip) -> None:
     """Raise DataError for weights whose sizes differ from the settings next to them."""
     for name, size in found.items():
         if stated.get(name, size) != size:
@@ -101,7 +97,7 @@ def require_stated(stated: Any, found: dict[str, int], clip: "Clip") -> None:
             )
 
 
-def filled(network: Any, state: State, clip: "Clip") -> Any:
+def filled(network: Any, state: State, clip: Clip) -> Any:
     """Load weights into `network`, which was built on the meta device.
 
     Buffers that checkpoints lack (positions 0, 1, 2, ...) are made here.

@@ -14,13 +14,14 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from omnivat.data.domains import DOMAINS, paper_name, simulated
+from omnivat.data.domains import paper_name, simulated
 from omnivat.data.images import read_image
 from omnivat.data.pairs import Pair, PairSet
 from omnivat.data.rest import REST
 from omnivat.errors import DataError
 from omnivat.files import replacing, write_text
 from omnivat.progress import OnStep, Step, ignore
+from omnivat.simulate.domains import NUMBERS, SIMULATED, SimulatedDomain
 from omnivat.simulate.drawing import resting
 from omnivat.simulate.noise import Array
 from omnivat.simulate.plan import PAIRS, Planned, classes, planned
@@ -83,7 +84,7 @@ RENDERERS = {
 def simulate(
     out: Path,
     *,
-    domains: Sequence[str] | None = None,
+    domains: Sequence[str | SimulatedDomain] | None = None,
     pairs_per_class: int = PAIRS,
     seed: int = 0,
     size: int = 224,
@@ -95,7 +96,7 @@ def simulate(
 
     Each domain's folder also gets `rest.png`, its sensor while it touches nothing.
 
-    domains          paper's names or their simulated ones; None means all eight
+    domains          names, with or without "-sim", or domains of your own; None: the shipped eight
     pairs_per_class  of each class of each domain
     size             side of an image in pixels
     workers          processes; None means one for each core
@@ -123,8 +124,8 @@ def simulate(
     for pair in _carried_out(work, todo, workers=workers or cpu_count() or 1):
         done += 1
         on_step(Step(done=done, total=len(plan), text=f"{pair.folder()}/{pair.stem}"))
-    for name in dict.fromkeys(pair.domain for pair in plan):
-        _write(out / simulated(name) / REST, resting(name, size=size))
+    for name, made in {pair.domain: pair.made for pair in plan}.items():
+        _write(out / simulated(name) / REST, resting(made.sensor, size=size))
     write_text(out / "pairs.csv", _table(plan))
     return PairSet(
         pairs=tuple(_pair(out, pair) for pair in plan),
@@ -161,17 +162,26 @@ def _carried_out(
             pool.shutdown(cancel_futures=True)
 
 
-def _plan(domains: Sequence[str] | None, *, pairs_per_class: int) -> Iterator[Planned]:
-    names = [paper_name(name) for name in domains] if domains is not None else list(DOMAINS)
-    unknown = [name for name in names if name not in DOMAINS]
-    if unknown:
-        known = ", ".join(map(simulated, DOMAINS))
-        raise DataError(f"No domain is called '{unknown[0]}'; there are {known}.")
-    if pairs_per_class < 1:
-        raise DataError(f"{pairs_per_class} pairs of a class were requested; choose 1 or more.")
-    for name in names:
-        for material in classes(DOMAINS[name]):
-            yield from planned(DOMAINS[name], material, pairs=pairs_per_class)
+def _plan(
+    domains: Sequence[str | SimulatedDomain] | None, *, pairs_per_class: int
+) -> Iterator[Planned]:
+    if not 1 <= pairs_per_class <= NUMBERS:
+        raise DataError(
+            f"{pairs_per_class} pairs of a class were requested; choose 1 to {NUMBERS:,}."
+        )
+    for domain in [*SIMULATED.values()] if domains is None else map(_domain, domains):
+        for material in classes(domain):
+            yield from planned(domain, material, pairs=pairs_per_class)
+
+
+def _domain(wanted: str | SimulatedDomain) -> SimulatedDomain:
+    """Return a domain by its name, or as it is. Raises DataError for an unknown name."""
+    if isinstance(wanted, SimulatedDomain):
+        return wanted
+    if (name := paper_name(wanted)) not in SIMULATED:
+        known = ", ".join(map(simulated, SIMULATED))
+        raise DataError(f"No domain is called '{name}'; there are {known}.")
+    return SIMULATED[name]
 
 
 def _path(out: Path, pair: Planned, kind: str) -> Path:

@@ -10,19 +10,17 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from omnivat.data.domains import DOMAINS
 from omnivat.data.tac3d import MARKERS
 from omnivat.seeding import derive_seed
 from omnivat.simulate.contact import Press, coloured, felt, pressed_height
 from omnivat.simulate.noise import Array
 from omnivat.simulate.photograph import Renderer, photograph, plain
 from omnivat.simulate.plan import Planned
-from omnivat.simulate.sensors import SENSORS
+from omnivat.simulate.sensors import Sensor, SensorModel, TaximSensor
 from omnivat.simulate.tactile import at_rest, touch
 from omnivat.simulate.things import Thing, thing
 from omnivat.tables import need
 
-CALIBRATIONS = {"Taxim GelSight": "CALIB_GELSIGHT", "Taxim GelSight Mini": "CALIB_GELSIGHT_MINI"}
 DEPTH = (0.7, 1.4)  # mm
 _PIXEL = 0.0295 * 2  # mm, half of the calibrated resolution of 640 × 480
 _HEIGHT = 240  # pixels: central square of 320 × 240
@@ -30,15 +28,15 @@ _WIDTH = 320
 
 
 @lru_cache(maxsize=2)
-def _simulator(name: str) -> Any:
+def _simulator(calibration: str) -> Any:
     taxim = need("taxim", purpose="tactile images of the OF 2.0 domains", install="taxim jax")
     need("jax", purpose="running taxim on a CPU")
-    calibration = getattr(taxim, CALIBRATIONS[name])
-    return taxim.Taxim(calib_folder=calibration, backend="jax", device="cpu")
+    folder = getattr(taxim, calibration)
+    return taxim.Taxim(calib_folder=folder, backend="jax", device="cpu")
 
 
-def calibrated(thing: Thing, press: Press, name: str, *, size: int) -> Array:
-    """Return the image (size, size, 3), 0 to 1, that Taxim gives with the calibration `name`.
+def calibrated(thing: Thing, press: Press, calibration: str, *, size: int) -> Array:
+    """Return the image (size, size, 3), 0 to 1, that Taxim gives with one of its calibrations.
 
     Raises MissingPackageError without taxim and jax.
     """
@@ -47,19 +45,19 @@ def calibrated(thing: Thing, press: Press, name: str, *, size: int) -> Array:
     height = square[edge : edge + _HEIGHT]
     depth = DEPTH[0] + press.depth * (DEPTH[1] - DEPTH[0])
     # Taxim measures distance from the gel: the highest point has the smallest.
-    return _square(_rendered(name, -height, depth), size)
+    return _square(_rendered(calibration, -height, depth), size)
 
 
-def untouched(name: str, *, size: int) -> Array:
+def untouched(calibration: str, *, size: int) -> Array:
     """Return the picture (size, size, 3), 0 to 1, of the untouched gel: nothing within a metre.
 
     Raises MissingPackageError without taxim and jax.
     """
-    return _square(_rendered(name, np.full((_HEIGHT, _WIDTH), 1000.0), None), size)
+    return _square(_rendered(calibration, np.full((_HEIGHT, _WIDTH), 1000.0), None), size)
 
 
-def _rendered(name: str, distance: Array, depth: float | None) -> Array:
-    seen = _simulator(name).render(
+def _rendered(calibration: str, distance: Array, depth: float | None) -> Array:
+    seen = _simulator(calibration).render(
         distance.astype(np.float32), with_shadow=False, press_depth=depth
     )
     return np.asarray(seen)
@@ -87,37 +85,32 @@ def drawn(pair: Planned, *, seed: int, size: int, renderer: Renderer = plain) ->
     stream = derive_seed(seed, "pair", pair.domain, pair.material, pair.object)
     return Drawn(
         vis=photograph(made, pair, stream, size=size, renderer=renderer),
-        tac=tactile(made, pair.domain, stream, size=size),
+        tac=tactile(made, pair.made.sensor, stream, size=size),
     )
 
 
-_TAXIM = {"OF 2.0 A": "Taxim GelSight", "OF 2.0 B": "Taxim GelSight Mini"}
-
-
-def tactile(thing: Thing, domain: str, stream: int, *, size: int) -> Array:
-    """Return TAC (size, size, 3), 0 to 1: the touched spot, imaged by the domain's sensor."""
+def tactile(thing: Thing, sensor: SensorModel, stream: int, *, size: int) -> Array:
+    """Return TAC (size, size, 3), 0 to 1: the touched spot, imaged by a sensor."""
     press = pressing(np.random.default_rng(derive_seed(stream, "press")))
     noise = derive_seed(stream, "sensor")
-    if domain in _TAXIM:
-        return calibrated(thing, press, _TAXIM[domain], size=size)
-    sensor = DOMAINS[domain].sensor
-    if sensor == "Tac3D":
-        return felt(thing, press, size=size, seed=noise)
-    return touch(thing, press, SENSORS[sensor], size=size, seed=noise)
+    if isinstance(sensor, TaximSensor):
+        return calibrated(thing, press, sensor.calibration, size=size)
+    if isinstance(sensor, Sensor):
+        return touch(thing, press, sensor, size=size, seed=noise)
+    return felt(thing, press, size=size, seed=noise)
 
 
-def resting(domain: str, *, size: int, stream: int | None = None) -> Array:
-    """Return the rest picture (size, size, 3), 0 to 1, of the domain's sensor: nothing touches it.
+def resting(sensor: SensorModel, *, size: int, stream: int | None = None) -> Array:
+    """Return the rest picture (size, size, 3), 0 to 1, of a sensor: nothing touches it.
 
     stream  of a pair: the rest picture of that pair's own gel; None: of the sensor without wear
     """
-    sensor = DOMAINS[domain].sensor
-    if domain in _TAXIM:
-        return untouched(_TAXIM[domain], size=size)
-    if sensor == "Tac3D":
-        return coloured(np.zeros((MARKERS, MARKERS, 3)), size=size)
-    seed = None if stream is None else derive_seed(stream, "sensor")
-    return at_rest(SENSORS[sensor], size=size, seed=seed)
+    if isinstance(sensor, TaximSensor):
+        return untouched(sensor.calibration, size=size)
+    if isinstance(sensor, Sensor):
+        seed = None if stream is None else derive_seed(stream, "sensor")
+        return at_rest(sensor, size=size, seed=seed)
+    return coloured(np.zeros((MARKERS, MARKERS, 3)), size=size)
 
 
 def pressing(rng: np.random.Generator) -> Press:

@@ -1,4 +1,4 @@
-"""VIS: draw camera and light from the domain's row, render, and photograph.
+"""VIS: draw camera and light from the domain's scene, render, and photograph.
 
 From radiance to a photograph: exposure, white balance, tone, softness, grain."""
 
@@ -11,7 +11,7 @@ from scipy.ndimage import gaussian_filter
 from omnivat.seeding import derive_seed
 from omnivat.simulate.noise import Array
 from omnivat.simulate.plan import Planned
-from omnivat.simulate.scenes import OUTDOORS, SCENES, Colour, Scene
+from omnivat.simulate.scenes import OUTDOORS, Colour, Scene
 from omnivat.simulate.shapes import Spot, blocked
 from omnivat.simulate.things import Thing, is_outdoors
 
@@ -114,7 +114,7 @@ def photograph(thing: Thing, pair: Planned, stream: int, *, size: int, renderer:
 
     stream  the pair's seed, from which framing and camera draw theirs
     """
-    scene = SCENES[pair.domain]
+    scene = pair.made.scene
     place = np.random.default_rng(derive_seed(stream, "place"))
     framing = framed(
         scene, thing, outdoors=is_outdoors(pair, place), seed=derive_seed(stream, "framing")

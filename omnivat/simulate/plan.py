@@ -2,8 +2,9 @@
 
 from dataclasses import dataclass
 
-from omnivat.data.domains import DOMAINS, Domain, simulated
+from omnivat.data.domains import simulated
 from omnivat.data.materials import MATERIALS
+from omnivat.simulate.domains import SimulatedDomain
 
 PAIRS = 60  # of each class of each domain in the shipped set
 TEST_EVERY = 3  # one object of three is a test object
@@ -18,7 +19,7 @@ _STEPS = (0.7548776662, 0.4142135624, 0.5698402910)  # of rotations: sight, touc
 class Planned:
     """One pair to draw."""
 
-    domain: str  # the paper's name
+    made: SimulatedDomain
     material: str
     object: str
     number: int  # of the object, unique within its material over all domains
@@ -28,12 +29,17 @@ class Planned:
     looks_like: str = ""  # the class that the object imitates by sight
     feels_like: str = ""  # the class that it imitates by touch
 
+    @property
+    def domain(self) -> str:
+        """The domain's name."""
+        return self.made.name
+
     def folder(self) -> str:
         """Return the pair's folder, relative to the set."""
         return f"{simulated(self.domain)}/{self.material}"
 
 
-def planned(domain: Domain, material: str, *, pairs: int) -> list[Planned]:
+def planned(domain: SimulatedDomain, material: str, *, pairs: int) -> list[Planned]:
     """Return the pairs of one class of one domain, each of a different object.
 
     Consecutive numbers have a balanced mixture of surfaces and imitations. Each split of each part
@@ -44,17 +50,18 @@ def planned(domain: Domain, material: str, *, pairs: int) -> list[Planned]:
         ("test" if _is_test(index // len(parts)) else "train", parts[index % len(parts)], index)
         for index in range(pairs)
     ]
-    first = list(DOMAINS).index(domain.name) * 10_000
-    numbers = {place: first + rank for rank, place in enumerate(sorted(places))}
+    numbers = {place: domain.seed_base + rank for rank, place in enumerate(sorted(places))}
     return [_pair(domain, material, place, numbers[place]) for place in places]
 
 
-def _pair(domain: Domain, material: str, place: tuple[str, str, int], number: int) -> Planned:
+def _pair(
+    domain: SimulatedDomain, material: str, place: tuple[str, str, int], number: int
+) -> Planned:
     split, part, index = place
     name = f"{material}-{index:02d}"
     looks_like, feels_like = imitated(domain, material, number)
     return Planned(
-        domain=domain.name,
+        made=domain,
         material=material,
         object=f"{simulated(domain.name)}/{name}",
         number=number,
@@ -66,7 +73,7 @@ def _pair(domain: Domain, material: str, place: tuple[str, str, int], number: in
     )
 
 
-def imitated(domain: Domain, material: str, number: int) -> tuple[str, str]:
+def imitated(domain: SimulatedDomain, material: str, number: int) -> tuple[str, str]:
     """Return the classes that an object imitates by sight and by touch, "" for none.
 
     No object imitates in both ways, so one modality always shows its class. Only classes of the
@@ -90,7 +97,7 @@ def _is_test(turn: int) -> bool:
     return turn % TEST_EVERY == 1
 
 
-def classes(domain: Domain) -> tuple[str, ...]:
+def classes(domain: SimulatedDomain) -> tuple[str, ...]:
     """Return the materials of a domain."""
     return tuple(name for name in MATERIALS if domain.ceramic or name != "ceramic")
 

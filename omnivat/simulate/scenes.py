@@ -1,4 +1,4 @@
-"""One row for each domain: camera, light, place and camera errors of its photographs.
+"""One row for each scene: camera, light, place and camera errors of its photographs.
 
 The eight rows follow how each data set was collected: by hand, indoors and outdoors (Touch-and-Go),
 on a white turntable (OF Real), rendered on a plain ground (OF 2.0), at a desk with the sensor's rig
@@ -12,7 +12,7 @@ Colour = tuple[float, float, float]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Scene:
-    """Camera settings of a domain. Pairs in brackets are ranges."""
+    """Camera settings of a scene. Pairs in brackets are ranges."""
 
     whole: bool  # True if the whole object is in the picture
     view: tuple[float, float]  # width of the picture: relative to the object, or mm if not whole

@@ -1,6 +1,6 @@
-"""Parameters of each tactile sensor in the photometric model.
+"""The tactile sensors: a gel with lamps and a camera, a calibration of Taxim, or Tac3D.
 
-They come from published pictures and descriptions of the sensors, not from measurements on devices.
+The parameters of the gels come from published pictures and descriptions of the sensors, not from measurements on devices.
 They set the visible differences (lamps, tint, markers, softness, field), not calibrated colour.
 """
 
@@ -32,7 +32,7 @@ class Markers:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sensor:
-    """Mechanics and appearance of one sensor."""
+    """Mechanics and appearance of a gel that a camera sees (`tactile.py`)."""
 
     field: float  # mm across the square image
     depth: tuple[float, float]  # press depth, mm
@@ -49,7 +49,20 @@ class Sensor:
     blur: float = 0.0  # pixels of 224
 
 
-SENSORS = {
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TaximSensor:
+    """A sensor that the package taxim draws with one of its calibrations."""
+
+    calibration: str  # name in taxim
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tac3DSensor:
+    """A grid of displacements, drawn as colours (`contact.felt`)."""
+
+
+SensorModel = Sensor | TaximSensor | Tac3DSensor
+GELS = {
     "GelSight": Sensor(
         field=16.0, depth=(0.7, 1.4), skin=0.06, give=0.9, dome=0.35,
         base=(0.60, 0.55, 0.62),
@@ -103,3 +116,9 @@ SENSORS = {
         plain_gels=0.5, vignette=0.15, noise=0.014, blur=0.5,
     ),
 }  # fmt: skip
+SENSORS: dict[str, SensorModel] = {
+    **GELS,
+    "Taxim GelSight": TaximSensor(calibration="CALIB_GELSIGHT"),
+    "Taxim GelSight Mini": TaximSensor(calibration="CALIB_GELSIGHT_MINI"),
+    "Tac3D": Tac3DSensor(),
+}

@@ -4,11 +4,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from omnivat.data.domains import DOMAINS
 from omnivat.seeding import derive_seed
 from omnivat.simulate.noise import Array
 from omnivat.simulate.plan import EMBOSSED, OTHER_SHAPE, Planned
-from omnivat.simulate.scenes import SCENES
 from omnivat.simulate.shapes import KINDS, OBJECTS, PARTS, Solid, Spot, kind_of, made_of, spot
 from omnivat.simulate.shapes.spots import contact_height
 from omnivat.simulate.surfaces import Surface, recipe, surface
@@ -112,13 +110,13 @@ def _shape(pair: Planned, rng: np.random.Generator) -> Solid:
     """Return the solid: mostly of the class that the object looks like."""
     imitates = bool(pair.looks_like) and rng.random() < OTHER_SHAPE
     material = pair.looks_like if imitates else pair.material
-    outside = rng.random() < SCENES[pair.domain].parts
+    outside = rng.random() < pair.made.scene.parts
     weights = (PARTS if outside else OBJECTS)[material]
     return KINDS[kind_of(weights, rng)](rng, made_of(pair.material, rng))
 
 
 def is_outdoors(pair: Planned, rng: np.random.Generator) -> bool:
     """True if the photograph is taken outdoors, for domains with both."""
-    if DOMAINS[pair.domain].series:
+    if pair.made.series:
         return pair.part == "outdoor"
-    return bool(rng.random() < SCENES[pair.domain].outdoors)
+    return bool(rng.random() < pair.made.scene.outdoors)

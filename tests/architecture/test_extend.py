@@ -136,6 +136,19 @@ def test_a_reader_of_one_file_and_one_line_recognises_its_layout(added, monkeypa
     assert [(pair.domain, pair.material) for pair in found.pairs] == [("kitchen", "wood")]
 
 
+def test_a_simulated_sensor_of_one_row_is_drawn(tmp_path):
+    from omnivat.simulate.build import simulate
+
+    names: dict[str, object] = {}
+    exec(block("omnivat/simulate/my_domain.py"), names)
+    made = simulate(
+        tmp_path, domains=[names["BRIGHT"]], pairs_per_class=1, size=32, renderer="plain", workers=1
+    )
+    assert {(pair.domain, pair.tac.is_file()) for pair in made.pairs} == {
+        ("Bright DIGIT-sim", True)
+    }
+
+
 def test_a_tab_of_the_page_is_a_module_with_a_title_and_a_folder_of_scripts(tmp_path):
     names: dict[str, object] = {}
     exec(block("app/views/hello.py"), names)

@@ -1,6 +1,7 @@
 """Building a set: the same bytes for the same seed, resuming, and errors."""
 
 import csv
+from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
 
@@ -11,6 +12,9 @@ from omnivat.data.rest import with_rest
 from omnivat.errors import DataError, MissingNameError
 from omnivat.progress import Step
 from omnivat.simulate.build import COLUMNS, simulate
+from omnivat.simulate.domains import SimulatedDomain
+from omnivat.simulate.scenes import SCENES
+from omnivat.simulate.sensors import GELS
 
 pytestmark = pytest.mark.slow  # draws pairs
 
@@ -83,6 +87,21 @@ def test_two_workers_give_what_one_gives(built: Path, tmp_path: Path) -> None:
     assert all(hashes(tmp_path)[n] == first[n] for n in hashes(tmp_path) if n != "pairs.csv")
 
 
+def test_a_domain_of_ones_own_renumbers_no_other(built: Path, tmp_path: Path) -> None:
+    mine = SimulatedDomain(
+        name="Mine",
+        sensor=replace(GELS["DIGIT"], gain=2.5),
+        scene=SCENES["OF Real"],
+        seed_base=80_000,
+    )
+    pairs = simulate(tmp_path, **(SMALL | {"domains": [mine, "TAG"]}), workers=1)
+
+    found, shipped = hashes(tmp_path), hashes(built)
+    tag = [name for name in shipped if name.startswith("TAG-sim")]
+    assert len(tag) == 21 and all(found[name] == shipped[name] for name in tag)
+    assert sum(pair.domain == "Mine-sim" for pair in pairs.pairs) == 10
+
+
 def test_pairs_say_that_they_are_simulated(built: Path) -> None:
     pairs = simulate(built, **SMALL, workers=1)
 
@@ -94,7 +113,7 @@ def test_pairs_say_that_they_are_simulated(built: Path) -> None:
     ("change", "error", "sentence"),
     [
         ({"domains": ["TAGG"]}, DataError, "No domain is called 'TAGG'; there are TAG-sim"),
-        ({"pairs_per_class": 0}, DataError, "choose 1 or more"),
+        ({"pairs_per_class": 0}, DataError, "choose 1 to 10,000"),
         ({"size": 8}, DataError, "too small to show a touch"),
         ({"renderer": "cycles"}, MissingNameError, "No renderer is called 'cycles'"),
     ],

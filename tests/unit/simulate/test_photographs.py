@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from omnivat.data.domains import DOMAINS
 from omnivat.errors import MissingPackageError
 from omnivat.simulate import drawing, vision
 from omnivat.simulate.contact import Press
+from omnivat.simulate.domains import SIMULATED
 from omnivat.simulate.grounds import beyond, ground
 from omnivat.simulate.photograph import Framing, exposed, framed, plain
 from omnivat.simulate.plan import planned
@@ -20,7 +20,7 @@ from omnivat.simulate.vision import denoised, panorama
 
 
 def thing_of(domain: str, material: str = "wood", index: int = 1) -> Thing:
-    return thing(planned(DOMAINS[domain], material, pairs=60)[index], seed=0)
+    return thing(planned(SIMULATED[domain], material, pairs=60)[index], seed=0)
 
 
 def framing_of(domain: str, made: Thing, seed: int = 3) -> Framing:
@@ -144,4 +144,4 @@ def test_without_taxim_a_calibrated_touch_says_what_is_missing(monkeypatch) -> N
     drawing._simulator.cache_clear()
     monkeypatch.setattr(drawing, "need", gone)
     with pytest.raises(MissingPackageError, match="taxim is needed for tactile images"):
-        drawing.calibrated(thing_of("OF 2.0 A"), press, "Taxim GelSight", size=32)
+        drawing.calibrated(thing_of("OF 2.0 A"), press, "CALIB_GELSIGHT", size=32)

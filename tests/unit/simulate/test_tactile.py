@@ -7,7 +7,7 @@ import pytest
 from scipy.ndimage import gaussian_filter
 
 from omnivat.simulate.contact import Press, coloured, displacements, plane
-from omnivat.simulate.sensors import SENSORS, Lamp, Markers
+from omnivat.simulate.sensors import GELS, Lamp, Markers
 from omnivat.simulate.shapes import Spot
 from omnivat.simulate.shapes.making import block
 from omnivat.simulate.surfaces import surface
@@ -16,7 +16,7 @@ from omnivat.simulate.things import Thing
 
 PRESS = Press(turn=0.4, lean=(0.0, 0.0), depth=0.5, shear=(0.05, 0.0))
 RED_FROM_THE_RIGHT = replace(
-    SENSORS["DIGIT"], lamps=(Lamp(azimuth=0, colour=(1.0, 0.0, 0.0)),), base=(0.0, 0.0, 0.0)
+    GELS["DIGIT"], lamps=(Lamp(azimuth=0, colour=(1.0, 0.0, 0.0)),), base=(0.0, 0.0, 0.0)
 )
 
 
@@ -51,12 +51,12 @@ def test_a_lamp_lights_the_flank_of_a_bump_that_faces_it(azimuth, near, far) -> 
 
 
 def test_a_flat_gel_is_unchanged_by_its_lamps() -> None:
-    np.testing.assert_allclose(lit(np.full((32, 32), 0.3), SENSORS["GelSight"]), 0.0, atol=1e-12)
+    np.testing.assert_allclose(lit(np.full((32, 32), 0.3), GELS["GelSight"]), 0.0, atol=1e-12)
 
 
-@pytest.mark.parametrize("name", SENSORS)
+@pytest.mark.parametrize("name", GELS)
 def test_every_sensor_gives_an_image_that_its_press_has_changed(name: str) -> None:
-    sensor = SENSORS[name]
+    sensor = GELS[name]
     image = touch(slab("plastic", 2), PRESS, sensor, size=64, seed=1)
 
     assert image.shape == (64, 64, 3)
@@ -65,34 +65,34 @@ def test_every_sensor_gives_an_image_that_its_press_has_changed(name: str) -> No
     assert np.abs(image - untouched(sensor, size=64)).mean() > 0.01
 
 
-@pytest.mark.parametrize("name", SENSORS)
+@pytest.mark.parametrize("name", GELS)
 def test_a_press_that_touches_nothing_is_the_rest_picture_of_its_gel_but_for_noise(
     name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("omnivat.simulate.tactile.indentation", lambda h, **_: np.zeros_like(h))
     still = replace(PRESS, shear=(0.0, 0.0))
-    image = touch(slab("plastic", 2), still, SENSORS[name], size=64, seed=1)
-    rest = at_rest(SENSORS[name], size=64, seed=1)
+    image = touch(slab("plastic", 2), still, GELS[name], size=64, seed=1)
+    rest = at_rest(GELS[name], size=64, seed=1)
 
     scale = (image * rest).sum() / (rest * rest).sum()  # the exposure of one picture
     assert 0.85 < scale < 1.15
     smooth = gaussian_filter(image - scale * rest, (3, 3, 0))  # noise averages out
     assert np.abs(smooth).mean() < 0.004
-    assert np.abs(rest - at_rest(SENSORS[name], size=64)).mean() > 0.008  # other gels differ
+    assert np.abs(rest - at_rest(GELS[name], size=64)).mean() > 0.008  # other gels differ
 
 
 def test_gels_of_one_sensor_differ_and_some_have_no_markers() -> None:
-    gels = [used(SENSORS["DuraGel"], np.random.default_rng(seed)) for seed in range(40)]
+    gels = [used(GELS["DuraGel"], np.random.default_rng(seed)) for seed in range(40)]
     plain = sum(gel.markers is None for gel in gels)
 
     assert 8 < plain < 32
     assert len({gel.base for gel in gels}) == 40
-    assert used(SENSORS["DIGIT"], np.random.default_rng(0)).markers is None
-    assert all(used(SENSORS["GelSight"], np.random.default_rng(s)).markers for s in range(9))
+    assert used(GELS["DIGIT"], np.random.default_rng(0)).markers is None
+    assert all(used(GELS["GelSight"], np.random.default_rng(s)).markers for s in range(9))
 
 
 def test_the_same_seed_gives_the_same_noise_and_another_seed_another() -> None:
-    thing, sensor = slab("glass", 1), SENSORS["DIGIT"]
+    thing, sensor = slab("glass", 1), GELS["DIGIT"]
     once, again, other = (touch(thing, PRESS, sensor, size=48, seed=s) for s in (4, 4, 5))
 
     np.testing.assert_array_equal(once, again)
@@ -101,12 +101,12 @@ def test_the_same_seed_gives_the_same_noise_and_another_seed_another() -> None:
 
 def test_sensors_differ_more_than_presses_of_one_sensor() -> None:
     thing = slab("steel", 4)
-    tints = {n: touch(thing, PRESS, s, size=48, seed=0).mean((0, 1)) for n, s in SENSORS.items()}
+    tints = {n: touch(thing, PRESS, s, size=48, seed=0).mean((0, 1)) for n, s in GELS.items()}
     deeper = replace(PRESS, depth=1.0)
-    for name, sensor in SENSORS.items():
+    for name, sensor in GELS.items():
         moved = touch(thing, deeper, sensor, size=48, seed=0).mean((0, 1))
         own = np.linalg.norm(moved - tints[name])
-        others = [np.linalg.norm(tints[name] - tints[o]) for o in SENSORS if o != name]
+        others = [np.linalg.norm(tints[name] - tints[o]) for o in GELS if o != name]
         assert own < min(others), name
 
 

@@ -2,16 +2,16 @@
 
 import numpy as np
 
-from omnivat.data.domains import DOMAINS
 from omnivat.data.materials import MATERIALS
 from omnivat.simulate.contact import plane
+from omnivat.simulate.domains import SIMULATED
 from omnivat.simulate.plan import IMITATIONS, Planned, planned
 from omnivat.simulate.surfaces import surface
 from omnivat.simulate.things import thing
 
 
 def first(material: str, *, alike: bool) -> Planned:
-    pairs = planned(DOMAINS["OF Real"], material, pairs=60)
+    pairs = planned(SIMULATED["OF Real"], material, pairs=60)
     return next(pair for pair in pairs if bool(pair.looks_like) == alike and not pair.feels_like)
 
 

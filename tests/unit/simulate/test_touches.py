@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from omnivat.data.domains import DOMAINS
 from omnivat.simulate.contact import plane
+from omnivat.simulate.domains import SIMULATED
 from omnivat.simulate.plan import Planned, planned
 from omnivat.simulate.shapes import KINDS, made_of
 from omnivat.simulate.shapes.spots import contact_height
@@ -12,7 +12,7 @@ from omnivat.simulate.surfaces import RECIPES
 from omnivat.simulate.surfaces.skins import SMOOTH
 from omnivat.simulate.things import touch_surface, touched_spot
 
-STEEL = planned(DOMAINS["TAG"], "steel", pairs=60)
+STEEL = planned(SIMULATED["TAG"], "steel", pairs=60)
 
 
 @pytest.mark.parametrize("name", ["mug", "fork", "bench", "candlestick", "panel"])
