@@ -1,14 +1,15 @@
 """Evaluate a head on every domain of an embeddings file.
 
 python -m omnivat evaluate --head DIR --embeddings FILE [--order P] [--profile FILE] [--json] [--figure FILE]
-python -m omnivat evaluate --unlabelled N [--seed N]    profiles of N unlabelled pairs of each domain
+python -m omnivat evaluate --unlabelled N [--draws K] [--seed N]    profiles of N unlabelled pairs of each domain
 """
 
 import argparse
 import json
 import math
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from statistics import pstdev
 from typing import TYPE_CHECKING, Any
 
 from omnivat.cli.arguments import (
@@ -32,6 +33,9 @@ if TYPE_CHECKING:
     from omnivat.data.store import Embeddings
 
 
+DRAWS = 10
+
+
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     add_head(parser)
@@ -44,6 +48,14 @@ def add(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help="draw N training pairs of each target domain, profile them without their labels, and "
         "predict the rest",
+    )
+    parser.add_argument(
+        "--draws",
+        type=whole(1),
+        default=DRAWS,
+        metavar="K",
+        help="draws of --unlabelled to average over, with seeds SEED, SEED + 1, ... (default: %(default)s): "
+        "figures of one draw of few pairs vary by a point or two",
     )
     add_seed(parser, of="--unlabelled")
     add_device(parser)
@@ -60,10 +72,15 @@ def run(options: argparse.Namespace) -> None:
 
     head, embeddings = load_head(options.head), load_embeddings(options.embeddings)
     head.require_embeddings(embeddings)
-    embeddings, counts = _known(options, head, embeddings)
     with progress_bar("evaluate") as show:
-        found = evaluate(head, embeddings, order=options.order, on_step=show)
-    records = [{**record, "unlabelled": counts.get(record["domain"], 0)} for record in found]
+        draws = [
+            [
+                {**record, "unlabelled": counts.get(record["domain"], 0)}
+                for record in evaluate(head, given, order=options.order, on_step=show)
+            ]
+            for given, counts in _known(options, head, embeddings)
+        ]
+    records = averaged(draws)
     if options.figure:
         from omnivat.figures import strangers, write
 
@@ -77,8 +94,8 @@ def run(options: argparse.Namespace) -> None:
 
 def _known(
     options: argparse.Namespace, head: "Head", embeddings: "Embeddings"
-) -> tuple["Embeddings", dict[str, int]]:
-    """Return the profiled embeddings without the pairs of profiles, and pictures by domain."""
+) -> Iterator[tuple["Embeddings", dict[str, int]]]:
+    """Yield, for each draw, profiled embeddings without the pairs of profiles, and pictures by domain."""
     import numpy as np
 
     from omnivat.data.profile import domain_of, drawn_profiles, profiled
@@ -88,13 +105,40 @@ def _known(
         loaded = [load_profile(file) for file in options.profile]
         named = {domain_of(p, embeddings.header.domains, head.source): p for p in loaded}
         counts = {name: max(profile.counts.values()) for name, profile in named.items()}
-        return with_profiles(head, embeddings, options.profile), counts
+        yield with_profiles(head, embeddings, options.profile), counts
+        return
     if options.profile:
         raise SettingsError("Give --profile or --unlabelled, not both.")
-    profiles, rows = drawn_profiles(embeddings, head.source, options.unlabelled, seed=options.seed)
-    moved = profiled(embeddings, profiles, head.source_profile)
-    rest = np.setdiff1d(np.arange(len(moved)), rows)
-    return moved.select(rest), {n: p.counts["vis"] for n, p in profiles.items()}
+    for draw in range(options.draws if options.unlabelled else 1):
+        profiles, rows = drawn_profiles(
+            embeddings, head.source, options.unlabelled, seed=options.seed + draw
+        )
+        rest = embeddings.select(np.setdiff1d(np.arange(len(embeddings)), rows))
+        moved = profiled(rest, profiles, head.source_profile)
+        yield moved, {n: p.counts["vis"] for n, p in profiles.items()}
+
+
+def averaged(draws: Sequence[list[dict[str, Any]]]) -> list[dict[str, Any]]:
+    """Return the records of several draws as one: mean scores, and `draws`, the ACC of each.
+
+    Counts and confusions are those of the first draw. A domain without drawn pairs stays as it is.
+    """
+    first = draws[0]
+    if len(draws) == 1:
+        return first
+    found = []
+    for k, record in enumerate(first):
+        if not record["unlabelled"]:
+            found.append(record)
+            continue
+        own = [one[k]["scores"] for one in draws if one[k]["scores"]]
+        scores = {
+            reading: {m: sum(s[reading][m] for s in own) / len(own) for m in values}
+            for reading, values in record["scores"].items()
+        }
+        accuracies = [s["fused"]["accuracy"] for s in own]
+        found.append({**record, "scores": scores, "draws": accuracies})
+    return found
 
 
 def summary(records: Sequence[dict[str, Any]], source: str) -> dict[str, Any]:
@@ -166,6 +210,13 @@ def table(records: Sequence[dict[str, Any]]) -> str:
             f"Known of the profiled targets: up to {most} pictures without labels (their pairs are "
             "not predicted). Not comparable with strict domain generalisation."
         )
+        means = list(zip(*(r["draws"] for r in records if r.get("draws")), strict=True))
+        if means:
+            each = [100 * sum(values) / len(values) for values in means]
+            lines.append(
+                f"Mean of {len(each)} draws of these pictures; the mean of targets deviates by "
+                f"{pstdev(each):.1f} points between draws."
+            )
     if any(record["trained_on"] for record in records):
         lines.append(
             "The set has no split: the source's row is measured on the head's training pairs."

@@ -55,6 +55,20 @@ def test_unlabelled_pairs_are_counted_and_the_source_stays(capsys, two, head_fol
     assert some["OF Real-sim"]["pairs"] == plain["OF Real-sim"]["pairs"]  # test objects
 
 
+def test_the_scores_of_unlabelled_pairs_are_means_over_draws(capsys, two, head_folder):
+    some = evaluated(capsys, two, head_folder, "--unlabelled", "3", "--draws", "2", "--seed", "4")
+    single = [
+        evaluated(capsys, two, head_folder, "--unlabelled", "3", "--draws", "1", "--seed", seed)
+        for seed in ("4", "5")
+    ]
+    for domain in ("OF Real-sim", "TQ-DIGIT-sim"):
+        each = [one[domain]["scores"]["fused"]["accuracy"] for one in single]
+        assert some[domain]["draws"] == each
+        assert some[domain]["scores"]["fused"]["accuracy"] == pytest.approx(np.mean(each))
+        assert "draws" not in single[0][domain]
+    assert "draws" not in some["TAG-sim"]
+
+
 def test_without_a_split_the_drawn_pairs_are_not_predicted(
     capsys, tmp_path, make_embeddings, head_folder
 ):
@@ -77,7 +91,8 @@ def test_the_table_says_what_was_known(capsys, two, head_folder):
         main(["evaluate", "--head", str(head_folder), "--embeddings", set_, "--unlabelled", "5"])
         == 0
     )
-    assert "5 pictures without labels" in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert "5 pictures without labels" in said and "Mean of 10 draws" in said
 
 
 @pytest.mark.parametrize("command", ["gaps", "project", "sweep"])
