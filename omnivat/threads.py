@@ -1,14 +1,16 @@
-"""Limit torch threads for small jobs. Outside `omnivat.fractional`, only this file sets the number.
+"""Limit the threads of torch and BLAS for small jobs. Outside `omnivat.fractional`, only this file sets torch's.
 
 `torch.set_num_threads` changes the calling thread, and also the default of threads started later. A
 thread started during a small job would then keep one torch thread for ever, so a helper thread
 resets the default at once."""
 
+import functools
 import os
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
+from importlib import import_module
 from multiprocessing import get_context, parent_process
 from queue import SimpleQueue
 from threading import Thread
@@ -49,6 +51,44 @@ def pin_thread() -> None:
         _start_others_with(before)
 
 
+class _Blas:
+    """How many threads numpy's BLAS may use: one while anyone needs that, else as many as before."""
+
+    lock = threading.Lock()
+    users = 0
+    limit: Any = None
+
+    @classmethod
+    def forget(cls) -> None:
+        """Reset after a fork: the lock may be held."""
+        cls.lock, cls.users = threading.Lock(), 0
+
+
+@functools.cache
+def _blas_controller() -> Any:
+    import_module("scipy.linalg")  # load the library first: only a loaded one can be limited
+    return import_module("threadpoolctl").ThreadpoolController()
+
+
+@contextmanager
+def one_blas_thread() -> Iterator[None]:
+    """Limit numpy's BLAS to one thread: a second one spins, and costs most beside other work.
+
+    The limit applies to the whole process until the last of its users ends.
+    """
+    with _Blas.lock:
+        if not _Blas.users:
+            _Blas.limit = _blas_controller().limit(limits=1, user_api="blas")
+        _Blas.users += 1
+    try:
+        yield
+    finally:
+        with _Blas.lock:
+            _Blas.users -= 1
+            if not _Blas.users:
+                _Blas.limit.restore_original_limits()
+
+
 def _start_others_with(count: int) -> None:
     if not _keeper or not _keeper[0].is_alive():
         _keeper[:] = [threading.Thread(target=_keep, name="torch threads", daemon=True)]
@@ -63,6 +103,7 @@ def _keep() -> None:
 
 if hasattr(os, "register_at_fork"):  # a forked child has no helper thread yet
     os.register_at_fork(after_in_child=_keeper.clear)
+    os.register_at_fork(after_in_child=_Blas.forget)
 
 
 def worker_pool(

@@ -5,10 +5,8 @@ from __future__ import annotations
 import functools
 import threading
 from collections import OrderedDict
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from importlib import import_module
-from typing import Any, TypeVar
+from collections.abc import Callable
+from typing import TypeVar
 
 import numpy as np
 import torch
@@ -19,12 +17,13 @@ from omnivat.fractional.double_double import Array
 from omnivat.fractional.eigenvectors import refined_quarter, refined_spectrum
 from omnivat.fractional.splits import HalfSplit, PlainSplit, QuarterSplit, Split, kept_numbers
 from omnivat.fractional.workers import side_by_side
+from omnivat.threads import one_blas_thread
 
 _TINY = 3
 _KEPT = 16
 _WORTH_THREADS = 128  # size of a parity block; smaller ones are not worth a second thread
 
-_limiting = threading.RLock()
+_building = threading.RLock()
 T = TypeVar("T")
 
 
@@ -53,7 +52,10 @@ def build_split(size: int, like: Tensor) -> Split:
     if size <= _TINY:
         vectors = torch.from_numpy(_tiny_vectors(size)).to(like)
         return PlainSplit(vectors, torch.from_numpy(indices_by_parity(size)).to(like.device))
-    with one_blas_thread():
+    with (
+        _building,
+        one_blas_thread(),
+    ):  # each parity has a core: identical to the last bit for any number of threads
         return _build_from_blocks(size, like)
 
 
@@ -76,24 +78,6 @@ def _build_from_blocks(size: int, like: Tensor) -> Split:
         torch.from_numpy(odd).to(like),
         torch.from_numpy(indices_by_parity(size)).to(like.device),
     )
-
-
-@functools.cache
-def _blas_controller() -> Any:
-    import_module("scipy.linalg")  # load the library first: only a loaded one can be limited
-    return import_module("threadpoolctl").ThreadpoolController()
-
-
-@contextmanager
-def one_blas_thread() -> Iterator[None]:
-    """Limit numpy's BLAS to one thread: a second one spins (short builds: 80 ms instead of 8).
-
-    Each parity uses one core instead, so results are identical to the last bit for any number of
-    threads. The limit applies to the whole process until the build ends, so one build runs at a
-    time.
-    """
-    with _limiting, _blas_controller().limit(limits=1, user_api="blas"):
-        yield
 
 
 class BoundedCache:

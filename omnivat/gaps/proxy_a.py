@@ -66,6 +66,9 @@ def _fits(
         [rows[fold == k] - at for k in range(folds)]
         for (rows, fold), at in zip((one, other), origins, strict=True)
     ]
+    every = torch.cat([p for each in parts for p in each]) if small else one[0]
+    cosines = every @ every.T if small else every
+    held = torch.cat([torch.full((len(p),), k) for each in parts for k, p in enumerate(each)])
     products = [] if small else [torch.stack([p.T @ p for p in each]) for each in parts]
     sums = [torch.stack([p.sum(0) for p in each]) for each in parts]
     tiny = torch.finfo(one[0].dtype).tiny
@@ -81,7 +84,11 @@ def _fits(
                     for each, mean, n in zip(kept, means, sizes, strict=True)
                 ]
             )
-            direction = _solve(rows, ridge * rows.square().sum() / width + tiny, a - b)
+            index = (held != fold).nonzero()[:, 0].to(rows.device)
+            gram = _centred(cosines[index[:, None], index], sizes)
+            penalty = ridge * gram.trace() / width + tiny
+            gram.diagonal().add_(penalty)
+            direction = a - b - rows.T @ torch.linalg.solve(gram, rows @ (a - b))
         else:
             covariances = [
                 (every.sum(0) - every[fold]) / n - torch.outer(mean, mean)
@@ -94,12 +101,14 @@ def _fits(
         yield direction, (a + b) / 2
 
 
-def _solve(rows: Tensor, penalty: Tensor, target: Tensor) -> Tensor:
-    """Return (rowsᵀ rows + penalty I)⁻¹ target · penalty, through the Gram matrix of the rows."""
-    gram = rows @ rows.T
-    gram.diagonal().add_(penalty)
-    inner: Tensor = torch.linalg.solve(gram, rows @ target)
-    return target - rows.T @ inner
+def _centred(products: Tensor, sizes: list[int]) -> Tensor:
+    """Return the products (N+M, N+M) of rows less the mean of their set, over the root of its size."""
+    for axis in (0, 1):
+        sets = products.split(sizes, axis)
+        products = torch.cat(
+            [(p - p.mean(axis, keepdim=True)) / p.shape[axis] ** 0.5 for p in sets], axis
+        )
+    return products
 
 
 def _wrong(score: Tensor) -> Tensor:

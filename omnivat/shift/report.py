@@ -29,6 +29,7 @@ from omnivat.shift.measure import (
 from omnivat.shift.probe import FOLDS, PROFILE, probes
 from omnivat.shift.reading import Features
 from omnivat.tables import load
+from omnivat.threads import one_blas_thread, one_thread
 
 COLUMNS = ("part", "measure", "modality", "from", "to", "value", "low", "high", "n", "note")
 NEIGHBOURS = 15  # of the trust in a map
@@ -62,9 +63,13 @@ def write_report(
 
 def numbers(found: Features, on_step: OnStep = ignore) -> list[Record]:
     """Return every number of the report but those of its maps, a record of COLUMNS each."""
-    records = gaps(found, on_step)
-    on_step(Step(done=0, total=0, text="retrieval and neighbours"))
-    return [*records, *retrieval(found), *neighbours(found), *probes(found, on_step)]
+    with (
+        one_thread(),
+        one_blas_thread(),
+    ):  # small matrices: a second thread costs more than it helps
+        records = gaps(found, on_step)
+        on_step(Step(done=0, total=0, text="retrieval and neighbours"))
+        return [*records, *retrieval(found), *neighbours(found), *probes(found, on_step)]
 
 
 def _maps(found: Features, seed: int) -> tuple[Drawn, list[Record]]:

@@ -1,12 +1,13 @@
-"""Limits on torch's threads concern the thread that sets them and end with their block."""
+"""Limits on torch's threads concern the thread that sets them; all limits end with their block."""
 
 import threading
 import time
 
 import pytest
+import threadpoolctl
 import torch
 
-from omnivat.threads import one_thread, pin_thread
+from omnivat.threads import one_blas_thread, one_thread, pin_thread
 
 
 @pytest.fixture(autouse=True)
@@ -30,6 +31,23 @@ def test_little_work_gets_one_thread_and_the_number_returns_after_it():
     with one_thread():
         assert torch.get_num_threads() == 1
     assert torch.get_num_threads() == 2
+
+
+def test_blas_has_one_thread_until_the_last_of_two_users_ends():
+    def counts():
+        with one_blas_thread():  # the library is loaded then
+            pass
+        return {
+            i["num_threads"] for i in threadpoolctl.threadpool_info() if i["user_api"] == "blas"
+        }
+
+    before, first, second = counts(), one_blas_thread(), one_blas_thread()
+    first.__enter__()
+    second.__enter__()
+    first.__exit__(None, None, None)
+    assert counts() == {1}
+    second.__exit__(None, None, None)
+    assert counts() == before
 
 
 def test_much_work_keeps_all_threads():

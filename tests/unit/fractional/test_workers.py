@@ -11,8 +11,9 @@ import threadpoolctl
 import torch
 
 from omnivat.fractional import coefficients, dfrft, synthesise
-from omnivat.fractional.build import build_split, one_blas_thread
+from omnivat.fractional.build import build_split
 from omnivat.fractional.workers import for_each, side_by_side
+from omnivat.threads import one_blas_thread
 
 
 @pytest.fixture(autouse=True)

@@ -6,12 +6,15 @@ import re
 
 import numpy as np
 import pytest
+import threadpoolctl
+import torch
 
 from omnivat.cli import main
 from omnivat.progress import ignore
 from omnivat.shift import read_features
 from omnivat.shift.measure import gaps, interval, neighbours, retrieval
 from omnivat.shift.probe import probes
+from omnivat.shift.report import numbers
 
 
 @pytest.fixture
@@ -36,6 +39,23 @@ def made(tmp_path):
 def mean_of(records, measure, **fields):
     wanted = {"measure": measure, "from": "", **fields}
     return next(r for r in records if all(r[k] == v for k, v in wanted.items()))
+
+
+def test_small_matrices_are_measured_on_one_thread(made):
+    seen, before = [], torch.get_num_threads()
+    torch.set_num_threads(2)
+    try:
+        numbers(
+            read_features(made()),
+            lambda step: seen.extend([torch.get_num_threads(), *blas_threads()]),
+        )
+        assert set(seen) == {1} and torch.get_num_threads() == 2
+    finally:
+        torch.set_num_threads(before)
+
+
+def blas_threads():
+    return [i["num_threads"] for i in threadpoolctl.threadpool_info() if i["user_api"] == "blas"]
 
 
 def test_equal_photos_and_touches_have_no_gap_and_find_their_partner(made):
