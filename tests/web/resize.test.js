@@ -1,9 +1,10 @@
-/** Resizing, against Pillow. */
+/** Resizing and reading strips, against Pillow. */
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { test } from "node:test";
 import { upright } from "../../app/web/site/decode.js";
+import { signalOf } from "../../app/web/site/models.js";
 import { FILTERS, reduced, resized, thumbnail } from "../../app/web/site/resize.js";
 
 const SCRIPT = `
@@ -17,6 +18,10 @@ if what == "reduce": image = image.reduce(job["to"])
 elif what == "turn":
     exif = Image.Exif(); exif[274] = job["to"]; image.info["exif"] = exif.tobytes()
     image = ImageOps.exif_transpose(image)
+elif what == "strip":
+    from omnivat.data.strips import strip_signal
+    print(json.dumps(strip_signal(image).tolist()))
+    sys.exit()
 elif what == "thumbnail": image.thumbnail(job["to"])
 else: image = image.resize(job["to"], getattr(Image.Resampling, what.upper()))
 print(json.dumps([image.size, list(image.tobytes())]))
@@ -79,3 +84,20 @@ for (const turn of [1, 2, 3, 4, 5, 6, 7, 8]) {
     assert.deepEqual([...found.pixels], bytes);
   });
 }
+
+for (const [width, height] of [
+  [256, 256],
+  [301, 257],
+  [64, 1],
+  [40, 30],
+  [1000, 9],
+])
+  test(`the signal of a picture of ${width} × ${height} is that of Python`, () => {
+    const one = picture(width, height);
+    const found = signalOf(one);
+    const wanted = pillow(one, "strip");
+    assert.equal(found.length, wanted.length);
+    found.forEach((value, at) =>
+      assert.ok(Math.abs(value - wanted[at]) < 1e-5, `${at}: ${value}, ${wanted[at]}`),
+    );
+  });

@@ -1,6 +1,7 @@
 /** Familiarity of each image, and its nearest training pairs. Text in, HTML out. */
 
 import { thumbnail } from "../shared/card.js";
+import { OTHER } from "../shared/images.js";
 import { escaped } from "../shared/text.js";
 import { TERMS } from "./verdict.js";
 
@@ -27,7 +28,7 @@ export function swapHtml(images) {
   const said =
     all.length > 1
       ? `Are these two swapped? The ${TERMS.vis.one} is nearer to the training ${TERMS.tac.many}, the ${TERMS.tac.one} to the ${TERMS.vis.many}.`
-      : `Is this a ${TERMS[modality === "vis" ? "tac" : "vis"].one}? It is nearer to those than to the training ${TERMS[modality].many}.`;
+      : `Is this a ${TERMS[OTHER[modality]].one}? It is nearer to those than to the training ${TERMS[modality].many}.`;
   return `<p class="note swapped">${said} <button type="button" class="swap">${all.length > 1 ? "Swap them" : "Move it"}</button></p>`;
 }
 

@@ -2,6 +2,7 @@
 
 import { address } from "../shared/api.js";
 import { thumbnail } from "../shared/card.js";
+import { IMAGES } from "../shared/images.js";
 import { shelf } from "../shared/pick.js";
 import { change } from "../shared/store.js";
 import { escaped } from "../shared/text.js";
@@ -44,7 +45,7 @@ function pictures({ path, pair }, { sprite, frames }) {
       .join("");
   }
   const coded = path.split("/").map(encodeURIComponent).join("/");
-  return ["vis", "tac"]
-    .map((modality) => `<img loading="lazy" alt="" src="${address(`example/${coded}/${modality}`)}">`)
-    .join("");
+  return IMAGES.map(
+    (modality) => `<img loading="lazy" alt="" src="${address(`example/${coded}/${modality}`)}">`,
+  ).join("");
 }

@@ -2,6 +2,7 @@
 
 import { askOfImage, refused } from "../shared/api.js";
 import { csv } from "../shared/csv.js";
+import { IMAGES, imagesOf } from "../shared/images.js";
 import { save } from "../shared/save.js";
 import { Feed, FRAMES, feedHtml } from "./feed.js";
 import { called, READINGS, unlike } from "./verdict.js";
@@ -24,7 +25,7 @@ export class Live {
     this.run = null; // a new object for each start: what belongs to an older one is dropped
     this.recording = null;
     this.guiding = false; // a rest picture or a calibration has the status line
-    box.innerHTML = `<summary>Live: photo and touch</summary><div class="feeds">${["vis", "tac"].map(feedHtml).join("")}</div>
+    box.innerHTML = `<summary>Live: photo and touch</summary><div class="feeds">${IMAGES.map(feedHtml).join("")}</div>
       <div class="row"><button type="button" class="main start" aria-pressed="false">Start</button><button type="button" class="rest" disabled title="Do not touch: ten frames of the sensor at rest">Rest picture</button><button type="button" class="calibrate" disabled title="Ten frames of different presses make the profile of My sensor">Calibrate</button></div>
       <div class="row"><label>Label <input class="label" maxlength="40" size="8"></label><button type="button" class="record" disabled aria-pressed="false">Record</button></div>
       <p class="hint rate" role="status">Cameras or video files; no picture is kept unless you record.</p>`;
@@ -229,7 +230,7 @@ const toldOf = ({ ms }, fps, trip, kept) =>
 export function liveHtml({ classes, readings, images, idle }) {
   if (idle)
     return '<p><b class="tag">live</b></p><p class="hint">No contact: press the sensor on something.</p>';
-  const given = ["vis", "tac"].filter((name) => readings[name]);
+  const given = imagesOf(readings);
   const parts = READINGS.filter(([reading]) => readings[reading]).map(([reading, title, sign]) => {
     const strange = unlike(reading, given, images);
     return `<article class="reading" data-reading="${sign}"><h3><span class="sign ${sign}"></span>${title}</h3>${called(classes, readings[reading], strange, { images })}</article>`;

@@ -2,6 +2,7 @@
 
 import { ask, Refusal, refused, sendImage } from "../shared/api.js";
 import { csv as written } from "../shared/csv.js";
+import { IMAGES, imagesOf } from "../shared/images.js";
 import { save } from "../shared/save.js";
 import { escaped, percent } from "../shared/text.js";
 import { paired } from "./pairing.js";
@@ -87,7 +88,7 @@ export class Many {
   }
 
   async send(pair, signal) {
-    for (const modality of ["vis", "tac"]) {
+    for (const modality of IMAGES) {
       if (!pair[modality]) continue;
       try {
         pair[modality] = await upload(pair[modality], signal);
@@ -137,7 +138,7 @@ export class Many {
 /** The pair's predictions under each reading: {title, label, share, guess}; without an image only the title.
  * @returns {any[]} */
 function readings({ classes, readings: found, images }) {
-  const given = ["vis", "tac"].filter((name) => found[name]);
+  const given = imagesOf(found);
   return READINGS.map(([reading, title]) => {
     if (!found[reading] || (reading === "fused" && given.length < 2)) return { title };
     return { title, ...best(classes, found[reading]), guess: unlike(reading, given, images).length > 0 };

@@ -1,6 +1,7 @@
 /** The visitor's own pairs: labels, a running count, and teaching the head. */
 
 import { ask, bytesOf, refused } from "../shared/api.js";
+import { IMAGES } from "../shared/images.js";
 import { made, save } from "../shared/save.js";
 import { escaped } from "../shared/text.js";
 import { isOwn, keyOf, lessonsFor, missing, tally, withoutPair, withPair } from "./tally.js";
@@ -164,7 +165,7 @@ export class OwnPairs {
   async keepPictures() {
     const files = [];
     for (const [number, pair] of this.pairs.entries()) {
-      for (const modality of ["vis", "tac"]) {
+      for (const modality of IMAGES) {
         const blob = pair[modality] && (await bytesOf(pair[modality], modality));
         if (!blob) continue;
         const label = pair.label.replaceAll(/[\\/:]/g, "_");

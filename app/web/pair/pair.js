@@ -2,6 +2,7 @@
 
 import { ask, json, refused } from "../shared/api.js";
 import { headLabel, heads } from "../shared/headsets.js";
+import { IMAGES, OTHER } from "../shared/images.js";
 import { nodeMap } from "../shared/nodemap.js";
 import { onTheme } from "../shared/palette.js";
 import { somePair } from "../shared/pick.js";
@@ -112,7 +113,7 @@ class PairTab {
   }
 
   wire() {
-    watch(["vis", "tac"], () => {
+    watch(IMAGES, () => {
       this.unlinked = "";
       this.ask();
     });
@@ -141,7 +142,7 @@ class PairTab {
 
   /** A new picture starts a new pair: nothing of a complete pair, or of an example, stays beside it. */
   uploaded(modality, ref) {
-    const rest = modality === "vis" ? "tac" : "vis";
+    const rest = OTHER[modality];
     const left = state[rest];
     const goes = left && (state[modality] || !isOwn({ [rest]: left }));
     this.before = { [rest]: left };

@@ -1,5 +1,6 @@
 /** The same pair, predicted by the comparison heads. Text in, HTML out. */
 
+import { imagesOf } from "../shared/images.js";
 import { escaped, percent } from "../shared/text.js";
 import { best, READINGS, unlike } from "./verdict.js";
 
@@ -17,7 +18,7 @@ export function rivalsHtml(answer, others, images) {
 }
 
 function line(label, { classes, learned, exact }, images) {
-  const given = ["vis", "tac"].filter((name) => exact.readings[name]);
+  const given = imagesOf(exact.readings);
   const cells = READINGS.map(([reading]) => {
     const row = exact.readings[reading];
     if (!row) return "<td>–</td>";

@@ -1,8 +1,9 @@
 /** My sensor: a profile of unlabelled pictures; predictions, familiarity and the map then follow it. */
 
 import { ask, get, json, refused, visit } from "../shared/api.js";
+import { imagesOf } from "../shared/images.js";
 import { made, save } from "../shared/save.js";
-import { bytesOf, escaped, percent } from "../shared/text.js";
+import { base64, bytesOf, escaped, percent } from "../shared/text.js";
 import { chosenFiles } from "./dropped.js";
 import { upload } from "./many.js";
 import { isPicture, named } from "./pairing.js";
@@ -157,7 +158,7 @@ export class Sensor {
     try {
       if (!profile) return sessionStorage.removeItem(KEPT);
       const bytes = new Uint8Array(await (await this.bytes()).arrayBuffer());
-      sessionStorage.setItem(KEPT, btoa(bytes.reduce((text, byte) => text + String.fromCharCode(byte), "")));
+      sessionStorage.setItem(KEPT, base64(bytes));
     } catch (error) {
       if (error.name !== "SecurityError" && error.name !== "QuotaExceededError") this.told(error); // a browser may refuse its storage
     }
@@ -184,7 +185,7 @@ export class Sensor {
 
 /** Each reading of a pair before and after; guesses have no figure. */
 export function sideBySide(classes, before, after) {
-  const given = ["vis", "tac"].filter((name) => before.readings[name]);
+  const given = imagesOf(before.readings);
   const told = (one, reading) => {
     const { label, share } = best(classes, one.readings[reading]);
     return unlike(reading, given, one.images).length

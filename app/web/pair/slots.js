@@ -2,6 +2,7 @@
 
 import { address, refused } from "../shared/api.js";
 import { thumbnail } from "../shared/card.js";
+import { OTHER } from "../shared/images.js";
 import { escaped } from "../shared/text.js";
 import { chosenFiles, droppedFiles } from "./dropped.js";
 import { upload } from "./many.js";
@@ -18,7 +19,7 @@ export function slots(box, on) {
   const all = [...box.children].map((element) => new Slot(element, on));
   return (refs, sprite, pairs, describe) => {
     for (const slot of all)
-      slot.show(refs[slot.modality], refs[slot.modality === "vis" ? "tac" : "vis"], sprite, pairs, describe);
+      slot.show(refs[slot.modality], refs[OTHER[slot.modality]], sprite, pairs, describe);
   };
 }
 

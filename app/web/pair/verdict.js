@@ -1,5 +1,6 @@
 /** The prediction of one pair in words: both, photo only, touch only. Text in, HTML out. */
 
+import { imagesOf, OTHER } from "../shared/images.js";
 import { classColour } from "../shared/palette.js";
 import { escaped, percent } from "../shared/text.js";
 
@@ -59,7 +60,7 @@ export const unlike = (reading, given, images) =>
  * it arrives; `truths`: the class of each image, if known.
  */
 export function cards(answer, familiar, truths) {
-  const given = ["vis", "tac"].filter((name) => answer.exact.readings[name]);
+  const given = imagesOf(answer.exact.readings);
   const shown = READINGS.map(([reading, title, sign]) => {
     const row = answer.exact.readings[reading];
     const absent = reading === "fused" ? "" : ' title="The other image is absent"';
@@ -67,7 +68,7 @@ export function cards(answer, familiar, truths) {
     if (!row)
       return `<article class="reading none" data-reading="${sign}">${head}<p class="hint">No ${TERMS[reading].one} here.</p></article>`;
     if (reading === "fused" && given.length < 2) {
-      return `<article class="reading none" data-reading="${sign}">${head}<p class="hint">Add the ${TERMS[given[0] === "vis" ? "tac" : "vis"].one} to see both together.</p></article>`;
+      return `<article class="reading none" data-reading="${sign}">${head}<p class="hint">Add the ${TERMS[OTHER[given[0]]].one} to see both together.</p></article>`;
     }
     const strange = unlike(reading, given, familiar?.images);
     return `<article class="reading" data-reading="${sign}">${head}${called(answer.classes, row, strange, familiar)}${judged(best(answer.classes, row).label, usedBy(reading, given), truths, answer.classes)}</article>`;
@@ -110,7 +111,7 @@ export function classTable(classes, readings, images) {
   );
   const several = shown.length > 2 ? shown : shown.filter(([reading]) => reading !== "fused");
   const winner = best(classes, readings.fused).label;
-  const given = ["vis", "tac"].filter((name) => readings[name]);
+  const given = imagesOf(readings);
   const grey = new Set(
     several.map(([reading]) => reading).filter((reading) => unlike(reading, given, images).length),
   );
@@ -131,7 +132,7 @@ export function classTable(classes, readings, images) {
 /** The prediction in one sentence, for a screen reader. */
 export function spoken(answer, familiar) {
   const { readings } = answer.exact;
-  const given = ["vis", "tac"].filter((name) => readings[name]);
+  const given = imagesOf(readings);
   const { label, share } = best(answer.classes, readings.fused);
   return unlike("fused", given, familiar.images).length
     ? `${label}? This is a guess.`

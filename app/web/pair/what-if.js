@@ -1,6 +1,7 @@
 /** What if p were different: the same weights at other orders. */
 
 import { ask, refused } from "../shared/api.js";
+import { imagesOf } from "../shared/images.js";
 import { orderBar } from "../shared/order.js";
 import { change, state } from "../shared/store.js";
 import { escaped, percent } from "../shared/text.js";
@@ -119,7 +120,7 @@ export class WhatIf {
     this.attention.mark(stop);
     const title = READINGS.find(([reading]) => reading === this.reading)[1].toLowerCase();
     const { label, share } = best(classes, stops[this.reading][stop]);
-    const given = ["vis", "tac"].filter((name) => stops[name]);
+    const given = imagesOf(stops);
     const at = `With p = ${orders[stop].toFixed(2)}, ${title}: `;
     this.$(".at-p").innerHTML = unlike(this.reading, given, this.images).length
       ? `${at}<b>${escaped(label)}?</b> A guess at every p, because an image is unlike anything seen.`

@@ -1,6 +1,7 @@
 /** Tint the parts of an image that the prediction depends on. */
 
 import { askOfImage, bytesOf, Refusal, refused } from "../shared/api.js";
+import { OTHER } from "../shared/images.js";
 import { state } from "../shared/store.js";
 import { changed, told, WORTH } from "./hidden-parts.js";
 import { taughtBy } from "./taught.js";
@@ -19,7 +20,7 @@ export async function where(slot, own, onProblem) {
   try {
     const blob = await bytesOf(state[modality], modality);
     if (!blob) throw new Refusal("The server keeps no images. Choose this file again.");
-    const other = modality === "vis" ? state.tac : state.vis;
+    const other = state[OTHER[modality]];
     const taught = await taughtBy(own);
     const found = await askOfImage("occlusion", blob, { modality, other, order: null, taught });
     picture.querySelector("canvas")?.remove();

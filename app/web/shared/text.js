@@ -19,6 +19,14 @@ export const options = (all, chosen = null) =>
 /** The bytes of a base64 text. */
 export const bytesOf = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
 
+/** Bytes as a base64 text. */
+export function base64(bytes) {
+  let text = "";
+  for (let at = 0; at < bytes.length; at += 32768)
+    text += String.fromCharCode(...bytes.subarray(at, at + 32768));
+  return btoa(text);
+}
+
 const shown = new WeakMap();
 /** Write HTML into an element if it is not there yet, so that what is in use keeps the focus. */
 export function fill(box, html) {

@@ -1,12 +1,11 @@
 /** What a visitor has given to one set, and the pair and head that a question names. Runs in the worker. */
 
+import { IMAGES, imagesOf } from "../shared/images.js";
 import { moved, profileFrom } from "./profiles.js";
 import { Refused } from "./refusal.js";
 import { lessonsIn, scoresOf, taught } from "./teaching.js";
-import { dot, rounded, rowOf, unit } from "./tensors.js";
+import { dot, norm, rounded, rowOf, unit } from "./tensors.js";
 
-export const IMAGES = ["vis", "tac"];
-export const OTHER = { vis: "tac", tac: "vis" };
 const READINGS = ["fused", "vis", "tac", "vis_branch", "tac_branch"];
 const UNLIKE = 0.05; // below this quantile a prediction is a guess
 const KEPT = 512;
@@ -124,7 +123,7 @@ export const learned = ({ orders }) => [orders.vis, orders.tac];
 
 /** The readings of a head's outputs at one stop; one image alone has its own reading as both. */
 export function readingsOf(head, out, stop, pair) {
-  const there = IMAGES.filter((name) => pair[name]);
+  const there = imagesOf(pair);
   if (head.rows) return scoresOf(head, out, there);
   const of = (name) => Array.from(rowOf(out[`p_${name}`], stop));
   if (there.length === 1) return { fused: of(there[0]), [there[0]]: of(there[0]) };
@@ -152,7 +151,7 @@ export async function lookedAt(desk, rows) {
     let cosine = -1;
     for (let row = 0; row < known[name].shape[0]; row++) {
       const own = rowOf(known[name], row);
-      cosine = Math.max(cosine, dot(query, own) / (Math.sqrt(dot(own, own)) || 1));
+      cosine = Math.max(cosine, dot(query, own) / (norm(own) || 1));
     }
     const quantile = quantileOf(cosine, known[`${name}_quantiles`].values);
     const guess = quantile < UNLIKE;

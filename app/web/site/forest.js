@@ -1,8 +1,9 @@
 /** Tree, places on the map and neighbours, from the stages of many pairs at one order. Runs in the worker. */
 
-import { IMAGES, orderIn, pairOf } from "./desk.js";
+import { IMAGES, imagesOf } from "../shared/images.js";
+import { orderIn, pairOf } from "./desk.js";
 import { Refused } from "./refusal.js";
-import { best, dot, rounded, rowOf, unit } from "./tensors.js";
+import { best, dot, norm, rounded, rowOf, unit } from "./tensors.js";
 
 const STEP = 128; // pairs of one run of the head
 const NEAREST = 6;
@@ -25,7 +26,7 @@ async function walk(desk, head, numbers, order, wanted, take) {
 
 /** The outputs of one pair; of one image alone, those without the other. */
 async function single(desk, head, pair, order, stages = []) {
-  const there = IMAGES.filter((name) => pair[name]);
+  const there = imagesOf(pair);
   const alone = there.length === 1 ? `${there[0]}_` : "";
   const any = pair[there[0]];
   const wanted = [...(head.parents.length ? [`${alone}nodes`, `${alone}shares`] : []), ...stages];
@@ -60,7 +61,7 @@ class Means {
     this.pairs += 1;
     this.known += label >= 0 ? 1 : 0;
     const units = nodes.map((row, n) => {
-      this.lengths[n] += Math.sqrt(dot(row, row));
+      this.lengths[n] += norm(row);
       shares[n].forEach((share, k) => {
         this.shares[n][k] += share;
       });
@@ -176,7 +177,7 @@ async function near(desk, question, stopped) {
   const head = await desk.models.head();
   const order = orderIn(question.order) ?? head.learned;
   const pair = await pairOf(desk, question);
-  const bars = IMAGES.filter((name) => pair[name]).map((name) => `f_bar_${name}`);
+  const bars = imagesOf(pair).map((name) => `f_bar_${name}`);
   const stages = bars.length > 1 ? IMAGES.map((name) => `f_hat_${name}`) : bars;
   const { there, out, nodes } = await single(desk, head, pair, order, stages);
   const grown = nodes ? rowsOf(nodes, 0) : [];

@@ -1,5 +1,7 @@
 /** The routes whose body is a file: own pictures, the camera, hidden parts, a saved profile. Runs in the worker. */
 
+import { OTHER } from "../shared/images.js";
+import { base64 } from "../shared/text.js";
 import { decoded } from "./decode.js";
 import {
   embedding,
@@ -7,7 +9,6 @@ import {
   learned,
   movedBy,
   nameOf,
-  OTHER,
   orderIn,
   predictOne,
   readingsOf,
@@ -16,7 +17,7 @@ import {
 import { profileFrom } from "./profiles.js";
 import { Refused } from "./refusal.js";
 import { resized, thumbnail } from "./resize.js";
-import { base64, best, rounded } from "./tensors.js";
+import { best, rounded } from "./tensors.js";
 
 const CELLS = 7; // of a side, in Where?
 const PATCH = 2;

@@ -1,6 +1,7 @@
 /** Where a pair and its nodes lie on the set's map: between the nearest points. Runs on the page, which has the map. */
 
 import { held, own } from "../shared/held.js";
+import { imagesOf } from "../shared/images.js";
 import { theSet } from "../shared/theset.js";
 
 const SAME = 1e-6; // of a squared distance: the point itself
@@ -16,7 +17,7 @@ export async function placed(set, body, ask) {
     x0 + (map.points[2 * point] / 65535) * (x1 - x0),
     y0 + (map.points[2 * point + 1] / 65535) * (y1 - y0),
   ];
-  const there = ["vis", "tac"].filter((name) => question[name]);
+  const there = imagesOf(question);
   const known = !question.nodes && there.every((name) => question[name].startsWith("row:"));
   const { status, value: found } = known
     ? { status: 200, value: { points: Object.fromEntries(there.map((name) => [name, []])), nodes: [] } }

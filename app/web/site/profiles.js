@@ -1,12 +1,12 @@
 /** Profiles: mean and variance of each embedding channel over pictures without labels. No DOM here. */
 
+import { IMAGES } from "../shared/images.js";
 import { Refused } from "./refusal.js";
 import { tensors, written } from "./tensors.js";
 
 const FORMAT = "omnivat-profile-1";
 const MEAN_PRIOR = 2; // pictures that the source's mean weighs
 const VARIANCE_PRIOR = 10;
-const IMAGES = ["vis", "tac"];
 const means = (values) => values.reduce((a, b) => a + b, 0) / values.length;
 
 /** {mean, variance, count} of rows. */

@@ -1,13 +1,13 @@
 /** The routes of Try a pair whose body is a question: the same reply as the server's. Runs in the worker. */
 
+import { IMAGES, imagesOf, OTHER } from "../shared/images.js";
+import { base64 } from "../shared/text.js";
 import {
   classroom,
   embedding,
   headFor,
-  IMAGES,
   keptProfile,
   lookedAt,
-  OTHER,
   orderIn,
   pairOf,
   predictOne,
@@ -20,7 +20,7 @@ import {
 import { channelsOf, joined, saved } from "./profiles.js";
 import { Refused } from "./refusal.js";
 import { headOf, lessonsIn } from "./teaching.js";
-import { base64, dot, rounded, unit } from "./tensors.js";
+import { dot, rounded, unit } from "./tensors.js";
 
 const STOPS = Array.from({ length: 101 }, (_, k) => k / 100);
 const COLUMNS = 256; // of the spectrum
@@ -48,7 +48,7 @@ async function pair(desk, question) {
     ),
     exact: { order: exact, readings: roundedAll(each.at(-1)) },
     spectra: Object.fromEntries(
-      IMAGES.filter((name) => rows[name]).map((name) => [name, spectrum(out[`${name}_size`], STOPS.length)]),
+      imagesOf(rows).map((name) => [name, spectrum(out[`${name}_size`], STOPS.length)]),
     ),
   };
 }
@@ -126,7 +126,7 @@ async function familiar(desk, question) {
   const rows = await pairOf(desk, question);
   const looked = await lookedAt(desk, rows);
   const images = {};
-  for (const name of IMAGES.filter((one) => rows[one])) {
+  for (const name of imagesOf(rows)) {
     const ref = question[name];
     const near = await nearest(desk, name, rows[name], ref.startsWith("row:") ? Number(ref.slice(4)) : -1);
     images[name] = { nearest: near, ...looked[name] };

@@ -1,10 +1,12 @@
 /** What a visitor saves of teaching: the labelled pairs as a set, and the taught head; files as the server's. */
 
 import { zipped } from "../pair/zip.js";
+import { csv } from "../shared/csv.js";
+import { IMAGES } from "../shared/images.js";
 import { embedding, headFor } from "./desk.js";
 import { Refused } from "./refusal.js";
 import { lessonsIn } from "./teaching.js";
-import { file, floats, raw, unit, wholes } from "./tensors.js";
+import { file, floats, norm, raw, unit, wholes } from "./tensors.js";
 
 const DOMAIN = "My pairs";
 const ORIGIN = "labelled by a visitor of the page";
@@ -28,12 +30,6 @@ async function archive(name, files) {
   return new Uint8Array(await new Blob(parts).arrayBuffer());
 }
 
-/** A cell that no spreadsheet takes for a formula. */
-function cell(value) {
-  const safe = /^ *[=+\-@\t\r]/.test(value) ? `'${value}` : value;
-  return /[",\r\n]/.test(safe) ? `"${safe.replaceAll('"', '""')}"` : safe;
-}
-
 async function saveSet(desk, question) {
   const given = lessonsIn(question).filter(({ vis, tac }) => vis && tac);
   if (!given.length)
@@ -49,7 +45,7 @@ async function saveSet(desk, question) {
   for (const [number, one] of given.entries()) {
     const object = `${DOMAIN}/${labels[number]}/${number}`;
     rows.object[number] = object;
-    for (const name of ["vis", "tac"]) {
+    for (const name of IMAGES) {
       rows[name][number] = `${object}_${name}.png`;
       vectors[name].set(await embedding(desk, one[name], name, {}), number * width); // a profile is a file of its own
     }
@@ -72,23 +68,20 @@ async function saveSet(desk, question) {
     ["domain", "material", ...ROWS],
     ...labels.map((label, i) => [DOMAIN, label, ...ROWS.map((name) => rows[name][i])]),
   ];
-  const csv = table.map((line) => `${line.map(cell).join(",")}\r\n`).join("");
   const name = "my-pairs";
   return archive(name, {
     "embeddings.safetensors": file(entries, metadata),
-    "embeddings.csv": text(csv),
+    "embeddings.csv": text(csv(table)),
     "README.txt": text(SET_NOTE(name)),
   });
 }
-
-const length = (row) => Math.sqrt(row.reduce((sum, value) => sum + value * value, 0));
 
 /** The weights of a head with the directions, classes and deciding rows of the taught one. */
 function taughtWeights(entries, head) {
   const { classifier, "mffa.bank": bank, "mffa.bank_seen": seen } = entries;
   const [classes, wide] = classifier.shape;
   const old = new Float32Array(classifier.bytes.slice().buffer);
-  const lengths = Array.from({ length: classes }, (_, k) => length(old.subarray(k * wide, (k + 1) * wide)));
+  const lengths = Array.from({ length: classes }, (_, k) => norm(old.subarray(k * wide, (k + 1) * wide)));
   const mean = lengths.reduce((a, b) => a + b, 0) / classes;
   const rows = head.directions.map((row) => Array.from(unit(row), (value) => mean * value));
   const found = { ...entries, classifier: floats(Float32Array.from(rows.flat()), [rows.length, wide]) };

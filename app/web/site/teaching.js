@@ -1,10 +1,10 @@
 /** Teaching from a visitor's labelled pairs, as `omnivat/teach.py` does it. No DOM here. */
 
+import { IMAGES, imagesOf } from "../shared/images.js";
 import { solved, triangle, unfolded } from "./logistic.js";
 import { Refused } from "./refusal.js";
 import { best, dot, rowOf, softmax, unit } from "./tensors.js";
 
-const IMAGES = ["vis", "tac"];
 const [LOGISTIC, MEAN, NEIGHBOUR, DIRECTIONS] = [
   "logistic regression",
   "nearest class mean",
@@ -111,7 +111,7 @@ class Work {
     this.before = [];
     for (const { pair } of this.lessons) {
       const out = await this.run(pair);
-      const there = IMAGES.filter((name) => pair[name]);
+      const there = imagesOf(pair);
       this.rows.push(standing(out, there));
       const hats = there.map((name) =>
         unit(rowOf(out[there.length > 1 ? `${name}_f_hat` : `${name}_alone`], 0)),
@@ -154,12 +154,7 @@ class Work {
     if (method === DIRECTIONS) {
       const { pair } = this.lessons[out];
       const found = await this.run(pair, this.directed(out));
-      return best(
-        said(
-          found,
-          IMAGES.filter((name) => pair[name]),
-        ),
-      );
+      return best(said(found, imagesOf(pair)));
     }
     if (method === LOGISTIC) {
       const { weights, present } = this.logistic(out);

@@ -100,8 +100,10 @@ export function dot(a, b) {
   return sum;
 }
 
+export const norm = (row) => Math.sqrt(dot(row, row));
+
 export function unit(row) {
-  const length = Math.sqrt(dot(row, row)) || 1;
+  const length = norm(row) || 1;
   return Float64Array.from(row, (value) => value / length);
 }
 
@@ -114,11 +116,3 @@ export function softmax(row) {
 
 export const best = (row) => row.reduce((top, value, i) => (value > row[top] ? i : top), 0);
 export const rounded = (row, digits = 6) => Array.from(row, (value) => Number(value.toFixed(digits)));
-
-/** Bytes as base64. */
-export function base64(bytes) {
-  let text = "";
-  for (let at = 0; at < bytes.length; at += 32768)
-    text += String.fromCharCode(...bytes.subarray(at, at + 32768));
-  return btoa(text);
-}
