@@ -241,15 +241,12 @@ def page(web: str, held: Mapping[str, Any]) -> str:
 def worker(folder: Path) -> str:
     """Return the service worker with the names of the files that it keeps.
 
-    first  needed by any visit; rest: fetched once a visit has begun; lazy: kept when they are used
+    first  needed by any visit; rest: fetched once a visit has begun, pictures of the examples last
     """
-    kept: dict[str, list[str]] = {"first": [], "rest": [], "lazy": []}
-    for name in sorted(p.relative_to(folder).as_posix() for p in files_in(folder)):
-        kind = "first" if name.startswith("web-") else "rest"
-        if name.startswith("models-") or "-example-" in name:
-            kind = "lazy"
-        if "/" in name:
-            kept[kind].append(name)
+    names = sorted(p.relative_to(folder).as_posix() for p in files_in(folder) if p.parent != folder)
+    first = [name for name in names if name.startswith("web-")]
+    rest = [name for name in names if not name.startswith("web-")]
+    kept = {"first": first, "rest": sorted(rest, key=lambda name: "-example-" in name)}
     script = (WEB / "site" / "sw.js").read_text(encoding="utf-8")
     return f"globalThis.omnivatSite = {json.dumps(kept)};\n{script}"
 

@@ -13,12 +13,13 @@ import http.server
 import json
 import shutil
 import threading
+import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from io import BytesIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 import torch
@@ -79,21 +80,47 @@ class Site:
         return str(reply["ref"])
 
 
+class Line:
+    """A connection to the world that all requests share: bytes are handed out no faster than `rate` a second."""
+
+    PIECE = 16384
+
+    def __init__(self, rate: float, delay: float = 0.0) -> None:
+        self.rate, self.delay = rate, delay
+        self.free, self.lock = time.monotonic(), threading.Lock()
+
+    def send(self, source: BinaryIO, to: BinaryIO) -> None:
+        """Copy a file to a visitor, at this line's rate."""
+        time.sleep(self.delay)
+        while piece := source.read(self.PIECE):
+            with self.lock:
+                self.free = max(self.free, time.monotonic()) + len(piece) / self.rate
+                wait = self.free - time.monotonic()
+            time.sleep(max(0.0, wait))
+            to.write(piece)
+
+
 @contextmanager
-def served(folder: Path) -> Iterator[str]:
-    """Yield the address of a plain file server of `folder`."""
+def served(folder: Path, line: Line | None = None) -> Iterator[str]:
+    """Yield the address of a plain file server of `folder`, at the rate of `line` if one is given."""
 
     class Quiet(http.server.SimpleHTTPRequestHandler):
+        protocol_version = "HTTP/1.1" if line else "HTTP/1.0"
         extensions_map = {  # noqa: RUF012
             **http.server.SimpleHTTPRequestHandler.extensions_map,
             ".mjs": "text/javascript",
         }
+
+        def copyfile(self, source: Any, outputfile: Any) -> None:
+            """Send a file."""
+            (line.send if line else shutil.copyfileobj)(source, outputfile)
 
         def log_message(self, *_: Any) -> None:
             """Stay silent."""
 
     handler = functools.partial(Quiet, directory=str(folder))
     server = http.server.ThreadingHTTPServer(("localhost", 0), handler)
+    server.daemon_threads = True
     server.handle_error = lambda *_: None  # type: ignore[method-assign]  # a browser that left
     threading.Thread(target=server.serve_forever, daemon=True).start()
     try:

@@ -43,7 +43,7 @@ def test_every_address_is_relative_and_of_a_file_in_the_folder(written):
     kept = json.loads(
         re.match(r"globalThis.omnivatSite = (.*);", (written / "sw.js").read_text())[1]
     )
-    for address in [*named, *kept["first"], *kept["rest"], *kept["lazy"]]:
+    for address in [*named, *kept["first"], *kept["rest"]]:
         parts = urlsplit(address)
         assert not parts.scheme and not parts.netloc and not address.startswith("/"), address
         assert (written / address).is_file(), address

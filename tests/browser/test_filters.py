@@ -32,7 +32,9 @@ def test_a_range_is_named_in_the_title_kept_in_the_address_and_put_aside_by_othe
     drag_over(page, "cosine")
     page.wait_for_selector(f"{TITLE}:has-text('photo–touch cosine')")
     pixels(page)  # the last move of the mouse is drawn
-    page.evaluate("() => new Promise((done) => setTimeout(done, 300))")  # and in the address, which waits 150 ms
+    page.evaluate(
+        "() => new Promise((done) => setTimeout(done, 300))"
+    )  # and in the address, which waits 150 ms
     page.wait_for_function("location.search.includes('range=')")
     found = page.locator(".explore .finder .found").inner_text()
     page.reload()

@@ -1,9 +1,7 @@
 """The page as a folder, served by a plain file server, in a real Chromium."""
 
-import threading
 from collections.abc import Iterator
-from functools import partial
-from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -13,49 +11,60 @@ import pytest
 from app.places import shipped_places
 from app.site import export_site
 from app.site_models import files_in
+from benchmarks.site import served
 from omnivat.errors import OmniVatError
 
 pytestmark = pytest.mark.browser
+COUNT = """() => setInterval(async () => {
+  const [name] = await caches.keys();
+  globalThis.kept = name ? (await (await caches.open(name)).keys()).length : 0;
+}, 100)"""
 FOLDER = "Kurs é 100% #1"
 
 
-class Quiet(SimpleHTTPRequestHandler):
-    """`python -m http.server` without its log."""
-
-    def log_message(self, *_: Any) -> None:
-        """Write nothing."""
-
-
 @pytest.fixture(scope="module")
-def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[str, Path]]:
-    """Return the address of the chirps' site in a folder of an odd name, and the folder."""
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the chirps' site, in a folder of an odd name inside the one that is served."""
     root = tmp_path_factory.mktemp("served")
     out = root / "lab" / FOLDER
     try:
         export_site(shipped_places("chirps"), out, sets=())
     except OmniVatError as error:  # no npm here, or no network: the runtime cannot be fetched
         pytest.skip(str(error))
-    server = ThreadingHTTPServer(("127.0.0.1", 0), partial(Quiet, directory=str(root)))
-    threading.Thread(target=server.serve_forever, daemon=True).start()
-    yield f"http://127.0.0.1:{server.server_port}/lab/{quote(FOLDER)}/", out
-    server.shutdown()
-    server.server_close()
+    return out
+
+
+@contextmanager
+def site(folder: Path) -> Iterator[str]:
+    """Yield the site's address."""
+    with served(folder.parents[1]) as address:
+        yield f"{address}lab/{quote(FOLDER)}/"
+
+
+def visit(context: Any) -> tuple[Any, list[str]]:
+    """Return a page, and a list of its errors."""
+    page = context.new_page()
+    problems: list[str] = []
+    page.on("pageerror", lambda error: problems.append(str(error)))
+    page.on("console", lambda said: said.type == "error" and problems.append(said.text))
+    page.set_default_timeout(60_000)
+    return page, problems
 
 
 def test_a_plain_file_server_is_enough_for_p_tree_compare_and_a_pair_by_its_address(
-    chromium: Any, site: tuple[str, Path]
+    desktop: Any, folder: Path
 ) -> None:
-    address, folder = site
-    page = chromium.new_page(viewport={"width": 1440, "height": 900})
-    problems: list[str] = []
+    with site(folder) as address:
+        chapters_tree_compare_and_a_pair(desktop, address, folder)
+
+
+def chapters_tree_compare_and_a_pair(context: Any, address: str, folder: Path) -> None:
+    page, problems = visit(context)
     sizes: list[int] = []
-    page.on("pageerror", lambda error: problems.append(str(error)))
-    page.on("console", lambda said: said.type == "error" and problems.append(said.text))
     page.on(
         "request", lambda r: r.url.startswith((address, "data:", "blob:")) or problems.append(r.url)
     )
     page.on("response", lambda r: sizes.append(int(r.headers.get("content-length") or 0)))
-    page.set_default_timeout(60_000)
 
     page.goto(address)
     page.wait_for_selector(".explore.ready")
@@ -82,4 +91,31 @@ def test_a_plain_file_server_is_enough_for_p_tree_compare_and_a_pair_by_its_addr
     assert "not on this page's host" in page.inner_text(".pair .problem")
     assert picture.name in page.url
     page.close()
+    assert problems == []
+
+
+def test_after_one_visit_the_site_predicts_an_own_pair_without_a_network(
+    chromium: Any, folder: Path
+) -> None:
+    kept = sum(len(file.relative_to(folder).parts) > 1 for file in files_in(folder))
+    pictures = [file for file in files_in(folder) if "-example-" in file.name]
+    context = chromium.new_context()
+    with site(folder) as address:
+        page, problems = visit(context)
+        page.goto(address)
+        page.wait_for_selector(".explore.ready")
+        page.evaluate(COUNT)
+        page.wait_for_function("count => globalThis.kept === count", arg=kept + 1)  # and the page
+        page.close()
+        assert problems == []
+    page, problems = visit(context)  # there is no server now
+    page.goto(f"{address}?tab=pair&p=0.3")
+    for modality in ("vis", "tac"):
+        picture = next(file for file in pictures if modality in file.name)
+        page.set_input_files(f".slot[data-modality={modality}] input", picture)
+        page.wait_for_selector(f".slot[data-modality={modality}] img[src^='data:image/jpeg']")
+    for reading in ("both", "vis", "tac"):
+        page.wait_for_selector(f".pair .reading[data-reading={reading}] .said")
+    assert page.evaluate("crossOriginIsolated")
+    context.close()
     assert problems == []

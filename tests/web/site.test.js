@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { factors, headerOf, rotation, whole } from "../../app/web/site/decode.js";
 import { solved, triangle, unfolded } from "../../app/web/site/logistic.js";
-import { runtime } from "../../app/web/site/runtime.js";
+import { inTurn, runtime } from "../../app/web/site/runtime.js";
 import { lessonsIn } from "../../app/web/site/teaching.js";
 import { dot, tensors, written } from "../../app/web/site/tensors.js";
 
@@ -22,6 +22,21 @@ test("a browser without WebAssembly, or without SIMD, gets a sentence", async ()
   }
   globalThis.WebAssembly = own;
   await assert.rejects(runtime("file:///nowhere/", nothing), /did not arrive/); // this one has SIMD
+});
+
+test("the runtime does one thing at a time, in their order, and a failure stops nothing", async () => {
+  const seen = [];
+  const work = (name, fails) => async () => {
+    seen.push(name);
+    await new Promise((resolve) => setTimeout(resolve, 5));
+    seen.push(`${name} done`);
+    if (fails) throw new Error(name);
+    return name;
+  };
+  const all = [inTurn(work("a")), inTurn(work("b", true)), inTurn(work("c"))];
+  const [first, second, third] = await Promise.allSettled(all);
+  assert.deepEqual(seen, ["a", "a done", "b", "b done", "c", "c done"]);
+  assert.deepEqual([first.value, second.reason.message, third.value], ["a", "b", "c"]);
 });
 
 test("a file of numbers is read as it was written, and a damaged one is refused", () => {

@@ -31,6 +31,9 @@ function keyOf({ set, path, query }, body) {
 /** The address of a file for a path; undefined if there is none. */
 export const fileOf = (path, body = "") => held.files[keyOf(parts(path), body)];
 
+/** `models`: settled once the models are there that an own pair needs, if they are on their way; maps wait for it. */
+export const line = { models: null };
+
 const failure = (sentence, status) => new Response(JSON.stringify({ error: sentence }), { status });
 
 /** The response to a request, as the server would give it.
@@ -38,7 +41,10 @@ const failure = (sentence, status) => new Response(JSON.stringify({ error: sente
 export async function respond(path, { body, signal } = {}) {
   const asked = parts(path);
   const key = body instanceof Blob ? "" : keyOf(asked, body);
-  if (held.files[key]) return fetch(held.files[key], { signal });
+  if (held.files[key]) {
+    if (asked.path === "frames") await line.models;
+    return fetch(held.files[key], { signal });
+  }
   if (held.refused?.[key]) return failure(held.refused[key], 400);
   if (held.sets && !held.sets.includes(asked.set))
     return failure("These pages do not hold the set of this address.", 410);

@@ -2,6 +2,7 @@
 
 import { inSet, json } from "./api.js";
 import { fetchFrames, fetchThumbnails } from "./frames.js";
+import { line } from "./held.js";
 import { isSimulated } from "./text.js";
 
 const fetching = new Map(); // set -> promise
@@ -24,15 +25,17 @@ export function theSet(onWait = () => {}, set = "") {
 
 const NO_SET = { frames: null, sprite: null };
 
-/** The set. While the server computes its map: nulls, and a promise of the set as `later`.
- * Without a map that promise stays pending; Explore shows the reason. */
+/** The set. While the server computes its map, or the models of a page without a server come first: nulls, and a
+ * promise of the set as `later`. Without a map that promise stays pending; Explore shows the reason. */
 export function theSetSoon() {
   return new Promise((resolve) => {
-    const coming = theSet(() => resolve({ ...NO_SET, later }));
+    const without = () => resolve({ ...NO_SET, later });
+    const coming = theSet(without);
     const later = new Promise((there) => {
       coming.then(there, () => {});
     });
-    coming.then(resolve, () => resolve({ ...NO_SET, later }));
+    coming.then(resolve, without);
+    if (line.models) setTimeout(without); // after a set that is there
   });
 }
 

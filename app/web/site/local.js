@@ -1,5 +1,6 @@
 /** The page's side of the worker: a request of Try a pair in, a Response as the server's out. */
 
+import { held, own } from "../shared/held.js";
 import { placed } from "./places.js";
 
 /** The routes that the browser computes; what else needs a server. */
@@ -66,10 +67,18 @@ function sent(message, signal) {
   });
 }
 
+const addressOf = (models) => new URL(models.endsWith("/") ? models : `${models}/`, document.baseURI).href;
+
+/** Fetch and start what a first own pair needs; settled once it is there, or cannot be had. */
+export async function prepare() {
+  if (/** @type {any} */ (navigator).connection?.saveData) return;
+  await sent({ base: addressOf(held.models), set: own || held.home, path: "warm", query: "", body: "{}" });
+}
+
 /** Respond to a request: `set` and `path` by name, `query` of the address, `body` text or a Blob; `models`:
  * the address of the models. */
 export async function respond({ set, path, query, body, signal, models }) {
-  const base = new URL(models.endsWith("/") ? models : `${models}/`, document.baseURI).href;
+  const base = addressOf(models);
   const content = body instanceof Blob ? await body.arrayBuffer() : (body ?? "{}");
   const ask = (name, asked) => sent({ base, set, path: name, query: `${query}`, body: asked }, signal);
   const { status, value } = path === "place" ? await placed(set, content, ask) : await ask(path, content);

@@ -2,7 +2,7 @@
 
 import { Refused } from "./refusal.js";
 import { FILTERS, resized } from "./resize.js";
-import { LOST, runtime } from "./runtime.js";
+import { inTurn, LOST, runtime } from "./runtime.js";
 import { rowOf, tensors } from "./tensors.js";
 
 const SIDE = 224; // pixels that the encoder sees
@@ -66,7 +66,8 @@ export class Models {
       const bytes = this.fetch(url, title);
       bytes.catch(() => {}); // reported below
       const { InferenceSession } = await this.runtime();
-      return InferenceSession.create(new Uint8Array(await bytes), { executionProviders: ["wasm"] });
+      const model = new Uint8Array(await bytes);
+      return inTurn(() => InferenceSession.create(model, { executionProviders: ["wasm"] }));
     });
 
   /** A head of the set: what models.json has of it, and its graph. */
@@ -94,7 +95,7 @@ export class Models {
       directions: new Tensor("float32", flat, [directions.length, directions[0].length]),
     };
     const given = Object.entries(feeds).filter(([name]) => session.inputNames.includes(name));
-    const found = await session.run(Object.fromEntries(given));
+    const found = await inTurn(() => session.run(Object.fromEntries(given)));
     return Object.fromEntries(
       Object.entries(found).map(([name, { dims, data }]) => [name, { shape: dims, values: data }]),
     );
@@ -112,7 +113,7 @@ export class Models {
       return new Tensor("float32", all, [count, width]);
     };
     const orders = new Tensor("float64", new Float64Array(count).fill(order), [count]);
-    const found = await session.run({ vis: flat(vis), tac: flat(tac), orders }, wanted);
+    const found = await inTurn(() => session.run({ vis: flat(vis), tac: flat(tac), orders }, wanted));
     return Object.fromEntries(
       wanted.map((name) => [name, { shape: found[name].dims, values: found[name].data }]),
     );
@@ -133,7 +134,8 @@ export class Models {
       for (let i = 0; i < plane; i++)
         input[channel * plane + i] = (pixels[3 * i + channel] / 255 - mean) / scale;
     }
-    const found = await session.run({ images: new Tensor("float32", input, [1, 3, SIDE, SIDE]) });
+    const images = new Tensor("float32", input, [1, 3, SIDE, SIDE]);
+    const found = await inTurn(() => session.run({ images }));
     return Float32Array.from(/** @type {any} */ (Object.values(found)[0]).data);
   }
 

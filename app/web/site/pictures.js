@@ -21,6 +21,7 @@ import { best, rounded } from "./tensors.js";
 
 const CELLS = 7; // of a side, in Where?
 const PATCH = 2;
+const WARM = 3; // runs after which the browser has compiled the encoder
 
 /** Embed a visitor's picture; its reference, its size and a small copy. */
 async function image(desk, { body, query }) {
@@ -43,6 +44,23 @@ async function preview(picture) {
   canvas.getContext("2d").putImageData(data, 0, 0);
   const blob = await canvas.convertToBlob({ type: "image/jpeg", quality: 0.85 });
   return `data:image/jpeg;base64,${base64(new Uint8Array(await blob.arrayBuffer()))}`;
+}
+
+/** Fetch the encoder, and run once what a first pair needs: later ones wait for no file and no compiler. */
+export async function warm(desk) {
+  await desk.models.runtime(); // with the head, before the encoder
+  const canvas = new OffscreenCanvas(320, 240);
+  canvas.getContext("2d").fillRect(0, 0, 160, 120);
+  const blob = await canvas.convertToBlob({ type: "image/jpeg" });
+  const body = new Uint8Array(await blob.arrayBuffer());
+  const head = await desk.models.head();
+  for (let time = 0; time < WARM; time++) {
+    const { ref } = await image(desk, { body, query: new URLSearchParams() });
+    const row = desk.sent.get(ref);
+    desk.sent.delete(ref);
+    await predictOne(desk, head, { vis: row, tac: row });
+  }
+  return {};
 }
 
 /** What the address of a picture's request names: the head, the other image, p. */

@@ -30,6 +30,19 @@ async function started(base, bytes) {
   return found;
 }
 
+let turn = Promise.resolve();
+
+/** Do `work` after all that came before: the runtime has one stack, which two calls at once would break.
+ * @template T @param {() => Promise<T>} work @returns {Promise<T>} */
+export function inTurn(work) {
+  const done = turn.then(work);
+  turn = done.then(
+    () => {},
+    () => {},
+  );
+  return done;
+}
+
 /** The runtime from the folder of the models. `bytes` fetches a file; a Refused where it cannot run. */
 export async function runtime(base, bytes) {
   ort ??= started(base, bytes);

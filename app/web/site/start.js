@@ -1,6 +1,7 @@
 /** The page without a server: plain tabs; the script of a tab is fetched when the tab first opens. */
 
 import { start as startHeader } from "../header/header.js";
+import { held, line } from "../shared/held.js";
 import { state } from "../shared/store.js";
 
 const tabs = /** @type {HTMLElement[]} */ ([...document.querySelectorAll("[role=tab]")]);
@@ -16,12 +17,15 @@ async function open(view) {
   }
   if (started.has(view)) return;
   started.add(view);
+  if (view === "pair" && held.local)
+    line.models = import("./local.js").then(({ prepare }) => prepare()).catch(() => {});
   const { start } = await import(`../${view}/${view}.js`);
   await start(document.getElementById(`view-${view}`));
 }
 
 /** With a network, fetch the rest once the first view is there, so that the next visit needs none. */
 async function keep() {
+  await line.models;
   await navigator.serviceWorker.register("sw.js");
   const { active } = await navigator.serviceWorker.ready;
   if (!(/** @type {any} */ (navigator).connection?.saveData)) active.postMessage("keep");

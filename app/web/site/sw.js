@@ -1,10 +1,11 @@
 /** Keeps the pages for visits without a network. Files are named by content, so a kept one never is old. */
 
 const worker = /** @type {any} */ (globalThis);
-const { first, rest, lazy } = worker.omnivatSite; // addresses of files, relative to this one
+const { first, rest } = worker.omnivatSite; // addresses of files, relative to this one
 const scope = worker.registration.scope;
 const NAME = `omnivat ${scope}`; // other pages of this host have theirs
-const known = new Set([...first, ...rest, ...lazy].map((file) => new URL(file, scope).href));
+const known = new Set([...first, ...rest].map((file) => new URL(file, scope).href));
+const PAUSE = 200; // milliseconds
 // They let the page use several threads; everything here is of one origin.
 const ALONE = {
   "Cross-Origin-Opener-Policy": "same-origin",
@@ -19,13 +20,20 @@ function alone(response) {
   return new Response(response.body, { status: response.status, statusText: response.statusText, headers });
 }
 
+let wanted = 0; // files on their way to the page, before which copies for later visits wait
+
 async function kept(request) {
   const cache = await caches.open(NAME);
   const there = await cache.match(request.url);
   if (there) return alone(there);
-  const response = await fetch(request.url);
-  if (response.ok) await cache.put(request.url, response.clone());
-  return alone(response);
+  wanted += 1;
+  try {
+    const response = await fetch(request.url);
+    if (response.ok) await cache.put(request.url, response.clone());
+    return alone(response);
+  } finally {
+    wanted -= 1;
+  }
 }
 
 /** The page itself: from the network, else as it was last. */
@@ -50,8 +58,10 @@ async function clear() {
 
 async function keep(files) {
   const cache = await caches.open(NAME);
-  for (const file of files)
+  for (const file of files) {
+    while (wanted) await new Promise((resolve) => setTimeout(resolve, PAUSE));
     if (!(await cache.match(new URL(file, scope)))) await cache.add(new URL(file, scope));
+  }
 }
 
 worker.addEventListener("install", (event) =>

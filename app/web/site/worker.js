@@ -3,7 +3,7 @@
 import { Desk } from "./desk.js";
 import { FOREST } from "./forest.js";
 import { Models } from "./models.js";
-import { FILES } from "./pictures.js";
+import { FILES, warm } from "./pictures.js";
 import { Refused } from "./refusal.js";
 import { QUESTIONS } from "./routes.js";
 import { SAVING } from "./saving.js";
@@ -22,7 +22,7 @@ function deskOf(base, set) {
 async function reply({ id, base, set, path, query, body }) {
   const desk = deskOf(base, set);
   const stopped = () => withdrawn.has(id);
-  const question = QUESTIONS[path] ?? SAVING[path] ?? FOREST[path];
+  const question = path === "warm" ? warm : (QUESTIONS[path] ?? SAVING[path] ?? FOREST[path]);
   if (question) return question(desk, JSON.parse(body), stopped);
   return FILES[path](desk, { body: new Uint8Array(body), query: new URLSearchParams(query), stopped });
 }
