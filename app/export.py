@@ -15,7 +15,7 @@ from app.places import Places, places
 from app.resources import Resources
 from app.routes import sheet
 from app.theme import STYLES
-from app.views import explore
+from app.views import data, explore
 from omnivat.errors import DataError
 from omnivat.files import write_text
 from omnivat.progress import OnStep, Step, ignore
@@ -129,8 +129,10 @@ def held_files(where: Places, frames: Path) -> dict[str, str]:
         "/modes": {"sets": [], "modes": modes(resources)["modes"]},
         "/pairs": explore.pairs(resources),
         "/toy": explore.mechanism(resources),
-        "/unseen": explore.unseen(resources),
+        "/fit": data.fit(resources),
     }
+    if not facts["/fit"]["problem"]:
+        facts["/unseen"] = explore.unseen(resources)
     files = set_files(resources, frames)
     return {
         **{name: data_address(file.read_bytes(), file.suffix) for name, file in files.items()},

@@ -47,6 +47,7 @@ class Source:
     load_head: "Callable[[], Head]"
     load_embeddings: "Callable[[], Embeddings]"
     drawn: int = 0  # pairs drawn at random of a larger set; 0 for all
+    features: bool = False  # draw the features alone if the head is of another encoder
 
 
 def cache_name(head: Path, embeddings: Path, drawn: int = 0) -> str:
@@ -133,26 +134,38 @@ class FramesJob:
         fine, coarse = folder / f"{name}.bin", folder / f"{name}-coarse.bin"
         if not readable(fine):
             job.report(Step(done=0, total=0, text="loading the head"))
-            head, embeddings = self._source.load_head(), self._source.load_embeddings()
-            head.require_embeddings(embeddings)
+            embeddings = self._source.load_embeddings()
+            head = self._fitting(embeddings)
             if len(embeddings) > LARGE_SET and not readable(coarse):
                 first = folder / f"{name}-first.bin"
                 if not readable(first):
-                    stops = first_stops(head.model.order)
+                    stops = first_stops(head.model.order) if head else COARSE
                     self._build(job, head, embeddings, stops, first, linear=True)
                 self._file = first
                 job.go_on_at(LAST_TOUCH)
-            if not readable(coarse):
+            if head and not readable(coarse):
                 self._build(job, head, embeddings, COARSE, coarse)
-            self._file = coarse
-            job.go_on_at(LAST_TOUCH)
+            if head:
+                self._file = coarse
+                job.go_on_at(LAST_TOUCH)
             self._build(job, head, embeddings, FINE, fine)
         self._file, self._whole = fine, True
+
+    def _fitting(self, embeddings: "Embeddings") -> "Head | None":
+        """Return the head; None if it does not fit and the features alone are wanted then."""
+        head = self._source.load_head()
+        try:
+            head.require_embeddings(embeddings)
+        except DataError:
+            if self._source.features:
+                return None
+            raise
+        return head
 
     def _build(
         self,
         job: Job[None],
-        head: Any,
+        head: "Head | None",
         embeddings: Any,
         orders: tuple[float, ...],
         to: Path,
@@ -165,16 +178,17 @@ class FramesJob:
         from omnivat.frames.builder import DEFAULT_MAPS
         from omnivat.frames.records import kind_of, with_learned
 
+        provenance = head and {
+            "hash": head_hash(self._source.head),
+            "source": head.source,
+            "kind": kind_of(head),
+        }
         frames = build_frames(
-            head.model,
+            head.model if head else None,
             embeddings,
-            orders=with_learned(orders, head.model.order),
+            orders=with_learned(orders, head.model.order if head else None),
             maps={n: k for n, k in DEFAULT_MAPS.items() if not linear or n.startswith("pca/")},
-            provenance={
-                "hash": head_hash(self._source.head),
-                "source": head.source,
-                "kind": kind_of(head),
-            },
+            provenance=provenance,
             on_step=job.report,
         )
         job.check()

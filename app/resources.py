@@ -58,6 +58,7 @@ class Resources:
                     load_head=self.heads[name],
                     load_embeddings=self.embeddings,
                     drawn=where.drawn,
+                    features=not name,
                 ),
                 None if name else where.frames,
                 where.computed,

@@ -58,6 +58,7 @@ DOWNLOADS: dict[str, Callable[[Resources, Mapping[str, Any]], bytes]] = {
 }
 FACTS: dict[str, Callable[[Resources], Any]] = {
     "about": data.about,
+    "fit": data.fit,
     "heads": compare.heads,
     "matrix": compare.matrix,
     "modes": modes,

@@ -57,6 +57,7 @@ def save_figure(resources: Resources, question: Mapping[str, Any]) -> bytes:
     """
     from omnivat.figures import frames_map, gap_curves, html_page, pictures, staircase
     from omnivat.frames import read_frames
+    from omnivat.frames.records import FEATURES
     from omnivat.stages import STAGES
 
     file = (
@@ -74,7 +75,9 @@ def save_figure(resources: Resources, question: Mapping[str, Any]) -> bytes:
     sheet = None if resources.drawn() else resources.where.sprite
     tiles = pictures(sheet) if sheet else None
     drawn = frames_map(frames, order=at, stage=stage, kind=kind, colour=colour, pictures=tiles)
-    parts = [drawn, gap_curves(frames, stage=stage, order=at), staircase(frames, order=at)]
+    parts = [drawn]
+    if frames.head.get("kind") != FEATURES:
+        parts += [gap_curves(frames, stage=stage, order=at), staircase(frames, order=at)]
     whole: str = html_page(f"OmniVaT: {frames.pairs} VIS-TAC pairs", parts)
     return whole.encode()
 

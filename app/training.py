@@ -84,7 +84,7 @@ class Trainings:
 
     def offers(self, resources: Resources) -> dict[str, Any]:
         """Return the choices and the defaults."""
-        return offers(resources.embeddings().header, resources.head().source)
+        return offers(resources.embeddings(), resources.head().source)
 
     def start(
         self, resources: Resources, question: Mapping[str, Any], beside: str, address: str = ""

@@ -1,5 +1,6 @@
 """The choices of a training, and their check."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -7,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from omnivat.errors import DataError
 
 if TYPE_CHECKING:
-    from omnivat.data.store import Embeddings, Header
+    from omnivat.data.store import Embeddings
     from omnivat.train import TrainSettings
 
 WIDTHS = (16, 32, 64, 128)
@@ -43,13 +44,23 @@ class Plan:
         return self.training.epochs
 
 
-def offers(header: "Header", source: str) -> dict[str, Any]:
-    """Return the choices and the defaults; LANG is off if its bank lacks a class of the set."""
+def offers(embeddings: "Embeddings", source: str) -> dict[str, Any]:
+    """Return the choices and the defaults; LANG is off if its bank lacks a class of the set.
+
+    Raises DataError for a set in which no domain has pairs of two classes.
+    """
     from omnivat.lang.bank import DEFAULT_BANK, load_bank
 
-    domains = header.domains
+    header = embeddings.header
+    there = {*zip(embeddings.domain.tolist(), embeddings.label.tolist(), strict=True)}
+    sizes = Counter(domain for domain, _ in there)
+    domains = [name for k, name in enumerate(header.domains) if sizes[k] > 1]
+    if not domains:
+        raise DataError(
+            "No domain has pairs of two classes, so there is nothing to train a head on."
+        )
     return {
-        "sources": list(domains),
+        "sources": domains,
         "widths": list(WIDTHS),
         "orders": list(ORDERS),
         "ranges": {name: list(ends[:2]) for name, ends in RANGES.items()},

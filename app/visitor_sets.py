@@ -126,7 +126,8 @@ class VisitorSets:
         def placed(folder: Path) -> Places:
             return self._placed(folder, parts, base.where, compare=compare)
 
-        return self._made(key, placed, check, visitor)
+        fits = any(name in parts for name in HEAD)  # a set alone may be of another encoder
+        return self._made(key, placed, check, visitor, fits=fits)
 
     def adopt(self, head: "Head", *, beside: str, visitor: str = "") -> str:
         """Make a visitor set from a head trained on the server; return its name.
@@ -150,8 +151,13 @@ class VisitorSets:
         placed: Callable[[Path], Places],
         check: Callable[[], None],
         visitor: str,
+        *,
+        fits: bool = True,
     ) -> str:
-        """Fill a new folder, check its content, and add it as a visitor set."""
+        """Fill a new folder, check its content, and add it as a visitor set.
+
+        fits  False: its heads may be of another encoder than its set
+        """
         folder = self.shared.scratch.folder(os.urandom(8).hex())
         try:
             made = Resources(placed(folder), self.shared, owner=key)
@@ -159,7 +165,7 @@ class VisitorSets:
             embeddings = made.embeddings()
             if not len(embeddings):
                 raise DataError(f"'{SET}' holds no pairs; embed some and load it again.")
-            for name in made.heads:
+            for name in made.heads if fits else ():
                 check()
                 made.head_named(name).require_embeddings(embeddings)
             check()

@@ -68,7 +68,7 @@ def rungs(head: Head, embeddings: Embeddings, *, source: str = "") -> list[dict[
     `records`. Shares lie between 0 and 1. Raises DataError for embeddings of another encoder.
     """
     own = source in ("", head.source) and head.source in embeddings.header.domains
-    found = {one.rung: one for one in recorded(source or head.source)}
+    found = {one.rung: one for one in recorded(source or head.source, embeddings.header.domains)}
     if own:
         found |= {one.rung: one for one in _of_head(head, embeddings)}
     ordered = [found[name] for name in KNOWN if name in found]
@@ -155,14 +155,16 @@ def _records() -> tuple[Mapping[str, Any], list[Mapping[str, Any]]]:
     ]
 
 
-def recorded(source: str) -> list[Rung]:
+def recorded(source: str, domains: Sequence[str]) -> list[Rung]:
     """Return the recorded rungs of heads trained on `source`; none without records.
+
+    domains  of the set: what was recorded on other domains says nothing about it
 
     A rung that the light head has not climbed is another method's, whose name `known` then has.
     """
     first, records = _records()
     records = [one for one in records if one["source"] == source]
-    if not records:
+    if not records or first["domains"] != list(domains):
         return []
     domain = np.array(first["domain"])
     home = first["domains"].index(source)

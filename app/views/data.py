@@ -1,5 +1,6 @@
 """Data & limits: what is loaded, its origin and limits, and how to load your own."""
 
+import shlex
 from math import isfinite
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,12 @@ from app.sensor import from_the_start
 from omnivat.errors import DataError
 
 TITLE = "Data & limits"
+FITS = {"problem": "", "remedy": "", "command": ""}
+REMEDY = "This command trains a small head on the set, tests it on objects that it has not seen, and opens the page with it."
+UNABLE = (
+    "No domain has pairs of two classes, so no head can learn from the set. This command measures gaps, "
+    "retrieval and neighbours, which need none."
+)
 
 
 def about(resources: Resources) -> dict[str, Any]:
@@ -65,6 +72,28 @@ def embedding_facts(resources: Resources) -> dict[str, Any]:
         "simulated": header.simulated,
         "origin": header.origin,
     }
+
+
+def fit(resources: Resources) -> dict[str, str]:
+    """Return why the first head cannot predict the set, and the command to run; both "" if it can.
+
+    return  {"problem": sentence, "remedy": sentence, "command": text}
+    """
+    if resources.where.frames is not None:
+        return FITS
+    embeddings = resources.embeddings()
+    try:
+        resources.head().require_embeddings(embeddings)
+    except DataError as error:
+        found = {*zip(embeddings.domain.tolist(), embeddings.label.tolist(), strict=True)}
+        able = len(found) > len({domain for domain, _ in found})
+        name = shlex.quote(resources.where.embeddings.name)
+        return {
+            "problem": without_places(str(error)),
+            "remedy": REMEDY if able else UNABLE,
+            "command": f"python -m omnivat {f'try {name}' if able else f'report {name} --out report'}",
+        }
+    return FITS
 
 
 def without_nan(value: Any) -> Any:

@@ -36,28 +36,33 @@ def neighbours(resources: Resources, question: Mapping[str, Any]) -> dict[str, A
     """
     from omnivat.sweep import STAGES
 
-    embeddings, head = resources.embeddings(), resources.head()
+    embeddings = resources.embeddings()
     stage, point = str(question.get("stage")), question.get("point")
     if stage not in STAGES:
         raise DataError(f"No stage is called '{stage:.40}'; there are {', '.join(STAGES)}.")
     if type(point) is not int or not 0 <= point < 2 * len(embeddings):
         raise DataError(f"No point has the number {point!r:.20}; choose one on the map.")
     order = order_from(question.get("order"))
-    order = head.model.order if order is None else order
     return {"neighbours": nearest(kept_features(resources, stage, order), point, NEIGHBOURS)}
 
 
-def kept_features(resources: Resources, stage: str, order: float) -> "Array":
-    """Return the features of the first head at a stage, cached."""
+def kept_features(resources: Resources, stage: str, order: float | None) -> "Array":
+    """Return the features of the first head at a stage, cached; the raw stage needs no head.
+
+    order  None: the learned one
+    """
     from omnivat.sweep import STILL
 
+    embeddings, model = resources.embeddings(), None
+    if stage != "raw":
+        resources.head().require_embeddings(embeddings)
+        model = resources.head().model
+        order = model.order if order is None else order
     # unitary stages: their cosines do not depend on the order
     key = stage if stage in STILL else f"{stage} {order:.6f}"
     features = resources.features.get(key)
     if features is None:
-        embeddings, head = resources.embeddings(), resources.head()
-        head.require_embeddings(embeddings)
-        features = resources.features.keep(key, staged(head.model, embeddings, stage, order))
+        features = resources.features.keep(key, staged(model, embeddings, stage, order or 0.0))
     return features
 
 
@@ -75,8 +80,8 @@ def nearest(features: "Array", point: int, count: int) -> list[dict[str, Any]]:
     return [{"point": int(i), "cosine": round(float(cosines[i]), 4)} for i in best]
 
 
-def staged(model: "OmniVaT", embeddings: "Embeddings", stage: str, order: float) -> "Array":
-    """Return the unit features (2N, W) of a stage at one order, VIS first."""
+def staged(model: "OmniVaT | None", embeddings: "Embeddings", stage: str, order: float) -> "Array":
+    """Return the unit features (2N, W) of a stage at one order, VIS first; no model at "raw"."""
     import torch
 
     from omnivat.gaps.unit import unit
@@ -130,7 +135,7 @@ def ladder(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
         raise DataError(f"The set has no domain {source!r:.40}; there are {', '.join(domains)}.")
     kept = resources.results.get(f"ladder {source}")
     if kept is None:
-        others = [name for name in domains if name != head.source and recorded(name)]
+        others = [name for name in domains if name != head.source and recorded(name, domains)]
         own = [head.source] if head.source in domains else []
         found = {"rungs": rungs(head, embeddings, source=source), "sources": [*own, *others]}
         kept = resources.results.keep(f"ladder {source}", found)

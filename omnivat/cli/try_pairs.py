@@ -79,7 +79,7 @@ def run(options: argparse.Namespace) -> None:
         temporary.write_text("\n".join([*notes, *trial.lines, ""]), encoding="utf-8")
     print(f"Everything is in {out}: {SET}, {files} profiles, {SUMMARY}, figures.json")
     if not options.no_page:
-        _open_page(out, found)
+        _open_page(out)
 
 
 def _features(options: argparse.Namespace, out: Path) -> tuple["Features", list[str]]:
@@ -193,24 +193,14 @@ def _write_profiles(found: "Features", out: Path) -> int:
     return len(found.domains)
 
 
-def _open_page(out: Path, found: "Features") -> None:
-    """Open the page on the folder in another process, until it is stopped."""
+def _open_page(out: Path) -> None:
+    """Open the page on the folder in another process, until it is stopped.
+
+    Without a head of its own, it shows the set through the project's, or its features alone.
+    """
     command = [sys.executable, "-c", PAGE, "--embeddings", str(out / SET)]
     if (out / HEAD).is_dir():
         command += ["--head", str(out / HEAD)]
-    else:
-        from omnivat.checkpoint import load_head
-        from omnivat.heads import default_head
-
-        try:
-            load_head(default_head()).require_embeddings(found.embeddings)
-        except DataError:
-            print(
-                "The page needs a head of the same encoder, and there is none; see the set with "
-                f"`python -m omnivat report {out / SET} --out {out / 'report'}`."
-            )
-            return
-        print("The page shows the set through the project's own head, which was trained on others.")
     print(f"The page again: python app.py {' '.join(command[3:])}", flush=True)
     with subprocess.Popen(command) as page:
         try:

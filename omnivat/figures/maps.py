@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from omnivat.errors import SettingsError, ShapeError
 from omnivat.figures.page import Figure, figure, plain
 from omnivat.figures.theme import CLASSES, DOMAINS, MODALITIES, RIGHT_WRONG
-from omnivat.frames.records import FrameSet
+from omnivat.frames.records import FEATURES, FrameSet
 from omnivat.stages import STAGE_TITLES
 
 CIVIDIS = ["#00224e", "#27406f", "#575d6d", "#7d7c78", "#a59c74", "#d2c060", "#fee838"]
@@ -146,9 +146,10 @@ def frames_map(
     names, colours, group = _grouped(frames, colour, stop)
     at = frames.orders[stop] if len(drawn.orders) == 1 else frames.orders[drawn.orders[frame]]
     what = "simulated data" if frames.embeddings.get("simulated") else "real data"
-    predicted = [frames.classes[k] for k in frames.prediction[stop]]
+    headless = frames.head.get("kind") == FEATURES
+    predicted = [f" · predicted {frames.classes[k]}" for k in frames.prediction[stop]]
     hover = [
-        f"{frames.domains[d]} · {frames.classes[c]} · predicted {p}"
+        f"{frames.domains[d]} · {frames.classes[c]}{'' if headless else p}"
         for d, c, p in zip(frames.domain, frames.label, predicted, strict=True)
     ]
     return map_figure(
@@ -158,7 +159,7 @@ def frames_map(
         colours=colours,
         hover=hover,
         pictures=pictures,
-        title=f"OmniVaT, {STAGE_TITLES[stage]}, p = {at:.2f}",
+        title=f"OmniVaT, {STAGE_TITLES[stage]}{'' if headless else f', p = {at:.2f}'}",
         caption=f"{kind.upper()} of {frames.pairs} pairs, {what}; the axes have no unit",
     )
 

@@ -12,7 +12,7 @@ from torch import Tensor
 from omnivat.data.store import Embeddings
 from omnivat.errors import DataError, SettingsError
 from omnivat.evaluate import label_map
-from omnivat.frames.records import FrameSet, MapFrames, quantised
+from omnivat.frames.records import FEATURES, FrameSet, MapFrames, quantised
 from omnivat.gaps.measures import STAGE_MEASURES
 from omnivat.gaps.unit import unit
 from omnivat.model.head import OmniVaT
@@ -87,13 +87,13 @@ class UnseenAccuracy:
 class FrameBuilder:
     """Collects the results of each stop, in the order of the stops.
 
-    settings  of the heads; all have the same classes and widths
+    settings  of the heads; all have the same classes and widths. None: no head, the raw stage alone
     still     stages that do not depend on p: one map for all stops
     """
 
     def __init__(
         self,
-        settings: HeadSettings,
+        settings: HeadSettings | None,
         embeddings: Embeddings,
         *,
         orders: Sequence[float],
@@ -106,17 +106,18 @@ class FrameBuilder:
         _require(orders, maps, embeddings)
         self.orders, self.embeddings, self.measures = tuple(orders), embeddings, measures
         self.seed, self.still = seed, still
-        self.tracks = _tracks(maps, len(orders), projects=settings.projects, still=still)
+        projects, known = (settings.projects, settings.classes) if settings else (True, ())
+        self.tracks = _tracks(maps, len(orders), projects=projects, still=still)
         wanted = {track.stage for track in self.tracks.values()}
         self.stages = [stage for stage in STAGES if stage in wanted]
         self.unitary = {name.split("/")[1] for name in maps} - wanted  # frft, if it shares raw
-        self.classes, self.facts = facts_of(embeddings, settings.classes)
+        self.classes, self.facts = facts_of(embeddings, known)
         if max(len(self.classes), len(embeddings.header.domains)) > MOST_NAMES:
             raise DataError(
                 f"Frames can have {MOST_NAMES} domains and classes; choose a smaller set."
             )
         self.curves: dict[str, list[float | None]] = {}
-        self._unseen = UnseenAccuracy(embeddings, settings.classes, source)
+        self._unseen = UnseenAccuracy(embeddings, known, source)
         self._predictions: list[Any] = []
         self._confidences: list[Any] = []
 
@@ -134,7 +135,8 @@ class FrameBuilder:
         if "accuracy" in self.measures:
             for name, share in self._unseen.at(found.probabilities).items():
                 self.curves.setdefault(name, [None] * count)[found.index] = share
-        confidence, predicted = found.probabilities["fused"].max(1)
+        nothing = torch.zeros(len(self.embeddings), 1)  # without a head
+        confidence, predicted = found.probabilities.get("fused", nothing).max(1)
         self._predictions.append(predicted.to(torch.uint8).cpu().numpy())
         self._confidences.append((confidence * 255).round().to(torch.uint8).cpu().numpy())
 
@@ -242,7 +244,7 @@ DEFAULT_MAPS: Mapping[str, int] = {
 
 
 def build_frames(
-    model: OmniVaT,
+    model: OmniVaT | None,
     embeddings: Embeddings,
     *,
     orders: Sequence[float] = DEFAULT_ORDERS,
@@ -254,6 +256,7 @@ def build_frames(
 ) -> FrameSet:
     """Compute the frames of a set of pairs, one order at a time.
 
+    model       None: the features alone, one stop, with the maps and gaps of the raw stage
     orders      stops of the slider, in quarter turns, ascending
     maps        "method/stage" -> largest number of stops, evenly spaced with both ends; the page
                 shows the nearest one. Raw embedding and raw DFrFT have one map for all stops,
@@ -263,8 +266,10 @@ def build_frames(
     Raises SettingsError for an unknown map or order, DataError for too many domains or classes.
     """
     known = dict(provenance or {})
+    if model is None:
+        orders, maps = (0.0,), {name: 1 for name in maps if name.endswith("/raw")}
     builder = FrameBuilder(
-        model.settings,
+        model.settings if model else None,
         embeddings,
         orders=orders,
         maps=maps,
@@ -273,9 +278,12 @@ def build_frames(
         still=STILL,
         seed=seed,
     )
-    for found in walk(model, embeddings, orders, stages=builder.stages, predictions=True):
+    predictions = model is not None
+    for found in walk(model, embeddings, orders, stages=builder.stages, predictions=predictions):
         builder.add(found)
         text = f"map at order {found.order:.2f}"
         on_step(Step(done=found.index + 1, total=len(orders), text=text))
+    if model is None:
+        return builder.finish({"kind": FEATURES, **known})
     known = {"fits": list(fitting(model.order, model.settings.width))} | known
     return builder.finish({"kind": "moved", "learned_order": model.order, **known})

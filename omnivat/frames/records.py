@@ -12,6 +12,9 @@ if TYPE_CHECKING:
     from omnivat.checkpoint import Head
 
 
+FEATURES = "features"  # the kind of frames without a head
+
+
 def kind_of(head: "Head") -> str:
     """Return the kind of a head's frames: "every" if trained with random p, else "moved"."""
     return (

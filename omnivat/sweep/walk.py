@@ -54,7 +54,7 @@ def coarse_first(count: int) -> list[int]:
 
 
 def walk(
-    model: OmniVaT,
+    model: OmniVaT | None,
     embeddings: Embeddings,
     orders: Sequence[float],
     *,
@@ -66,6 +66,7 @@ def walk(
 ) -> Iterator[AtOrder]:
     """Yield the results at each order, in the order of `visits`.
 
+    model     None for the raw stage without predictions
     sums_for  yield sums of the features by these labels and domains instead of features; memory is
               then that of the predictions
 
@@ -75,6 +76,8 @@ def walk(
     are no pairs.
     """
     require_known(stages, STAGES, "stage")
+    if model is None and (predictions or set(stages) - {"raw"}):
+        raise SettingsError("Only the raw stage needs no head; give one.")
     if chunk < 1 or not np.isfinite(np.array(orders, dtype=np.float64)).all():
         raise SettingsError("chunk must be 1 or more and every order a finite number.")
     if not len(embeddings):
@@ -91,7 +94,7 @@ def walk(
         if place == 0 and "raw" in stages:
             for rows, raw in _raw_chunks(model, embeddings, chunk):
                 found.take("raw", raw, rows)
-        if wanted or predictions:
+        if model is not None and (wanted or predictions):
             if kept is None and len(embeddings) <= KEPT_PAIRS:
                 kept = coefficients_of(model, embeddings)
             for rows, output in _outputs(model, embeddings, kept, order, chunk):

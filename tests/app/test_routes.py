@@ -203,26 +203,6 @@ def test_a_missing_head_is_a_sentence_everywhere_and_the_page_goes_on(resources,
         assert client.get("/omnivat/examples").status_code == 200
 
 
-def test_embeddings_of_another_encoder_are_refused_by_name(
-    resources, make_embeddings, tmp_path, monkeypatch
-):
-    from dataclasses import replace
-
-    from app.resources import Resources
-    from omnivat.data.store import save_embeddings
-
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    made = make_embeddings()
-    other = replace(made, header=replace(made.header, encoder="other-encoder"))
-    save_embeddings(tmp_path / "other.safetensors", other)
-    wrong = Resources(replace(resources.where, embeddings=tmp_path / "other.safetensors"))
-    with TestClient(Starlette(routes=routes(wrong))) as client:
-        text = sentence(client.post("/omnivat/pair", json={"vis": "row:0"}))
-        assert "other-encoder" in text
-        assert "test-encoder" in text
-        assert wrong.frames.wait().problem == text
-
-
 def test_two_visitors_share_nothing_but_equal_images(client, png):
     mine = client.post("/omnivat/image", content=png(seed=1)).json()["ref"]
     theirs = client.post("/omnivat/image", content=png(seed=2)).json()["ref"]

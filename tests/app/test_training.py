@@ -79,11 +79,12 @@ def test_one_training_runs_and_the_next_visitor_is_told_the_place(sets):
 
 def test_what_is_offered_can_be_trained(resources):
     embeddings = resources.embeddings()
-    found = offers(embeddings.header, resources.head().source)
+    found = offers(embeddings, resources.head().source)
     plan = plan_from(found["first"], embeddings)
     assert (plan.source, plan.head["width"], plan.training.mma_weight) == ("TAG-sim", 64, 10.0)
     assert plan.head["learn_order"]
-    other = replace(embeddings.header, classes=(*embeddings.header.classes, "fabric"))
+    header = replace(embeddings.header, classes=(*embeddings.header.classes, "fabric"))
+    other = replace(embeddings, header=header)
     assert found["first"]["lang"] and not offers(other, "")["first"]["lang"]
 
 

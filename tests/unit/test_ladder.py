@@ -13,6 +13,7 @@ from omnivat import ladder
 from omnivat.data.profile import FLOOR
 from omnivat.evaluate import evaluate, target_mean, target_scores
 from omnivat.from_pairs import head_from_pairs
+from omnivat.heads import EXAMPLES
 from omnivat.ladder import FORMAT, METHOD, lettered, letters, recorded, rungs
 from omnivat.train import TrainSettings
 
@@ -95,7 +96,13 @@ def test_another_source_and_other_rungs_come_from_the_records(head, shifted, tmp
     }
     own = {r["rung"]: r["from"] for r in rungs(head, shifted)}
     assert own["k1"] == "records" and own["none"] == "this head"
-    assert recorded("nowhere") == []
+    assert recorded("nowhere", names) == []
+
+
+def test_records_of_other_domains_say_nothing_about_a_set(head, shifted, monkeypatch):
+    monkeypatch.setattr(ladder, "RECORDS", EXAMPLES / "records" / "ladder.jsonl.gz")
+    ladder._records.cache_clear()
+    assert {one["from"] for one in rungs(head, shifted)} == {"this head"}
 
 
 def test_predictions_of_rungs_are_those_of_profiled_embeddings(head, shifted):

@@ -4,7 +4,8 @@ import { refused } from "../shared/api.js";
 import { saidHtml, thumbnailPair, verdict } from "../shared/card.js";
 import { unseen } from "../shared/facts.js";
 import { shownBy } from "../shared/filters.js";
-import { heads, METHODS } from "../shared/headsets.js";
+import { needsHead } from "../shared/headless.js";
+import { heads, isMethod, methodsFor } from "../shared/headsets.js";
 import { COLOURINGS, onTheme } from "../shared/palette.js";
 import { stageNamed } from "../shared/stages.js";
 import { change, state, watch, watchIn } from "../shared/store.js";
@@ -15,6 +16,7 @@ import { matrix } from "./matrix.js";
 import { SIDES, Side, sideHtml } from "./side.js";
 
 export async function start(root) {
+  if (await needsHead(root)) return;
   const wait = root.querySelector(".wait");
   try {
     const { frames, sprite } = await theSet((step) => {
@@ -44,8 +46,8 @@ function atFirst(frames, known) {
   if (state.p2 === null) {
     state.p2 = learned;
     if (!state.head2 && !state.only2) {
-      state.head2 = known.find((one) => one.name && !one.problem)?.name ?? METHODS[0][0];
-      if (state.head2 !== METHODS[0][0]) state.stage2 = "f_hat";
+      state.head2 = known.find((one) => one.name && !one.problem)?.name ?? methodsFor(frames)[0]?.[0] ?? "";
+      if (!isMethod(state.head2)) state.stage2 = state.head2 ? "f_hat" : "raw";
     }
   }
   state.stage2 = stageNamed(state.stage2).key;

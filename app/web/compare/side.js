@@ -3,7 +3,7 @@
 import { Refusal, refused } from "../shared/api.js";
 import { Cloud } from "../shared/cloud.js";
 import { orderText } from "../shared/frames.js";
-import { framesBy, headLabel, isMethod, METHODS } from "../shared/headsets.js";
+import { framesBy, headLabel, isMethod, methodsFor } from "../shared/headsets.js";
 import { layersOf } from "../shared/layers.js";
 import { axes, axisNames, lassoLine, pairLine } from "../shared/marks.js";
 import { means } from "../shared/means.js";
@@ -27,7 +27,7 @@ export function sideHtml({ name }, frames, known) {
   const heads = [
     ["", known[0] ? headLabel(known[0]) : "the head"],
     ...known.slice(1).map((one) => [one.name, headLabel(one)]),
-    ...METHODS,
+    ...methodsFor(frames),
   ];
   return `<article class="panel side-${name}"><div class="side-bar"><label>Predicted by <select class="head">${options(heads)}</select></label>
     <label>Domain <select class="only">${options([["", "all"], ...frames.domains.map((d) => [d, d])])}</select></label></div>

@@ -1,7 +1,8 @@
 /** Data & limits: what is loaded, its origin and limits, how to load your own. */
 
 import { json, refused } from "../shared/api.js";
-import { escaped, isSimulated, percent } from "../shared/text.js";
+import { fit } from "../shared/facts.js";
+import { escaped, isSimulated, NO_CLASS, percent } from "../shared/text.js";
 import { theSetSoon } from "../shared/theset.js";
 import { loading } from "./loading.js";
 import { measuring } from "./measuring.js";
@@ -10,16 +11,16 @@ import { searched } from "./search.js";
 export async function start(root) {
   const wait = root.querySelector(".wait");
   try {
-    const [about, set] = await Promise.all([json("about"), theSetSoon()]);
+    const [about, set, { problem }] = await Promise.all([json("about"), theSetSoon(), fit()]);
     const exact = ({ frames }) => {
       root.querySelector(".exact").innerHTML = approximations(frames, about.limits);
     };
     wait.hidden = true;
-    root.querySelector(".facts").innerHTML = page(about);
+    root.querySelector(".facts").innerHTML = page(about, problem);
     exact(set);
     set.later?.then(exact);
     loading(root.querySelector(".loading"));
-    measuring(root.querySelector(".measuring"));
+    if (!problem) measuring(root.querySelector(".measuring"));
   } catch (error) {
     refused(error, (sentence) => {
       wait.classList.add("problem");
@@ -28,6 +29,7 @@ export async function start(root) {
   }
 }
 
+const counted = (n, one, many = `${one}s`) => `${n} ${n === 1 ? one : many}`;
 const panel = (title, body) => `<section class="panel"><h2>${title}</h2>${body}</section>`;
 const facts = (rows) =>
   `<dl>${rows
@@ -35,17 +37,17 @@ const facts = (rows) =>
     .map(([k, v]) => `<dt>${k}</dt><dd>${v}</dd>`)
     .join("")}</dl>`;
 
-function page({ head, embeddings }) {
+function page({ head, embeddings }, unfit) {
   return [
-    panel("The set", embeddings.problem ? problem(embeddings) : theData(embeddings)),
-    panel("The head", head.problem ? problem(head) : theHead(head)),
+    panel("The set", embeddings.problem ? refusal(embeddings) : theData(embeddings)),
+    panel("The head", unfit || head.problem ? refusal({ problem: unfit || head.problem }) : theHead(head)),
     panel("Limits", '<div class="exact"></div>'),
     panel("Your own head and pairs", '<div class="loading"></div>'),
-    panel("Speed and error here", '<div class="measuring"></div>'),
+    unfit ? "" : panel("Speed and error here", '<div class="measuring"></div>'),
   ].join("");
 }
 
-const problem = ({ problem: sentence }) => `<p class="wait problem">${escaped(sentence)}</p>`;
+const refusal = ({ problem: sentence }) => `<p class="wait problem">${escaped(sentence)}</p>`;
 
 const more = (title, body) => `<details><summary>${title}</summary>${body}</details>`;
 
@@ -60,7 +62,7 @@ function theData(e) {
     ${facts([
       [
         "Pairs",
-        `${e.pairs.toLocaleString("en-US")} in ${e.domains.length} domains, ${e.classes.length} classes`,
+        `${e.pairs.toLocaleString("en-US")} in ${counted(e.domains.length, "domain")}, ${e.classes.join() === NO_CLASS ? "no classes" : counted(e.classes.length, "class", "classes")}`,
       ],
       ["Encoder", escaped(e.encoder)],
     ])}
@@ -110,9 +112,10 @@ function approximations(frames, limits) {
   const error =
     frames &&
     Math.max(...Object.keys(frames.meta.maps).map((name) => frames.positions(...name.split("/"), 0).error));
-  return `<ul><li>Each stop of p is exact; lines between are not.</li>
-    ${frames ? `<li>Map positions are at most ${percent(error, 3)} of the radius off.</li>` : ""}
+  const ofHead = `<li>Each stop of p is exact; lines between are not.</li>
     <li>Accuracy is on pairs outside the training.</li>
-    <li>Probabilities are calibrated on the source, overconfident elsewhere.</li>
+    <li>Probabilities are calibrated on the source, overconfident elsewhere.</li>`;
+  return `<ul>${frames?.headless ? "" : ofHead}
+    ${frames ? `<li>Map positions are at most ${percent(error, 3)} of the radius off.</li>` : ""}
     <li>Images up to ${limits.image_bytes / 1e6} MB; the server keeps their embeddings alone.</li></ul>`;
 }

@@ -1,7 +1,8 @@
 /** The words and figures of the chapters, made from what is on the screen. */
 
 import { orderText } from "../shared/frames.js";
-import { values } from "../shared/measures.js";
+import { remedyHtml } from "../shared/headless.js";
+import { MEASURES, values } from "../shared/measures.js";
 import { escaped, percent } from "../shared/text.js";
 import { inWords } from "./strangers.js";
 
@@ -43,18 +44,33 @@ export function headOf(frames, stop) {
   return `<b class="large">${percent(right)}</b> <span>right in ${where(frames)}: ${whose}</span>`;
 }
 
-const blind = ({ source, domains }) =>
-  !source
-    ? "the source of the head is not stated."
-    : domains.includes(source)
-      ? "there is no domain that the head has not seen."
-      : `the head was trained on ${escaped(source)}, which is not in this set.`;
+const blind = ({ source, domains, labelled }) =>
+  labelled === false
+    ? "the pairs have no classes."
+    : !source
+      ? "the source of the head is not stated."
+      : domains.includes(source)
+        ? "there is no domain that the head has not seen."
+        : `the head was trained on ${escaped(source)}, which is not in this set.`;
 
 const where = ({ domains, source, domain }) => {
   const there = new Set(domain); // a set may name domains of which it has no pair
   const others = domains.filter((name, i) => name !== source && (!domain || there.has(i))).length;
   return `${plural(others, "unseen domain")}`;
 };
+
+/** The three measures of features without a head, and what a head would need. */
+export function featuresHtml({ own, facts: { fit } }) {
+  const rows = MEASURES.map(({ name, title, help }) => [title, help, values(own, name, "raw")?.[0]]);
+  const shown = rows.filter(([, , value]) => Number.isFinite(value));
+  const gaps = shown.map(([title, help, v]) => `<dt title="${help}">${title}</dt><dd>${v.toFixed(2)}</dd>`);
+  return `<span class="measured"><b>The encoder’s features, no head.</b></span><dl class="gaps">${gaps.join("")}</dl>${headlessHtml(fit)}`;
+}
+
+const headlessHtml = (fit) =>
+  fit?.problem
+    ? `<details><summary>Why no head?</summary><p>${escaped(fit.problem)}</p></details>${remedyHtml(fit)}`
+    : "";
 
 function order({ frames, stop }) {
   const facts = decided(frames);
@@ -77,8 +93,16 @@ function order({ frames, stop }) {
   };
 }
 
-function failure({ own, frames, facts: { unseen } }) {
+function failure({ own, frames, facts: { unseen, fit } }) {
   const title = "Why does it fail on the next sensor?";
+  if (own.headless) {
+    const apart = own.domain.some((one) => one !== own.domain[0]);
+    return {
+      title: apart ? "How far apart are the domains?" : "One domain: there is no next sensor to fail on.",
+      figure: apart ? shifted(frames) : "",
+      remark: headlessHtml(fit),
+    };
+  }
   if (!unseen) return { title, figure: MEASURING, remark: shifted(frames) };
   const home = unseen.domains.find(({ is_source }) => is_source)?.["answers/fused"];
   const away = unseen.unseen["answers/fused"];
@@ -104,8 +128,10 @@ function shifted({ kindOfStops, meta, domains = [] }) {
   return `Each domain shifts all its pictures: domains lie ${before.toFixed(2)} apart, and ${after.toFixed(2)} once centred.`;
 }
 
-function fooled({ own, facts: { unseen } }) {
+function fooled({ own, facts: { unseen, fit } }) {
   const title = "When is touch needed?";
+  if (own.headless)
+    return { title: "Who is fooled? That takes a head.", figure: "", remark: headlessHtml(fit) };
   if (!unseen) return { title, figure: "", remark: "" };
   const alike = unseen.look_alikes;
   const pairs = unseen.domains.reduce((sum, one) => sum + (one.is_source ? 0 : one.pairs), 0);
@@ -113,7 +139,9 @@ function fooled({ own, facts: { unseen } }) {
     return {
       title: "Which domains fool the head?",
       figure: unseen.unseen["answers/fused"] ? "" : `Learned from ${escaped(own.source)}: ${blind(own)}`,
-      remark: "Each bar is a domain, with its 95 % interval. The thin line is guessing.",
+      remark: unseen.domains?.some((one) => one["answers/fused"])
+        ? "Each bar is a domain, with its 95 % interval. The thin line is guessing."
+        : "",
     };
   const [photo, touch] = ["vis", "tac"].map((name) => alike[`answers/${name}`]);
   const apart = touch.low > photo.high || photo.low > touch.high;

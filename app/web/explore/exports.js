@@ -19,7 +19,7 @@ export function csv(frames, points, frame, stop, about) {
       v.domain,
       v.truth,
       v.said,
-      v.right,
+      frames.headless ? "" : v.right,
       Number.isFinite(v.confidence) ? v.confidence.toFixed(3) : "",
       frames.orders[stop],
       about.stage,

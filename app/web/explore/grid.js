@@ -43,8 +43,12 @@ function heading({ points, why, pairs }, scene) {
       .join(" · ");
   if (why) return `<h4>${pairs.length} ${why}</h4>`;
   const whose = frames.kind === "retrained" ? "by the head trained " : "";
+  const score =
+    frames.headless || !frames.labelled
+      ? "."
+      : `; ${percent(right / pairs.length)} predicted right ${whose}at p = ${orderText(frames.orders[stop])}.`;
   return `<h4>${points ? `${points} points selected` : `${pairs.length} pairs found`}</h4>
-    <p class="hint">${pairs.length} pairs; ${percent(right / pairs.length)} predicted right ${whose}at p = ${orderText(frames.orders[stop])}.<br><b>Domains</b> ${tally("domain")}<br><b>Classes</b> ${tally("truth")}</p>`;
+    <p class="hint">${pairs.length} pairs${score}<br><b>Domains</b> ${tally("domain")}<br><b>Classes</b> ${tally("truth")}</p>`;
 }
 
 function tile(pair, scene) {
@@ -52,9 +56,12 @@ function tile(pair, scene) {
   const v = verdict(frames, pair, stop);
   const note = imitation(facts.pairs, pair);
   const tag = tagOf(frames, pair);
-  const name = `Pair ${pair}, ${v.truth}${note && `, ${note}`}, ${v.domain}, predicted ${v.said}${tag && `, tag ${tag}`}`;
+  const said = v.said
+    ? `${v.right ? "" : `${escaped(v.truth)} `}<span class="${v.right ? "right" : "wrong"}">${v.right ? "✓" : "✗"}\u00a0${escaped(v.said)}</span>`
+    : escaped(v.truth);
+  const name = `Pair ${pair}, ${v.truth}${note && `, ${note}`}, ${v.domain}, ${v.said && `predicted ${v.said}`}${tag && `, tag ${tag}`}`;
   const pictures = [pair, pair + frames.pairs].map((t, i) => thumbnail(sprite, t, SIDE, ["VIS", "TAC"][i]));
-  return `<button type="button" data-pair="${pair}" title="${escaped(name)}" aria-label="${escaped(name)}"><span class="thumbs">${pictures.join("")}</span><small>${v.right ? "" : `${escaped(v.truth)} `}<span class="${v.right ? "right" : "wrong"}">${v.right ? "✓" : "✗"}\u00a0${escaped(v.said)}</span>${tag && ` <i class="tag">${escaped(tag)}</i>`}</small></button>`;
+  return `<button type="button" data-pair="${pair}" title="${escaped(name)}" aria-label="${escaped(name)}"><span class="thumbs">${pictures.join("")}</span><small>${said}${tag && ` <i class="tag">${escaped(tag)}</i>`}</small></button>`;
 }
 
 /** `on`: onPick(pair), onClear(), onSave(). */

@@ -15,7 +15,7 @@ export function dataOf(set, onWait) {
         ([{ frames: own, coarse, sprite }, { modes }]) => {
           own.coarse = coarse;
           const frames = new Map([["moved", own]]);
-          return { set, own, sprite, coarse, modes, frames, facts: { unseen: null, pairs: null } };
+          return { set, own, sprite, coarse, modes, frames, facts: { unseen: null, pairs: null, fit: null } };
         },
       ),
     );

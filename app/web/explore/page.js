@@ -2,18 +2,18 @@
 
 import { refused } from "../shared/api.js";
 import { card } from "../shared/card.js";
-import { pairNames, unseen } from "../shared/facts.js";
+import { fit, pairNames, unseen } from "../shared/facts.js";
 import { showFilters } from "../shared/filters.js";
 import { orderText, whenFine } from "../shared/frames.js";
 import { asText, values } from "../shared/measures.js";
 import { orderBar } from "../shared/order.js";
 import { colouring, isLecture } from "../shared/palette.js";
 import { setOf } from "../shared/sets.js";
-import { explained, featuresOf, projects, stageNamed } from "../shared/stages.js";
+import { explained, featuresOf, stageNamed, stepsOf } from "../shared/stages.js";
 import { change, openAt, openChapter, state } from "../shared/store.js";
 import { fill } from "../shared/text.js";
 import { Acts } from "./acts.js";
-import { chapterNamed, headOf, startOf } from "./chapters.js";
+import { chapterNamed, featuresHtml, headOf, startOf } from "./chapters.js";
 import { Curves } from "./curves.js";
 import { Finder } from "./finder.js";
 import { showGrid } from "./grid.js";
@@ -131,7 +131,9 @@ export class Page {
     scene.selected = new Set();
     if (state.p === null) openAt(startOf(state.chapter, frames, scene.own));
     if (state.pin !== null && !(state.pin < frames.pairs)) state.pin = null;
-    this.sample = frames.label.findIndex((label, pair) => label === frames.prediction[pair]);
+    this.sample = frames.label.findIndex(
+      (label, pair) => frames.headless || label === frames.prediction[pair],
+    );
     this.ride.pale = this.sets.find(
       ({ name }) => state.chapter === "order" && scene.set && name !== scene.set,
     )?.curve;
@@ -148,6 +150,7 @@ export class Page {
     };
     if (data.facts.unseen && data.facts.pairs) return this.learned();
     pairNames(data.set).then(learn("pairs"), () => {});
+    if (data.own.headless) return fit(data.set).then(learn("fit"), () => {});
     unseen(data.set).then(learn("unseen"), (error) =>
       refused(error, (sentence) => {
         this.$(".strangers .hint").textContent = sentence;
@@ -192,6 +195,7 @@ export class Page {
     this.stairs.replace(frames);
     this.$(".mode-words").innerHTML = modeWords(frames);
     this.$(".explore").dataset.kind = frames.kind;
+    this.$(".ride").classList.toggle("blind", !values(frames, "accuracy", "f_hat")?.some(Number.isFinite));
     this.showColours();
     this.showStage();
     this.showMeans();
@@ -222,7 +226,8 @@ export class Page {
     const { scene } = this;
     const lesson = chapterNamed(state.chapter);
     const set = (selector, html) => fill(this.$(selector), html);
-    if (!lesson) return set(".score", headOf(scene.frames, scene.stop));
+    if (!lesson)
+      return set(".score", scene.frames.headless ? featuresHtml(scene) : headOf(scene.frames, scene.stop));
     const words = lesson.words(scene);
     for (const name of ["title", "figure", "remark"]) set(`.${name}`, words[name]);
     if (state.chapter === "failure") this.waterfall.show();
@@ -231,7 +236,8 @@ export class Page {
 
   showStage() {
     const { frames } = this.scene;
-    if (state.stage === "projection" && !projects(frames)) return change({ stage: "frft" });
+    const steps = stepsOf(frames).map(({ key }) => key);
+    if (!steps.includes(state.stage)) return change({ stage: frames.headless ? "raw" : "frft" }); // it lacks a projection
     this.stairs.choose();
     const stage = stageNamed(state.stage);
     this.$(".explain").innerHTML = `<b>${stage.name}.</b> ${explained(stage, frames)}`;

@@ -74,7 +74,7 @@ export class Saving {
     return [
       "OmniVaT",
       stageNamed(state.stage).name,
-      `p = ${orderText(p)}`,
+      !frames.headless && `p = ${orderText(p)}`,
       MODES[frames.kind],
       frames.source && `trained on ${frames.source}`,
       METHODS[state.map],

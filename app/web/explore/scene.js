@@ -14,7 +14,7 @@ export class Scene {
 
   /** Show another set: its name, the frames of its head, its pictures, what is known of it. Another mode
    * shows other frames of the same pairs. */
-  load({ set = "", own, sprite = null, facts = { unseen: null, pairs: null } }) {
+  load({ set = "", own, sprite = null, facts = { unseen: null, pairs: null, fit: null } }) {
     this.set = set;
     this.own = own;
     this.frames = own;

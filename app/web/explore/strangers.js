@@ -49,6 +49,8 @@ export class Strangers {
   show() {
     const facts = this.scene.facts.unseen;
     if (!facts) return;
+    const measured = facts.domains.some((one) => one["answers/fused"]); // else there are no test pairs
+    for (const part of [this.box, this.confused.parentElement]) part.classList.toggle("nothing", !measured);
     this.box.innerHTML = `<div class="readings" role="radiogroup" aria-label="What the head is given"></div>
 <div class="bars"></div>`;
     this.confused.innerHTML = `<p>Columns: predicted, of <select class="of-domain" aria-label="Domain of the confusion matrix"></select></p><div class="confusion"></div>

@@ -79,7 +79,9 @@ export class Waterfall {
   show() {
     const { scene } = this;
     const centred = scene.frames.kindOfStops === "centred";
-    this.choice.hidden = !centred;
+    this.choice.hidden = !centred || scene.frames.domain.every((one) => one === scene.frames.domain[0]);
+    this.box.hidden = scene.own.headless;
+    if (scene.own.headless) return this.mark?.();
     if (centred && !this.choice.firstChild)
       this.mark = radios(
         this.choice,

@@ -2,7 +2,7 @@
 
 import { thumbnail } from "../shared/card.js";
 import { OTHER } from "../shared/images.js";
-import { escaped } from "../shared/text.js";
+import { escaped, NO_CLASS } from "../shared/text.js";
 import { TERMS } from "./verdict.js";
 
 const SIDE = 104; // CSS pixels of a neighbour: large enough to see what it is
@@ -49,8 +49,11 @@ export function familiarHtml({ images, of }, set) {
 
 function neighbour({ pair, cosine }, modality, { frames, sprite }) {
   const tile = frames ? pair + (modality === "tac" ? frames.pairs : 0) : pair;
-  const name = frames ? frames.classes[frames.label[pair]] : "";
+  const label = frames ? frames.classes[frames.label[pair]] : "";
+  const name = label === NO_CLASS ? "" : label;
   const where = frames ? frames.domains[frames.domain[pair]] : "";
-  const picture = frames ? thumbnail(sprite, tile, SIDE, `${TERMS[modality].one} of ${name}`) : "";
+  const picture = frames
+    ? thumbnail(sprite, tile, SIDE, name ? `${TERMS[modality].one} of ${name}` : TERMS[modality].one)
+    : "";
   return `<button type="button" data-pair="${pair}" title="Open this pair${where && ` of ${escaped(where)}`}">${picture}<small><b>${escaped(name || `pair ${pair}`)}</b> ${cosine.toFixed(2)}</small></button>`;
 }

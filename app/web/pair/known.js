@@ -1,5 +1,6 @@
 /** A text for an image reference, and its class if the set has one. */
 
+import { NO_CLASS } from "../shared/text.js";
 import { sent } from "./sent.js";
 
 export class Known {
@@ -19,6 +20,7 @@ export class Known {
     const { frames } = this;
     if (kind === "row" && frames && +name < frames.pairs) {
       const truth = frames.classes[frames.label[+name]];
+      if (truth === NO_CLASS) return { text: `pair ${name} · ${frames.domains[frames.domain[+name]]}` };
       return { text: `pair ${name} · ${truth} · ${frames.domains[frames.domain[+name]]}`, truth };
     }
     if (kind === "row") return { text: `pair ${name}` };

@@ -1,6 +1,7 @@
 /** Try a pair: choose two images, see the prediction and its reliability. */
 
 import { ask, json, refused } from "../shared/api.js";
+import { needsHead } from "../shared/headless.js";
 import { headLabel, heads } from "../shared/headsets.js";
 import { IMAGES, OTHER } from "../shared/images.js";
 import { nodeMap } from "../shared/nodemap.js";
@@ -25,6 +26,7 @@ import { cards, classTable, madeOf, speakOfSignals, spoken, TERMS } from "./verd
 import { WhatIf } from "./what-if.js";
 
 export async function start(root) {
+  if (await needsHead(root)) return;
   let problem = "";
   const told = (error) => {
     refused(error, (sentence) => (problem = sentence));

@@ -24,15 +24,15 @@ export function verdict(frames, pair, stop) {
   return {
     domain: frames.domains[frames.domain[pair]],
     truth: frames.classes[frames.label[pair]],
-    said: frames.classes[frames.prediction[at]],
-    right: frames.prediction[at] === frames.label[pair],
+    said: frames.headless ? "" : frames.classes[frames.prediction[at]],
+    right: !frames.headless && frames.prediction[at] === frames.label[pair],
     confidence: frames.kind === "moved" ? frames.confidence[at] / 255 : NaN, // other heads have no temperature
   };
 }
 
-/** A verdict in words: its class, and its probability if that has a temperature. */
-export const saidHtml = ({ right, said, confidence }) =>
-  `${right ? "✓" : "✗"} ${escaped(said)}${Number.isFinite(confidence) ? `, ${Math.round(100 * confidence)} %` : ""}`;
+/** A verdict in words: its class, and its probability if that has a temperature; no mark without a true class. */
+export const saidHtml = ({ right, said, confidence }, labelled = true) =>
+  `${labelled ? (right ? "✓ " : "✗ ") : ""}${escaped(said)}${Number.isFinite(confidence) ? `, ${Math.round(100 * confidence)} %` : ""}`;
 
 /** The class that a pair imitates, in words; "" if none. */
 export function imitation(pairs, pair) {
@@ -44,8 +44,9 @@ export function imitation(pairs, pair) {
 /** `sample` is shown until a visitor points at a pair; -1 for none. `pairs` has the names, once loaded. */
 export function card(frames, sprite, pair, stop, pinned, sample = -1, pairs = null) {
   if (pair < 0) {
-    const example = sample < 0 ? "" : thumbnailPair(frames, sprite, sample, 124);
-    const names = sample < 0 ? "" : `: ${escaped(frames.classes[frames.label[sample]])}`;
+    const example = sample < 0 || !sprite ? "" : thumbnailPair(frames, sprite, sample, 124);
+    const names =
+      sample < 0 || frames.labelled === false ? "" : `: ${escaped(frames.classes[frames.label[sample]])}`;
     const [title, points] = frames.signals
       ? ["Two recordings of one signal", "● one recording, ▲ the other"]
       : ["A photo and a touch", "● photo, ▲ touch"];
@@ -55,13 +56,13 @@ export function card(frames, sprite, pair, stop, pinned, sample = -1, pairs = nu
   const note = imitation(pairs, pair);
   const source = v.domain === frames.source ? ' <small class="source">source</small>' : "";
   return `<h3>Pair ${pair}${pinned ? ' <span class="tag">pinned</span>' : ""}</h3>
-    ${thumbnailPair(frames, sprite, pair, 124)}
-    <dl><dt>Domain</dt><dd>${escaped(v.domain)}${source}</dd><dt>Class</dt><dd>${escaped(v.truth)}${note ? ` <small>${escaped(note)}</small>` : ""}</dd>
-    <dt>Predicted</dt><dd class="${v.right ? "right" : "wrong"}">${saidHtml(v)}</dd></dl>
+    ${sprite ? thumbnailPair(frames, sprite, pair, 124) : ""}
+    <dl><dt>Domain</dt><dd>${escaped(v.domain)}${source}</dd><dt>Class</dt><dd>${frames.labelled === false ? "–" : escaped(v.truth)}${note ? ` <small>${escaped(note)}</small>` : ""}</dd>
+    ${v.said && `<dt>Predicted</dt><dd class="${frames.labelled !== false ? (v.right ? "right" : "wrong") : ""}">${saidHtml(v, frames.labelled)}</dd>`}</dl>
     ${
       pinned
         ? `<div class="near"><h4>Nearest by cosine${frames.kind === "retrained" ? ", raw embedding," : ""} to <span><button type="button" class="find" data-of="0">VIS</button> <button type="button" class="find" data-of="1">TAC</button></span></h4><div class="found"></div></div>
-    <div class="row"><button type="button" class="open">Open in Pair ›</button><button type="button" class="unpin">Unpin</button></div>`
+    <div class="row">${frames.headless ? "" : '<button type="button" class="open">Open in Pair ›</button>'}<button type="button" class="unpin">Unpin</button></div>`
         : ""
     }`;
 }

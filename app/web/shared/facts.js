@@ -47,6 +47,8 @@ export const unseen = (set = "") =>
       },
     };
   });
+/** {problem, remedy, command}: why the head does not fit the set, and what to do; "" if it fits. */
+export const fit = fact("fit");
 /** Names of the pairs, and the classes they imitate. */
 export const pairNames = fact("pairs");
 /** The mechanism on a toy. */

@@ -2,7 +2,7 @@
 
 import { address, get, inSet, Refusal } from "./api.js";
 import { featuresOf } from "./stages.js";
-import { isSignals } from "./text.js";
+import { isSignals, NO_CLASS } from "./text.js";
 
 const MAGIC = "OVFRAMES";
 const ARRAYS = { u8: Uint8Array, u16: Uint16Array };
@@ -27,9 +27,20 @@ export class Frames {
     this.extents = new Map(); // array of a map -> the boxes around its VIS and its TAC points at all stops
   }
 
-  /** "moved": one head whose p moves. "retrained": a head for each stop. "every": one head for every p. */
+  /** "moved": one head whose p moves. "retrained": a head for each stop. "every": one head for every p.
+   * "features": no head. */
   get kind() {
     return this.meta.head?.kind ?? "moved";
+  }
+
+  /** True if no head fits the set: there are features, and no predictions. */
+  get headless() {
+    return this.kind === "features";
+  }
+
+  /** True if the pairs have classes. */
+  get labelled() {
+    return this.label.some((k) => this.classes[k] !== NO_CLASS);
   }
 
   /** The learned p; NaN if every stop has its own head. */

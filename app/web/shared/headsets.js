@@ -16,7 +16,11 @@ export const heads = () =>
 
 export const headLabel = (one) =>
   `${one.name || one.folder}${one.problem ? "" : ` · ${one.source} · ${one.mffa ? one.generation : "no MFFA"}`}`;
-export const METHODS = [[`${METHOD}nearest_mean`, "nearest class mean (raw embedding)"]];
+/** The methods that can be fitted: on the pairs of the head's source, by their classes. */
+export const methodsFor = ({ source, domains, labelled }) =>
+  labelled !== false && domains.includes(source)
+    ? [[`${METHOD}nearest_mean`, "nearest class mean (raw embedding)"]]
+    : [];
 export const isMethod = (name) => name.startsWith(METHOD);
 
 /** The frames of `name`; "" is the first head, whose frames are loaded.

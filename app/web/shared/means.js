@@ -84,7 +84,7 @@ export function names(frames, shown) {
   return (context, cloud) => {
     const chosen = colouring(frames(), state.colour);
     const kind = ["domain", "class"].find((one) => COLOURINGS[one] === chosen);
-    if (!kind) return legend(context, frames());
+    if (!kind) return legend(context, frames(), cloud.top);
     const groups = settled(
       groupsOf(frames(), cloud, shown, kind),
       COLOURINGS[kind].of(frames()),
@@ -117,15 +117,15 @@ export function names(frames, shown) {
 }
 
 /** The colours' names in a row, where no group has a place of its own. */
-function legend(context, frames) {
+function legend(context, frames, top = 0) {
   let x = 14;
   context.font = `650 ${isLecture() ? 20 : 14}px system-ui, sans-serif`;
   context.textAlign = "left";
   for (const [name, colour] of colouring(frames, state.colour).groups(frames)) {
     context.fillStyle = colour;
-    context.fillRect(x, 13, 10, 10);
+    context.fillRect(x, top + 13, 10, 10);
     context.fillStyle = isDark() ? "#f1f5f9" : "#0f172a";
-    context.fillText(name, x + 15, 23);
+    context.fillText(name, x + 15, top + 23);
     x += 34 + context.measureText(name).width;
   }
 }

@@ -68,18 +68,25 @@ export const COLOURINGS = {
   },
 };
 
-/** The colourings of frames. A confidence needs a temperature, which heads trained at each p do not have; domains
- * need two of them. */
-export const colouringsOf = ({ kind, domain }) =>
-  Object.entries(COLOURINGS).filter(
-    ([key]) =>
-      (key !== "confidence" || kind === "moved") &&
-      (key !== "domain" || !domain || domain.some((one) => one !== domain[0])),
-  );
+const differ = (all) => !all || all.some((one) => one !== all[0]);
 
-/** The colouring called `key`, or that of classes if the frames lack it. */
-export const colouring = (frames, key) =>
-  colouringsOf(frames).find(([name]) => name === key)?.[1] ?? COLOURINGS.class;
+/** The colourings of frames. A confidence needs a temperature, which heads trained at each p do not have; domains
+ * and classes need two of them, correctness a head and classes. */
+export function colouringsOf({ kind, domain, label, labelled = true }) {
+  const there = {
+    domain: differ(domain),
+    class: differ(label),
+    correctness: kind !== "features" && labelled,
+    confidence: kind === "moved",
+  };
+  return Object.entries(COLOURINGS).filter(([key]) => there[key] !== false);
+}
+
+/** The colouring called `key`, or that of classes if the frames lack it, or the first. */
+export function colouring(frames, key) {
+  const all = colouringsOf(frames);
+  return (all.find(([name]) => name === key) ?? all.find(([name]) => name === "class") ?? all[0])[1];
+}
 
 export const rgb = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16));
 

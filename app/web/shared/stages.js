@@ -75,10 +75,12 @@ export function explained(stage, { kind }) {
 export const featuresOf = (stage) => (stage === "projection" ? "frft" : stage);
 
 /** True if the head projects E, so that raw and projected embeddings have two maps. */
-export const projects = ({ meta: { maps } }) => maps["pca/raw"]?.array !== maps["pca/frft"]?.array;
+export const projects = ({ headless, meta: { maps } }) =>
+  !headless && maps["pca/raw"]?.array !== maps["pca/frft"]?.array;
 
-/** The steps of a head. */
-export const stepsOf = (frames) => STAGES.filter(({ key }) => key !== "projection" || projects(frames));
+/** The steps of a head; the embedding alone without one. */
+export const stepsOf = (frames) =>
+  STAGES.filter(({ key }) => (frames.headless ? key === "raw" : key !== "projection" || projects(frames)));
 
 /** Stages whose map and gaps do not depend on p. */
 export const isStill = (stage, frames) =>

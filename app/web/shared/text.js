@@ -7,6 +7,8 @@ export const percent = (share, digits = 0) => `${(100 * share).toFixed(digits)}\
 export const isSignals = ({ encoder }) => encoder === "strip";
 export const isSimulated = (name) => name.endsWith("-sim");
 
+export const NO_CLASS = "unlabelled"; // the class of a pair without one
+
 /** Options of a choice: [[value, label], …]. */
 export const options = (all, chosen = null) =>
   all

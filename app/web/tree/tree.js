@@ -1,6 +1,7 @@
 /** Tree: the nodes of the current pair or of a domain, for each head side by side. */
 
 import { ask, json, refused } from "../shared/api.js";
+import { needsHead } from "../shared/headless.js";
 import { heads } from "../shared/headsets.js";
 import { nodeMap } from "../shared/nodemap.js";
 import { orderBar } from "../shared/order.js";
@@ -24,6 +25,7 @@ function scaleOf(learned) {
 }
 
 export async function start(root) {
+  if (await needsHead(root)) return;
   const tab = new TreeTab(root);
   let problem = "";
   const told = (error) => {

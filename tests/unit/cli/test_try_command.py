@@ -130,13 +130,22 @@ def test_a_class_of_one_object_is_named_and_not_tested(tmp_path, capsys):
     assert (home["pairs"], home["classes"]) == (16, 2)
 
 
-def test_without_classes_there_is_no_head_and_the_report_is_offered(tmp_path, capsys):
+def test_without_classes_there_is_no_head_and_the_page_opens_on_the_features(
+    tmp_path, capsys, monkeypatch
+):
+    started = []
+    monkeypatch.setattr(
+        try_pairs.subprocess, "Popen", lambda command: started.append(command) or MagicMock()
+    )
     rows = np.random.default_rng(0).normal(size=(6, 16))
     np.savez(tmp_path / "bare.npz", vis=rows, tac=rows + 1)
-    assert main(["try", str(tmp_path / "bare.npz")]) == 0  # no page either: another encoder
+    assert main(["try", str(tmp_path / "bare.npz")]) == 0
     said = capsys.readouterr().out
     assert "No head was trained" in said and "omnivat report" in said
     assert not (tmp_path / "bare-try" / "head").exists()
+    chosen = parser({}).parse_args(started[0][3:])
+    assert chosen.head is None
+    assert chosen.embeddings == tmp_path / "bare-try" / "set.safetensors"
 
 
 def parquet_of(columns, file):

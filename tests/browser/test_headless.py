@@ -1,0 +1,104 @@
+"""A set of another encoder, and one without classes, in a real Chromium."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from omnivat.data.store import save_embeddings
+
+from .conftest import Server
+from .gestures import MAP
+
+pytestmark = pytest.mark.browser
+
+HEADLESS = "() => document.querySelector('.explore')?.dataset.kind === 'features'"
+
+
+@pytest.fixture
+def served(tmp_path: Path, make_embeddings: Callable[..., Any]) -> Iterator[Callable[..., str]]:
+    """Return a function that serves a set of another encoder; a server log without traceback."""
+    servers: list[Server] = []
+
+    def serve(**options: Any) -> str:
+        made = make_embeddings(width=12, per_class=12, **options)
+        made = replace(made, header=replace(made.header, encoder="other-encoder"))
+        file = tmp_path / "mine.safetensors"
+        save_embeddings(file, made)
+        server = Server(tmp_path, more=("--embeddings", str(file)))
+        servers.append(server)
+        server.start()
+        return server.address
+
+    yield serve
+    for server in servers:
+        server.stop()
+        assert "Traceback" not in server.log(), server.log()
+
+
+def empty_panels(page: Any) -> list[str]:
+    """Return the names of panels of Explore that are shown and hold neither words nor a picture."""
+    return page.evaluate(
+        """() => [...document.querySelectorAll('.explore .side > *, .explore .panels > *')].filter((one) =>
+          one.checkVisibility() && !one.innerText.trim() && !one.querySelector('canvas, svg, input')).map((one) =>
+          one.className)"""
+    )
+
+
+def test_a_set_without_a_head_opens_with_maps_gaps_neighbours_and_the_command(
+    chromium: Any, served: Callable[..., str]
+) -> None:
+    address = served()
+    page = chromium.new_page()
+    problems: list[str] = []
+    page.on("pageerror", lambda error: problems.append(str(error)))
+    page.goto(address)
+    page.wait_for_selector(MAP)
+    page.wait_for_function(HEADLESS)
+    page.wait_for_selector(".explore .score pre:has-text('omnivat try mine.safetensors')")
+    assert page.locator(".explore .gaps dt").all_inner_texts() == [
+        "Modality gap",
+        "Domain gap",
+        "Cosine margin",
+    ]
+    assert page.locator(".explore .kinds button").all_inner_texts() == ["PCA", "UMAP"]
+    assert not page.locator(".explore .staircase").is_visible()
+    assert not page.locator(".explore .order").is_visible()
+    colours = page.locator(".explore .colouring option").all_inner_texts()
+    assert colours == ["Domain", "Class", "Modality"]
+    page.focus(".explore .map canvas + canvas")
+    page.keyboard.press("n")
+    page.keyboard.press("Enter")
+    page.wait_for_selector(".explore .card .found button")
+    assert "Predicted" not in page.inner_text(".explore .card")
+    for chapter in ("failure", "fooled", "analyse"):
+        page.click(f'.explore [data-chapter="{chapter}"]')
+        page.wait_for_function(
+            "name => document.querySelector('.explore').dataset.chapter === name"
+            " && [...document.querySelectorAll('.explore pre')].some((one) => one.checkVisibility())",
+            arg=chapter,
+        )
+        assert empty_panels(page) == []
+    for view in ("pair", "tree", "compare"):
+        page.evaluate("id => document.getElementById(id).click()", f"view-{view}-button")
+        page.wait_for_selector(f".ov.{view} .headless pre")
+    page.close()
+    assert problems == []
+
+
+def test_a_set_without_classes_and_with_one_domain_says_what_is_missing(
+    chromium: Any, served: Callable[..., str]
+) -> None:
+    page = chromium.new_page()
+    page.goto(served(domains=("my-sensor",), classes=("unlabelled",)))
+    page.wait_for_selector(MAP)
+    page.wait_for_selector(".explore .score pre:has-text('omnivat report')")
+    assert page.locator(".explore .gaps dt").all_inner_texts() == ["Modality gap"]
+    assert page.locator(".explore .colouring option").all_inner_texts() == ["Modality"]
+    page.click('.explore [data-chapter="failure"]')
+    page.wait_for_selector(".explore .title:has-text('One domain')")
+    assert not page.locator(".explore .profiles").is_visible()
+    assert empty_panels(page) == []
+    page.close()
