@@ -30,6 +30,7 @@ Pair = tuple[Array, Array]  # rows (n, W) of VIS and TAC in the source's raw spa
 Profiles = Mapping[str, Channels]
 PAGE = {"noise": 4.0, "shift": 1.0, "epochs": 120}  # of training, as in examples/make.sh
 MEMBERS = 5  # heads of an ensemble
+COPIES = 4  # noisy ones of each pair, for a method that is solved
 HEADS = Path("build/ladder_heads")  # trained heads, so that an ensemble trains none twice
 
 
@@ -53,11 +54,11 @@ def unit(rows: Array) -> Array:
     return found
 
 
-def onto(pair: Pair, target: Profiles | None, source: Profiles) -> Pair:
+def onto(pair: Pair, target: Profiles | None, source: Profiles, step: float = 1.0) -> Pair:
     """Return a target's rows with the source's statistics; as they are without a profile."""
     if target is None:
         return pair
-    vis, tac = (moved(x, target[n], source[n]) for n, x in zip(IMAGES, pair, strict=True))
+    vis, tac = (moved(x, target[n], source[n], step) for n, x in zip(IMAGES, pair, strict=True))
     return vis, tac
 
 
@@ -146,42 +147,59 @@ def baseline(
 
 def head(embeddings: Embeddings, source: str, seed: int) -> Trained:
     """Train the light head by the page's recipe."""
-    return _of_head(embeddings, _head(embeddings, source, seed))
+    return _of_head(embeddings, light_head(embeddings, source, seed))
 
 
 def distilled(embeddings: Embeddings, source: str, seed: int) -> Trained:
     """Train one light head on the mean logits of MEMBERS of them, by the same recipe without LANG."""
-    teachers = [_head(embeddings, source, member).eval() for member in range(MEMBERS)]
+    teachers = [light_head(embeddings, source, member).eval() for member in range(MEMBERS)]
     model = _kept("distilled", _plan(embeddings, source, seed, lang=False), teachers)
     return _of_head(embeddings, model)
 
 
-def _plan(embeddings: Embeddings, source: str, seed: int, **values: bool) -> TrainingPlan:
-    training = TrainSettings(**PAGE, **values)  # type: ignore[arg-type]
-    return plan_training(embeddings, source, head={"width": 64}, training=training, seed=seed)
+def _plan(
+    embeddings: Embeddings, source: str, seed: int, *, lang: bool = True, mffa: bool = True
+) -> TrainingPlan:
+    training = TrainSettings(**PAGE, lang=lang)  # type: ignore[arg-type]
+    head = {"width": 64, "mffa": mffa}
+    return plan_training(embeddings, source, head=head, training=training, seed=seed)
 
 
-def _head(embeddings: Embeddings, source: str, seed: int) -> Any:
+def light_head(embeddings: Embeddings, source: str, seed: int) -> Any:
+    """Return the model of `head`."""
     return _kept("omnivat", _plan(embeddings, source, seed))
+
+
+def dtg_recipe(embeddings: Embeddings, source: str, seed: int) -> Trained:
+    """Train the light head without MFFA, its tree alone, by the page's recipe."""
+    return _of_head(embeddings, _kept("dtg", _plan(embeddings, source, seed, mffa=False)))
 
 
 def _kept(name: str, plan: TrainingPlan, teachers: Sequence[Any] = ()) -> Any:
     """Return the head of a plan, trained once for this data and these settings."""
+    bank = plan.bank if plan.training.lang else None
     run = run_name(plan.pairs, plan.settings, plan.training, plan.bank, plan.seed)
-    file = HEADS / f"{name}-{len(teachers)}-{run}.pt"
-    if not file.is_file():
-        found = train_once(
+
+    def trained() -> Any:
+        return train_once(
             plan.pairs,
             plan.settings,
             plan.training,
-            bank=plan.bank if plan.training.lang else None,
+            bank=bank,
             seed=plan.seed,
             resume=None,
             watch=Watch(),
             teachers=teachers,
-        )
-        HEADS.mkdir(parents=True, exist_ok=True)
-        torch.save(found.model, file)
+        ).model
+
+    return _once(HEADS / f"{name}-{len(teachers)}-{run}.pt", trained)
+
+
+def _once(file: Path, train: Callable[[], Any]) -> Any:
+    """Return a model in evaluation mode, trained if the file is not there."""
+    if not file.is_file():
+        file.parent.mkdir(parents=True, exist_ok=True)
+        torch.save(train(), file)
     return torch.load(file, weights_only=False).eval()
 
 
@@ -214,23 +232,9 @@ def ensemble(members: Sequence[Trained]) -> Trained:
 def erm_recipe(embeddings: Embeddings, source: str, seed: int) -> Trained:
     """Train ERM-MLP as the page's head: its input, mirroring, noise, shift, epochs and batches."""
     plan = _plan(embeddings, source, seed, lang=False)
-    training = plan.training
-    labels, every = labels_of(plan.pairs, plan.settings), np.arange(len(plan.pairs))
+    run = run_name(plan.pairs, plan.settings, plan.training, None, seed)
+    model = _once(HEADS / f"erm-{run}.pt", lambda: _perceptron(plan, seed))
     own = profile_of(plan.pairs).channels
-    with seeded(derive_seed(seed, "erm-recipe")):
-        model = Perceptron(embeddings.width, len(plan.settings.classes), IMAGES)
-        optimiser = torch.optim.AdamW(model.parameters(), lr=3e-4, weight_decay=1e-2, fused=True)
-        steps = training.epochs * -(-len(every) // training.batch)
-        rates = torch.optim.lr_scheduler.CosineAnnealingLR(optimiser, steps)
-        for epoch in range(training.epochs):
-            stream = derive_seed(seed, "epoch", epoch)
-            for batch in batches(plan.pairs, labels, every, None, training, stream):
-                logits = model(*(_standard(getattr(batch, n).numpy(), own[n]) for n in IMAGES))
-                optimiser.zero_grad(set_to_none=True)
-                cross_entropy(logits, batch.labels).backward()
-                optimiser.step()
-                rates.step()
-    model.eval()
     column = [embeddings.header.classes.index(name) for name in plan.settings.classes]
 
     @torch.inference_mode()
@@ -249,6 +253,48 @@ def erm_recipe(embeddings: Embeddings, source: str, seed: int) -> Trained:
     return Trained(probabilities=probabilities, features=features)
 
 
+def _perceptron(plan: TrainingPlan, seed: int) -> Perceptron:
+    training = plan.training
+    labels, every = labels_of(plan.pairs, plan.settings), np.arange(len(plan.pairs))
+    own = profile_of(plan.pairs).channels
+    with seeded(derive_seed(seed, "erm-recipe")):
+        model = Perceptron(plan.pairs.width, len(plan.settings.classes), IMAGES)
+        optimiser = torch.optim.AdamW(model.parameters(), lr=3e-4, weight_decay=1e-2, fused=True)
+        steps = training.epochs * -(-len(every) // training.batch)
+        rates = torch.optim.lr_scheduler.CosineAnnealingLR(optimiser, steps)
+        for epoch in range(training.epochs):
+            stream = derive_seed(seed, "epoch", epoch)
+            for batch in batches(plan.pairs, labels, every, None, training, stream):
+                logits = model(*(_standard(getattr(batch, n).numpy(), own[n]) for n in IMAGES))
+                optimiser.zero_grad(set_to_none=True)
+                cross_entropy(logits, batch.labels).backward()
+                optimiser.step()
+                rates.step()
+    return model
+
+
+def logistic_recipe(embeddings: Embeddings, source: str, seed: int) -> Trained:
+    """Fit logistic regression to COPIES noisy, shifted copies of each pair, drawn as for the page's head."""
+    plan = _plan(embeddings, source, seed, lang=False)
+    labels, every = labels_of(plan.pairs, plan.settings), np.arange(len(plan.pairs))
+    own = profile_of(plan.pairs).channels
+    drawn = [
+        (joined((batch.vis.numpy(), batch.tac.numpy()), own), batch.labels.numpy())  # type: ignore[union-attr]
+        for epoch in range(COPIES)
+        for batch in batches(
+            plan.pairs, labels, every, None, plan.training, derive_seed(seed, "epoch", epoch)
+        )
+    ]
+    column = [embeddings.header.classes.index(name) for name in plan.settings.classes]
+    said = np.array(column)[np.concatenate([y for _, y in drawn])]
+    inputs = np.vstack([x for x, _ in drawn])
+    fitted = logistic(inputs, said, len(embeddings.header.classes))
+    return Trained(
+        probabilities=lambda pair: fitted(joined(pair, own)),
+        features=lambda pair: joined(pair, own),
+    )
+
+
 def _standard(rows: Array, source: Channels) -> torch.Tensor:
     return torch.from_numpy(standardised(rows, source)).float()
 
@@ -263,7 +309,11 @@ def _soft(recipe: Recipe) -> Recipe:
 RECIPES: dict[str, Recipe] = {
     "omnivat": head,
     "erm_recipe": erm_recipe,
+    "logistic_recipe": logistic_recipe,
+    "dtg_recipe": dtg_recipe,
     "distilled": distilled,
     "omnivat_soft": _soft(head),
+    "dtg_soft": _soft(dtg_recipe),
     "erm_soft": _soft(erm_recipe),
+    "logistic_soft": _soft(logistic_recipe),
 }

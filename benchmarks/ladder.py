@@ -5,8 +5,9 @@
 A method is trained once for each source and seed, on embeddings standardised by the source's profile. Then every
 rung is evaluated: the target's profile of n pairs without labels; test-time methods beside it (T3A, LAME,
 self-training); for the closed-form methods, labelled pairs and more source domains. Test objects only. One line is
-written for each method, source and seed: the class predicted for every test pair, as a letter, on every rung; with
-the page's recipe also the log-odds of every test pair as it comes (`omnivat.data.packing.odds`).
+written for each method, source and seed: the class predicted for every test pair, as a letter, on every rung, and
+the log-odds of every test pair as it comes (`omnivat.data.packing.odds`); of OmniVaT also gaps and retrieval in
+its features (`benchmarks._ladder_space`).
 Finished lines are kept, so a stopped run goes on. `python -m benchmarks.ladder_table` makes the table and the figure.
 """
 
@@ -25,21 +26,25 @@ from benchmarks._ladder_methods import (
     Pair,
     baseline,
     closed,
+    light_head,
     onto,
     profile,
     rows_of,
 )
+from benchmarks._ladder_space import space
 from benchmarks._ladder_unlabelled import lame, self_trained, t3a
 from omnivat.cli.arguments import listed, numbers
 from omnivat.data.packing import odds
+from omnivat.data.profile import STEP_SHIFTED
 from omnivat.data.store import Embeddings, load_embeddings
 from omnivat.heads import default_embeddings
-from omnivat.ladder import COUNTS, FORMAT, lettered
+from omnivat.ladder import COUNTS, FORMAT, METHOD, lettered
 from omnivat.protocol.records import append, fingerprint, lines, mend
 from omnivat.threads import pin_thread
 
-METHODS = (*CLOSED, "linear_probe", "erm_mlp", "vt_cmc_head", "ldc_icd", "erm_recipe", "omnivat")
-# and, with --seeds 0, of several heads of the last two: omnivat_soft, erm_soft, distilled
+RECIPE = ("logistic_recipe", "erm_recipe", "dtg_recipe", "omnivat")  # trained as the page's head
+METHODS = (*CLOSED, "linear_probe", "erm_mlp", "vt_cmc_head", "ldc_icd", *RECIPE)
+# and, with --seeds 0, of several heads of the recipe: omnivat_soft, dtg_soft, erm_soft, logistic_soft, distilled
 ONE_CLASS = 20  # pictures without labels, all of one class
 LABELLED, SOURCES = (1, 3, 5), (2, 4, 7)
 
@@ -70,7 +75,8 @@ class Climb:
     def seen(self, rows: Array, known: Array) -> Pair:
         """Return rows of a target, moved by the profile of its rows `known`."""
         target = profile(rows_of(self.set, known)) if len(known) else None
-        return onto(rows_of(self.set, rows), target, self.profile)
+        step = STEP_SHIFTED if self.name in RECIPES else 1.0  # as a head of that recipe
+        return onto(rows_of(self.set, rows), target, self.profile, step)
 
     def rungs(self) -> dict[str, str]:
         """Return rung -> answers over all test pairs, as letters."""
@@ -82,12 +88,18 @@ class Climb:
                 found.setdefault(rung, np.full(len(tested), -1))[place] = answers
         return {rung: lettered(answers) for rung, answers in found.items()}
 
-    def odds(self) -> dict[str, str]:
-        """Return the log-odds of all test pairs as they come, of the methods with the page's recipe."""
-        if self.name not in RECIPES:
-            return {}
+    def odds(self) -> str:
+        """Return the log-odds of all test pairs as they come."""
         pair = rows_of(self.set, np.flatnonzero(self.split == "test"))
-        return {"odds": odds(np.log(np.maximum(self.method.probabilities(pair), 1e-12)))}
+        return odds(np.log(np.maximum(self.method.probabilities(pair), 1e-12)))
+
+    def more_of(self) -> dict[str, Any]:
+        """Return what a line has besides: the odds, and of a single head its gaps and retrieval."""
+        if self.name != METHOD:
+            return {"odds": self.odds()}
+        model = light_head(self.set, self.set.header.domains[self.source], self.seed)
+        tested = np.flatnonzero(self.split == "test")
+        return {"odds": self.odds(), "space": space(model, self.set, self.train, tested)}
 
     def of(self, target: int) -> Iterator[tuple[str, Array]]:
         """Yield rung and answers for the test pairs of one domain."""
@@ -177,7 +189,7 @@ def main() -> None:
                     climb = Climb(embeddings, name, domains.index(source), seed)
                     found = climb.rungs()
                     line = {"method": name, "source": source, "seed": seed, "answers": found}
-                    append(options.out, {"format": FORMAT, **line, **climb.odds()})
+                    append(options.out, {"format": FORMAT, **line, **climb.more_of()})
                     print(name, source, seed, len(found), "rungs", flush=True)
     if options.pack:
         options.pack.write_bytes(gzip.compress(options.out.read_bytes(), 9, mtime=0))

@@ -39,6 +39,7 @@ evidence=(python -m omnivat protocol "${common[@]}" --seeds 0 --folds 3 --set wi
 python -m benchmarks.ladder --out "$out/ladder.jsonl" --pack examples/records/ladder.jsonl.gz
 python -m benchmarks.ladder_table
 python -m benchmarks.ladder_check
+python -m benchmarks.profile_step
 python -m benchmarks.cost
 cat "$out/noise/runs.jsonl" "$out/long/runs.jsonl" | gzip -9n >docs/benchmarks/noise.jsonl.gz
 python -m benchmarks.noise

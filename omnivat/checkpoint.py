@@ -110,7 +110,7 @@ class Head:
         target = profile.channels.get(name)
         if target is None:
             return rows
-        near = moved(rows.detach().cpu().numpy(), target, source.channels[name])
+        near = moved(rows.detach().cpu().numpy(), target, source.channels[name], source.step)
         return torch.from_numpy(near).to(rows)
 
     def require_embeddings(self, embeddings: Embeddings) -> None:

@@ -21,6 +21,7 @@ from omnivat.stages import IMAGES
 
 Array = NDArray[np.float32]
 MEAN_PRIOR, VARIANCE_PRIOR = 2, 10  # pictures that the source's mean and variance weigh
+STEP_SHIFTED = 0.875  # of a head trained with imitated sensors (benchmarks.profile_step)
 FLOOR = 1.0  # mean deviations added to every channel's, so that still channels count less
 FIELDS = tuple(f"{name}{flip}" for name in IMAGES for flip in ("", "_flip"))
 
@@ -41,11 +42,13 @@ class Profile:
     channels  "vis", "tac" or both
     key       the encoder of the pictures: name, hash of the weights, preprocessing
     domain    name of the domain; "" if it has none
+    step      of a head's source: the share of the way that another sensor is moved onto it
     """
 
     channels: dict[str, Channels]
     key: tuple[str, str, str]
     domain: str = ""
+    step: float = 1.0
 
     @property
     def width(self) -> int:
@@ -106,14 +109,14 @@ def profile_of(
     )
 
 
-def shrunk(target: Channels, source: Channels) -> Channels:
+def shrunk(target: Channels, source: Channels, step: float = 1.0) -> Channels:
     """Draw a target's statistics of n pictures towards the source's: by n / (n + 2) and n / (n + 10).
 
     Without pictures it is the source's, so that nothing moves. Few pictures know a mean better than
-    a variance.
+    a variance. Both shares are times `step`.
     """
     n = target.count
-    mean, variance = n / (n + MEAN_PRIOR), n / (n + VARIANCE_PRIOR)
+    mean, variance = step * n / (n + MEAN_PRIOR), step * n / (n + VARIANCE_PRIOR)
     return replace(
         target,
         mean=source.mean + mean * (target.mean - source.mean),
@@ -132,13 +135,13 @@ def scale_of(channels: Channels, floor: float) -> Array:
     return scale
 
 
-def moved(rows: Array, target: Channels, source: Channels) -> Array:
+def moved(rows: Array, target: Channels, source: Channels, step: float = 1.0) -> Array:
     """Return rows (N, W) of a target domain with the source's mean and deviation.
 
     The target's statistics are shrunk first. A head's standardisation by the source's profile then
     equals one by the target's.
     """
-    near, floor = shrunk(target, source), floor_of(source)
+    near, floor = shrunk(target, source, step), floor_of(source)
     ratio = scale_of(source, floor) / scale_of(near, floor)
     changed: Array = (rows - near.mean) * ratio + source.mean
     return changed
@@ -219,7 +222,7 @@ def _moved_array(
             target = profile.channels.get(modality)
             rows = domain[some] == index
             if target is not None and rows.any():
-                block[rows] = moved(block[rows], target, source.channels[modality])
+                block[rows] = moved(block[rows], target, source.channels[modality], source.step)
         changed[some] = block
         start += len(block)
     return changed

@@ -31,6 +31,8 @@ def _write(file: Path, profile: Profile) -> None:
         columns |= {f"{name}_mean": column(one.mean), f"{name}_variance": column(one.variance)}
         counts[f"{name}_count"] = str(one.count)
     header = dict(zip(KEY, profile.key, strict=True)) | {"domain": profile.domain} | counts
+    if profile.step != 1:
+        header["step"] = repr(profile.step)
     write_arrays(file, columns, {"format": FORMAT, **header})
 
 
@@ -57,11 +59,19 @@ def load_profile(file: str | Path) -> Profile:
             channels={n: _channels(arrays, metadata, n) for n in IMAGES if f"{n}_mean" in arrays},
             key=(metadata["encoder"], metadata["weights_hash"], metadata["preprocessing"]),
             domain=metadata.get("domain", "")[:LONGEST_NAME],
+            step=_step(metadata),
         ).checked()
     except (SafetensorError, OSError, ValueError, KeyError) as error:
         raise DataError(
             f"'{path}' cannot be read as a profile ({error!s:.200}); make it again."
         ) from error
+
+
+def _step(metadata: dict[str, str]) -> float:
+    step = float(metadata.get("step", "1"))
+    if not 0 <= step <= 1:
+        raise ValueError("its step is no share from 0 to 1")
+    return step
 
 
 def _channels(arrays: dict[str, Any], metadata: dict[str, str], name: str) -> Channels:

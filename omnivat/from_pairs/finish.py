@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from omnivat.calibration import Familiarity, familiarity_of
 from omnivat.checkpoint import Head
-from omnivat.data.profile import profile_of
+from omnivat.data.profile import STEP_SHIFTED, profile_of
 from omnivat.data.store import Embeddings
 from omnivat.errors import DataError
 from omnivat.evaluate import evaluate, target_mean, target_scores
@@ -95,7 +95,10 @@ def trained_head(
         encoder=plan.encoder,
         provenance=provenance,
         familiarity=_familiarity(plan.pairs, labels_of(plan.pairs, plan.settings)),
-        profile=profile_of(plan.pairs, domain=plan.source),
+        profile=replace(
+            profile_of(plan.pairs, domain=plan.source),
+            step=STEP_SHIFTED if plan.training.shift else 1.0,
+        ),
     )
     head.metrics.update(_metrics(plan, head, trained))
     steps = Watch(cancelled=watch.cancelled)

@@ -5,6 +5,9 @@ from pathlib import Path
 
 import pytest
 
+from omnivat.checkpoint import load_head
+from omnivat.data.profile import STEP_SHIFTED
+
 FOLDER = Path(__file__).resolve().parents[2] / "examples"
 
 
@@ -22,6 +25,11 @@ def test_the_raw_transform_moves_no_gap_and_the_head_does(capsys):
     assert raw == pytest.approx([raw[0]] * 3, abs=2e-3)
     assert len(set(rows["modality_gap/f_hat"])) == 3
     assert float(rows["accuracy"][1]) > max(float(rows["accuracy"][0]), float(rows["accuracy"][2]))
+
+
+def test_the_default_head_takes_the_step_of_heads_with_imitated_sensors():
+    head = load_head(FOLDER / "head")
+    assert head.provenance["train"]["shift"] and head.source_profile.step == STEP_SHIFTED
 
 
 def test_every_script_is_run_here():

@@ -112,7 +112,7 @@ def test_a_profile_moves_embeddings_before_a_portable_head_as_before_the_head(pl
         return Profile(channels=parts, key=("e", "w", "p"))
 
     head, file = plain
-    head, own = replace(head, profile=profile(200)), profile(9)
+    head, own = replace(head, profile=replace(profile(200), step=0.75)), profile(9)
     vis, tac = torch.randn(2, 1, 24)
     near = [head.moved(name, rows, own) for name, rows in (("vis", vis), ("tac", tac))]
     found = run(file, *near, (0.31, 0.5), head.model.directions())

@@ -64,7 +64,8 @@ export async function embedding(desk, ref, modality, question) {
 export async function movedBy(desk, question, modality, row) {
   const profile = profileIn(desk, question);
   if (!profile?.channels[modality]) return row;
-  return moved(row, profile.channels[modality], (await sourceProfile(desk)).channels[modality]);
+  const { channels, step } = await sourceProfile(desk);
+  return moved(row, profile.channels[modality], channels[modality], step);
 }
 
 export function profileIn(desk, { profile }) {

@@ -31,9 +31,11 @@ export function joined(one, other) {
   return { mean, variance, count };
 }
 
-/** A row of a new sensor with the source's mean and deviation; few pictures count less. */
-export function moved(row, target, source) {
-  const [share, spread] = [MEAN_PRIOR, VARIANCE_PRIOR].map((prior) => target.count / (target.count + prior));
+/** A row of a new sensor with the source's mean and deviation, or `step` of the way; few pictures count less. */
+export function moved(row, target, source, step = 1) {
+  const [share, spread] = [MEAN_PRIOR, VARIANCE_PRIOR].map(
+    (prior) => (step * target.count) / (target.count + prior),
+  );
   const floor = means(source.variance.map(Math.sqrt)) || 1;
   return Float32Array.from(row, (value, i) => {
     const mean = source.mean[i] + share * (target.mean[i] - source.mean[i]);
@@ -61,7 +63,7 @@ export function profileFrom(file, key = null) {
     const [mean, variance] = ["mean", "variance"].map((what) => found[`${name}_${what}`].values);
     return [name, { mean, variance, count: Number(about[`${name}_count`]) }];
   });
-  return { channels: Object.fromEntries(parts), domain: about.domain };
+  return { channels: Object.fromEntries(parts), domain: about.domain, step: Number(about.step ?? 1) };
 }
 
 /** The file of a profile, for this page, the server's and `--profile`. */

@@ -80,6 +80,33 @@ def test_standardising_moved_rows_equals_standardising_by_the_target_profile():
     np.testing.assert_allclose(standardised(moved(some, target, source), source), wanted, atol=1e-5)
 
 
+# rows, target and source of six pictures; tests/web/profiles.test.js has the same
+SIX = ([1.0, -2.0], ([2.0, 3.0], [4.0, 1.0]), ([0.0, 1.0], [1.0, 4.0]))
+AT = {1.0: [-0.42262, -3.928679], 0.75: [-0.109348, -3.406266], 0.0: [1.0, -2.0]}
+
+
+@pytest.mark.parametrize("step", AT)
+def test_a_heads_source_says_how_much_of_the_step_is_taken(step):
+    row, target, source = SIX
+    near, own = (
+        Channels(mean=np.array(m, np.float32), variance=np.array(v, np.float32), count=6)
+        for m, v in (target, source)
+    )
+    found = moved(np.array([row], np.float32), near, own, step)
+    np.testing.assert_allclose(found, [AT[step]], atol=1e-5)
+
+
+def test_a_head_moves_a_set_by_its_own_step(make_embeddings):
+    pairs = make_embeddings(domains=("A", "B"))
+    whole = profile_of(pairs, pairs.rows_of("A"))
+    other = profile_of(pairs, pairs.rows_of("B"), domain="B")
+    none, half, full = (
+        profiled(pairs, {"B": other}, replace(whole, step=step)).vis for step in (0.0, 0.5, 1.0)
+    )
+    np.testing.assert_allclose(none, pairs.vis, atol=1e-5)
+    assert 0.3 < np.abs(half - none).mean() / np.abs(full - none).mean() < 0.7
+
+
 def test_only_the_profiled_domain_moves_and_mirrored_rows_move_with_it(make_embeddings):
     pairs = make_embeddings(domains=("A", "B", "C"))
     pairs = replace(pairs, vis_flip=pairs.vis + 1, tac_flip=pairs.tac + 1)
@@ -128,14 +155,17 @@ def test_a_profile_without_a_name_is_of_the_only_other_domain():
 
 
 def test_a_profile_file_comes_back_as_it_was(tmp_path, make_embeddings):
-    mine = profile_of(make_embeddings(), domain="häßlich = 1")
+    mine = replace(profile_of(make_embeddings(), domain="häßlich = 1"), step=0.75)
     save_profile(tmp_path / "p.safetensors", mine)
     back = load_profile(tmp_path / "p.safetensors")
     assert (back.key, back.domain, back.counts) == (mine.key, mine.domain, mine.counts)
+    assert back.step == 0.75
     np.testing.assert_array_equal(back.channels["tac"].variance, mine.channels["tac"].variance)
 
 
-@pytest.mark.parametrize("spoilt", ["mean", "variance", "count", "width", "cut", "format", "none"])
+@pytest.mark.parametrize(
+    "spoilt", ["mean", "variance", "count", "width", "cut", "format", "none", "step"]
+)
 def test_a_damaged_profile_file_ends_in_one_sentence(tmp_path, make_embeddings, spoilt):
     file = tmp_path / "p.safetensors"
     mine = profile_of(make_embeddings(), domain="B")
@@ -146,7 +176,8 @@ def test_a_damaged_profile_file_ends_in_one_sentence(tmp_path, make_embeddings, 
         "count": replace(vis, count=-3),
         "width": replace(vis, mean=vis.mean[:-1], variance=vis.variance[:-1]),
     }.get(spoilt, vis)
-    save_profile(file, replace(mine, channels={**mine.channels, "vis": changed}))
+    step = float("nan") if spoilt == "step" else 1.0
+    save_profile(file, replace(mine, step=step, channels={**mine.channels, "vis": changed}))
     if spoilt == "cut":
         file.write_bytes(file.read_bytes()[:-20])
     if spoilt == "format":

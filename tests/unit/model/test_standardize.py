@@ -7,9 +7,11 @@ import pytest
 import torch
 
 from omnivat.checkpoint import load_head, save_head
-from omnivat.data.profile import moved, profile_of
+from omnivat.data.profile import STEP_SHIFTED, moved, profile_of
 from omnivat.errors import DataError
+from omnivat.from_pairs import head_from_pairs
 from omnivat.predict import predict_embeddings
+from omnivat.train import TrainSettings
 
 
 @pytest.fixture(scope="module")
@@ -76,6 +78,13 @@ def test_heads_from_before_profiles_take_embeddings_as_they_come(head_folder, tm
         again.moved("vis", torch.zeros(1, 24), head.source_profile)
 
 
+@pytest.mark.parametrize("shift", [0.0, 1.0])
+def test_a_head_trained_with_imitated_sensors_takes_a_shorter_step(make_embeddings, shift):
+    pairs, settings = make_embeddings(), TrainSettings(epochs=1, lang=False, shift=shift)
+    made = head_from_pairs(pairs, "TAG-sim", head={"width": 8}, training=settings, calibrate=False)
+    assert made.source_profile.step == (STEP_SHIFTED if shift else 1.0)
+
+
 def test_moved_rows_of_the_head_are_those_of_the_arrays(head, make_embeddings):
     pairs = make_embeddings()
     profile = profile_of(pairs, pairs.rows_of("OF Real-sim"))
@@ -84,3 +93,8 @@ def test_moved_rows_of_the_head_are_those_of_the_arrays(head, make_embeddings):
     wanted = moved(rows, profile.channels["vis"], source)
     found = head.moved("vis", torch.from_numpy(rows), profile)
     np.testing.assert_allclose(found.numpy(), wanted, rtol=1e-6)
+    part = replace(head, profile=replace(head.source_profile, step=0.75))
+    wanted = moved(rows, profile.channels["vis"], source, 0.75)
+    found = part.moved("vis", torch.from_numpy(rows), profile)
+    np.testing.assert_allclose(found.numpy(), wanted, rtol=1e-6)
+    assert np.abs(found.numpy() - moved(rows, profile.channels["vis"], source)).max() > 1e-3

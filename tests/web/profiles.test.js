@@ -1,0 +1,28 @@
+/** What a profile does to a row; tests/unit/data/test_profile.py has the same figures. */
+
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { moved, profileFrom, saved } from "../../app/web/site/profiles.js";
+
+const channels = (mean, variance) => ({ mean, variance, count: 6 });
+const [target, source] = [channels([2, 3], [4, 1]), channels([0, 1], [1, 4])];
+const AT = { 1: [-0.42262, -3.928679], 0.75: [-0.109348, -3.406266], 0: [1, -2] };
+
+test("a head's source says how much of the step is taken", () => {
+  for (const [step, wanted] of Object.entries(AT))
+    moved([1, -2], target, source, Number(step)).forEach((value, i) => {
+      assert.ok(Math.abs(value - wanted[i]) < 1e-5, `${step}: ${value}`);
+    });
+  assert.deepEqual(moved([1, -2], target, source), moved([1, -2], target, source, 1));
+});
+
+test("a profile without a step takes the whole one", () => {
+  const key = { name: "e", weights_hash: "w", preprocessing: "p" };
+  const parts = { mean: Float32Array.of(1, 2), variance: Float32Array.of(1, 1), count: 3 };
+  const found = profileFrom(saved({ channels: { vis: parts } }, key).buffer, key);
+  assert.equal(found.step, 1);
+  assert.equal(profileFrom({ ...asFile(parts), __metadata__: { ...about, step: "0.75" } }).step, 0.75);
+});
+
+const about = { format: "omnivat-profile-1", vis_count: "3" };
+const asFile = ({ mean, variance }) => ({ vis_mean: { values: mean }, vis_variance: { values: variance } });
