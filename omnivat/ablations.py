@@ -9,8 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from omnivat.data.domains import DOMAINS
-from omnivat.errors import MissingNameError
-from omnivat.tables import suggestion
+from omnivat.tables import entry
 
 TWO_SOURCES = ("TAG", "OF 2.0 A")  # the sources of the paper's ablations
 ALL_SOURCES = tuple(DOMAINS)
@@ -198,12 +197,7 @@ def chosen(names: tuple[str, ...]) -> dict[str, Ablation]:
 
     Raises MissingNameError with the nearest name.
     """
-    for name in names:
-        if name not in ABLATIONS:
-            known = ", ".join(ABLATIONS)
-            hint = suggestion(name, ABLATIONS)
-            raise MissingNameError(f"No ablation is called '{name}'; there are {known}.{hint}")
-    return {name: ABLATIONS[name] for name in names or ABLATIONS}
+    return {name: entry(ABLATIONS, name, kind="ablation") for name in names or ABLATIONS}
 
 
 def method_name(row: str) -> str:

@@ -170,7 +170,8 @@ def read_whole(path: str | Path, most: int, name: str = "") -> bytes:
     """
     name = name or str(path)
     try:
-        with open(path, "rb", opener=_without_waiting) as handle:
+        at_once = getattr(os, "O_NONBLOCK", 0)  # without waiting for the writer of a pipe
+        with open(path, "rb", opener=lambda p, flags: os.open(p, flags | at_once)) as handle:
             found = os.fstat(handle.fileno())
             if not stat.S_ISREG(found.st_mode):
                 raise DataError(f"'{name}' is a pipe or device; name a file.")
@@ -183,11 +184,6 @@ def read_whole(path: str | Path, most: int, name: str = "") -> bytes:
     if len(content) > most:
         raise DataError(f"'{name}' is larger than the {most / 1e6:.3g} MB that are read.")
     return content
-
-
-def _without_waiting(path: str, flags: int) -> int:
-    """Open without waiting for the writer of a pipe."""
-    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
 
 
 def write_text(path: str | Path, text: str) -> None:

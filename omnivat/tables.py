@@ -17,16 +17,19 @@ def suggestion(name: str, known: Iterable[str]) -> str:
     return f" Did you mean '{near[0]}'?" if near else ""
 
 
+def unknown(name: str, known: Iterable[str], *, kind: str) -> str:
+    """Return the sentence for an unknown name: the known ones, and the nearest."""
+    known = list(known)
+    return f"No {kind} is called '{name}'; there are {', '.join(known)}.{suggestion(name, known)}"
+
+
 def entry(table: Mapping[str, T], name: str, *, kind: str) -> T:
     """Return `table[name]`.
 
     Raises MissingNameError with the known names and the nearest one.
     """
     if name not in table:
-        known = ", ".join(table)
-        raise MissingNameError(
-            f"No {kind} is called '{name}'; there are {known}.{suggestion(name, table)}"
-        )
+        raise MissingNameError(unknown(name, table, kind=kind))
     return table[name]
 
 

@@ -7,17 +7,19 @@ resets the default at once."""
 import functools
 import os
 import threading
-from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from contextlib import contextmanager
 from importlib import import_module
 from multiprocessing import get_context, parent_process
 from queue import SimpleQueue
 from threading import Thread
-from typing import Any
+from typing import Any, TypeVar
 
 import torch
 
+A = TypeVar("A")
+B = TypeVar("B")
 LIGHT = 128  # widths up to this train faster on one thread
 FEW_PAIRS = 4  # up to this many pairs are predicted faster on one thread
 
@@ -106,18 +108,33 @@ if hasattr(os, "register_at_fork"):  # a forked child has no helper thread yet
     os.register_at_fork(after_in_child=_Blas.forget)
 
 
-def worker_pool(
-    count: int, prepare: Callable[..., None] | None = None, *given: Any
-) -> ProcessPoolExecutor:
-    """Return a pool of `count` fresh processes.
+def in_processes(
+    work: Callable[[A], B],
+    items: Iterable[A],
+    count: int,
+    prepare: Callable[..., None] | None = None,
+    *given: Any,
+    check: Callable[[], None] = lambda: None,
+) -> Iterator[B]:
+    """Yield `work(item)` of each item when it is done, from `count` fresh processes.
 
-    prepare  called once in each, with `given`
+    prepare  called once in each process, with `given`
+    check    called twice a second; its error cancels what has not started
 
-    By themselves, the workers of a killed process would wait for ever, with all they loaded.
+    Processes end with their parent. Otherwise, those of a killed process would wait for ever and keep
+    their memory.
     """
-    return ProcessPoolExecutor(
+    pool = ProcessPoolExecutor(
         count, mp_context=get_context("spawn"), initializer=_begin, initargs=(prepare, given)
     )
+    try:
+        waiting = {pool.submit(work, item) for item in items}
+        while waiting:
+            ready, waiting = wait(waiting, timeout=0.5, return_when=FIRST_COMPLETED)
+            yield from (done.result() for done in ready)
+            check()
+    finally:
+        pool.shutdown(cancel_futures=True)
 
 
 def _begin(prepare: Callable[..., None] | None, given: tuple[Any, ...]) -> None:

@@ -15,9 +15,9 @@ import torch
 from torch import Tensor
 from torch.nn.functional import cross_entropy, one_hot
 
-from omnivat.baselines.contract import Fitted, Source, joined, seeded
+from omnivat.baselines.contract import Fitted, Source, seeded
 from omnivat.baselines.descent import Descent, descend
-from omnivat.baselines.erm_mlp import EPOCHS, INPUTS, Perceptron
+from omnivat.baselines.erm_mlp import EPOCHS, INPUTS, Perceptron, of_perceptrons, predictor
 from omnivat.baselines.evidence import best
 from omnivat.seeding import derive_seed
 
@@ -102,34 +102,14 @@ def _fit(
     chosen = best(
         source,
         candidates,
-        lambda part, strength: _predictor(train(part, strength=strength, inputs=INPUTS["fused"])),
+        lambda part, strength: predictor(train(part, strength=strength, inputs=INPUTS["fused"])),
         repeats=1,
     )
     strength = candidates[chosen]
     models = {
         key: train(source, strength=strength, inputs=inputs) for key, inputs in INPUTS.items()
     }
-
-    def features(vis: Tensor, tac: Tensor) -> dict[str, Tensor]:
-        own = {key: model.features(vis, tac) for key, model in models.items()}
-        return {**joined(own["vis"], own["tac"]), "pair": own["fused"]}
-
-    return Fitted(
-        predict=lambda vis, tac: {
-            key: _predictor(model)(vis, tac) for key, model in models.items()
-        },
-        features=features,
-        chosen={"strength": strength},
-        parameters=sum(p.numel() for p in models["fused"].parameters()),
-    )
-
-
-def _predictor(model: Perceptron) -> Callable[[Tensor, Tensor], Tensor]:
-    def predict(vis: Tensor, tac: Tensor) -> Tensor:
-        probabilities: Tensor = model(vis, tac).softmax(-1)
-        return probabilities
-
-    return predict
+    return of_perceptrons(models, {"strength": strength})
 
 
 def _train(

@@ -49,10 +49,15 @@ def fit(source: Source) -> Fitted:
     chosen = best(
         source,
         CANDIDATES,
-        lambda part, choice: _predictor(_train(part, *choice, INPUTS["fused"])),
+        lambda part, choice: predictor(_train(part, *choice, INPUTS["fused"])),
         repeats=1,
     )
     models = {name: _train(source, *CANDIDATES[chosen], inputs) for name, inputs in INPUTS.items()}
+    return of_perceptrons(models, {"training": chosen})
+
+
+def of_perceptrons(models: dict[str, Perceptron], chosen: dict[str, float | str]) -> Fitted:
+    """Return the method that predicts with one perceptron for each of `INPUTS`."""
 
     @torch.inference_mode()
     def features(vis: Tensor, tac: Tensor) -> dict[str, Tensor]:
@@ -60,14 +65,16 @@ def fit(source: Source) -> Fitted:
         return {**joined(own["vis"], own["tac"]), "pair": own["fused"]}
 
     return Fitted(
-        predict=lambda vis, tac: {n: _predictor(model)(vis, tac) for n, model in models.items()},
+        predict=lambda vis, tac: {n: predictor(model)(vis, tac) for n, model in models.items()},
         features=features,
-        chosen={"training": chosen},
+        chosen=chosen,
         parameters=sum(p.numel() for p in models["fused"].parameters()),
     )
 
 
-def _predictor(model: nn.Module) -> Predictor:
+def predictor(model: nn.Module) -> Predictor:
+    """Return (vis, tac) -> probabilities (B, K)."""
+
     @torch.inference_mode()
     def predict(vis: Tensor, tac: Tensor) -> Tensor:
         probabilities: Tensor = model(vis, tac).softmax(-1)

@@ -1,6 +1,7 @@
 """Arguments that several commands share, and progress on stderr."""
 
 import argparse
+import json
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -169,6 +170,11 @@ def add_seed(parser: argparse.ArgumentParser, *, of: str = "all random choices")
 def add_json(parser: argparse.ArgumentParser) -> None:
     """Declare --json."""
     parser.add_argument("--json", action="store_true", help="print JSON")
+
+
+def print_json(value: Any) -> None:
+    """Print a value as JSON."""
+    print(json.dumps(value, indent=2, ensure_ascii=False))
 
 
 def add_figure(parser: argparse.ArgumentParser, *, of: str) -> None:

@@ -5,9 +5,7 @@ python -m omnivat evaluate --unlabelled N [--draws K] [--seed N]    profiles of 
 """
 
 import argparse
-import json
 import math
-import sys
 from collections.abc import Iterator, Sequence
 from statistics import pstdev
 from typing import TYPE_CHECKING, Any
@@ -22,6 +20,7 @@ from omnivat.cli.arguments import (
     add_profile,
     add_seed,
     check_figure,
+    print_json,
     progress_bar,
     whole,
     with_profiles,
@@ -86,8 +85,7 @@ def run(options: argparse.Namespace) -> None:
 
         write(options.figure, strangers(summary(records, head.source)))
     if options.json:
-        json.dump(records, sys.stdout, indent=2, ensure_ascii=False)
-        print()
+        print_json(records)
     else:
         print(table(records))
 

@@ -4,14 +4,12 @@ python -m omnivat gaps [--stage S] [--order P] [--measure M] [--json] [--figure 
 """
 
 import argparse
-import json
-import sys
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from omnivat.cli.arguments import add_figure, add_json, check_figure
+from omnivat.cli.arguments import add_figure, add_json, check_figure, print_json
 from omnivat.cli.features import LARGE, StageFeatures, add_stage, stage_features
 from omnivat.gaps import GAPS
 
@@ -46,8 +44,7 @@ def run(options: argparse.Namespace) -> None:
 
         write(options.figure, gap_tables(record))
     if options.json:
-        json.dump(record, sys.stdout, indent=2, ensure_ascii=False)
-        print()
+        print_json(record)
         return
     print(f"{options.measure} at {options.stage}: {found.about}\n")
     if "standard_error" in record:

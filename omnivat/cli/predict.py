@@ -8,7 +8,6 @@ and left out.
 """
 
 import argparse
-import json
 import sys
 from pathlib import Path
 from typing import Any
@@ -20,6 +19,7 @@ from omnivat.cli.arguments import (
     add_json,
     add_order,
     add_rest,
+    print_json,
     progress_bar,
 )
 from omnivat.errors import DataError, SettingsError
@@ -105,8 +105,7 @@ def run(options: argparse.Namespace) -> None:
     if options.json:
         records = [predicted | context for predicted in predictions]
         value = records[0] if len(records) == 1 and not options.pairs else records
-        json.dump(value, sys.stdout, indent=2, ensure_ascii=False)
-        print()
+        print_json(value)
     else:
         for predicted in predictions:
             print(_readable(predicted, head.source))

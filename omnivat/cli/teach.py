@@ -4,12 +4,17 @@ python -m omnivat teach --embeddings LABELLED --out H2 [--head H] [--domain NAME
 """
 
 import argparse
-import json
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from omnivat.cli.arguments import add_head, add_json, add_profile, progress_bar, with_profiles
+from omnivat.cli.arguments import (
+    add_head,
+    add_json,
+    add_profile,
+    print_json,
+    progress_bar,
+    with_profiles,
+)
 from omnivat.errors import DataError
 
 if TYPE_CHECKING:
@@ -65,8 +70,7 @@ def run(options: argparse.Namespace) -> None:
         "out": str(options.out),
     }
     if options.json:
-        json.dump(record, sys.stdout, indent=2, ensure_ascii=False)
-        print()
+        print_json(record)
     else:
         print(_readable(record, why))
 

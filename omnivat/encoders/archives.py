@@ -73,7 +73,7 @@ class _Reader(pickle.Unpickler):
         if (module, name) == ("collections", "OrderedDict"):
             return OrderedDict
         if module == "torch._utils" and name in ("_rebuild_tensor_v2", "_rebuild_parameter"):
-            return _tensor if name == "_rebuild_tensor_v2" else _parameter
+            return _tensor if name == "_rebuild_tensor_v2" else lambda tensor, *_: tensor
         if module == "torch" and name in STORAGES:
             return STORAGES[name]
         if module == "torch.jit._pickle" and name.startswith("build_"):
@@ -93,10 +93,6 @@ class _Reader(pickle.Unpickler):
 
 def _tensor(numbers: Tensor, offset: int, size: Any, stride: Any, *_: Any) -> Tensor:
     return numbers.as_strided(tuple(size), tuple(stride), offset).clone()
-
-
-def _parameter(tensor: Tensor, *_: Any) -> Tensor:
-    return tensor
 
 
 def _tensors(module: Any, prefix: str) -> list[tuple[str, Tensor]]:

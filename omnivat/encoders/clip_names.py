@@ -69,7 +69,9 @@ def clip_state(state: Mapping[str, Tensor]) -> ClipState | None:
     else:
         state = {_plain(key): value for key, value in state.items()}
         kind = RESNET if "visual.layer1.0.conv1.weight" in state else VIT
-        image = _resnet(state) if kind == RESNET else _vit(state)
+        image = _vit(state)
+        if kind == RESNET:
+            image = {k.removeprefix("visual."): v for k, v in _pick(state, "visual.").items()}
         text = _text(state)
     if not image and not text:
         return None
@@ -99,10 +101,6 @@ def _plain(key: str) -> str:
 
 def _pick(state: Mapping[str, Tensor], *prefixes: str) -> State:
     return {key: value for key, value in state.items() if key.startswith(prefixes)}
-
-
-def _resnet(state: Mapping[str, Tensor]) -> State:
-    return {k.removeprefix("visual."): v for k, v in _pick(state, "visual.").items()}
 
 
 def _vit(state: Mapping[str, Tensor]) -> State:

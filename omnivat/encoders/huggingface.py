@@ -109,15 +109,12 @@ def _network(folder: Path) -> Any:
 
 def _unused(network: Any, key: str) -> bool:
     """True for a randomly initialized pooling layer that is not used here."""
-    return key.startswith("pooler.") and (_has_class_token(network) or not _has_pooled(network))
+    pooled = dict(network.named_children()).keys() & {"pooler", "head", "layernorm"}
+    return key.startswith("pooler.") and (_has_class_token(network) or not pooled)
 
 
 def _has_class_token(network: nn.Module) -> bool:
     return any(name.endswith("cls_token") for name, _ in network.named_parameters())
-
-
-def _has_pooled(network: nn.Module) -> bool:
-    return any(key in dict(network.named_children()) for key in ("pooler", "head", "layernorm"))
 
 
 def _run_and_pooling(network: Any, side: int) -> tuple[Callable[[Tensor], Tensor], str]:

@@ -81,7 +81,8 @@ def pieces(values: Tensor, order: Tensor, indices: Tensor) -> Iterator[Piece]:
         varying -= 1
     sharing = math.prod(lead[varying:])
     if varying and sharing < _WORTH_A_LOOP:
-        yield from _row_by_row(rows.reshape(-1, size), order.expand(lead).reshape(-1), indices)
+        rows, each = rows.reshape(-1, size), order.expand(lead).reshape(-1)
+        yield from (Piece(some, rows[some], each[some], indices) for some in slices(rows))
         return
     orders = order.expand((*lead[:varying], *order.shape[varying:])).reshape(-1, 1)
     places = itertools.product(*(range(length) for length in lead[:varying]))
@@ -91,11 +92,6 @@ def pieces(values: Tensor, order: Tensor, indices: Tensor) -> Iterator[Piece]:
         for some in slices(group):
             place_of_some = slice(start + some.start, start + some.stop)
             yield Piece(place_of_some, group[some], orders[number], indices, turned)
-
-
-def _row_by_row(rows: Tensor, orders: Tensor, indices: Tensor) -> Iterator[Piece]:
-    for some in slices(rows):
-        yield Piece(some, rows[some], orders[some], indices)
 
 
 def planes(x: Tensor) -> Tensor:

@@ -1,7 +1,7 @@
 """V and Vᵀ as autograd functions with closed-form gradients of any order.
 
-V is orthogonal, so `Analyse` and `Restore` are each other's gradient. `Synthesise` fuses the phases
-and `Restore`. For higher derivatives, its gradient is composed of these two.
+V is orthogonal, so V and Vᵀ are each other's gradient. `Synthesise` fuses the phases and Vᵀ. For higher
+derivatives, its gradient is composed of these two.
 """
 
 from __future__ import annotations
@@ -21,20 +21,22 @@ from omnivat.fractional.splits import Split, kept_numbers
 
 def analyse(x: Tensor, split: Split) -> Tensor:
     """x V on the last axis."""
-    if torch.compiler.is_exporting():
-        return _product(x, _dense(split, x))
-    if not _wants_gradient(x):
-        return analyse_rows(split, x)
-    return _Analyse.apply(x, split)  # type: ignore[no-any-return,no-untyped-call]
+    return _applied(x, split, False)
 
 
 def restore(z: Tensor, split: Split) -> Tensor:
     """z Vᵀ on the last axis."""
+    return _applied(z, split, True)
+
+
+def _applied(x: Tensor, split: Split, back: bool) -> Tensor:
+    """x V, or with `back` x Vᵀ."""
     if torch.compiler.is_exporting():
-        return _product(z, _dense(split, z).mT)
-    if not _wants_gradient(z):
-        return restore_rows(split, z)
-    return _Restore.apply(z, split)  # type: ignore[no-any-return,no-untyped-call]
+        matrix = _dense(split, x)
+        return _product(x, matrix.mT if back else matrix)
+    if not _wants_gradient(x):
+        return (restore_rows if back else analyse_rows)(split, x)
+    return _Apply.apply(x, split, back)  # type: ignore[no-any-return,no-untyped-call]
 
 
 def synthesise(values: Tensor, order: Tensor, split: Split, planar: bool) -> Tensor:
@@ -69,48 +71,30 @@ def _wants_gradient(*tensors: Tensor) -> bool:
     return under_transform(*tensors)
 
 
-class _Analyse(Function):
+class _Apply(Function):
+    """x V, or with `back` x Vᵀ: each is the gradient of the other."""
+
     @staticmethod
-    def forward(x: Tensor, split: Split) -> Tensor:
-        return analyse_rows(split, x)
+    def forward(x: Tensor, split: Split, back: bool) -> Tensor:
+        return (restore_rows if back else analyse_rows)(split, x)
 
     @staticmethod
     def setup_context(ctx: Any, inputs: tuple[Any, ...], output: Tensor) -> None:
-        ctx.split = inputs[1]
+        _, ctx.split, ctx.back = inputs
 
     @staticmethod
-    def backward(ctx: Any, grad: Tensor) -> tuple[Tensor, None]:
-        return restore(grad, ctx.split), None
+    def backward(ctx: Any, grad: Tensor) -> tuple[Tensor, None, None]:
+        return _applied(grad, ctx.split, not ctx.back), None, None
 
     @staticmethod
-    def jvp(ctx: Any, tangent: Tensor, _: None) -> Tensor:
-        return analyse(tangent, ctx.split)
+    def jvp(ctx: Any, tangent: Tensor, *_: None) -> Tensor:
+        return _applied(tangent, ctx.split, ctx.back)
 
     @staticmethod
-    def vmap(info: Any, in_dims: tuple[int, None], x: Tensor, split: Split) -> tuple[Tensor, int]:
-        return analyse(x.movedim(in_dims[0], 0), split), 0
-
-
-class _Restore(Function):
-    @staticmethod
-    def forward(z: Tensor, split: Split) -> Tensor:
-        return restore_rows(split, z)
-
-    @staticmethod
-    def setup_context(ctx: Any, inputs: tuple[Any, ...], output: Tensor) -> None:
-        ctx.split = inputs[1]
-
-    @staticmethod
-    def backward(ctx: Any, grad: Tensor) -> tuple[Tensor, None]:
-        return analyse(grad, ctx.split), None
-
-    @staticmethod
-    def jvp(ctx: Any, tangent: Tensor, _: None) -> Tensor:
-        return restore(tangent, ctx.split)
-
-    @staticmethod
-    def vmap(info: Any, in_dims: tuple[int, None], z: Tensor, split: Split) -> tuple[Tensor, int]:
-        return restore(z.movedim(in_dims[0], 0), split), 0
+    def vmap(
+        info: Any, in_dims: tuple[int, None, None], x: Tensor, split: Split, back: bool
+    ) -> tuple[Tensor, int]:
+        return _applied(x.movedim(in_dims[0], 0), split, back), 0
 
 
 class _Synthesise(Function):

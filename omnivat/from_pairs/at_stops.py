@@ -6,7 +6,6 @@ and accuracies of `EpochReport`. A finished head is not trained again.
 
 import json
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,7 +16,7 @@ from omnivat.from_pairs.finish import trained_head
 from omnivat.from_pairs.plan import TrainingPlan
 from omnivat.from_pairs.report import Meter
 from omnivat.progress import OnStep, Step, ignore, never
-from omnivat.threads import pin_thread, worker_pool
+from omnivat.threads import in_processes, pin_thread
 from omnivat.train import TrainingCancelled, Watch
 from omnivat.train.state import run_name
 
@@ -88,16 +87,12 @@ def _carried_out(
             _write_head(plan, stop, folder, Watch(cancelled=cancelled))
             yield stop
         return
-    with worker_pool(jobs, _prepare, plan, folder) as pool:
-        waiting: set[Future[Stop]] = {pool.submit(_work, stop) for stop in stops}
-        try:
-            while waiting:
-                ready, waiting = wait(waiting, timeout=0.5, return_when=FIRST_COMPLETED)
-                yield from (future.result() for future in ready)
-                if cancelled():
-                    raise TrainingCancelled("Training was cancelled; finished heads are kept.")
-        finally:
-            pool.shutdown(cancel_futures=True)
+
+    def check() -> None:
+        if cancelled():
+            raise TrainingCancelled("Training was cancelled; finished heads are kept.")
+
+    yield from in_processes(_work, stops, jobs, _prepare, plan, folder, check=check)
 
 
 _HELD: dict[str, tuple[TrainingPlan, Path]] = {}  # of a worker process

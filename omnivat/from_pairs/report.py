@@ -77,12 +77,10 @@ class Meter:
     def _accuracies(self, probabilities: Tensor, suffix: str) -> dict[str, float]:
         right = probabilities.argmax(1).cpu().numpy() == self.label
         unseen = mean_over_domains(right, self.embeddings, self.source, self.keep)
-        own = self.keep & (self.embeddings.domain == self._source_index())
+        domains = self.embeddings.header.domains
+        own = self.keep & (self.embeddings.domain == domains.index(self.source))
         found = {f"accuracy{suffix}/source_test": float(right[own].mean())} if own.any() else {}
         return found if unseen is None else {**found, f"accuracy{suffix}/unseen": unseen}
-
-    def _source_index(self) -> int:
-        return self.embeddings.header.domains.index(self.source)
 
     def map(self, found: AtOrder) -> NDArray[Any]:
         """Return a map (2N, 2) of F̂, aligned with the previous map."""

@@ -21,10 +21,6 @@ from omnivat.tables import entry
 TINY = 1e-12
 
 
-def _ones() -> dict[str, float]:
-    return {"fused": 1.0, "vis": 1.0, "tac": 1.0}
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Calibration:
     """Values fitted on held-out source pairs. Without a fit: temperatures 1, share 0.5.
@@ -34,7 +30,9 @@ class Calibration:
     share        weight of VIS, 0 to 1, in a learned fusion
     """
 
-    temperature: Mapping[str, float] = field(default_factory=_ones)
+    temperature: Mapping[str, float] = field(
+        default_factory=lambda: {"fused": 1.0, "vis": 1.0, "tac": 1.0}
+    )
     share: float = 0.5
 
 

@@ -1,7 +1,6 @@
 """Run what is not finished yet: in sequence, in parallel processes, or on a ray cluster."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import as_completed
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -14,7 +13,7 @@ from omnivat.protocol.methods import HEAD, Method
 from omnivat.protocol.run import Run, choice_of, execute, resolved
 from omnivat.protocol.settings import task
 from omnivat.tables import need
-from omnivat.threads import one_thread, pin_thread, worker_pool
+from omnivat.threads import in_processes, one_thread, pin_thread
 
 ENGINES = ("local", "ray")
 
@@ -122,7 +121,7 @@ def _results(
         return _by_ray(runs, embeddings, bank)
     if jobs == 1 or len(runs) < 2:
         return _one_by_one(runs, embeddings, bank)
-    return _in_processes(runs, embeddings, bank, jobs)
+    return in_processes(_work, runs, jobs, _prepare, embeddings, bank)
 
 
 def _one_by_one(
@@ -132,18 +131,6 @@ def _one_by_one(
         pairs, texts = _opened(embeddings, bank)
         for run in runs:
             yield execute(run, pairs, texts)
-
-
-def _in_processes(
-    runs: Sequence[Run], embeddings: Path, bank: Path | None, jobs: int
-) -> Iterator[dict[str, Any]]:
-    with worker_pool(jobs, _prepare, embeddings, bank) as pool:
-        try:
-            for done in as_completed([pool.submit(_work, run) for run in runs]):
-                yield done.result()
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
 
 
 _OPEN: dict[str, tuple[Embeddings, LangBank | None]] = {}  # of a worker process
@@ -161,15 +148,13 @@ def _work(run: Run) -> dict[str, Any]:
 def _by_ray(runs: Sequence[Run], embeddings: Path, bank: Path | None) -> Iterator[dict[str, Any]]:
     ray = need("ray", purpose="running on a cluster", install="ray")
     ray.init(ignore_reinit_error=True)
-    remote: Callable[..., Any] = ray.remote(_on_cluster).remote
-    waiting = [remote(run, str(embeddings), None if bank is None else str(bank)) for run in runs]
+    remote: Callable[..., Any] = ray.remote(
+        lambda run, *files: next(iter(_one_by_one([run], *files)))
+    ).remote
+    waiting = [remote(run, embeddings, bank) for run in runs]
     while waiting:
         done, waiting = ray.wait(waiting, num_returns=1)
         yield ray.get(done[0])
-
-
-def _on_cluster(run: Run, embeddings: str, bank: str | None) -> dict[str, Any]:
-    return next(iter(_one_by_one([run], Path(embeddings), None if bank is None else Path(bank))))
 
 
 def _opened(embeddings: Path, bank: Path | None) -> tuple[Embeddings, LangBank | None]:

@@ -6,7 +6,7 @@ from typing import Any
 
 from omnivat.baselines import BASELINES, LABELS, OPTIONAL
 from omnivat.errors import MissingNameError, SettingsError
-from omnivat.tables import suggestion
+from omnivat.tables import unknown
 
 HEAD = "omnivat"
 # Parts of the head as separate rows: changed settings, label and note.
@@ -56,9 +56,8 @@ class Method:
 
     def __post_init__(self) -> None:
         if self.base != HEAD and self.base not in BASELINES:
-            known = ", ".join((HEAD, *VARIANTS, *ABLATED, *BASELINES))
-            hint = suggestion(self.base, (HEAD, *VARIANTS, *ABLATED, *BASELINES))
-            raise MissingNameError(f"No method is called '{self.base}'; there are {known}.{hint}")
+            known = (HEAD, *VARIANTS, *ABLATED, *BASELINES)
+            raise MissingNameError(unknown(self.base, known, kind="method"))
         if self.base != HEAD and (self.head or not self.train.keys() <= {"noise", "epochs"}):
             raise SettingsError(
                 f"'{self.base}' takes no settings but noise and epochs: it chooses its own on the "

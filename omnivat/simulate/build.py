@@ -6,7 +6,6 @@ import csv
 import io
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, wait
 from functools import partial
 from os import cpu_count
 from pathlib import Path
@@ -25,8 +24,8 @@ from omnivat.simulate.domains import NUMBERS, SIMULATED, SimulatedDomain
 from omnivat.simulate.drawing import resting
 from omnivat.simulate.noise import Array
 from omnivat.simulate.plan import PAIRS, Planned, classes, planned
-from omnivat.tables import load
-from omnivat.threads import worker_pool
+from omnivat.tables import load, unknown
+from omnivat.threads import in_processes
 
 QUALITY = 94  # of JPEG: over a quarter of the PNG; no subsampling, for the colours of a gel
 
@@ -121,7 +120,8 @@ def simulate(
     done = len(plan) - len(todo)
     on_step(Step(done=done, total=len(plan), text="already there"))
     work = partial(draw_to, out=out, seed=seed, size=size, renderer=renderer)
-    for pair in _carried_out(work, todo, workers=workers or cpu_count() or 1):
+    count = min(workers or cpu_count() or 1, len(todo))
+    for pair in in_processes(work, todo, count) if count > 1 else map(work, todo):
         done += 1
         on_step(Step(done=done, total=len(plan), text=f"{pair.folder()}/{pair.stem}"))
     for name, made in {pair.domain: pair.made for pair in plan}.items():
@@ -144,24 +144,6 @@ def draw_to(pair: Planned, *, out: Path, seed: int, size: int, renderer: str) ->
     return pair
 
 
-def _carried_out(
-    work: "partial[Planned]", todo: Sequence[Planned], *, workers: int
-) -> Iterator[Planned]:
-    """Yield each finished pair; with one worker, draw in this process."""
-    if workers == 1 or len(todo) < 2:
-        yield from map(work, todo)
-        return
-    with worker_pool(workers) as pool:
-        waiting: set[Future[Planned]] = {pool.submit(work, pair) for pair in todo}
-        try:
-            while waiting:
-                ready, waiting = wait(waiting, return_when=FIRST_COMPLETED)
-                for future in ready:
-                    yield future.result()
-        finally:
-            pool.shutdown(cancel_futures=True)
-
-
 def _plan(
     domains: Sequence[str | SimulatedDomain] | None, *, pairs_per_class: int
 ) -> Iterator[Planned]:
@@ -179,8 +161,7 @@ def _domain(wanted: str | SimulatedDomain) -> SimulatedDomain:
     if isinstance(wanted, SimulatedDomain):
         return wanted
     if (name := paper_name(wanted)) not in SIMULATED:
-        known = ", ".join(map(simulated, SIMULATED))
-        raise DataError(f"No domain is called '{name}'; there are {known}.")
+        raise DataError(unknown(name, map(simulated, SIMULATED), kind="domain"))
     return SIMULATED[name]
 
 

@@ -1,6 +1,7 @@
 """Ground and background of an object: colours of a plane, (..., 3) linear."""
 
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
@@ -44,10 +45,6 @@ def _gravel(x: Array, y: Array, seed: int) -> Array:
     return tinted(_drawn(seed, 0.22, 0.38), np.where(border < 1.5, -0.55, tone))
 
 
-def _soil(x: Array, y: Array, seed: int) -> Array:
-    return tinted((0.21, 0.15, 0.10), 0.2 * grain(x, y, coarsest=40.0, finest=2.5, seed=seed))
-
-
 def _cloth(x: Array, y: Array, seed: int) -> Array:
     red, _, blue = _drawn(seed, 0.03, 0.12)
     folds = orange_peel(x, y, size=90.0, seed=seed)
@@ -70,18 +67,6 @@ def _planks(
     lines = streaks(x + 977.0 * row, y, angle=0.0, width=3.0, length=220.0, seed=seed)
     joint = smoothstep(np.abs(y / wide - row - 0.5), 0.485, 0.5)
     return tinted(tone, 0.13 * lines + 0.12 * np.sin(row * 12.9898) - 0.6 * joint)
-
-
-def _parquet(x: Array, y: Array, seed: int) -> Array:
-    return _planks(x, y, seed, wide=70.0, tone=(0.38, 0.22, 0.11))
-
-
-def _oak(x: Array, y: Array, seed: int) -> Array:
-    return _planks(x, y, seed, wide=2000.0, tone=(0.52, 0.36, 0.21))
-
-
-def _laminate(x: Array, y: Array, seed: int) -> Array:
-    return tinted(_drawn(seed, 0.55, 0.75), 0.02 * orange_peel(x, y, size=60.0, seed=seed))
 
 
 def _stone(x: Array, y: Array, seed: int) -> Array:
@@ -154,8 +139,13 @@ def _door(x: Array, z: Array, seed: int) -> Array:
 
 _Plane = Callable[[Array, Array, int], Array]
 _GROUNDS: dict[str, _Plane] = {
-    "grass": _grass, "paving": _paving, "gravel": _gravel, "soil": _soil, "cloth": _cloth,
-    "carpet": _carpet, "parquet": _parquet, "oak": _oak, "laminate": _laminate, "stone": _stone,
+    "grass": _grass, "paving": _paving, "gravel": _gravel, "cloth": _cloth, "carpet": _carpet, "stone": _stone,
+    "soil": lambda x, y, seed: tinted(
+        (0.21, 0.15, 0.10), 0.2 * grain(x, y, coarsest=40.0, finest=2.5, seed=seed)),
+    "parquet": partial(_planks, wide=70.0, tone=(0.38, 0.22, 0.11)),
+    "oak": partial(_planks, wide=2000.0, tone=(0.52, 0.36, 0.21)),
+    "laminate": lambda x, y, seed: tinted(
+        _drawn(seed, 0.55, 0.75), 0.02 * orange_peel(x, y, size=60.0, seed=seed)),
     "bench": _bench, "turntable": _white_cloth,
     "white": lambda x, y, seed: np.full((*np.shape(x), 3), 0.9),
     "black": lambda x, y, seed: np.full((*np.shape(x), 3), 0.012),

@@ -47,7 +47,11 @@ def planned(domain: SimulatedDomain, material: str, *, pairs: int) -> list[Plann
     """
     parts = domain.series or ("",)
     places = [
-        ("test" if _is_test(index // len(parts)) else "train", parts[index % len(parts)], index)
+        (
+            "test" if index // len(parts) % TEST_EVERY == 1 else "train",
+            parts[index % len(parts)],
+            index,
+        )
         for index in range(pairs)
     ]
     numbers = {place: domain.seed_base + rank for rank, place in enumerate(sorted(places))}
@@ -90,11 +94,6 @@ def imitated(domain: SimulatedDomain, material: str, number: int) -> tuple[str, 
     if material in SMOOTH and touch < FEEL_ALIKES / (1.0 - LOOK_ALIKES):
         return "", feels[int(which * len(feels))]
     return "", ""
-
-
-def _is_test(turn: int) -> bool:
-    """Spread the test objects evenly, the first of them early."""
-    return turn % TEST_EVERY == 1
 
 
 def classes(domain: SimulatedDomain) -> tuple[str, ...]:

@@ -15,7 +15,7 @@ from omnivat.gaps.sums import Sums
 from omnivat.model.head import OmniVaT, PairCoefficients
 from omnivat.model.output import HeadOutput
 from omnivat.stages import STAGES, STILL
-from omnivat.tables import suggestion
+from omnivat.tables import unknown
 
 CHUNK = 512  # pairs in one pass of the head; it bounds the memory for any set
 KEPT_PAIRS = 20_000  # pairs whose coefficients are kept for all orders; beyond, they are recomputed
@@ -204,7 +204,4 @@ def require_known(names: Sequence[str], known: Sequence[str], kind: str) -> None
     """Raise SettingsError for an unknown name; the message lists the known ones."""
     for name in names:
         if name not in known:
-            raise SettingsError(
-                f"No {kind} is called '{name}'; there are {', '.join(known)}."
-                f"{suggestion(name, known)}"
-            )
+            raise SettingsError(unknown(name, known, kind=kind))

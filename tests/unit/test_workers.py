@@ -12,10 +12,14 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 SCRIPT = """
 import os
-from omnivat.threads import worker_pool
+from omnivat.threads import in_processes
+
+def number(_):
+    return os.getpid()
+
 if __name__ == "__main__":
-    with worker_pool(1) as pool:
-        print(pool.submit(os.getpid).result(), flush=True)
+    for worker in in_processes(number, [0], 1):
+        print(worker, flush=True)
         input()
 """
 

@@ -173,7 +173,7 @@ def _no_pairs(source: Path, skipped: list[Skipped]) -> str:
         )
     message = f"No pairs in '{show(source)}'; expected {LAYOUT}."
     for place in (source, *folders_in(source)):
-        if _holds_halves(place):
+        if any(_is_half(entry.name) for entry in visible(place)):
             return (
                 f"{message} The images in '{show(place)}' lack a folder for their domain or class: "
                 "add it, give the folder above, or name both in a pairs.csv."
@@ -181,10 +181,6 @@ def _no_pairs(source: Path, skipped: list[Skipped]) -> str:
     if skipped:
         message += f" {len(skipped)} skipped, such as '{skipped[0].what}': {skipped[0].why}."
     return message
-
-
-def _holds_halves(folder: Path) -> bool:
-    return any(_is_half(entry.name) for entry in visible(folder))
 
 
 def _is_half(name: str) -> bool:
