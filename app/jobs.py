@@ -11,10 +11,10 @@ from concurrent.futures import Future
 from dataclasses import dataclass, replace
 from itertools import count
 from threading import Condition, Thread
-from time import monotonic
+from time import monotonic, sleep
 from typing import Any, Generic, Literal, TypeVar
 
-from app.limits import AGE_S, OWN_JOBS, SLOTS, WAITING_JOBS
+from app.limits import AGE_S, GIVE_WAY_S, OWN_JOBS, SLOTS, WAITING_JOBS
 from app.messages import UNEXPECTED, BusyError, CancelledError, UnexpectedError
 from app.state import VISITOR
 from omnivat.errors import OmniVatError
@@ -22,6 +22,7 @@ from omnivat.progress import Pace, Step
 
 log = logging.getLogger(__name__)
 T = TypeVar("T")
+LOOK_S = 0.005
 VISITORS = 1000  # whose turns are remembered
 State = Literal["waiting", "running", "done", "failed", "cancelled"]
 
@@ -83,6 +84,10 @@ class Job(Generic[T]):
         """Continue, or wait for a higher priority. Raises JobStopped or, out of time, BusyError."""
         self._jobs.pause(self)
 
+    def give_way(self) -> None:
+        """Wait while requests run or wait, at most GIVE_WAY_S; for work in small steps."""
+        self._jobs.give_way(self)
+
     def go_on_at(self, priority: int) -> None:
         """Continue at another priority; raises the errors of `check`."""
         self.priority = priority
@@ -133,7 +138,8 @@ class Job(Generic[T]):
 class _Lane:
     """Jobs of one kind: at most `slots` running, and the waiting ones.
 
-    Higher priority goes first; after `age_s` of waiting a job counts as of the next one. Among equals,
+    Higher priority goes first; after `age_s` of waiting a job counts as of the next one. One of several
+    slots is for jobs of priority 0, so that a rush of uploads does not hold up drags. Among equals,
     paused jobs go first, then those of the visitor who was served longest ago.
     """
 
@@ -155,10 +161,14 @@ class _Lane:
         return level, turn, job.number
 
     def next(self) -> Job[Any] | None:
-        """Move the first waiting job to the running ones; None if there is no slot."""
-        if len(self.running) >= self.slots or not self.waiting:
+        """Move the first waiting job to the running ones; None if there is no slot for any."""
+        if len(self.running) >= self.slots:
             return None
-        job = min(self.waiting, key=self.rank)
+        later = sum(job.priority > 0 for job in self.running)
+        ready = [job for job in self.waiting if not job.priority or later < max(1, self.slots - 1)]
+        if not ready:
+            return None
+        job = min(ready, key=self.rank)
         self.waiting.remove(job)
         self.running.add(job)
         self._served[job.visitor] = next(self._turns)
@@ -236,6 +246,18 @@ class Jobs:
                 self._changed.wait_for(lambda: job in line.running or job.cancelled)
         if job.cancelled:
             raise JobStopped
+
+    def give_way(self, job: Job[Any]) -> None:
+        """Wait while the quick lane has jobs, at most GIVE_WAY_S; the time is not the job's own.
+
+        It looks every LOOK_S: a wait for `_changed` would wake it twice for each request.
+        """
+        began, quick = monotonic(), self._lanes["quick"]
+        while (quick.running or quick.waiting) and not job.cancelled:
+            if monotonic() - began >= GIVE_WAY_S:
+                break
+            sleep(LOOK_S)
+        job.since += monotonic() - began
 
     def cancel(self, job: Job[Any], why: OmniVatError | None = None) -> None:
         """Stop one job; with `why`, one that waits fails with that error."""

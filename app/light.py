@@ -1,7 +1,8 @@
 """Import Gradio without what the page never uses: 40 % of the time, and pandas.
 
 Gradio parses the source of each component and writes a stub file for editors, at every start. It
-imports pandas for caches of tables.
+imports pandas for caches of tables, and the package of MCP where that is installed; the page's own
+MCP needs neither (app/mcp.py).
 """
 
 import sys
@@ -14,6 +15,7 @@ from types import ModuleType
 from typing import Any
 
 WRITER, STUBS, TABLES = "gradio.component_meta", "create_or_modify_pyi", "pandas"
+OPTIONAL = "mcp"
 
 
 class Later(ModuleType):
@@ -51,9 +53,12 @@ def light_imports() -> Iterator[None]:
     tables.__spec__ = find_spec(TABLES)
     sys.meta_path.insert(0, WithoutStubs)
     sys.modules.setdefault(TABLES, tables)
+    left_out = sys.modules.setdefault(OPTIONAL, None) is None  # type: ignore[arg-type]
     try:
         yield
     finally:
         sys.meta_path.remove(WithoutStubs)
+        if left_out:
+            del sys.modules[OPTIONAL]
         if sys.modules.get(TABLES) is tables:
             del sys.modules[TABLES]

@@ -30,9 +30,11 @@ def measured(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any
 
     import torch
 
+    from omnivat.data.arrays import copied
+
     embeddings, head = resources.embeddings(), resources.head()
     head.require_embeddings(embeddings)
-    vis, tac = (torch.from_numpy(a[:PAIRS].copy()) for a in (embeddings.vis, embeddings.tac))
+    vis, tac = (torch.from_numpy(copied(a[:PAIRS])) for a in (embeddings.vis, embeddings.tac))
     with torch.inference_mode():
         exact = copy.deepcopy(head.model).double()
         rows = [

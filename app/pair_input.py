@@ -84,4 +84,7 @@ def profile_in(resources: Resources, question: Mapping[str, Any]) -> "Profile | 
 
 def rounded(values: "np.ndarray[Any, Any]") -> list[list[float]]:
     """Round numbers to six digits, enough for the page."""
-    return [[round(float(v), 6) for v in row] for row in values]
+    import numpy as np
+
+    found: list[list[float]] = np.round(values.astype(np.float64), 6).tolist()
+    return found

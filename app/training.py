@@ -202,6 +202,10 @@ class Trainings:
             done = int(report.epoch)
             job.report(Step(done=done, total=run.plan.epochs, text=f"epoch {done}"))
 
+        def stopped() -> bool:  # called before each step
+            job.give_way()
+            return job.cancelled
+
         self._require_visitor(job, run)
         job.report(Step(done=0, total=run.plan.epochs, text=run.plan.first))
         try:
@@ -212,7 +216,7 @@ class Trainings:
                 training=run.plan.training,
                 seed=run.plan.seed,
                 on_epoch=told,
-                cancelled=lambda: job.cancelled,
+                cancelled=stopped,
                 measure_every=MEASURE_EVERY,
                 snapshot=True,
             )

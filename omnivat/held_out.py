@@ -13,6 +13,7 @@ import torch
 from torch import Tensor
 
 from omnivat.calibration.fit import fit_calibration
+from omnivat.data.arrays import copied
 from omnivat.data.store import Embeddings
 from omnivat.errors import DataError
 from omnivat.evaluate import CHUNK, label_map, predicted_logits, predicted_probabilities
@@ -23,7 +24,7 @@ from omnivat.model.head import OmniVaT
 from omnivat.model.settings import HeadSettings
 from omnivat.seeding import derive_seed
 from omnivat.selection import Evidence, evidence
-from omnivat.train import TrainSettings, train
+from omnivat.train import TrainSettings, Watch, train
 
 FOLD = 0
 
@@ -60,6 +61,7 @@ def calibration_of(
     *,
     bank: LangBank | None = None,
     seed: int = 0,
+    watch: Watch | None = None,
 ) -> Calibration:
     """Train once on three quarters of the source's objects and fit to the last quarter.
 
@@ -67,7 +69,7 @@ def calibration_of(
     Raises DataError if no object can be held out.
     """
     fold = evidence(source, FOLD)
-    trained = train(fold.fit, head, settings, bank=bank, seed=seed)
+    trained = train(fold.fit, head, settings, bank=bank, seed=seed, watch=watch)
     found = held_out_logits(trained.model, fold, modalities=settings.given)
     return fit_calibration(found.logits, found.labels, fusion=head.fusion)
 
@@ -112,8 +114,8 @@ def guided_probabilities(
         rows = slice(start, start + CHUNK)
         own = labels[rows]
         output = model.training_pass(
-            torch.from_numpy(np.array(pairs.vis[rows])),
-            torch.from_numpy(np.array(pairs.tac[rows])),
+            torch.from_numpy(copied(pairs.vis[rows])),
+            torch.from_numpy(copied(pairs.tac[rows])),
             texts[rows].to(model.dtype),
             own,
             lang_on=torch.ones_like(own, dtype=torch.bool),

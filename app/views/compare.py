@@ -75,6 +75,7 @@ def _fitted(resources: Resources, method: str) -> dict[str, Any]:
     import torch
 
     from omnivat.baselines import BASELINES
+    from omnivat.data.arrays import copied
     from omnivat.protocol.choosing import source_arrays
     from omnivat.protocol.methods import methods_named
     from omnivat.protocol.run import Run, task_of
@@ -84,7 +85,7 @@ def _fitted(resources: Resources, method: str) -> dict[str, Any]:
     run = Run(method=methods_named([method], {}, {})[0], source=source, seed=0)
     task = task_of(run, embeddings)
     fitted = load(BASELINES, method, kind="baseline")(source_arrays(task, None, 0))
-    vis, tac = (torch.from_numpy(a.copy()) for a in (embeddings.vis, embeddings.tac))
+    vis, tac = (torch.from_numpy(copied(a)) for a in (embeddings.vis, embeddings.tac))
     with torch.inference_mode():
         confidence, predicted = fitted.predict(vis, tac)["fused"].max(1)
     return {

@@ -108,7 +108,7 @@ def sweep(
         out = model.from_coefficients(many, torch.tensor(orders))
         return {
             "readings": {name: p.numpy() for name, p in out.readings.items()},
-            "magnitudes": {name: f.norm(dim=0).numpy() for name, f in out.frft.items()},
+            "magnitudes": {name: torch.hypot(*f).numpy() for name, f in out.frft.items()},
         }
 
 
@@ -163,13 +163,14 @@ def spectrum(magnitudes: "np.ndarray[Any, Any]") -> dict[str, Any]:
     import numpy as np
 
     stops, width = magnitudes.shape
-    edges = np.linspace(0, width, min(width, COLUMNS) + 1).astype(int)[:-1]
-    joined = np.maximum.reduceat(magnitudes, edges, axis=1)
+    columns = min(width, COLUMNS)
+    edges = np.arange(columns) * width // columns
+    joined = magnitudes if columns == width else np.maximum.reduceat(magnitudes, edges, axis=1)
     top = float(joined.max()) or 1.0
     pixels = np.rint(joined / top * 255).astype(np.uint8)
     return {
         "rows": stops,
-        "columns": len(edges),
+        "columns": columns,
         "width": width,
         "top": top,
         "pixels": base64.b64encode(pixels.tobytes()).decode(),

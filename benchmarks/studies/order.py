@@ -204,7 +204,11 @@ def signals_of(kind: str, shuffled: bool) -> Embeddings:
         return permuted(signals_of(kind, False))
     if kind == "chirps":
         return chirp_embeddings(ChirpSettings(order=0.25, seed=1))
-    makers = {"projected": load_embeddings, "unprojected": _some, "rows": picture_rows}
+    makers: dict[str, Callable[[Path], Embeddings]] = {
+        "projected": load_embeddings,
+        "unprojected": _some,
+        "rows": picture_rows,
+    }
     return makers[kind](default_embeddings())
 
 

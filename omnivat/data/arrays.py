@@ -69,16 +69,21 @@ def write_arrays(path: Path, columns: Mapping[str, Column], metadata: Mapping[st
                 )
 
 
-def read_arrays(path: Path) -> tuple[dict[str, NDArray[Any]], dict[str, str]]:
+def read_arrays(
+    path: Path, *, large: int | None = None
+) -> tuple[dict[str, NDArray[Any]], dict[str, str]]:
     """Return named memory-mapped arrays and the metadata.
 
-    Arrays of up to LARGE_BYTES are writable in memory, without changing the file.
+    large  bytes up to which an array is writable in memory, without changing the file; None:
+           LARGE_BYTES
+
     Raises DataError for an invalid header, SafetensorError for a truncated file.
     """
     table, metadata, start = tensor_table(path, types=tuple(NAMES), most=MOST_COLUMNS)
     with safe_open(path, framework="numpy"):  # checks offsets, shapes and file size
         pass
-    return {name: _mapped(path, start, entry) for name, entry in table.items()}, metadata
+    large = LARGE_BYTES if large is None else large
+    return {name: _mapped(path, start, entry, large) for name, entry in table.items()}, metadata
 
 
 def released(array: NDArray[Any]) -> None:
@@ -89,6 +94,14 @@ def released(array: NDArray[Any]) -> None:
     mapped = getattr(array, "_mmap", None)
     if mapped is not None and hasattr(mapped, "madvise"):
         mapped.madvise(mmap.MADV_DONTNEED)
+
+
+def copied(array: NDArray[Any]) -> NDArray[np.float32]:
+    """Return all vectors in memory, in single precision."""
+    whole = np.array(array, np.float32)
+    if not array.flags.writeable:
+        released(array)
+    return whole
 
 
 def walked(
@@ -118,13 +131,13 @@ def walked(
         yield block
 
 
-def _mapped(path: Path, start: int, entry: Mapping[str, Any]) -> NDArray[Any]:
+def _mapped(path: Path, start: int, entry: Mapping[str, Any], large: int) -> NDArray[Any]:
     code, shape = NAMES[entry["dtype"]], tuple(entry["shape"])
     if _size(entry["dtype"], shape) == 0:
         return np.empty(shape, code)
     offset = start + entry["data_offsets"][0]
     size = _size(entry["dtype"], shape)
-    mode: Literal["r", "c"] = "r" if size > LARGE_BYTES else "c"
+    mode: Literal["r", "c"] = "r" if size > large else "c"
     return np.memmap(path, dtype=code, mode=mode, offset=offset, shape=shape)
 
 

@@ -167,12 +167,14 @@ def _metadata(header: Header, count: int, width: int) -> dict[str, str]:
     }
 
 
-def load_embeddings(path: str | Path) -> Embeddings:
+def load_embeddings(path: str | Path, *, large: int | None = None) -> Embeddings:
     """Open an embeddings file; large arrays stay memory-mapped.
 
-    Arrays of up to 64 MB are writable in memory, without changing the file, and half-precision
-    vectors become float32. Larger ones are read-only; those in half precision become float32 block
-    by block, in `walked` and `Embeddings.select`.
+    large  bytes up to which an array is writable in memory, without changing the file, and
+           half-precision vectors become float32; None: 64 MB
+
+    Larger arrays are read-only; those in half precision become float32 block by block, in `walked`
+    and `Embeddings.select`.
     Raises DataError with the file name if it is missing, truncated or of another kind.
     """
     file = Path(path)
@@ -181,7 +183,7 @@ def load_embeddings(path: str | Path) -> Embeddings:
             f"No embeddings file at '{file}'. Make one with `python -m omnivat embed PAIRS --out {file}`."
         )
     try:
-        arrays, metadata = read_arrays(file)
+        arrays, metadata = read_arrays(file, large=large)
         if metadata.get("format") != FORMAT:
             raise DataError(
                 f"'{file}' is not a set of embeddings (format '{metadata.get('format', 'none')}', "

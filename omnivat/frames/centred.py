@@ -8,6 +8,7 @@ from typing import Any
 import torch
 from torch import Tensor
 
+from omnivat.data.arrays import copied, walked
 from omnivat.data.packing import packed
 from omnivat.data.store import Embeddings
 from omnivat.files import write_json
@@ -39,7 +40,7 @@ def centred_map(
     PCA has one basis for both frames, so that a domain moves by its offset. The two UMAPs are
     independent: one that starts from the other keeps its islands. A gap is None for one domain.
     """
-    rows = unit(torch.as_tensor(embeddings.tac[:]).float())
+    rows = unit(torch.from_numpy(copied(embeddings.tac)))
     domain = torch.as_tensor(embeddings.domain[:])
     states = [rows, centred(rows, domain)]
     if method == "pca":
@@ -94,6 +95,6 @@ def kept_reply(path: Path, embeddings: Embeddings, method: str) -> dict[str, Any
 def _content(embeddings: Embeddings) -> str:
     """Return a hash of the touches and their domains."""
     content = blake2b(digest_size=8)
-    for part in (embeddings.tac[:], embeddings.domain[:]):
+    for part in (*walked(embeddings.tac), embeddings.domain[:]):
         content.update(part.tobytes())
     return content.hexdigest()

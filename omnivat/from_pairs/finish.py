@@ -84,8 +84,9 @@ def trained_head(
     watch = watch or Watch()
     trained = _trained(plan, watch, resume)
     provenance = plan.provenance()
+    steps = Watch(cancelled=watch.cancelled)
     if calibrate:
-        found, how = _calibration(plan, trained.model.order)
+        found, how = _calibration(plan, trained.model.order, steps)
         provenance["calibration"] = how
         if found is not None:
             trained.model.calibration = found
@@ -101,7 +102,6 @@ def trained_head(
         ),
     )
     head.metrics.update(_metrics(plan, head, trained))
-    steps = Watch(cancelled=watch.cancelled)
     for seed in repeat:
         again = replace(plan, seed=seed)
         other = replace(head, model=_trained(again, steps, None).model, metrics={})
@@ -145,12 +145,14 @@ class _Reports:
         self.show(report)
 
 
-def _calibration(plan: TrainingPlan, order: float) -> tuple[Calibration | None, str]:
+def _calibration(plan: TrainingPlan, order: float, watch: Watch) -> tuple[Calibration | None, str]:
     """Fit temperatures at the final order; return them with a note on their origin."""
     settings = replace(plan.settings, order=order)
     training = replace(plan.training, order_search=False)
     try:
-        found = calibration_of(plan.pairs, settings, training, bank=plan.bank, seed=plan.seed)
+        found = calibration_of(
+            plan.pairs, settings, training, bank=plan.bank, seed=plan.seed, watch=watch
+        )
     except DataError as error:
         return None, f"none: {error}"
     return found, "a quarter of the source's objects, as they are and under imitated sensors"

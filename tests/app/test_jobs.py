@@ -197,6 +197,53 @@ def test_waiting_jobs_of_a_low_priority_age_past_new_ones_of_a_high_one(jobs, mo
     assert order == ["upload", "drag", "later drag"]
 
 
+def test_work_in_small_steps_gives_way_to_requests_but_never_stops(jobs, monkeypatch):
+    monkeypatch.setattr("app.jobs.GIVE_WAY_S", 60.0)
+    go, there, order = Event(), Event(), []
+
+    def training(job):
+        there.wait(5)
+        job.give_way()
+        order.append("step")
+
+    def request(job):
+        there.set()
+        go.wait(5)
+        order.append("request")
+
+    asked = jobs.start(request, lane="quick")
+    trained = jobs.start(training, lane="long")
+    there.wait(5)
+    go.set()
+    trained.wait(5)
+    assert order == ["request", "step"]
+    assert asked.status().state == "done"
+    go.clear()
+    there.clear()
+    monkeypatch.setattr("app.jobs.GIVE_WAY_S", 0.01)
+    busy = jobs.start(request, lane="quick")
+    jobs.start(training, lane="long").wait(5)
+    assert order == ["request", "step", "step"]  # though the request still runs
+    go.set()
+    busy.wait(5)
+
+
+def test_one_slot_stays_for_requests_of_the_first_priority(jobs):
+    go, running = Event(), []
+
+    def upload(job):
+        running.append(job)
+        go.wait(5)
+
+    uploads = [jobs.start(upload, lane="quick", priority=1) for _ in range(3)]
+    assert jobs.start(lambda job: "drag", lane="quick").wait(5) == "drag"
+    assert [one.status().state for one in uploads] == ["running", "waiting", "waiting"]
+    go.set()
+    for one in uploads:
+        one.wait(5)
+    assert len(running) == 3
+
+
 def test_visitors_take_turns(jobs):
     _, go, there = held(jobs, visitor="many")
     there.wait(5)

@@ -7,8 +7,11 @@ import numpy as np
 import pytest
 import torch
 
+from app.measuring import measured
+from app.resources import Resources
 from app.state import ForgottenError
 from app.views.pair import MOST_AT_ONCE, STOPS, many, predicted, spectrum, trained_span
+from omnivat.data.store import save_embeddings
 from omnivat.errors import DataError
 
 
@@ -22,6 +25,22 @@ def test_every_stop_is_what_the_library_answers_there(resources):
             out = model(vis, tac, order=STOPS[stop])
         np.testing.assert_allclose(got["stops"]["fused"][stop], out.probabilities[0], atol=2e-6)
         np.testing.assert_allclose(got["stops"]["vis"][stop], out.readings["vis"][0], atol=2e-6)
+
+
+def test_a_set_that_stays_in_its_file_gives_the_same_readings_in_single_and_half_precision(
+    resources, tmp_path, monkeypatch
+):
+    question = {"vis": "row:3", "tac": "row:3"}
+    for dtype in ("float32", "float16"):
+        file = tmp_path / f"{dtype}.safetensors"
+        save_embeddings(file, resources.embeddings(), dtype=dtype)
+        found = []
+        for limit in (0, 10**9):
+            monkeypatch.setattr("app.resources.MAPPED_BYTES", limit)
+            beside = Resources(replace(resources.where, embeddings=file), resources.shared)
+            assert beside.embeddings().vis.flags.writeable == (limit > 0)
+            found.append((predicted(beside, question), measured(beside, {})["pairs"]))
+        assert found[0] == found[1]
 
 
 def test_the_exact_answer_is_at_the_learned_order(resources):

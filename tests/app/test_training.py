@@ -55,6 +55,13 @@ def test_a_training_is_watched_to_its_end_and_its_head_is_loaded_and_saved(sets,
     assert load_head(tmp_path / "trained-head").source == "TAG-sim"
 
 
+def test_every_step_of_a_training_gives_way_to_requests(sets, monkeypatch):
+    ways = []
+    monkeypatch.setattr("app.jobs.Job.give_way", lambda job: ways.append(job))
+    until_ended(trainings := Trainings(sets), trainings.start(sets.first, SMALL, "")["run"])
+    assert len(ways) >= SMALL["epochs"]
+
+
 def test_only_new_epochs_are_sent(sets):
     trainings = Trainings(sets)
     run = trainings.start(sets.first, SMALL, "")["run"]

@@ -75,6 +75,8 @@ def test_a_large_set_in_half_precision_is_widened_block_by_block_with_the_same_r
     monkeypatch.setattr(arrays, "LARGE_BYTES", 10**9)
     small = load_embeddings(tmp_path / "half.safetensors")
     assert small.vis.dtype == large.select(np.arange(4)).vis.dtype == np.float32
+    assert arrays.copied(large.tac).dtype == np.float32
+    assert np.array_equal(arrays.copied(large.tac), small.tac)
     assert {block.dtype for block in arrays.walked(large.tac)} == {np.dtype(np.float32)}
     assert fingerprint(large) == fingerprint(small)
     scores = (predicted_probabilities(model, found)["fused"] for found in (large, small))

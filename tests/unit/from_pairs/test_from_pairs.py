@@ -94,6 +94,20 @@ def test_a_training_stops_when_it_is_cancelled(pairs):
     assert len(steps) == 2
 
 
+def test_a_training_also_stops_while_its_calibration_is_fitted(pairs):
+    steps, looked = [], []
+
+    def cancelled():
+        looked.append(len(steps))
+        return looked.count(len(steps)) > 2  # the head's own steps are over
+
+    with pytest.raises(TrainingCancelled):
+        head_from_pairs(
+            pairs, "TAG-sim", head=SMALL, training=SHORT, on_step=steps.append, cancelled=cancelled
+        )
+    assert steps[-1].done == steps[-1].total
+
+
 def test_a_domain_without_pairs_of_a_part_is_refused(pairs):
     with pytest.raises(DataError, match="No domain is called 'Mars'"):
         plan_training(pairs, "Mars")
