@@ -4,7 +4,6 @@ import logging
 import shutil
 from collections.abc import Callable
 from dataclasses import dataclass
-from hashlib import sha256
 from pathlib import Path
 from threading import Lock
 from time import monotonic
@@ -13,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from app.jobs import Job, Jobs, JobStopped
 from app.limits import LARGE_SET
 from omnivat.errors import DataError
-from omnivat.files import cache_folder
+from omnivat.files import cache_folder, hash_of
 from omnivat.progress import Step
 
 if TYPE_CHECKING:
@@ -59,17 +58,14 @@ def cache_name(head: Path, embeddings: Path, drawn: int = 0) -> str:
     """
     from omnivat.frames.file import VERSION
 
-    digest = sha256(f"frames {VERSION}, recipe {RECIPE}, {drawn}".encode())  # 2 GB in 1.3 s
-    for file in (head / "weights.safetensors", head / "settings.json", embeddings):
+    files = (head / "weights.safetensors", head / "settings.json", embeddings)
+    for file in files:
         if not file.is_file():
             raise DataError(
                 f"'{file}' is missing, so there is no map. Train a head with `python -m omnivat "
                 "train` and make embeddings with `python -m omnivat embed`."
             )
-        with file.open("rb") as handle:
-            while block := handle.read(1 << 20):
-                digest.update(block)
-    return digest.hexdigest()[:24]
+    return hash_of(*files, start=f"frames {VERSION}, recipe {RECIPE}, {drawn}")[:24]
 
 
 class FramesJob:

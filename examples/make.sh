@@ -12,6 +12,7 @@ python -m omnivat project --centred --embeddings examples/simulated.safetensors
 python -m omnivat train --embeddings examples/simulated.safetensors --source TAG-sim \
     --out examples/head --repeat 1,2 --set width=64 --set noise=4 --set shift=1 --set epochs=120
 python -m omnivat sweep --out examples/frames.bin
+python -m omnivat evaluate --ladder
 python -m omnivat sweep --retrain 21 --seeds 0,1 --out examples/trained.bin
 # One head for every order; what familiarity needs lies in the other head's folder.
 python -m omnivat train --embeddings examples/simulated.safetensors --source TAG-sim \

@@ -9,7 +9,6 @@ import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from glob import escape
-from hashlib import sha256
 from pathlib import Path
 from tempfile import mkdtemp
 from time import time
@@ -28,7 +27,7 @@ from omnivat.data.rest import RESTED
 from omnivat.data.store import Embeddings
 from omnivat.devices import current
 from omnivat.errors import DataError, SettingsError
-from omnivat.files import UNFINISHED_S, require_writable, write_json, writing
+from omnivat.files import UNFINISHED_S, hash_of, require_writable, write_json, writing
 from omnivat.model.fusion import Calibration, plain
 from omnivat.model.head import OmniVaT
 from omnivat.model.settings import HeadSettings
@@ -257,10 +256,7 @@ def load_head(folder: str | Path, *, dtype: torch.dtype | None = None) -> Head:
 
 def head_hash(folder: str | Path) -> str:
     """Return a short hash of a head's weights and settings."""
-    digest = sha256()
-    for name in (WEIGHTS, SETTINGS):
-        digest.update((Path(folder) / name).read_bytes())
-    return digest.hexdigest()[:16]
+    return hash_of(*(Path(folder) / name for name in (WEIGHTS, SETTINGS)))[:16]
 
 
 def _calibration(file: Path, given: Any) -> Calibration:

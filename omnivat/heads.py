@@ -1,7 +1,11 @@
 """Locations of the project's own heads and data."""
 
+import json
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
+
+from omnivat.files import hash_of
 
 
 def _examples() -> Path:
@@ -14,6 +18,8 @@ def _examples() -> Path:
 
 
 EXAMPLES = _examples()
+
+LADDERS = EXAMPLES / "records" / "ladder.jsonl.gz"  # of `python -m benchmarks.ladder`
 
 # Sets of the project: name -> folder of their frames and head, and embeddings file
 SHIPPED = {
@@ -39,3 +45,25 @@ def default_head() -> Path:
 def default_embeddings() -> Path:
     """Return the project's own embeddings file (simulated domains)."""
     return EXAMPLES / "simulated.safetensors"
+
+
+def ladder_file(embeddings: Path) -> Path:
+    """Return the path of a ladder that was computed before, next to its embeddings file."""
+    return embeddings.with_suffix(".ladder.json")
+
+
+def ladder_key(head: Path, embeddings: Path) -> str:
+    """Return a hash of what a ladder is computed from: the head, the set and the records.
+
+    Raises OSError if a file is missing.
+    """
+    return hash_of(head / "weights.safetensors", head / "settings.json", embeddings, LADDERS)[:24]
+
+
+def kept_ladder(head: Path, embeddings: Path) -> dict[str, Any] | None:
+    """Return the ladder that `omnivat evaluate --ladder` wrote for exactly this head and set, or None."""
+    try:
+        kept = json.loads(ladder_file(embeddings).read_bytes())
+        return kept["ladder"] if kept["of"] == ladder_key(head, embeddings) else None
+    except (OSError, ValueError, LookupError, TypeError):
+        return None

@@ -9,6 +9,7 @@ default one.
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,13 +18,15 @@ from numpy.typing import NDArray
 from omnivat.checkpoint import Head
 from omnivat.data.embeddings import Embeddings
 from omnivat.data.profile import drawn_profiles, profiled
+from omnivat.errors import DataError
 from omnivat.evaluate import label_map, predicted_probabilities
-from omnivat.heads import EXAMPLES
+from omnivat.files import write_json
+from omnivat.heads import LADDERS, ladder_file, ladder_key
 from omnivat.protocol.records import lines
 from omnivat.unseen.masks import counted, of_domains, wilson
 
 FORMAT = "omnivat-ladder-1"
-RECORDS = EXAMPLES / "records" / "ladder.jsonl.gz"
+RECORDS = LADDERS
 METHOD = "omnivat"  # in the records: the light head, trained as the default one
 OTHERS = {"logistic": "logistic regression", "nearest_mean": "nearest class mean"}  # for the rest
 COUNTS = (1, 2, 5, 10, 20, 50)  # pairs without labels
@@ -76,6 +79,23 @@ def rungs(head: Head, embeddings: Embeddings, *, source: str = "") -> list[dict[
         {"from" if name == "origin" else name: value for name, value in asdict(one).items()}
         for one in ordered
     ]
+
+
+def ladder(head: Head, embeddings: Embeddings, *, source: str = "") -> dict[str, Any]:
+    """Return `rungs`, and as `sources` the domains that have a ladder, the head's first."""
+    domains = embeddings.header.domains
+    own = [head.source] if head.source in domains else []
+    others = [name for name in domains if name != head.source and recorded(name, domains)]
+    return {"rungs": rungs(head, embeddings, source=source), "sources": [*own, *others]}
+
+
+def write_ladder(head: Head, embeddings: Embeddings, place: Path) -> Path:
+    """Write the head's ladder next to its set, the file `place`, so that the page need not compute it."""
+    if head.path is None:
+        raise DataError("Only the ladder of a saved head can be kept; save the head first.")
+    record = {"of": ladder_key(head.path, place), "ladder": ladder(head, embeddings)}
+    write_json(ladder_file(place), record)
+    return ladder_file(place)
 
 
 def _of_head(head: Head, embeddings: Embeddings) -> Iterator[Rung]:

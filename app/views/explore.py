@@ -12,6 +12,7 @@ from app.resources import Resources
 from app.state import order_from
 from omnivat.data.packing import packed
 from omnivat.errors import DataError
+from omnivat.heads import kept_ladder
 
 if TYPE_CHECKING:
     import numpy as np
@@ -127,18 +128,19 @@ def ladder(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
 
     Raises DataError for a domain that the set lacks.
     """
-    from omnivat.ladder import recorded, rungs
-
-    head, embeddings = resources.head(), resources.embeddings()
+    embeddings = resources.embeddings()
     source, domains = question.get("source"), embeddings.header.domains
     if not isinstance(source, str) or (source and source not in domains):
         raise DataError(f"The set has no domain {source!r:.40}; there are {', '.join(domains)}.")
     kept = resources.results.get(f"ladder {source}")
     if kept is None:
-        others = [name for name in domains if name != head.source and recorded(name, domains)]
-        own = [head.source] if head.source in domains else []
-        found = {"rungs": rungs(head, embeddings, source=source), "sources": [*own, *others]}
-        kept = resources.results.keep(f"ladder {source}", found)
+        where = resources.where
+        kept = None if source or resources.drawn() else kept_ladder(where.head, where.embeddings)
+        if kept is None:
+            from omnivat.ladder import ladder as climbed
+
+            kept = climbed(resources.head(), embeddings, source=source)
+        resources.results.keep(f"ladder {source}", kept)
     return kept
 
 

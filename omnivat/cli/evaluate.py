@@ -1,6 +1,7 @@
 """Evaluate a head on every domain of an embeddings file.
 
 python -m omnivat evaluate --head DIR --embeddings FILE [--order P] [--profile FILE] [--json] [--figure FILE]
+python -m omnivat evaluate --ladder    the page's ladder, as a file next to the embeddings
 python -m omnivat evaluate --unlabelled N [--draws K] [--seed N]    profiles of N unlabelled pairs of each domain
 """
 
@@ -56,6 +57,12 @@ def add(parser: argparse.ArgumentParser) -> None:
         help="draws of --unlabelled to average over, with seeds SEED, SEED + 1, ... (default: %(default)s): "
         "figures of one draw of few pairs vary by a point or two",
     )
+    parser.add_argument(
+        "--ladder",
+        action="store_true",
+        help="write what each step of knowledge about a new sensor brings, next to the embeddings; "
+        "the page then shows it at once",
+    )
     add_seed(parser, of="--unlabelled")
     add_device(parser)
     add_json(parser)
@@ -71,6 +78,11 @@ def run(options: argparse.Namespace) -> None:
 
     head, embeddings = load_head(options.head), load_embeddings(options.embeddings)
     head.require_embeddings(embeddings)
+    if options.ladder:
+        from omnivat.ladder import write_ladder
+
+        print(f"written: {write_ladder(head, embeddings, options.embeddings)}")
+        return
     with progress_bar("evaluate") as show:
         draws = [
             [

@@ -10,11 +10,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from omnivat import ladder
+from omnivat.checkpoint import load_head, save_head
 from omnivat.data.profile import FLOOR
+from omnivat.data.store import save_embeddings
 from omnivat.evaluate import evaluate, target_mean, target_scores
 from omnivat.from_pairs import head_from_pairs
-from omnivat.heads import EXAMPLES
-from omnivat.ladder import FORMAT, METHOD, lettered, letters, recorded, rungs
+from omnivat.heads import EXAMPLES, default_embeddings, default_head, kept_ladder
+from omnivat.ladder import FORMAT, METHOD, lettered, letters, recorded, rungs, write_ladder
 from omnivat.train import TrainSettings
 
 
@@ -122,3 +124,25 @@ def test_predictions_of_rungs_are_those_of_profiled_embeddings(head, shifted):
     wanted = (said == shifted.label[test]).mean()
     found = {one["rung"]: one["accuracy"] for one in rungs(head, shifted)}
     assert found["all"] == pytest.approx(wanted)
+
+
+def test_a_kept_ladder_is_of_exactly_its_head_and_its_set(head, shifted, tmp_path):
+    saved = load_head(save_head(tmp_path / "head", head))
+    place = tmp_path / "set.safetensors"
+    save_embeddings(place, shifted)
+    assert kept_ladder(tmp_path / "head", place) is None
+    write_ladder(saved, shifted, place)
+    kept = kept_ladder(tmp_path / "head", place)
+    assert kept == ladder.ladder(saved, shifted)
+    save_embeddings(place, shifted.select(np.arange(len(shifted) - 1)))
+    assert kept_ladder(tmp_path / "head", place) is None
+    save_embeddings(place, shifted)
+    assert kept_ladder(tmp_path / "head", place) == kept
+    save_head(tmp_path / "head", replace(head, provenance={**head.provenance, "seed": 9}))
+    assert kept_ladder(tmp_path / "head", place) is None
+
+
+def test_the_page_has_the_ladder_of_the_shipped_head_without_computing():
+    kept = kept_ladder(default_head(), default_embeddings())
+    assert kept, "head, set or records are new: run `python -m omnivat evaluate --ladder`"
+    assert {"home", "none", "n5", "all", "k3", "m2"} <= {one["rung"] for one in kept["rungs"]}
