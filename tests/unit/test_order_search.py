@@ -12,6 +12,7 @@ from omnivat.simulate.chirps import ChirpSettings, chirp_embeddings
 from omnivat.train import TrainingCancelled, TrainSettings, Watch, train
 from omnivat.train.order_search import (
     Scored,
+    _gram,
     folded,
     lowest_point,
     lowest_valleys,
@@ -148,6 +149,17 @@ def test_a_valleys_bottom_between_two_orders_is_found(bottom):
 
 def test_orders_fold_into_the_first_quarter_turn():
     assert [folded(p) for p in (-0.1, 0.4, 1.2, 2.3)] == pytest.approx([0.1, 0.4, 0.8, 0.3])
+
+
+def test_inner_products_do_not_depend_on_the_length_of_the_tokens():
+    tokens = np.random.default_rng(0).normal(size=(6, 4))
+    gram = _gram(1e-4 * tokens)
+    np.testing.assert_allclose(gram, _gram(3.0 * tokens))
+    assert np.trace(gram) / 6 == pytest.approx(1.0)
+
+
+def test_the_spread_of_a_score_is_the_standard_error_of_its_mean():
+    assert scored(0.5, 1.0, 2.0, 3.0, 6.0).spread == pytest.approx(np.sqrt(14 / 3 / 4))
 
 
 def scored(order, *losses):

@@ -12,7 +12,7 @@ from omnivat.evaluate import predicted_probabilities
 from omnivat.lang.bank import load_bank
 from omnivat.model.settings import HeadSettings
 from omnivat.train import TrainSettings, train
-from omnivat.train.batches import batches
+from omnivat.train.batches import batches, labels_of
 
 CLASSES = ("wood", "steel", "plastic", "ceramic", "glass")
 
@@ -186,6 +186,11 @@ def test_training_reports_every_step(source):
 def test_one_class_alone_is_refused(source):
     with pytest.raises(DataError, match="one class only"):
         train(source.select(source.label == 0), head(), TrainSettings(), bank=load_bank())
+
+
+def test_two_classes_are_enough(source):
+    two = source.select(source.label < 2)
+    assert set(labels_of(two, head())) == {0, 1}
 
 
 def test_an_empty_source_is_refused(source):

@@ -8,14 +8,14 @@ import torch
 
 from omnivat.errors import SettingsError, ShapeError
 from omnivat.gaps import GAPS
-from omnivat.gaps.calibration import ece
+from omnivat.gaps.calibration import ece, nll
 from omnivat.gaps.centroid import centroid_gap, modality_gap
 from omnivat.gaps.confusion import accuracy, confusion, macro_f1
 from omnivat.gaps.cosine_margin import cosine_margin, cross_modal_margin
 from omnivat.gaps.frechet import frechet
 from omnivat.gaps.measures import STAGE_MEASURES
 from omnivat.gaps.mmd import mmd_linear, mmd_rbf
-from omnivat.gaps.proxy_a import _fits, proxy_a
+from omnivat.gaps.proxy_a import _fits, proxy_a, proxy_a_estimate
 from omnivat.tables import load
 
 
@@ -95,6 +95,15 @@ def test_proxy_a_counts_rows_that_the_classifier_has_not_seen():
     assert proxy_a(a, b, ridge=1e-6) < 0.7
 
 
+def test_proxy_a_is_one_where_a_quarter_of_each_set_lies_with_the_other():
+    right, left = torch.tensor([[1.0, 0.0]]), torch.tensor([[-1.0, 0.0]])
+    a, b = torch.cat([right] * 75 + [left] * 25), torch.cat([left] * 75 + [right] * 25)
+    found = proxy_a_estimate(a, b)
+    assert found.value == pytest.approx(1.0)
+    # 2 (1 - 2 ε), ε the mean of two shares of 100 rows with variance 3/16 each
+    assert found.error == pytest.approx(2 * (2 * (3 / 16) * 100 / 99 / 100) ** 0.5)
+
+
 @pytest.mark.parametrize("width", [5, 90])
 def test_proxy_a_penalises_by_a_share_of_the_mean_variance(width):
     """Fisher's direction with a ridge of `ridge` mean variances, by another solver."""
@@ -135,6 +144,12 @@ def test_scores_of_no_pairs_are_not_numbers():
     assert accuracy(none, none).isnan()
     assert macro_f1(none, none).isnan()
     assert ece(torch.zeros(0, 3), none).isnan()
+
+
+def test_log_loss_is_the_mean_of_minus_the_log_of_the_true_class():
+    rows = torch.tensor([[0.5, 0.25, 0.25], [0.1, 0.0, 0.9]])
+    assert nll(rows, torch.tensor([1, 2])).item() == pytest.approx((np.log(4) - np.log(0.9)) / 2)
+    assert nll(rows, torch.tensor([1, 1])).item() == pytest.approx((np.log(4) - np.log(1e-12)) / 2)
 
 
 def test_calibration_error_is_the_distance_of_confidence_from_accuracy_in_each_bin():

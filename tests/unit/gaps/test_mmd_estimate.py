@@ -1,5 +1,7 @@
 """The Gaussian MMD of large sets: an estimate whose stated error holds."""
 
+from itertools import combinations
+
 import torch
 
 from omnivat.gaps import mmd
@@ -18,6 +20,14 @@ def test_the_estimate_lies_within_its_error_of_the_exact_value():
         found = mmd_rbf_estimate(a, b, seed=seed)
         inside += abs(float(found.value) - exact) <= 2.2 * float(found.error)
     assert inside >= 35
+
+
+def test_the_square_of_a_mean_over_all_rows_has_no_bias_from_a_sample():
+    every = rows(5, 0.0, 3).double()
+    waves = torch.randn(16, 7, dtype=torch.float64, generator=torch.Generator().manual_seed(0))
+    of_all = mmd._waves(every, waves, 5)[1]
+    samples = [mmd._waves(every[list(some)], waves, 5)[1] for some in combinations(range(5), 3)]
+    torch.testing.assert_close(torch.stack(samples).mean(0), of_all)
 
 
 def test_large_sets_take_the_estimate_and_small_ones_the_exact_sum(monkeypatch):

@@ -108,3 +108,25 @@ def test_joint_loss_weighs_its_parts():
     del features["lang"]
     bare = joint_loss(features=features, layers=layers, logits=logits, labels=labels)
     assert bare.mma.item() == 0
+
+
+def test_a_weight_below_one_counts_in_full():
+    torch.manual_seed(0)
+    features = {name: torch.randn(4, 6) for name in ("lang", "vis", "tac")}
+    layers, logits = [torch.randn(4, n, 6) for n in (1, 2)], {"vis": torch.randn(4, 5)}
+    labels = torch.tensor([0, 1, 2, 3])
+    parts = joint_loss(
+        features=features, layers=layers, logits=logits, labels=labels,
+        mma_weight=0.5, nod_weight=0.25,
+    )  # fmt: skip
+    assert parts.mma == mma_loss(**features) and parts.nod == nod_loss(layers)
+    torch.testing.assert_close(
+        parts.total, 0.5 * parts.mma + 0.25 * parts.nod + parts.cross_entropy
+    )
+
+
+def test_nod_does_not_see_the_length_of_short_nodes():
+    torch.manual_seed(0)
+    nodes = torch.randn(2, 4, 5, dtype=torch.float64)
+    short = nod_loss([nodes[:, :1], 1e-9 * nodes])
+    torch.testing.assert_close(short, nod_loss([nodes[:, :1], nodes]))

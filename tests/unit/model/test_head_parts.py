@@ -60,3 +60,18 @@ def test_class_means_are_those_of_the_batch():
     values = torch.tensor([[1.0], [3.0], [10.0]])
     means = class_means(values, torch.tensor([0, 0, 1]))
     torch.testing.assert_close(means, torch.tensor([[2.0], [2.0], [10.0]]))
+
+
+def test_one_image_counts_twice_in_a_taught_head(make_head, make_pairs):
+    """With one row for each class, the logits of both images are the mean of those of one alone."""
+    model, (vis, tac) = make_head(taught=5), make_pairs(4)
+    random = torch.Generator().manual_seed(3)
+    model.taught_rows.copy_(torch.randn(model.taught_rows.shape, generator=random))
+    model.taught_bias.copy_(torch.randn(5, generator=random))
+    model.taught_class.copy_(torch.tensor([2, 0, 1, 4, 3]))
+    found = model.taught_logits({"vis": vis, "tac": tac})
+    torch.testing.assert_close(found["vis"] + found["tac"], 2 * found["fused"])
+    own = model.standing("vis", vis) @ model.taught_rows[0].T
+    torch.testing.assert_close(found["vis"][:, 2], 2 * own[:, 0] + model.taught_bias[0])
+    alone = model.taught_logits({"vis": vis})
+    torch.testing.assert_close(alone["fused"], found["vis"])

@@ -138,3 +138,27 @@ def test_unit_rows_agree_with_finite_differences_and_zero_stays_zero():
     unit(zero).sum().backward()
     assert not unit(zero).any()
     assert zero.grad.isfinite().all()
+
+
+@pytest.mark.parametrize("kind", ["tokens", "real", "magnitude", "hermitian"])
+def test_the_mean_tokens_of_a_prediction_have_a_real_and_an_imaginary_part(
+    make_head, make_pairs, kind
+):
+    model = make_head(complex_to_real=kind, theta="signed")
+    vis, tac = make_pairs(3)
+    with torch.no_grad():
+        relu = model(vis, tac).relu
+        wanted = reference.predict(model, {"vis": vis, "tac": tac}).features
+    for name in ("vis", "tac"):
+        own = wanted[name].relu
+        assert relu[name].shape == (2, 3, 16)
+        torch.testing.assert_close(relu[name][: len(own)], own)
+        assert not relu[name][len(own) :].any()
+
+
+@pytest.mark.parametrize("order", [1.0, 5.0, 9.0, -3.0])
+def test_the_transform_of_the_reference_has_period_four(order):
+    rows, wanted = draw(3, 16), torch.tensor(1.0, dtype=torch.float64)
+    turned = reference.transform(rows, torch.tensor(order, dtype=torch.float64))
+    torch.testing.assert_close(turned, reference.transform(rows, wanted))
+    torch.testing.assert_close(turned[0], torch.fft.fft(rows, norm="ortho").real)

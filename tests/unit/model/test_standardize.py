@@ -98,3 +98,13 @@ def test_moved_rows_of_the_head_are_those_of_the_arrays(head, make_embeddings):
     found = part.moved("vis", torch.from_numpy(rows), profile)
     np.testing.assert_allclose(found.numpy(), wanted, rtol=1e-6)
     assert np.abs(found.numpy() - moved(rows, profile.channels["vis"], source)).max() > 1e-3
+
+
+def test_rows_for_teaching_have_length_one_side_by_side(head, make_embeddings):
+    source = make_embeddings().in_domain("TAG-sim")
+    rows = [
+        head.model.standing(name, torch.from_numpy(getattr(source, name)))
+        for name in ("vis", "tac")
+    ]
+    length = torch.cat(rows, dim=1).norm(dim=1)
+    torch.testing.assert_close(length, torch.ones(len(length)))

@@ -10,7 +10,7 @@ from omnivat.errors import MissingPackageError, SettingsError, ShapeError
 from omnivat.projection import PROJECTIONS, pca, torch_umap, umap
 from omnivat.projection.chain import aligned, chain
 from omnivat.projection.neighbours import affine, nearest, place, placed
-from omnivat.projection.quality import drift, radius, recall, trustworthiness
+from omnivat.projection.quality import NEIGHBOURS, drift, radius, recall, trust, trustworthiness
 from omnivat.projection.torch_umap import spectral_map
 from omnivat.tables import load
 
@@ -86,6 +86,27 @@ def test_fuzzy_weights_of_a_row_add_up_to_log2_of_its_neighbours():
     beyond = found.distance - found.distance[:, :1]
     weights = (-beyond / torch_umap._widths(beyond, 3.9)).exp().sum(1)
     torch.testing.assert_close(weights, torch.full_like(weights, 3.9), atol=1e-6, rtol=0)
+
+
+def test_widths_grow_past_the_mean_distance_and_shrink_below_it():
+    beyond = torch.tensor([[0.0, 1.0, 1.0], [0.0, 3.0, 3.0]], dtype=torch.float64)
+    wide = torch_umap._widths(beyond, 2.5)[:, 0]  # 1 + 2 exp(-1 / s) = 2.5
+    torch.testing.assert_close(wide, beyond[:, 1] / -torch.log(torch.tensor(0.75)).double())
+    narrow = torch_umap._widths(beyond, 1.2)[:, 0]
+    torch.testing.assert_close(narrow, beyond[:, 1] / -torch.log(torch.tensor(0.1)).double())
+
+
+def test_forces_are_the_gradients_of_the_layouts_likelihood():
+    """q = 1 / (1 + A d^2B): an edge is drawn along log q, a sampled row pushed along log(1 - q)."""
+    gap = noise(2, 50, dtype=torch.float64).requires_grad_(True)
+    power = torch_umap.A * gap.square().sum(0) ** torch_umap.B
+    (drawn,) = torch.autograd.grad(-torch.log1p(power).sum(), gap, retain_graph=True)
+    (pushed,) = torch.autograd.grad((power.log() - torch.log1p(power)).sum(), gap)
+    limit, far = torch_umap.PULL_LIMIT, gap.square().sum(0) > 0.5
+    torch.testing.assert_close(torch_umap.attraction(gap), drawn.clamp(-limit, limit))
+    torch.testing.assert_close(
+        torch_umap.repulsion(gap)[:, far], pushed[:, far].clamp(-limit, limit), rtol=3e-3, atol=0
+    )
 
 
 def test_the_fuzzy_graph_is_the_union_of_both_directions():
@@ -258,3 +279,9 @@ def test_a_row_is_repelled_five_times_as_strongly_as_by_one_row_of_the_map():
     force = 2 * b * gap / ((1e-3 + gap**2) * (1 + a * gap ** (2 * b)))
     assert float(moved[:400, 0].mean()) == pytest.approx(-5 / 2 * force, rel=0.1)
     assert float(moved[400:, 0].mean()) == pytest.approx(5 / 2 * force, rel=0.1)
+
+
+def test_a_map_of_few_points_has_no_trustworthiness():
+    few, flat = noise(4 * NEIGHBOURS, 8), noise(4 * NEIGHBOURS, 2, seed=1)
+    assert trust(few, flat) is None
+    assert 0 < trust(torch.cat([few, few[:1]]), torch.cat([flat, flat[:1]])) < 1
