@@ -106,7 +106,8 @@ def report(resources: Resources, _: Arguments, job: Job[Any]) -> dict[str, Any]:
     """Return the numbers of `omnivat report`; they are computed once for a set."""
     if (kept := resources.results.get("report")) is None:
         from omnivat.shift.reading import features_of
-        from omnivat.shift.report import methods, notes, numbers
+        from omnivat.shift.report import numbers
+        from omnivat.shift.words import methods, notes
 
         found = features_of(resources.embeddings())
         kept = resources.results.keep(

@@ -19,8 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import rankdata, spearmanr
 
-from omnivat.figures.drawing import GRID, INK, Picture, Shape, write_picture
-from omnivat.figures.drawing import text as words
+from omnivat import figures
 from omnivat.files import write_text
 from omnivat.frames.file import frames_header
 from omnivat.protocol.records import read
@@ -134,36 +133,28 @@ def report(found: Mapping[str, Any]) -> str:
     return "\n\n".join([*parts, "![Gap and margin against accuracy](gap_predicts.svg)"]) + "\n"
 
 
-def draw(headers: Mapping[str, Mapping[str, Any]], file: Path) -> None:
-    """Draw gap and margin at F̂ against accuracy, a dot for each head."""
-    shapes, (wide, high, edge) = [], (250.0, 190.0, 46.0)
-    for row, (name, header) in enumerate(headers.items()):
-        curves = header["curves"]
-        right = 100 * np.array(curves["accuracy/unseen"])
-        for column, measure in enumerate(list(MEASURES)[:3]):
-            x0, y0 = edge + column * (wide + edge), 16 + row * (high + edge)
-            gaps = np.array(curves[f"{measure}/f_hat"])
-            corners = ((x0, y0), (x0 + wide, y0 + high))
-            shapes.append(Shape(kind="rect", points=corners, stroke=GRID))
-            across, up = _placed(gaps, x0, wide), 2 * y0 + high - _placed(right, y0, high)
-            for point in zip(across.tolist(), up.tolist(), strict=True):
-                shapes.append(Shape(kind="circle", points=(point,), size=4, fill=INK, opacity=0.6))
-            for values, ends, anchor in (
-                (gaps, ((x0, y0 + high + 14), (x0 + wide, y0 + high + 14)), "middle"),
-                (right, ((x0 - 4, y0 + high), (x0 - 4, y0 + 10)), "end"),
-            ):
-                for value, place in zip((values.min(), values.max()), ends, strict=True):
-                    shapes.append(words(place, f"{value:.3g}", 11, anchor))
-            title = f"{MEASURES[measure]}, {name}"
-            shapes.append(words((x0 + wide / 2, y0 + high + 30), title, 12, "middle"))
-    title = "Unseen ACC in percent (up) against gap or margin at F̂ (across), a dot for each head"
-    size = (4 * edge + 3 * wide, 2 * (high + edge) + 20)
-    write_picture(file, Picture(width=size[0], height=size[1], shapes=tuple(shapes), title=title))
-
-
-def _placed(values: Array, start: float, length: float) -> Array:
-    found: Array = start + length * (0.05 + 0.9 * (values - values.min()) / np.ptp(values))
-    return found
+def drawn(headers: Mapping[str, Mapping[str, Any]]) -> Any:
+    """Return gap and margin at F̂ against accuracy, a dot for each head."""
+    rows, count = [], 0
+    for name, header in headers.items():
+        count = len(header["curves"]["accuracy/unseen"])
+        right = 100 * np.array(header["curves"]["accuracy/unseen"])
+        rows.append(
+            [
+                {
+                    "x": np.array(header["curves"][f"{measure}/f_hat"]),
+                    "y": right,
+                    "across": MEASURES[measure],
+                    **({} if column else {"up": f"{name}, ACC in %"}),
+                }
+                for column, measure in enumerate(list(MEASURES)[:3])
+            ]
+        )
+    return figures.panels(
+        rows,
+        title="Gap and margin against accuracy",
+        caption=f"A dot for each of {count} heads, one trained at each p. Across: at F̂, over all domains. Up: accuracy in the domains that the head did not see.",
+    )
 
 
 def measured(headers: Mapping[str, Mapping[str, Mapping[str, Any]]]) -> dict[str, Any]:
@@ -193,9 +184,8 @@ def main(given: Sequence[str] | None = None) -> None:
     found = measured(headers)
     write_text(options.out / "gap_predicts.json", json.dumps(found, indent=1) + "\n")
     write_text(options.out / "gap_predicts.md", report(found))
-    draw(
-        {n: files["trained.bin"] for n, files in headers.items()}, options.out / "gap_predicts.svg"
-    )
+    own = {n: files["trained.bin"] for n, files in headers.items()}
+    figures.write(options.out / "gap_predicts.svg", drawn(own))
     print(report(found))
 
 

@@ -67,7 +67,7 @@ def map_figure(
                     hoverinfo="text" if at else "name",
                     customdata=tiles if pictures else None,
                 )
-    shapes = "Circle VIS, triangle TAC" if len(modalities) == 2 else ""
+    shapes = "Circle: photo (VIS); triangle: touch (TAC)" if len(modalities) == 2 else ""
     words = ". ".join(part for part in (caption.rstrip("."), shapes) if part) + "."
     layout = _flat(places) if places.shape[1] == 2 else _deep()
     return figure(traces, title=title, caption=words, height=height, pictures=pictures, **layout)

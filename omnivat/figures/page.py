@@ -36,7 +36,7 @@ figcaption, small {{ color: var(--soft); padding: 0 12px; }} .theme {{ float: ri
 background: none; border: 1px solid var(--line); border-radius: 6px; color: inherit; }}
 .table {{ overflow-x: auto; }} table {{ border-collapse: collapse; }} h1 {{ font-size: 22px; }} h2 {{ font-size: 18px; }}
 th, td {{ padding: 3px 10px; text-align: right; border-bottom: 1px solid var(--line); font-size: 14px; white-space: nowrap; }}
-td:first-child, th:first-child {{ text-align: left; }}
+th.words, td.words {{ text-align: left; }} h2 {{ margin: 36px 0 8px; }}
 #tip {{ position: fixed; display: none; gap: 4px; padding: 4px; background: var(--card); border: 1px solid var(--line); pointer-events: none; z-index: 9; }}
 #tip i {{ width: 88px; height: 88px; }}
 </style></head><body><main><button class="theme" aria-label="Switch between light and dark">&#9680;</button>

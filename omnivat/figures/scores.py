@@ -9,6 +9,7 @@ import plotly.graph_objects as go
 from omnivat.errors import DataError
 from omnivat.figures.page import Figure, axis, figure, plain
 from omnivat.figures.theme import CLASSES, READINGS, SERIES, SOFT
+from omnivat.gaps import NAMES as GAP_NAMES
 
 READING_NAMES = {"fused": "both images", "vis": "photo only", "tac": "touch only"}
 ROW = 34  # pixels of a row of dots, at least
@@ -220,14 +221,16 @@ def gap_tables(record: Record) -> Figure:
     """
     tables = record["domain_gap"]
     names = list(next(iter(tables.values())))
+    gap = record["modality_gap"]["all"]
     most = max([1e-12, *(v for t in tables.values() for row in t.values() for v in row.values())])
+    digits = 2 if max(most, gap or 0) >= 1 else 3
     traces: list[Any] = []
     layout: dict[str, Any] = {}
     sides = [(m, words) for m, words in (("vis", "photos"), ("tac", "touches")) if m in tables]
     for k, (modality, words) in enumerate(sides):
         key = "2" if k else ""
         values = [[None if a == b else tables[modality][a][b] for b in names] for a in names]
-        cells = [["" if v is None else f"{v:.3g}" for v in row] for row in values]
+        cells = [["" if v is None else f"{v:.{digits}f}" for v in row] for row in values]
         hover = f"{words}, %{{y}} to %{{x}}: %{{text}}"
         traces.append(_heat(values, cells, (0.0, most), hover, xaxis=f"x{key}", yaxis=f"y{key}"))
         layout |= _grid(
@@ -240,13 +243,12 @@ def gap_tables(record: Record) -> Figure:
         )
     if len(sides) == 2:  # one set of names for both tables
         layout["yaxis2"] |= {"showticklabels": False, "tickvals": [], "ticktext": []}
-    gap = record["modality_gap"]["all"]
     return figure(
         traces,
-        title=f"{record['measure']} between domains",
+        title=f"Between domains: {GAP_NAMES.get(record['measure'], record['measure'])}",
         caption=f"At {record['stage']}, {record['pairs']} pairs"
         + (", simulated data" if record.get("simulated") else "")
-        + ("." if gap is None else f". Between photos and touches: {gap:.4g}."),
+        + ("." if gap is None else f". Between photos and touches: {gap:.{digits}f}."),
         height=200 + 38 * len(names),
         **layout,
     )

@@ -12,3 +12,10 @@ GAPS = {
     "frechet": "omnivat.gaps.frechet:frechet",
     "proxy_a": "omnivat.gaps.proxy_a:proxy_a",
 }
+NAMES = {
+    "centroid": "distance of centroids",
+    "mmd_linear": "MMD, linear kernel",
+    "mmd_rbf": "MMD, Gaussian kernel",
+    "frechet": "Fréchet distance",
+    "proxy_a": "Proxy-A distance",
+}

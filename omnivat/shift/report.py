@@ -1,40 +1,36 @@
 """The report of a domain shift: one HTML page, figures as SVG, every number as CSV, the methods."""
 
 import math
-import platform
 from collections.abc import Sequence
 from html import escape
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import torch
 
-from omnivat import __version__, figures
+from omnivat import figures
 from omnivat.files import write_csv, write_text
-from omnivat.gaps import GAPS
+from omnivat.gaps import NAMES
 from omnivat.progress import OnStep, Step, ignore
 from omnivat.projection import PROJECTIONS
 from omnivat.projection.quality import quality
 from omnivat.shift.measure import (
     DEPTHS,
-    LEAST,
-    MOST_DOMAINS,
     Record,
     gaps,
     neighbours,
     record,
     retrieval,
 )
-from omnivat.shift.probe import FOLDS, PROFILE, probes
+from omnivat.shift.probe import PROFILE, probes
 from omnivat.shift.reading import Features
+from omnivat.shift.words import NEIGHBOURS, VIEWS, methods, notes
 from omnivat.tables import load
 from omnivat.threads import one_blas_thread, one_thread
 
 COLUMNS = ("part", "measure", "modality", "from", "to", "value", "low", "high", "n", "note")
-NEIGHBOURS = 15  # of the trust in a map
-VIEWS = {"vis": "photos", "tac": "touches", "both": "both", "": "photo to touch"}
 MOST_ROWS = 12  # domains in a figure of dots
+CHANCE = "#8593a8"  # grey in both themes
 Drawn = dict[str, Any]
 
 
@@ -115,20 +111,25 @@ def _charts(found: Features, records: Sequence[Record]) -> Drawn:
         table = _gap_record(found, records, measure)
         if table is not None:
             drawn[f"gaps_{measure}"] = figures.gap_tables(table)
+    depth = DEPTHS[1]
     chosen = [
-        r for r in records if r["part"] == "retrieval" and r["measure"] == f"recall@{DEPTHS[1]}"
+        r
+        for r in records
+        if r["measure"] == f"recall@{depth}" and len(found.members(r["modality"])) > depth
     ]
     if chosen:
-        rows = [
-            {**r, "row": r["modality"], "series": f"{r['from']} to {r['to']}"}
-            for r in _few(chosen, "modality")
-        ]
+        kept = _few(chosen, "modality")
+        rows = [{**r, "row": r["modality"], "series": f"{r['from']} to {r['to']}"} for r in kept]
+        for name in dict.fromkeys(r["modality"] for r in kept):
+            chance = depth / len(found.members(name))
+            rows.append({"row": name, "series": "chance", "value": chance})
         drawn["retrieval"] = figures.dots(
             rows,
-            title=f"Own partner among the {DEPTHS[1]} nearest",
-            across=f"recall@{DEPTHS[1]}",
+            title=f"Own partner among the {depth} nearest",
+            across=f"recall@{depth}",
             percent=True,
-            caption="Within each domain, by cosine. Bars: 95 % intervals over objects. Chance differs with the size of the domain and is in numbers.csv.",
+            colours={"chance": CHANCE},
+            caption="Within each domain, by cosine. Bars: 95 % intervals over objects.",
         )
     mixing = [
         r
@@ -144,7 +145,7 @@ def _charts(found: Features, records: Sequence[Record]) -> Drawn:
             percent=True,
             ends=(0, 1),
             level=float(level["note"].split()[0]),
-            caption="1: every neighbour is of the same domain. Dashed: the share if domains were mixed. Bars: 95 % intervals over objects.",
+            caption="100 %: every neighbour is of the same domain. Dashed: the share if domains were mixed. Bars: 95 % intervals over objects.",
         )
     order = ("home", "away", "away, with a profile")
     means = [r for r in records if r["part"] == "probe" and r["note"] and r["measure"] in order]
@@ -181,7 +182,7 @@ def _gap_record(found: Features, records: Sequence[Record], measure: str) -> dic
     ]
     return {
         "measure": measure,
-        "stage": "unit rows",
+        "stage": "unit length",
         "pairs": len(found.embeddings),
         "simulated": found.embeddings.header.simulated,
         "modality_gap": {"all": between[0]["value"] if between else None},
@@ -191,7 +192,8 @@ def _gap_record(found: Features, records: Sequence[Record], measure: str) -> dic
 
 def _page(found: Features, records: Sequence[Record], drawn: Drawn, words: str) -> list[Any]:
     data = found.embeddings
-    facts = f"{len(data)} pairs, {len(found.domains)} domains: {', '.join(found.domains)}."
+    sizes = f"{len(found.domains)} domain{'s' * (len(found.domains) > 1)}"
+    facts = f"{len(data)} pairs, {sizes}: {', '.join(found.domains)}."
     if data.header.simulated:
         facts += " Simulated data."
     missing = notes(found)
@@ -210,37 +212,16 @@ def _page(found: Features, records: Sequence[Record], drawn: Drawn, words: str) 
         parts += [drawn["neighbours"]]
     if "probe" in drawn:
         rows = [r for r in records if r["part"] == "probe" and r["note"]]
-        head = ("probe of", "accuracy", "mean", "95 % interval", "over")
-        cells = [
-            (VIEWS[r["modality"]], r["measure"], _number(r["value"]), _ends(r), r["note"])
-            for r in rows
-        ]
-        parts += [drawn["probe"], _table(head, cells)]
+        head = ("probe of", "accuracy", "over", "mean", "95 % interval")
+        cells = []
+        for r in rows:
+            over = r["note"].removeprefix("mean, ")
+            cells.append((VIEWS[r["modality"]], r["measure"], over, _number(r["value"]), _ends(r)))
+        parts += [drawn["probe"], _table(head, cells, words=3)]
     parts += [
         f"<h2>Methods</h2><p>{escape(words)}</p><p>Every number is in numbers.csv; the figures are in figures/ as SVG.</p>"
     ]
     return parts
-
-
-def notes(found: Features) -> list[str]:
-    """Return what the set cannot show, one sentence each."""
-    words = []
-    if len(found.domains) < 2:
-        words.append("One domain: there is no gap between domains, and no probe meets another one.")
-    if len(found.modalities) < 2:
-        words.append(
-            f"One modality ({VIEWS[found.modalities[0]]}): there is no gap between modalities and no retrieval."
-        )
-    if not found.labelled:
-        words.append("No classes: probes and mAP are left out.")
-    sizes = {name: len(found.members(name)) for name in found.domains}
-    if few := [name for name, size in sizes.items() if size < LEAST]:
-        words.append(f"Fewer than {LEAST} pairs, so no gap and no probe: {', '.join(few)}.")
-    if len(sizes) - len(few) > MOST_DOMAINS:
-        words.append(f"Gaps are of the {MOST_DOMAINS} largest domains.")
-    if len(found.embeddings) < found.drawn_of:
-        words.append(f"{len(found.embeddings):,} of {found.drawn_of:,} pairs were drawn at random.")
-    return words
 
 
 def _gap_table(records: Sequence[Record]) -> str:
@@ -256,19 +237,27 @@ def _gap_table(records: Sequence[Record]) -> str:
         )
         cells.append(
             (
-                one["measure"],
+                NAMES[one["measure"]],
                 what,
                 _number(one["value"]),
                 _ends(one),
                 "–" if level is None else _number(level),
             )
         )
-    return _table(("measure", "gap", "mean", "95 % interval", "two halves of one domain"), cells)
+    head = ("measure", "gap", "mean", "95 % interval", "two halves of one domain")
+    return _table(head, cells, words=2)
 
 
-def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    lines = ["".join(f"<th>{escape(cell)}</th>" for cell in head)]
-    lines += ["".join(f"<td>{escape(cell)}</td>" for cell in row) for row in rows]
+def _table(head: Sequence[str], rows: Sequence[Sequence[str]], *, words: int) -> str:
+    """Return a table; its first `words` columns are texts, the others numbers."""
+
+    def line(cells: Sequence[str], tag: str) -> str:
+        kinds = [' class="words"' if k < words else "" for k in range(len(cells))]
+        return "".join(
+            f"<{tag}{kind}>{escape(cell)}</{tag}>" for cell, kind in zip(cells, kinds, strict=True)
+        )
+
+    lines = [line(head, "th"), *(line(row, "td") for row in rows)]
     return (
         '<div class="table"><table>'
         + "".join(f"<tr>{line}</tr>" for line in lines)
@@ -282,23 +271,3 @@ def _number(value: float) -> str:
 
 def _ends(one: Record) -> str:
     return "–" if one["low"] is None else f"{_number(one['low'])} to {_number(one['high'])}"
-
-
-def methods(found: Features, seed: int) -> str:
-    """Return one paragraph for a paper: what was measured, how, and with which versions."""
-    data = found.embeddings
-    sizes = ", ".join(f"{name} {len(found.members(name))}" for name in found.domains)
-    made = f"Features of {data.header.encoder} ({data.width} values) of {len(data)} pairs ({sizes}) were scaled to unit length."
-    drawn = (
-        f" They are a random part of {found.drawn_of} pairs." if len(data) < found.drawn_of else ""
-    )
-    return (
-        f"{made}{drawn} Gaps between modalities and between domains were measured by {', '.join(GAPS)} (Proxy-A after Ben-David et al. 2007, MMD "
-        "after Gretton et al. 2012, Fréchet after Dowson and Landau 1982); intervals are a jackknife over 8 blocks of objects, and the same "
-        "measure between random halves of one domain shows what no gap gives. Finite samples raise every measure but a cross-validated one. "
-        "Retrieval ranks the partners of one domain by cosine. Other intervals are 95 % percentiles of a bootstrap over objects, or over "
-        f"domains for probes. A probe is multinomial logistic regression (C = 1) on centred unit rows of one domain; its accuracy at home is "
-        f"{FOLDS}-fold over objects. A profile matches mean and deviation of each channel to the source's, from {PROFILE} unlabelled pictures of "
-        f"the target that are not tested. UMAP after McInnes et al. 2018 (exact neighbours, 15, seed {seed}). omnivat {__version__}, "
-        f"torch {torch.__version__}, numpy {np.__version__}, Python {platform.python_version()}."
-    )

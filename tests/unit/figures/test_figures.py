@@ -41,6 +41,7 @@ EVERY = {
     "ladder": lambda: figures.ladder([{"known": "nothing", "n": 0, "accuracy": 0.5, "low": 0.4, "high": 0.6, "method": "m"}]),
     "confusion": lambda: figures.confusion([[3, 1], [0, 0]], ["wood", "steel"]),
     "gaps": lambda: figures.gap_tables(table()),
+    "panels": lambda: figures.panels([[{"x": [0, 1], "y": [1, 2], "across": "a", "up": "b"}, {"x": [1], "y": [1], "across": "c"}]] * 2, title="t"),
 }  # fmt: skip
 
 
@@ -61,7 +62,7 @@ def test_a_map_has_a_mark_for_every_point_and_one_name_a_group():
     assert (tags.count("circle"), tags.count("polygon")) == (6, 6)
     texts = [element.text for element in root.iter(f"{SVG}text")]
     assert [t for t in texts if t in ("a", "<b>", "c", "&lt;b&gt;")] == ["a", "<b>", "c"]
-    assert "Circle VIS, triangle TAC." in texts
+    assert "Circle: photo (VIS); triangle: touch (TAC)." in texts
 
 
 def test_higher_values_are_higher_and_bars_reach_as_far_as_their_error():

@@ -15,6 +15,7 @@ from omnivat.shift import read_features
 from omnivat.shift.measure import gaps, interval, neighbours, retrieval
 from omnivat.shift.probe import probes
 from omnivat.shift.report import numbers
+from omnivat.shift.words import methods
 
 
 @pytest.fixture
@@ -140,10 +141,7 @@ def test_the_command_writes_a_page_figures_and_a_table_that_no_spreadsheet_compu
     code, out = report(made(), tmp_path, "--encoder", "mine")
     assert code == 0 and "open " in capsys.readouterr().out
     page = (out / "report.html").read_text(encoding="utf-8")
-    assert (
-        not re.findall(r'(?:src|href)="[^"]', page)
-        and "Features of imported:mine (16 values)" in page
-    )
+    assert not re.findall(r'(?:src|href)="[^"]', page) and "Features of mine (16 values)" in page
     assert {f.stem for f in (out / "figures").iterdir()} >= {
         "map_umap_domain",
         "gaps_centroid",
@@ -180,6 +178,18 @@ def test_a_set_that_lacks_something_is_reported_and_the_page_says_what_is_left_o
     code, out = report(made(pairs=40, **lacking), tmp_path)
     assert code == 0
     assert words in (out / "report.html").read_text(encoding="utf-8")
+
+
+def test_the_methods_name_what_was_measured_and_nothing_else(made):
+    whole = methods(read_features(made(), encoder="mine"), 0)
+    assert whole.startswith(
+        "Features of mine (16 values) of 80 pairs, each an object (=A 40, B 40)"
+    )
+    for words in ("between modalities and between domains", "retrieval", "profile", "for probes"):
+        assert (words in whole) == (words != "for probes")  # two domains give no interval
+    bare = methods(read_features(made(tac=None, domain=None, material=None)), 0)
+    for words in ("gap", "retrieval", "Neighbours across", "probe", "profile"):
+        assert words not in bare
 
 
 def test_what_cannot_be_reported_is_one_sentence_and_no_folder(made, tmp_path, capsys):
