@@ -4,7 +4,7 @@
 
 Between heads: 21 heads of each shipped set, each trained at one p (`trained.bin`). Within a head: p moved
 under fixed weights (`frames.bin`, `every.bin`); and over the unseen domains at one p. Between methods:
-every run of the protocol, by source. Nothing is trained here.
+every run of the protocol, by source. Retrieval: the heads of the ladder's records. Nothing is trained here.
 """
 
 import argparse
@@ -22,7 +22,8 @@ from scipy.stats import rankdata, spearmanr
 from omnivat import figures
 from omnivat.files import write_text
 from omnivat.frames.file import frames_header
-from omnivat.protocol.records import read
+from omnivat.ladder import FORMAT, RECORDS, letters, marks
+from omnivat.protocol.records import lines, read
 from omnivat.reports.reading import settled
 
 EXAMPLES = Path("examples")
@@ -38,6 +39,12 @@ MEASURES = {
     "margin": "class margin",
     "margin:cross_modal": "class margin, photo to touch",
 }
+OUTCOMES = ("accuracy", "own touch ranks first", "class of the nearest touch")
+RETRIEVED = (
+    "Light heads by the page's recipe (`python -m benchmarks.ladder`), nothing known of the target; each image with the other "
+    "one absent. Ranks are of a photo's own touch among the touches of its domain, by cosine. If small gaps made good "
+    "retrieval, the figures would be near −1."
+)
 STAGES, DRAWS = ("relu", "f_bar", "f_hat"), 2000
 Array = NDArray[np.float64]
 Found = tuple[float, float, float]
@@ -101,6 +108,57 @@ def between_methods() -> dict[str, Found]:
     return found
 
 
+def retrieval() -> dict[str, dict[str, dict[str, Found]]]:
+    """Return comparison -> "gap, stage" -> outcome -> correlation, over the ladder's heads.
+
+    Over domains: unseen domains of one head; the mean over heads, its interval over sources.
+    Between heads: heads of all other sources in one domain; the mean and its interval over domains.
+    """
+    first, *runs = lines(RECORDS, FORMAT)
+    truth, domain = letters(first["truth"]), np.array(first["domain"])
+    cells = []  # (source, target, head, stage) and its values
+    for number, run in enumerate(one for one in runs if "space" in one):
+        right = marks(run["answers"]["none"], truth)
+        taught = np.isin(truth, truth[domain == first["domains"].index(run["source"])])
+        for target, stages in run["space"].items():
+            if target != run["source"]:
+                own = taught & (domain == first["domains"].index(target))
+                for stage, (modality, gap, rank, found) in stages.items():
+                    values = (modality, gap, float(np.nanmean(right[own])), 1 - rank, found)
+                    cells.append((run["source"], target, number, stage, values))
+
+    def over(group: int, unit: int) -> dict[str, dict[str, Found]]:
+        table: dict[str, dict[str, Found]] = {}
+        for stage in STAGES:
+            own = [c for c in cells if c[3] == stage]
+            units = list(dict.fromkeys(c[unit] for c in own))
+            for column, gap in enumerate(("modality gap", "domain gap")):
+                row = table.setdefault(f"{gap}, {stage}", {})
+                for place, outcome in enumerate(OUTCOMES, start=2):
+                    each = []
+                    for name in units:
+                        groups = dict.fromkeys(c[group] for c in own if c[unit] == name)
+                        each.append(
+                            np.mean(
+                                [
+                                    spearmanr(
+                                        *np.array(
+                                            [c[4] for c in own if c[unit] == name and c[group] == g]
+                                        ).T[[column, place]]
+                                    ).statistic
+                                    for g in groups
+                                ]
+                            )
+                        )
+                    row[outcome] = interval(len(each), partial(_mean, np.array(each)))
+        return table
+
+    return {
+        "over unseen domains, within a head": over(2, 0),
+        "between heads, in one domain": over(1, 1),
+    }
+
+
 def _mean(values: Array, rows: NDArray[np.int64]) -> Array:
     found: Array = values[rows].mean(-1)
     return found
@@ -130,6 +188,12 @@ def report(found: Mapping[str, Any]) -> str:
     parts += ["## Over unseen domains, within a head: modality gap", "\n".join(lines)]
     lines = [f"- {kind}: {text(v)}" for kind, v in found["methods"].items()]
     parts += ["## Over methods of the protocol, within a source: cosine margin", "\n".join(lines)]
+    parts += ["## Retrieval", RETRIEVED]
+    for name, gaps in found["retrieval"].items():
+        rows = [f"| {name} | {' | '.join(OUTCOMES)} |", "| --- " * 4 + "|"]
+        for gap, outcomes in gaps.items():
+            rows.append(f"| {gap} | {' | '.join(map(text, outcomes.values()))} |")
+        parts.append("\n".join(rows))
     return "\n\n".join([*parts, "![Gap and margin against accuracy](gap_predicts.svg)"]) + "\n"
 
 
@@ -169,6 +233,7 @@ def measured(headers: Mapping[str, Mapping[str, Mapping[str, Any]]]) -> dict[str
             for name, files in headers.items()
         },
         "methods": between_methods(),
+        "retrieval": retrieval(),
     }
 
 

@@ -5,9 +5,9 @@
 A method is trained once for each source and seed, on embeddings standardised by the source's profile. Then every
 rung is evaluated: the target's profile of n pairs without labels; test-time methods beside it (T3A, LAME,
 self-training); for the closed-form methods, labelled pairs and more source domains. Test objects only. One line is
-written for each method, source and seed: the class predicted for every test pair, as a letter, on every rung, and
-the log-odds of every test pair as it comes (`omnivat.data.packing.odds`); of OmniVaT also gaps and retrieval in
-its features (`benchmarks._ladder_space`).
+written for each method, source and seed: the class predicted for every test pair, as a letter, on every rung; of
+trained methods the log-odds of every test pair as it comes (`omnivat.data.packing.odds`), of OmniVaT also gaps and
+retrieval in its features (`benchmarks._ladder_space`).
 Finished lines are kept, so a stopped run goes on. `python -m benchmarks.ladder_table` makes the table and the figure.
 """
 
@@ -94,7 +94,9 @@ class Climb:
         return odds(np.log(np.maximum(self.method.probabilities(pair), 1e-12)))
 
     def more_of(self) -> dict[str, Any]:
-        """Return what a line has besides: the odds, and of a single head its gaps and retrieval."""
+        """Return what a line has besides: odds, and of a single head its gaps and retrieval."""
+        if self.name in CLOSED:
+            return {}
         if self.name != METHOD:
             return {"odds": self.odds()}
         model = light_head(self.set, self.set.header.domains[self.source], self.seed)

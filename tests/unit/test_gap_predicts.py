@@ -32,6 +32,12 @@ def test_an_interval_narrows_with_more_units():
     assert widths[1] < widths[0] / 2
 
 
+def test_the_shipped_correlations_with_retrieval_are_those_of_the_ladders_records():
+    record = json.loads((Path("docs/benchmarks") / "gap_predicts.json").read_text())
+    again = json.loads(json.dumps(gap_predicts.retrieval()))
+    assert again == record["retrieval"]
+
+
 def test_the_shipped_record_is_that_of_the_shipped_sweeps():
     record = json.loads((Path("docs/benchmarks") / "gap_predicts.json").read_text())
     for name, folder in gap_predicts.SETS.items():

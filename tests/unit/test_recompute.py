@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks import _recompute_numbers, ladder_table, recompute
+from benchmarks import _recompute_numbers, ladder_check, ladder_table, recompute
 from omnivat.data.packing import odds, unodds
 
 
@@ -69,5 +69,24 @@ def test_half_precision_keeps_probabilities_to_a_thousandth():
 
 
 def test_the_ladder_with_its_intervals_is_what_its_records_give():
-    text = ladder_table.table(ladder_table.shares(ladder_table.RECORDS))
+    found = ladder_table.shares(ladder_table.RECORDS)
+    text = ladder_table.table(found, ladder_table.confidence(ladder_table.RECORDS))
     assert text + "\n" == (recompute.TABLES / "ladder.md").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("kind", ["as it is", "accuracy", "ECE"])
+def test_plain_python_finds_the_ladders_figures_and_a_wrong_one(
+    kind, capsys, monkeypatch, tmp_path
+):
+    text = (recompute.TABLES / "ladder.md").read_text(encoding="utf-8")
+    row = next(line for line in text.splitlines() if line.startswith("| one head | OmniVaT"))
+    cells = row.split(" | ")
+    place = {"as it is": 0, "accuracy": 2, "ECE": -2}[kind]
+    if place:
+        cells[place] = f"{float(cells[place]) + 0.3:.1f}"
+    (tmp_path / "ladder.md").write_text(text.replace(row, " | ".join(cells)), encoding="utf-8")
+    monkeypatch.setattr("sys.argv", ["ladder_check", "--table", str(tmp_path / "ladder.md")])
+    with pytest.raises(SystemExit) as ended:
+        ladder_check.main()
+    assert bool(ended.value.code) == bool(place)
+    assert ("OmniVaT, D = 64, budget" in capsys.readouterr().out) == bool(place)

@@ -8,7 +8,7 @@ import pytest
 from PIL import Image
 
 from omnivat.cli import main
-from omnivat.data.profile import profile_of
+from omnivat.data.profile import drawn_profiles, profile_of
 from omnivat.data.profile_file import load_profile, save_profile
 from omnivat.data.store import load_embeddings, save_embeddings
 
@@ -55,12 +55,20 @@ def test_unlabelled_pairs_are_counted_and_the_source_stays(capsys, two, head_fol
     assert some["OF Real-sim"]["pairs"] == plain["OF Real-sim"]["pairs"]  # test objects
 
 
-def test_the_scores_of_unlabelled_pairs_are_means_over_draws(capsys, two, head_folder):
+def test_the_scores_of_unlabelled_pairs_are_means_over_draws(capsys, monkeypatch, two, head_folder):
+    seeds: list[int] = []
+
+    def drawn(*given, seed):
+        seeds.append(seed)
+        return drawn_profiles(*given, seed=seed)
+
+    monkeypatch.setattr("omnivat.data.profile.drawn_profiles", drawn)
     some = evaluated(capsys, two, head_folder, "--unlabelled", "3", "--draws", "2", "--seed", "4")
     single = [
         evaluated(capsys, two, head_folder, "--unlabelled", "3", "--draws", "1", "--seed", seed)
         for seed in ("4", "5")
     ]
+    assert seeds == [4, 5, 4, 5]
     for domain in ("OF Real-sim", "TQ-DIGIT-sim"):
         each = [one[domain]["scores"]["fused"]["accuracy"] for one in single]
         assert some[domain]["draws"] == each
