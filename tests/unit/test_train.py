@@ -213,6 +213,14 @@ def test_a_loss_that_is_not_finite_stops_with_a_sentence(source):
         train(broken, head(), TrainSettings(epochs=1), bank=load_bank())
 
 
+def test_a_gradient_that_is_not_finite_stops_although_the_loss_is(source, monkeypatch):
+    monkeypatch.setattr(
+        torch, "_foreach_norm", lambda found: [torch.tensor(torch.inf)] * len(found)
+    )
+    with pytest.raises(OmniVatError, match=r"Training stopped: the loss is \d.*Lower lr"):
+        train(source, head(), TrainSettings(epochs=1), bank=load_bank())
+
+
 def test_p_moves_by_a_tenth_of_the_rate_a_step_at_most(source):
     """Its gradient is held to 1, its rate is a hundredth, and momentum 0.9 adds up to ten steps."""
     steps = len(source) // 16
