@@ -75,8 +75,8 @@ def read(
     else:
         raise DataError(
             f"No labels for the clips in '{show(source)}': neither train.txt and test.txt nor "
-            "label.txt is there. Copy them beside the clips, or read with keep_labels to take "
-            "the clips' own names as classes."
+            "label.txt is there. Copy them beside the clips, or take the clips' own names as classes: "
+            "`omnivat embed` with --set keep_labels=true."
         )
     pairs = tuple(_pairs(frames, clips, left_out))
     if not pairs:

@@ -18,6 +18,7 @@ from omnivat.data.recordings.tracks import parquet_rows
 from omnivat.errors import DataError
 
 INFO = Path("meta") / "info.json"
+WIDE = re.compile(r"\d{3}[^{}]*\}")  # a place of so many letters fills the memory
 TOUCH = re.compile(r"tac|touch|gel|digit|finger", re.IGNORECASE)
 
 
@@ -117,9 +118,12 @@ class LeRobot:
                 for name in ("episode_index", "length")
             ):
                 raise DataError(f"'{show(meta)}' lists an episode without its number or length.")
-            row["task"] = str((row.get("tasks") or [""])[0])
+            row["task"] = _task(row.get("tasks"))
         if not rows:
             raise DataError(f"'{show(meta)}' lists no episodes.")
+        numbers = [row["episode_index"] for row in rows]
+        if len(set(numbers)) < len(numbers):
+            raise DataError(f"'{show(meta)}' lists an episode twice.")
         return rows
 
     def _track(self, key: str, episode: Mapping[str, Any]) -> Track:
@@ -134,6 +138,8 @@ class LeRobot:
         }
         template = str(self.info.get("video_path" if film else "data_path"))
         try:
+            if WIDE.search(template):
+                raise ValueError("a number of a hundred digits or more")
             file = self.root / template.format(**names)
         except (LookupError, ValueError, AttributeError, TypeError) as error:
             raise DataError(
@@ -144,8 +150,18 @@ class LeRobot:
                 f"'{show(self.root / INFO)}' leads out of the data set: '{show(template[:80])}'."
             )
         found = Track(file=file, episode=number, fps=self.fps, column="" if film else key)
-        start = episode.get(f"{place}/from_timestamp", 0.0) or 0.0
+        start = episode.get(f"{place}/from_timestamp") or 0.0
+        if not isinstance(start, int | float) or not 0 <= start < 1e9:
+            raise DataError(f"Episode {number} of '{show(self.root)}' starts at '{start!r:.20}'.")
         return replace(found, start=float(start)) if film else found
+
+
+def _task(tasks: Any) -> str:
+    """Return the first task of an episode, which may be a list, an array, a text or missing."""
+    if isinstance(tasks, str):
+        return tasks
+    first = next(iter(tasks), "") if isinstance(tasks, list | tuple) else ""
+    return first if isinstance(first, str) else ""
 
 
 def _labels(file: Path) -> dict[str, dict[str, str]]:

@@ -219,6 +219,7 @@ def test_nothing_is_written_unless_all_of_it_is(tmp_path, monkeypatch):
         ({"fps": "x"}, "fps 'x'"),
         ({"data_path": "../../{episode_index}.parquet"}, "leads out of"),
         ({"data_path": "{nobody}"}, "odd path"),
+        ({"data_path": "{episode_index:999999999d}"}, "odd path"),
         ({"data_path": "{episode_index.real.__class__}{0}"}, "odd path"),
         ({"features": []}, "No camera is called tactile"),
         ({"features": {TAC: {"dtype": "image"}, "a": {"dtype": "image"}, "b": {"dtype": "image"}}}, "--vis"),
@@ -231,6 +232,21 @@ def test_an_odd_description_is_refused_in_a_sentence(tmp_path, change, words):
         (tmp_path / "meta" / "info.json").write_text(json.dumps(info("v2.1", "image") | change))
     with pytest.raises(DataError, match=words):
         write_pairs(clips_of(root), tmp_path / "out")
+
+
+@pytest.mark.parametrize(
+    ("tasks", "material"), [("wood", "wood"), (["wood"], "wood"), (5, ""), ({"a": 1}, ""), ([["x"]], "")]
+)  # fmt: skip
+def test_a_task_is_a_text_or_the_first_of_a_list(tmp_path, tasks, material):
+    root = lerobot(tmp_path / "press", "v2.1", "image")
+    rows = [
+        {"episode_index": n, "length": LENGTH, "tasks": t} for n, t in enumerate((tasks, ["b"]))
+    ]
+    (root / "meta" / "episodes.jsonl").write_text("\n".join(map(json.dumps, rows)))
+    assert clips_of(root)[0].material == material
+    (root / "meta" / "episodes.jsonl").write_text("\n".join([json.dumps(rows[0])] * 2))
+    with pytest.raises(DataError, match="twice"):
+        clips_of(root)
 
 
 def test_unknown_cameras_and_settings_are_refused_in_a_sentence(tmp_path):
