@@ -2,13 +2,16 @@
 
 import gc
 import threading
+from fractions import Fraction
 
 import numpy as np
 import pytest
 import torch
 
 from omnivat.fractional.build import BoundedCache, build_split
-from omnivat.fractional.commuting import doubled_cosines
+from omnivat.fractional.commuting import doubled_cosines, parity_blocks
+from omnivat.fractional.double_double import SQRT2
+from omnivat.fractional.eigenvectors import _to_small
 from omnivat.fractional.memory import BlockPool, empty, pool
 from omnivat.fractional.splits import HalfSplit, PlainSplit, QuarterSplit
 
@@ -125,3 +128,18 @@ def test_idle_blocks_stay_below_their_bound() -> None:
         small.give_back(block)
     assert small.idle_bytes == 2 * 2**20
     assert small.take(2 * 2**20) is blocks[-1]
+
+
+def test_the_residual_of_the_large_side_is_exact_in_its_low_digits_too():
+    """Only the last row gets √2 times the middle sample; all other digits stay."""
+    block = parity_blocks(16).odd
+    large = np.random.default_rng(0).normal(size=(len(block) + 1, 3))
+    plain, found = block.times(large[:-1]), _to_small(block, large)
+    for part, whole in zip(plain, found, strict=True):
+        np.testing.assert_array_equal(part[:-1], whole[:-1])
+    root = Fraction(float(SQRT2.high)) + Fraction(float(SQRT2.low))
+    for column in range(3):
+        exact = sum(Fraction(float(part[-1, column])) for part in plain)
+        exact += root * Fraction(float(large[-1, column]))
+        two = sum(Fraction(float(part[-1, column])) for part in found)
+        assert abs(float(two - exact)) < 1e-30
