@@ -1,16 +1,21 @@
 """Compare the page without a server with `predict`: the same pairs, in a real Chromium.
 
-    python -m benchmarks.site [--pairs 300] [--firefox] [--runtime FOLDER] [--out docs/benchmarks/site]
+    python -m benchmarks.site [--pairs 300] [--runtime FOLDER] [--out docs/benchmarks/site]
+    python -m benchmarks.site --firefox --pairs 30 [--out docs/benchmarks/site_firefox]
+    python -m benchmarks.site --page SITE [--out docs/benchmarks/site_page]
 
 A quarter of the pairs are the example pictures as files, a quarter are parts cut from them, and half
 are pairs of the shipped set; each has three readings. Then pictures of kinds that decoders treat
-differently. Time and memory are of one browser, without and with its processor slowed four times.
+differently. `--page` measures the whole site instead: an own pair from drop to readings, also with the
+browser's process stopped for three quarters of the time; the longest task of the main thread; and a new
+visitor's waits behind a line of 20 Mbit/s. Processor times hold on a busy machine, the others do not.
 """
 
 import argparse
 import functools
 import http.server
 import json
+import os
 import shutil
 import threading
 import time
@@ -29,8 +34,10 @@ from app.components import WEB
 from app.decoder import Decoder
 from app.places import places
 from app.resources import Resources
-from app.site_models import write_models
+from app.site_models import files_in, write_models
+from benchmarks._firefox import firefox
 from benchmarks._page_browser import FLAGS
+from benchmarks._site_page import dropped, over_line, stalls
 from omnivat.errors import OmniVatError
 from omnivat.files import write_json, write_text
 from omnivat.predict import predict_embeddings
@@ -46,6 +53,8 @@ ASK = """async ([path, query, body]) => {
 }"""
 CHROMIUM = ("chromium", "chromium-browser", "google-chrome")
 WANTED = 0.005
+MBIT, DELAY_S = 20, 0.02  # of the slow line
+PAGE_PAIRS = 10
 
 
 class Site:
@@ -53,15 +62,11 @@ class Site:
 
     def __init__(self, page: Any) -> None:
         self.page = page
-        self.outside: list[str] = []
-        page.on(
-            "request",
-            lambda r: (
-                self.outside.append(r.url)
-                if "localhost" not in r.url and r.url.startswith("http")
-                else None
-            ),
-        )
+        self.fetched: list[str] = []  # addresses, where the browser tells them
+
+    def outside(self) -> list[str]:
+        """Return what was fetched from other hosts."""
+        return [one for one in self.fetched if one.startswith("http") and "//localhost" not in one]
 
     def ask(self, path: str, body: Any, query: str = "") -> tuple[int, Any, float]:
         """Return status, reply and milliseconds of one request; bytes are sent as a file."""
@@ -138,21 +143,25 @@ def make(resources: Resources, folder: Path, runtime: Path | None) -> None:
 
 
 @contextmanager
-def opened(folder: Path, firefox: bool = False) -> Iterator[Site]:
+def opened(folder: Path, in_firefox: bool = False) -> Iterator[Site]:
     """Yield the site in a browser."""
     from playwright.sync_api import sync_playwright
 
-    with served(folder) as address, sync_playwright() as player:
-        if firefox:
-            browser = player.firefox.launch()
-        else:
+    with served(folder) as address:
+        if in_firefox:
+            with firefox() as fox:
+                fox.goto(address)
+                yield Site(fox)
+            return
+        with sync_playwright() as player:
             binary = next((path for name in CHROMIUM if (path := shutil.which(name))), None)
             browser = player.chromium.launch(executable_path=binary, args=FLAGS)
-        page = browser.new_page()
-        site = Site(page)
-        page.goto(address)
-        yield site
-        browser.close()
+            page = browser.new_page()
+            site = Site(page)
+            page.on("request", lambda request: site.fetched.append(request.url))
+            page.goto(address)
+            yield site
+            browser.close()
 
 
 def png(image: Image.Image, kind: str = "PNG", **options: Any) -> bytes:
@@ -303,22 +312,24 @@ def odd_compared(site: Site, resources: Resources) -> dict[str, Any]:
     return found
 
 
-def times(folder: Path, resources: Resources, slowed: int) -> dict[str, float]:
-    """Return milliseconds of a first and a later own pair, of a new p, and the heap in megabytes."""
-    first, second = list(own_pairs(resources, 2))
-    with opened(folder) as site:
-        client = site.page.context.new_cdp_session(site.page)
-        client.send("Emulation.setCPUThrottlingRate", {"rate": slowed})
-        record: dict[str, float] = {}
-        for name, files in (("first_pair_ms", first), ("later_pair_ms", second)):
-            spent, refs = 0.0, {}
-            for modality, content in files.items():
-                _, reply, ms = site.ask("image", content)
-                refs[modality], spent = reply["ref"], spent + ms
-            record[name] = spent + site.ask("many", {"pairs": [refs]})[2]
-        record["new_p_ms"] = min(site.ask("pair", {**refs, "order": p / 10})[2] for p in range(5))
-        record["live_ms"] = min(site.ask("live", files["tac"], "modality=tac")[2] for _ in range(3))
-        record["memory_mb"] = site.page.evaluate("performance.memory.totalJSHeapSize / 1e6")
+def page_measured(folder: Path, pairs: list[dict[str, bytes]]) -> dict[str, Any]:
+    """Return sizes, times and stalls of the whole site in Chromium, and times over a line of 20 Mbit/s."""
+    from playwright.sync_api import sync_playwright
+
+    binary = next((path for name in CHROMIUM if (path := shutil.which(name))), None)
+    with sync_playwright() as player:
+        browser = player.chromium.launch(executable_path=binary, args=FLAGS)
+        with served(folder, Line(MBIT * 1e6 / 8, DELAY_S)) as address:
+            line = over_line(browser, address)
+        with served(folder) as address:
+            record = {
+                "site_mb": sum(file.stat().st_size for file in files_in(folder)) / 1e6,
+                "own_pair": dropped(browser, address, pairs),
+                "main_thread": stalls(browser, address, pairs),
+                f"at_{MBIT}_mbit_per_s": line,
+                "load_average": os.getloadavg()[0],
+            }
+        browser.close()
     return record
 
 
@@ -326,24 +337,28 @@ def main() -> None:
     """Make the site, open it, compare, and write the figures."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--pairs", type=int, default=300)
-    parser.add_argument("--firefox", action="store_true", help="use Playwright's Firefox")
+    parser.add_argument("--firefox", action="store_true", help="the pairs alone, in Firefox")
+    parser.add_argument("--page", type=Path, help="the times of a folder that export --site wrote")
     parser.add_argument("--runtime", type=Path, help="folder of onnxruntime-web")
     parser.add_argument("--out", type=Path, help="write the figures here, as JSON")
     options = parser.parse_args()
     resources = Resources(places())
-    with TemporaryDirectory(prefix="omnivat-site-") as place:
-        folder = Path(place)
-        make(resources, folder, options.runtime)
-        with opened(folder, options.firefox) as site:
-            record = pairs_compared(site, resources, options.pairs)
-            record["odd_pictures"] = odd_compared(site, resources)
-            record["other_hosts"] = site.outside
-        if not options.firefox:
-            record["times"] = {f"slowed {n}": times(folder, resources, n) for n in (1, 4)}
+    if options.page:
+        record = page_measured(options.page, list(own_pairs(resources, PAGE_PAIRS)))
+    else:
+        with TemporaryDirectory(prefix="omnivat-site-") as place:
+            make(resources, Path(place), options.runtime)
+            with opened(Path(place), options.firefox) as site:
+                record = pairs_compared(site, resources, options.pairs)
+                if not options.firefox:
+                    record["odd_pictures"] = odd_compared(site, resources)
+                    record["other_hosts"] = site.outside()
     print(json.dumps(record, indent=2, ensure_ascii=False))
     if options.out:
         write_json(options.out.with_suffix(".json"), record)
-    if record["changed_classes"] or max(record["largest_difference"].values()) >= WANTED:
+    if not options.page and (
+        record["changed_classes"] or max(record["largest_difference"].values()) >= WANTED
+    ):
         raise SystemExit("The browser's predictions differ from those of `predict`.")
 
 

@@ -94,6 +94,34 @@ def chapters_tree_compare_and_a_pair(context: Any, address: str, folder: Path) -
     assert problems == []
 
 
+@pytest.mark.parametrize(
+    ("lack", "sentence"),
+    [
+        ("globalThis.WebAssembly = undefined;", "This browser has no WebAssembly"),
+        ("WebAssembly.validate = () => false;", "This browser's WebAssembly has no SIMD"),
+    ],
+)
+def test_a_browser_that_cannot_run_the_models_gets_a_sentence_and_the_chapters(
+    chromium: Any, folder: Path, lack: str, sentence: str
+) -> None:
+    context = chromium.new_context(service_workers="block")
+    script = next(folder.glob("web-*/site/worker.js")).read_text(encoding="utf-8")
+    context.route(
+        "**/site/worker.js",
+        lambda route: route.fulfill(body=f"{lack}\n{script}", content_type="text/javascript"),
+    )
+    with site(folder) as address:
+        page, problems = visit(context)
+        page.goto(f"{address}?tab=pair")
+        page.wait_for_selector(f'.pair .problem:has-text("{sentence}")')
+        page.click("#view-explore-button")
+        page.wait_for_selector(".explore.ready")
+        page.click("#view-data-button")
+        page.wait_for_selector(".data :text('python app.py') >> nth=0")
+        context.close()
+    assert problems == []
+
+
 def test_after_one_visit_the_site_predicts_an_own_pair_without_a_network(
     chromium: Any, folder: Path
 ) -> None:

@@ -12,8 +12,10 @@ pytest.importorskip("onnx", reason="the extra [onnx] is not installed")
 pytest.importorskip("onnxscript", reason="the extra [onnx] is not installed")
 
 from app import camera, familiar, occlusion, sensor, teaching
-from app.places import places
+from app.places import places, shipped_places
 from app.resources import Resources
+from app.site import whole_files
+from app.site_models import files_in
 from app.views import pair
 from benchmarks.site import ASK, make, served
 from omnivat.checkpoint import load_head
@@ -36,8 +38,8 @@ SAVE = """async ([path, question]) => {
 class Both:
     """One request to the browser's routes and to the server's functions."""
 
-    def __init__(self, page, resources):
-        self.page, self.resources, self.names = page, resources, {}
+    def __init__(self, page, resources, folder):
+        self.page, self.resources, self.folder = page, resources, folder
 
     def browser(self, path, body, query=""):
         sent = {"file": base64.b64encode(body).decode()} if isinstance(body, bytes) else body
@@ -87,8 +89,24 @@ def both(chromium, tmp_path_factory):
         context = chromium.new_context()
         page = context.new_page()
         page.goto(address)
-        yield Both(page, resources)
+        yield Both(page, resources, folder)
         context.close()
+
+
+def test_a_first_own_pair_needs_less_than_30_mb_and_a_site_of_both_sets_less_than_60(both):
+    def megabytes(files):
+        return sum(file.stat().st_size for file in files) / 1e6
+
+    def of_set(resources):
+        return whole_files(resources, lambda _: None)
+
+    sensors, chirps = of_set(both.resources), of_set(Resources(shipped_places("chirps")))
+    page = megabytes(
+        files_in(both.folder)
+    )  # scripts, runtime, encoder, and the larger of both sets
+    seen = [sensors[name] for name in ("/frames", "/thumbnails.webp")]
+    assert page + megabytes(seen) < 30
+    assert page + megabytes({*sensors.values(), *chirps.values()}) < 55  # and the chirps' models
 
 
 @pytest.mark.long

@@ -2,6 +2,7 @@
 
 import { json, refused } from "../shared/api.js";
 import { fit } from "../shared/facts.js";
+import { held } from "../shared/held.js";
 import { escaped, isSimulated, NO_CLASS, percent } from "../shared/text.js";
 import { theSetSoon } from "../shared/theset.js";
 import { loading } from "./loading.js";
@@ -117,5 +118,5 @@ function approximations(frames, limits) {
     <li>Probabilities are calibrated on the source, overconfident elsewhere.</li>`;
   return `<ul>${frames?.headless ? "" : ofHead}
     ${frames ? `<li>Map positions are at most ${percent(error, 3)} of the radius off.</li>` : ""}
-    <li>Images up to ${limits.image_bytes / 1e6} MB; the server keeps their embeddings alone.</li></ul>`;
+    <li>Images up to ${limits.image_bytes / 1e6} MB; ${held ? "they stay in this browser" : "the server keeps their embeddings alone"}.</li></ul>`;
 }

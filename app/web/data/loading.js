@@ -1,6 +1,7 @@
 /** Load a head, an embeddings file or both from this browser, for this visitor only. */
 
 import { ask, Refusal, refused, sendPart } from "../shared/api.js";
+import { held } from "../shared/held.js";
 
 const HEAD = [
   "weights.safetensors",
@@ -12,6 +13,10 @@ const HEAD = [
 const inUse = () => new URLSearchParams(location.search).get("set");
 
 export function loading(box) {
+  if (held) {
+    box.textContent = held.alone;
+    return;
+  }
   box.innerHTML = `<p>For you alone, until the server restarts.</p>
     <div class="pickers"><label>Head (folder) <input type="file" class="head" webkitdirectory multiple></label>
     <label>Embeddings, thumbnails <input type="file" class="set" multiple accept=".safetensors,.webp,.json"></label></div>

@@ -1,6 +1,7 @@
 /** Speed and error of the page's results, measured on the server on request. */
 
 import { ask, refused } from "../shared/api.js";
+import { held } from "../shared/held.js";
 import { escaped } from "../shared/text.js";
 
 const figure = (v) =>
@@ -13,6 +14,10 @@ const figure = (v) =>
 const ms = (v) => (v < 10 ? v.toFixed(1) : v.toFixed(0));
 
 export function measuring(box) {
+  if (held) {
+    box.textContent = held.alone;
+    return;
+  }
   box.innerHTML = `<div class="row"><button type="button" class="main">Measure now</button><span class="hint" role="status"></span></div><div class="figures"></div>`;
   const button = box.querySelector("button");
   const note = box.querySelector(".hint");

@@ -3,24 +3,24 @@
 import { IMAGES, imagesOf } from "../shared/images.js";
 import { orderIn, pairOf } from "./desk.js";
 import { Refused } from "./refusal.js";
+import { quiet } from "./runtime.js";
 import { best, dot, norm, rounded, rowOf, unit } from "./tensors.js";
 
-const STEP = 128; // pairs of one run of the head
+const STEP = 32; // pairs of one run of the head: 30 ms, for which a question of the visitor may wait
 const NEAREST = 6;
 const AROUND = 8; // points of the map between which a new one is placed
 const KEPT = 2; // stages of the whole set
 
-const pause = () => new Promise((resolve) => setTimeout(resolve)); // lets other requests through
-
-/** Run the head on pairs of the set by number; `take(out, count)` gets the outputs of each run. */
-async function walk(desk, head, numbers, order, wanted, take) {
-  for (let start = 0; start < numbers.length; start += STEP) {
+/** Run the head on pairs of the set by number, from place `at` of them on; `take(out, count, start)` gets the outputs
+ * of each run. */
+async function walk(desk, head, numbers, order, wanted, take, at = 0) {
+  for (let start = at; start < numbers.length; start += STEP) {
     const some = numbers.slice(start, start + STEP);
     const rows = await Promise.all(
       IMAGES.map((name) => Promise.all(some.map((one) => desk.models.row(one, name)))),
     );
-    take(await desk.models.stages(head, { vis: rows[0], tac: rows[1] }, order, wanted), some.length);
-    await pause();
+    take(await desk.models.stages(head, { vis: rows[0], tac: rows[1] }, order, wanted), some.length, start);
+    await quiet();
   }
 }
 
@@ -144,7 +144,9 @@ async function featuresOf(desk, head, stage, order, stopped) {
   desk.features ??= new Map();
   if (desk.features.has(key)) return desk.features.get(key);
   const { pairs } = await desk.models.about();
-  const all = new Array(2 * pairs);
+  if (desk.begun?.key !== key) desk.begun = { key, all: new Array(2 * pairs), at: 0 };
+  const { begun } = desk; // of a question that was withdrawn, the next one has the part that is done
+  const { all } = begun;
   const put = (modality, pair, row) => {
     all[modality * pairs + pair] = Float32Array.from(unit(row));
   };
@@ -153,14 +155,16 @@ async function featuresOf(desk, head, stage, order, stopped) {
     for (const pair of numbers)
       for (const modality of [0, 1]) put(modality, pair, await desk.models.row(pair, IMAGES[modality]));
   } else {
-    let at = 0;
     const wanted = IMAGES.map((name) => `${stage}_${name}`);
-    await walk(desk, head, numbers, order, wanted, (out, count) => {
+    const take = (out, count, start) => {
       if (stopped()) throw new Refused("Another question came first.", 499);
-      for (let i = 0; i < count; i++, at++)
-        wanted.forEach((name, modality) => put(modality, at, rowOf(out[name], i)));
-    });
+      for (let i = 0; i < count; i++)
+        wanted.forEach((name, modality) => put(modality, start + i, rowOf(out[name], i)));
+      begun.at = Math.max(begun.at, start + count);
+    };
+    await walk(desk, head, numbers, order, wanted, take, begun.at);
   }
+  desk.begun = null;
   if (desk.features.size >= KEPT) desk.features.delete(desk.features.keys().next().value);
   desk.features.set(key, all);
   return all;

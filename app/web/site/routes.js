@@ -108,16 +108,18 @@ async function many(desk, question) {
   return { classes: head.classes, pairs: found };
 }
 
+/** The training pairs of the set: {pair, row}, of length 1. */
+const trained = (desk, name) =>
+  desk.models.once(`training ${name}`, async () => {
+    const { training } = await desk.models.about();
+    const rows = training.index.map(async (pair) => ({ pair, row: unit(await desk.models.row(pair, name)) }));
+    return Promise.all(rows);
+  });
+
 /** The nearest training pairs of the set by cosine, except the pair itself. */
 async function nearest(desk, name, row, own) {
-  const { training } = await desk.models.about();
   const query = unit(row);
-  const found = await Promise.all(
-    training.index.map(async (pair) => ({
-      pair,
-      cosine: dot(query, unit(await desk.models.row(pair, name))),
-    })),
-  );
+  const found = (await trained(desk, name)).map((one) => ({ pair: one.pair, cosine: dot(query, one.row) }));
   const sorted = found.filter((one) => one.pair !== own).sort((a, b) => b.cosine - a.cosine);
   return sorted.slice(0, NEAREST).map((one) => ({ ...one, cosine: rounded([one.cosine], 4)[0] }));
 }

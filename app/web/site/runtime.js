@@ -43,6 +43,23 @@ export function inTurn(work) {
   return done;
 }
 
+let prompt = 0; // questions that a visitor waits for
+
+/** Do `work`, for which the long walks over a set wait.
+ * @template T @param {() => Promise<T>} work @returns {Promise<T>} */
+export function promptly(work) {
+  prompt += 1;
+  return work().finally(() => {
+    prompt -= 1;
+  });
+}
+
+/** Let other messages in, and settle once no visitor waits. */
+export async function quiet() {
+  do await new Promise((resolve) => setTimeout(resolve));
+  while (prompt);
+}
+
 /** The runtime from the folder of the models. `bytes` fetches a file; a Refused where it cannot run. */
 export async function runtime(base, bytes) {
   ort ??= started(base, bytes);

@@ -6,6 +6,7 @@ import { Models } from "./models.js";
 import { FILES, warm } from "./pictures.js";
 import { Refused } from "./refusal.js";
 import { QUESTIONS } from "./routes.js";
+import { promptly } from "./runtime.js";
 import { SAVING } from "./saving.js";
 
 const FAILED =
@@ -22,9 +23,12 @@ function deskOf(base, set) {
 async function reply({ id, base, set, path, query, body }) {
   const desk = deskOf(base, set);
   const stopped = () => withdrawn.has(id);
-  const question = path === "warm" ? warm : (QUESTIONS[path] ?? SAVING[path] ?? FOREST[path]);
-  if (question) return question(desk, JSON.parse(body), stopped);
-  return FILES[path](desk, { body: new Uint8Array(body), query: new URLSearchParams(query), stopped });
+  const question = QUESTIONS[path] ?? SAVING[path];
+  const patient = path === "warm" ? warm : FOREST[path];
+  if (patient) return patient(desk, JSON.parse(body), stopped);
+  if (question) return promptly(() => question(desk, JSON.parse(body), stopped));
+  const asked = { body: new Uint8Array(body), query: new URLSearchParams(query), stopped };
+  return promptly(() => FILES[path](desk, asked));
 }
 
 self.onmessage = async ({ data }) => {
