@@ -88,6 +88,7 @@ def first(resources: Resources) -> dict[str, Any]:
     import torch
 
     from omnivat.calibration.familiarity import UNLIKE
+    from omnivat.data.arrays import copied
     from omnivat.unseen.masks import counted
 
     head, embeddings = resources.head(), resources.embeddings()
@@ -99,7 +100,9 @@ def first(resources: Resources) -> dict[str, Any]:
     if head.familiarity is None or not refs:
         return {"ref": next(iter(refs.values()), None)}
     rows = np.array(list(refs))
-    vis, tac = (torch.from_numpy(getattr(embeddings, name)[rows]) for name in ("vis", "tac"))
+    vis, tac = (
+        torch.from_numpy(copied(getattr(embeddings, name)[rows])) for name in ("vis", "tac")
+    )
     looks = head.familiarity.look(vis, tac)
     least = [min(one["quantile"] for one in look.values()) for look in looks]
     best = int(np.argmax(least))
@@ -136,6 +139,7 @@ def _nearest(
     """Return the training pairs whose image is nearest by cosine in E, except the pair itself."""
     import torch
 
+    from omnivat.data.arrays import copied
     from omnivat.gaps.unit import unit
     from omnivat.projection.neighbours import nearest
 
@@ -144,7 +148,7 @@ def _nearest(
     key = f"training {name}"
     rows = resources.features.get(key)
     if rows is None:
-        vectors = torch.from_numpy(getattr(resources.embeddings(), name)[index].copy())
+        vectors = torch.from_numpy(copied(getattr(resources.embeddings(), name)[index]))
         rows = resources.features.keep(key, unit(vectors).numpy())
     query = unit(raw.float())
     found = nearest(torch.from_numpy(rows), min(NEAREST + 1, len(rows)), queries=query)

@@ -7,7 +7,9 @@ import pytest
 import torch
 
 from app.familiar import familiar, first
+from app.resources import Resources
 from omnivat.calibration import familiarity_of
+from omnivat.data.store import save_embeddings
 from omnivat.unseen.masks import counted
 
 
@@ -34,6 +36,22 @@ def test_the_nearest_pairs_are_training_pairs_and_never_the_pair_itself(resource
     assert [one["cosine"] for one in near] == pytest.approx(cosines[wanted], abs=1e-3)
     assert got["of"] == "the training pairs of TAG-sim"
     assert all(embeddings.domain[one["pair"]] == 0 for one in got["images"]["tac"]["nearest"])
+
+
+def test_a_set_in_half_precision_that_stays_in_its_file_has_nearest_pairs(
+    resources, tmp_path, monkeypatch
+):
+    monkeypatch.setattr("app.resources.MAPPED_BYTES", 0)
+    save_embeddings(tmp_path / "half.safetensors", resources.embeddings(), dtype="float16")
+    half = Resources(replace(resources.where, embeddings=tmp_path / "half.safetensors"))
+    assert half.embeddings().vis.dtype == np.float16
+    question = {"vis": "row:3", "tac": "row:50"}
+    (near, wanted) = (
+        [one["pair"] for one in familiar(some, question)["images"]["vis"]["nearest"]]
+        for some in (half, resources)
+    )
+    assert near == wanted
+    assert first(half) == first(resources)
 
 
 def test_a_training_image_is_familiar_and_noise_is_a_guess(knowing, png):

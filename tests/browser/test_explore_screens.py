@@ -94,3 +94,37 @@ def test_the_saved_page_works_from_disk_with_its_toy_and_tour(
     assert re.search(r"\d", page.locator(".tour p").inner_text())
     page.close()
     assert failed == []
+
+
+INK = """() => {
+  const { width, height } = document.querySelectorAll('.explore .map canvas')[1];
+  const x = document.querySelectorAll('.explore .map canvas')[1].getContext('2d');
+  return x.getImageData(0, 0, width, height).data.filter((v, i) => i % 4 === 3 && v > 0).length;
+}"""
+
+
+def test_paper_is_light_and_has_the_points_of_the_map_as_shapes(
+    open_page: Callable[..., Any],
+) -> None:
+    page = open_page("?chapter=failure", color_scheme="dark")
+    page.wait_for_selector(MAP)
+    page.wait_for_selector("body.dark")
+    page.wait_for_function(f"() => ({INK})() > 0")
+    before = page.evaluate(INK)
+    on_paper = page.evaluate(  # at once: the next animation frame draws for the screen
+        f"() => {{ dispatchEvent(new Event('beforeprint')); return ({INK})(); }}"
+    )
+    assert on_paper > 2 * before
+    assert not page.locator("body.dark").count()
+    page.evaluate("dispatchEvent(new Event('afterprint'))")
+    page.wait_for_selector("body.dark")
+
+
+def test_a_printed_chapter_has_no_tabs_and_no_buttons(open_page: Callable[..., Any]) -> None:
+    page = open_page("?chapter=fooled", viewport={"width": 718, "height": 1047})
+    page.wait_for_selector(MAP)
+    page.wait_for_selector(".explore .tiles button")
+    page.emulate_media(media="print")
+    for gone in (".ov.top", ".chapters", ".next", ".zooms button", ".tiles button:nth-child(13)"):
+        assert not page.locator(f"{gone} >> visible=true").count()
+    assert page.locator(".explore .bar-row >> visible=true").count() > 5

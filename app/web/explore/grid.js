@@ -7,6 +7,7 @@ import { escaped, percent } from "../shared/text.js";
 import { tagOf, tagPairs } from "./tags.js";
 
 const SHOWN = 60; // pairs; the CSV holds all
+const LESSON = 12; // in a chapter
 const SIDE = 44; // CSS pixels of a picture
 
 /** The pairs to show, and why: those selected, else those that a filter leaves, else the look-alikes.
@@ -74,9 +75,10 @@ export function showGrid(box, scene, { onPick, onClear, onSave }) {
     return;
   }
   const row = `<div class="row">${points ? '<button type="button" class="clear">Clear</button>' : ""}<button type="button" class="csv">Save as CSV</button><label>Tag <input type="text" class="tagging" maxlength="40" placeholder="a word, then Enter"></label></div>`;
-  const tiles = pairs.slice(0, SHOWN).map((pair) => tile(pair, scene));
+  const first = what.why ? LESSON : SHOWN;
+  const tiles = pairs.slice(0, first).map((pair) => tile(pair, scene));
   const more =
-    pairs.length > SHOWN ? `<p class="hint">${pairs.length - SHOWN} more pairs are in the CSV.</p>` : "";
+    pairs.length > first ? `<p class="hint">${pairs.length - first} more pairs are in the CSV.</p>` : "";
   const parts = [`<div class="tiles">${tiles.join("")}</div>${more}`, row];
   box.innerHTML = heading(what, scene) + (what.why ? parts : parts.reverse()).join(""); // a chapter shows the pictures first
   box.onclick = (event) => {

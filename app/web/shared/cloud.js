@@ -2,7 +2,7 @@
 
 import { density } from "./density.js";
 import { isDark, isLecture } from "./palette.js";
-import { Pixels } from "./points.js";
+import { Pixels, stampShape } from "./points.js";
 
 const GROUND = { light: "#ffffff", dark: "#0f172a" };
 const MARGIN = 0.06; // of the shorter side, kept free around all points
@@ -28,6 +28,7 @@ export class Cloud {
     this.painters = []; // functions that draw marks above the points
     this.pending = 0;
     this.onView = null; // called after every manual zoom and pan
+    addEventListener("beforeprint", () => this.print());
     new ResizeObserver(() => this.resize()).observe(box);
     this.resize();
   }
@@ -117,6 +118,17 @@ export class Cloud {
     }
     this.pixels.end();
     this.paintMarks();
+  }
+
+  /** Draw at once, as no animation frame comes before the paper, and as shapes: a browser prints no written pixels. */
+  print() {
+    this.draw();
+    this.painters.unshift((x) => {
+      for (const { style, at, count } of this.layers)
+        for (const point of at.subarray(0, count)) stampShape(x, style, ...this.place(point));
+    });
+    this.paintMarks();
+    this.painters.shift();
   }
 
   paintMarks() {

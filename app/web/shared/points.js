@@ -14,6 +14,18 @@ const SHAPES = {
 };
 const stamps = new Map();
 
+/** Draw one shape at a place, as a path. */
+export function stampShape(x, { shape, colour, radius, alpha }, left, top) {
+  x.save();
+  x.translate(left, top);
+  x.globalAlpha = alpha;
+  x.fillStyle = colour;
+  x.beginPath();
+  SHAPES[shape](x, radius);
+  x.fill();
+  x.restore();
+}
+
 /** A small picture of one shape: premultiplied colours, and the transparency. */
 function stamp({ shape, colour, radius, alpha }) {
   const key = `${shape} ${colour} ${radius} ${alpha}`;
