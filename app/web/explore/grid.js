@@ -7,7 +7,7 @@ import { escaped, percent } from "../shared/text.js";
 import { tagOf, tagPairs } from "./tags.js";
 
 const SHOWN = 60; // pairs; the CSV holds all
-const LESSON = 12; // in a chapter
+const LESSON = 10; // in a chapter
 const SIDE = 44; // CSS pixels of a picture
 
 /** The pairs to show, and why: those selected, else those that a filter leaves, else the look-alikes.
