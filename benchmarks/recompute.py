@@ -1,4 +1,4 @@
-"""Recompute the tables of the protocol, and the README's figures, from the records of the runs.
+"""Recompute the tables of the protocol and of the order, and the README's figures, from the records.
 
     python -m benchmarks.recompute
 
@@ -20,6 +20,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks import _recompute_order
 from benchmarks._recompute_numbers import Said, confidence, drawn_scores, probabilities
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -286,6 +287,9 @@ def main() -> None:
         ("intervals at D = 512", lambda c: check_limits(c, "protocol_full.md", full)),
         ("intervals at D = 64", lambda c: check_limits(c, "protocol.md", others + ours)),
         ("README, all intervals", check_printed),
+        ("orders or seeds", lambda c: _recompute_order.check_squares(c.compare)),
+        ("other unitaries on chirps", lambda c: _recompute_order.check_controls(c.compare)),
+        ("the search for p", lambda c: _recompute_order.check_search(c.compare)),
     )
     for title, check in checks:
         count = Count()

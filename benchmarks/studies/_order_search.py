@@ -13,7 +13,7 @@ from benchmarks.studies._order_runs import (
     scored,
 )
 from benchmarks.studies._order_sets import WIDTH
-from benchmarks.studies._other_chirps import Recipe, drawn, embeddings_of
+from benchmarks.studies._other_chirps import Recipe, beside, drawn, embeddings_of
 from omnivat.data.store import Embeddings
 from omnivat.from_pairs import plan_training
 from omnivat.simulate.chirps import ChirpSettings, chirp_embeddings
@@ -47,12 +47,12 @@ def search_of(seed: int) -> dict[str, Any]:
 
 
 def alone_of(program: str, seed: int) -> dict[str, Any]:
-    """Search for p* of one draw of a program of chirps: "this" or "other"."""
+    """Search for p* of one draw of chirps: of "this" program, of the "other", or "beside" p*."""
     if program == "this":
         settings = other_seed(ChirpSettings(), seed)
         made, known = chirp_embeddings(settings), {"order": settings.order, "width": settings.width}
     else:
-        recipe = drawn(seed)
+        recipe = beside(seed) if program == "beside" else drawn(seed)
         made, known = embeddings_of(recipe), asdict(recipe)
     head = {"width": known["width"], **CHIRP_HEAD}
     found = search_alone(made, made.header.domains[0], head, CHIRP_TRAINING)
@@ -80,6 +80,7 @@ def search_alone(
     found = search_order(plan.pairs, plan.settings, plan.training, seed=0, watch=Watch())
     return {
         "found": found["start"],
+        "between": found["between"],
         "ties": found["ties"],
         "lowest": min(found["score"]),
         "highest": max(found["score"]),

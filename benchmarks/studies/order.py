@@ -1,11 +1,11 @@
 """When does a fractional order help? The studies of docs/order.md, one for each subcommand.
 
-    python -m benchmarks.studies.order STUDY [--jobs N] [--seeds N] [--out DIR]
+    python -m benchmarks.studies.order STUDY [--jobs N] [--seeds N] [--first N] [--out DIR]
 
     basin     loss against p around a trained head's own p, for D = 16 to 512, and its width
     strength  chirps: gain of the right order over p = 0 and p = 1, by strength and domain shift
     search    chirps: result and cost of the search, with a new p* for every seed
-    others    chirps of this and of another program: result and cost of the search alone
+    others    chirps of this program, of another, and with interference 0.12 from p*: result and cost of the search alone
     near      chirps of another program with interference at 0: the search for p* beside it
     shipped   the shipped chirps: the curve of the search
     ties      simulated sensors: the orders that the search cannot tell apart
@@ -140,13 +140,18 @@ def search(options: argparse.Namespace) -> list[dict[str, Any]]:
 
 def others(options: argparse.Namespace) -> list[dict[str, Any]]:
     """Search alone, on chirps of this program and of another."""
-    jobs = [(name, seed) for name in ("other", "this") for seed in range(options.seeds)]
+    jobs = [(name, seed) for name in ("other", "beside", "this") for seed in seeds_of(options)]
     return list(carried_out(alone_of, jobs, options.jobs))
+
+
+def seeds_of(options: argparse.Namespace) -> range:
+    """Return the seeds of the draws."""
+    return range(options.first, options.first + options.seeds)
 
 
 def near(options: argparse.Namespace) -> list[dict[str, Any]]:
     """Search alone, for p* near interference at 0 in photos, or in photos and touches."""
-    jobs = product((0.5, 0.0), NEAR, range(options.seeds))
+    jobs = product((0.5, 0.0), NEAR, seeds_of(options))
     return [near_of(order, touch, seed) for touch, order, seed in jobs]
 
 
@@ -283,6 +288,7 @@ def main() -> None:
     parser.add_argument("study", choices=STUDIES)
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--seeds", type=int, default=3)
+    parser.add_argument("--first", type=int, default=0, help="first seed, of others and near")
     parser.add_argument("--widest", type=int, default=512, help="of basin")
     parser.add_argument("--frames", type=Path, default=EXAMPLES / "trained.bin", help="of power")
     parser.add_argument("--out", type=Path, default=Path("docs/benchmarks"))

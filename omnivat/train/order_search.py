@@ -1,19 +1,21 @@
-"""Search for p without training: a closed-form classifier on the tokens of every order.
+"""Search for p without training: closed-form classifiers at every order.
 
 The gradient cannot find p: the loss has a valley of width about 1/D, and it is flat elsewhere
-(docs/order.md). At each order of a grid, a ridge regression predicts the class from the tokens that
-the head would see; its error on pairs left out measures how good that order is. The search uses no
-other domain.
+(docs/order.md). At each order of a grid, ridge regressions predict the class: from the tokens that the
+head would see, and from |F_p z|², in which a random phase has no part. Their error on pairs left out
+measures how good that order is. The search uses no other domain.
 """
 
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import takewhile
 from typing import Any
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
+from torch import Tensor
 
 from omnivat.data.store import Embeddings
 from omnivat.fractional import Coefficients, coefficients, synthesise
@@ -36,21 +38,21 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Scored:
-    """Error of the classifier at one order, for every pair left out; 1 is that of the class shares."""
+    """Errors of the classifiers at one order, for every pair left out; 1 is that of the class shares."""
 
     order: float
-    losses: Array  # (N,)
+    losses: Array  # (classifier, N)
     round: str  # "coarse" or "fine"
 
     @property
     def score(self) -> float:
-        """The mean over pairs."""
-        return float(self.losses.mean())
+        """The mean over classifiers; one that is worse than chance counts as chance."""
+        return float(self.losses.mean(1).clip(max=1.0).mean())
 
     @property
     def spread(self) -> float:
         """The standard error of the mean."""
-        return float(self.losses.std(ddof=1) / len(self.losses) ** 0.5)
+        return float(self.losses.mean(0).std(ddof=1) / self.losses.shape[1] ** 0.5)
 
 
 def stops_of(head: HeadSettings, settings: TrainSettings) -> int:
@@ -69,10 +71,11 @@ def search_order(
     """Return the best order for the source, and the curve behind it.
 
     return  "start" the order; "orders", "score", "spread", "round" one entry for each order scored
-            (score: mean squared error on pairs left out over that of the class shares, mean of the
-            readings photo only, touch only and both; 1 is chance, lower is better; spread: its
-            standard error); "ties" the orders that the source cannot tell from the best, "note"
-            the same in words; "seconds" and "steps" the cost of the search
+            (score: mean squared error on pairs left out over that of the class shares, mean of six
+            classifiers: tokens and energies, each of photo only, touch only and both; 1 is chance,
+            lower is better; spread: its standard error); "between" the lowest and highest order around the best that the source
+            cannot tell from it, "ties" the best such order in each other valley, "note" both in
+            words; "seconds" and "steps" the cost of the search
 
             The initial order in `head` has no effect. Orders outside [0, 1] repeat those inside.
     """
@@ -84,18 +87,22 @@ def search_order(
     coarse = [scores.at(k * step, "coarse") for k in range(stops_of(head, settings))]
     valleys = lowest_valleys(coarse, APART / head.width)
     fine = [[scores.at(v.order + share * step, "fine") for share in FINE] for v in valleys]
-    best = min(fine, key=lambda found: min(one.score for one in found))
+    bottom = min(fine, key=lambda found: min(one.score for one in found))
     everything = (*coarse, *(one for found in fine for one in found))
-    start = folded(lowest_point([(one.order, one.score) for one in best]))
-    ties = tied(everything, min(best, key=lambda one: one.score), APART / head.width)
+    start = folded(lowest_point([(one.order, one.score) for one in bottom]))
+    best = min(bottom, key=lambda one: one.score)
+    ties = tied(everything, best, APART / head.width)
+    low, high = neighbours(everything, best)
+    between = [round(min(low, start), 4), round(max(high, start), 4)]
     return {
         "start": start,
         "orders": [one.order for one in everything],
         "score": [one.score for one in everything],
         "spread": [one.spread for one in everything],
         "round": [one.round for one in everything],
+        "between": between,
         "ties": ties,
-        "note": _note(start, ties, step),
+        "note": _note(start, between, ties),
         "steps": len(everything),
         "seconds": round(time.monotonic() - began, 2),
     }
@@ -119,22 +126,39 @@ def tied(found: Sequence[Scored], best: Scored, apart: float) -> list[float]:
     """
     ties: list[float] = []
     for one in sorted(found, key=lambda one: one.score):
-        more = one.losses - best.losses
         near = (folded(other) for other in (best.order, *ties))
         if any(abs(folded(one.order) - other) <= apart for other in near):
             continue
-        if more.mean() <= DOUBT * more.std(ddof=1) / len(more) ** 0.5:
+        if _as_good(one, best):
             ties.append(round(folded(one.order), 4))
     return ties
 
 
-def _note(start: float, ties: Sequence[float], step: float) -> str:
+def neighbours(found: Sequence[Scored], best: Scored) -> tuple[float, float]:
+    """Return the ends, within [0, 1], of the run of scored orders around the best that tie with it."""
+    ends = []
+    for side in (-1, 1):
+        beyond = [one for one in found if side * (one.order - best.order) > 0]
+        beyond.sort(key=lambda one: abs(one.order - best.order))
+        run = [one.order for one in takewhile(lambda one: _as_good(one, best), beyond)]
+        ends.append(run[-1] if run else best.order)
+    low, high = (min(max(end, 0.0), 1.0) for end in ends)
+    return low, high
+
+
+def _as_good(one: Scored, best: Scored) -> bool:
+    more = (one.losses - best.losses).mean(0)
+    return bool(more.mean() <= DOUBT * more.std(ddof=1) / len(more) ** 0.5)
+
+
+def _note(start: float, between: Sequence[float], ties: Sequence[float]) -> str:
+    low, high = between
     if not ties:
-        return f"p = {start:.3f} is better than any other order by two standard errors."
+        return f"p = {start:.3f}; orders outside {low:.3f} to {high:.3f} are worse by two standard errors."
     others = ", ".join(f"{p:.3f}" for p in ties[:3]) + (" and others" if len(ties) > 3 else "")
     return (
-        f"p = {start:.3f} ties with {others}: the source alone does not tell them apart. "
-        "Compare heads at each of them on another domain."
+        f"p = {start:.3f} (as good from {low:.3f} to {high:.3f}) ties with {others}: the source alone "
+        "does not tell them apart. Compare heads at each of them on another domain."
     )
 
 
@@ -184,17 +208,25 @@ class _Scores:
         self.watch, self.total, self.count = watch, search_steps(head, settings), 0
 
     def at(self, order: float, name: str) -> Scored:
-        """Score one order: mean of the readings photo only, touch only and both."""
+        """Score one order by tokens and energies of the readings photo only, touch only and both."""
         self.count += 1
         self.watch.step(self.count, self.total, f"order {order:.3f}")
         with torch.inference_mode():
             parts = self.model.mffa.channels(synthesise(self.kept, order, planar=True))
             tokens = torch.cat((parts.relu(), (-parts).relu())).movedim(0, 2).flatten(2)
-        grams = [_gram(one.double().numpy()) for one in tokens]
-        if len(grams) > 1:
-            grams.append(sum(grams[1:], start=grams[0]) / len(grams))
-        losses = np.mean([_left_out(gram, self.targets, self.groups) for gram in grams], axis=0)
-        return Scored(order=order, losses=losses / (self.targets**2).sum(1).mean(), round=name)
+            energies = parts.square().sum(0)  # (M, N, D)
+            grams = [*_grams(tokens), *_grams(energies)]
+            losses = [_left_out(gram, self.targets, self.groups) for gram in grams]
+        scale = (self.targets**2).sum(1).mean()
+        return Scored(order=order, losses=np.array(losses) / scale, round=name)
+
+
+def _grams(rows: Tensor) -> list[Tensor]:
+    """Return inner products (N, N) of centred rows (M, N, C), mean squared length 1, and their mean."""
+    rows = rows - rows.mean(1, keepdim=True)
+    grams = (rows @ rows.mT).double()
+    grams /= grams.diagonal(dim1=1, dim2=2).mean(1).clamp_min(1e-12)[:, None, None]
+    return [*grams, grams.mean(0)] if len(grams) > 1 else [*grams]
 
 
 def _groups(objects: Sequence[str], labels: NDArray[np.int64]) -> list[NDArray[np.int64]]:
@@ -207,20 +239,14 @@ def _groups(objects: Sequence[str], labels: NDArray[np.int64]) -> list[NDArray[n
     return groups
 
 
-def _gram(tokens: Array) -> Array:
-    """Return the inner products (N, N) of centred tokens (N, T), mean squared length 1."""
-    tokens = tokens - tokens.mean(0)
-    gram: Array = tokens @ tokens.T
-    return gram / max(float(np.trace(gram)) / len(gram), 1e-12)
-
-
-def _left_out(gram: Array, targets: Array, groups: Sequence[NDArray[np.int64]]) -> Array:
+def _left_out(gram: Tensor, targets: Array, groups: Sequence[NDArray[np.int64]]) -> Array:
     """Return the squared error (N,) of ridge regression for each pair, its object left out.
 
     With hat matrix H, the residual of a group g left out is (I - H_gg)⁻¹ (y - Hy)_g.
     """
     count = len(gram)
-    rest = RIDGE * np.linalg.inv(gram + RIDGE * np.eye(count)) - 1 / count  # I - H, with the mean
+    factor = torch.linalg.cholesky(gram + RIDGE * torch.eye(count, dtype=gram.dtype))
+    rest = RIDGE * torch.cholesky_inverse(factor).numpy() - 1 / count  # I - H, with the mean
     residual = rest @ targets
     if len(groups) == count:
         residual /= np.diag(rest)[:, None]

@@ -12,10 +12,11 @@ from omnivat.simulate.chirps import ChirpSettings, chirp_embeddings
 from omnivat.train import TrainingCancelled, TrainSettings, Watch, train
 from omnivat.train.order_search import (
     Scored,
-    _gram,
+    _grams,
     folded,
     lowest_point,
     lowest_valleys,
+    neighbours,
     search_order,
     search_steps,
     tied,
@@ -72,7 +73,9 @@ def test_the_record_of_a_search_holds_its_curve_and_what_it_cost(found):
     assert search["orders"][int(np.argmin(coarse))] == pytest.approx(CHIRPS.order, abs=0.02)
     assert search["steps"] == search_steps(head(), TrainSettings(order_search=True))
     assert search["found"] == found.model.order
-    assert search["ties"] == [] and "better than any other" in search["note"]
+    assert search["ties"] == [] and "are worse by two standard errors" in search["note"]
+    low, high = search["between"]
+    assert low <= search["start"] <= high < low + 4 / 64
 
 
 def of(recipe):
@@ -152,10 +155,11 @@ def test_orders_fold_into_the_first_quarter_turn():
 
 
 def test_inner_products_do_not_depend_on_the_length_of_the_tokens():
-    tokens = np.random.default_rng(0).normal(size=(6, 4))
-    gram = _gram(1e-4 * tokens)
-    np.testing.assert_allclose(gram, _gram(3.0 * tokens))
-    assert np.trace(gram) / 6 == pytest.approx(1.0)
+    tokens = torch.from_numpy(np.random.default_rng(0).normal(size=(2, 6, 4)))
+    grams = _grams(1e-4 * tokens)
+    for gram, other in zip(grams, _grams(3.0 * tokens), strict=True):
+        torch.testing.assert_close(gram, other)
+        assert float(gram.trace()) / 6 == pytest.approx(1.0)
 
 
 def test_the_spread_of_a_score_is_the_standard_error_of_its_mean():
@@ -163,7 +167,7 @@ def test_the_spread_of_a_score_is_the_standard_error_of_its_mean():
 
 
 def scored(order, *losses):
-    return Scored(order=order, losses=np.array(losses), round="coarse")
+    return Scored(order=order, losses=np.array([losses]), round="coarse")
 
 
 def test_a_tie_is_judged_by_paired_differences_and_outside_the_best_valley():
@@ -173,9 +177,33 @@ def test_a_tie_is_judged_by_paired_differences_and_outside_the_best_valley():
     assert tied([best, beside, worse, same], best, 0.06) == [0.1]
 
 
+def test_the_orders_around_the_best_that_tie_with_it_are_named():
+    best = scored(0.5, 0.1, 0.9, 0.1, 0.9)
+    same = [scored(p, 0.9, 0.1, 0.2, 0.9) for p in (0.48, 0.51, 0.52, 0.6)]
+    worse = [scored(p, 0.2, 1.01, 0.2, 1.01) for p in (0.45, 0.55)]
+    assert neighbours([best, *same, *worse], best) == (0.48, 0.52)
+    assert neighbours([best, *worse], best) == (0.5, 0.5)
+    assert (
+        neighbours([scored(-0.01, 0.1, 0.9), scored(0.0, 0.1, 0.9)], scored(0.0, 0.1, 0.9))[0] == 0
+    )
+
+
+def test_a_classifier_that_is_worse_than_chance_counts_as_chance():
+    losses = np.array([[0.2, 0.4], [1.5, 3.5]])
+    assert Scored(order=0.1, losses=losses, round="fine").score == pytest.approx((0.3 + 1) / 2)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_an_order_beside_interference_at_an_end_is_found(seed):
+    """Closer than a valley is wide: tokens alone find 0 here."""
+    recipe = Recipe(order=0.05, near=((0.0, 0.0),), seed=seed)
+    assert of(recipe)["start"] == pytest.approx(0.05, abs=0.015)
+
+
 def test_valleys_are_apart_and_as_many_as_are_refined():
     orders = [
-        scored(p, loss, loss) for p, loss in ((0, 3), (0.1, 1), (0.12, 1.5), (0.5, 2), (1, 9))
+        scored(p, loss, loss)
+        for p, loss in ((0, 0.3), (0.1, 0.1), (0.12, 0.15), (0.5, 0.2), (1, 0.9))
     ]
     assert [one.order for one in lowest_valleys(orders, 0.2)] == [0.1, 0.5, 1]
     assert [one.order for one in lowest_valleys(orders, 2.0)] == [0.1, 0.12, 0.5]

@@ -6,7 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks import _recompute_numbers, ladder_check, ladder_table, recompute
+from benchmarks import (
+    _recompute_numbers,
+    _recompute_order,
+    ladder_check,
+    ladder_table,
+    recompute,
+)
 from omnivat.data.packing import odds, unodds
 
 
@@ -28,6 +34,7 @@ def test_every_figure_of_the_tables_and_of_the_readme_stands_in_a_record(capsys)
         and counts[4] == 3
         and counts[5] == counts[6] == 6
         and counts[7] >= 14
+        and counts[8:] == [130, 20, 16]
     )
 
 
@@ -52,8 +59,19 @@ def test_an_interval_of_the_readme_that_no_report_has_is_named(monkeypatch, tmp_
     assert count.wrong == ["README: no report has -1.4 [-5.1, 2.3]"]
 
 
+def test_a_figure_of_the_order_that_its_record_does_not_give_is_named(monkeypatch, tmp_path):
+    text = (_recompute_order.DOCS / "order.md").read_text(encoding="utf-8")
+    (tmp_path / "order.md").write_text(text.replace("+0.20 [-0.06, +0.46]", "+0.20 [-0.06, +0.45]"))
+    (tmp_path / "benchmarks").symlink_to(_recompute_order.DOCS / "benchmarks")
+    monkeypatch.setattr(_recompute_order, "DOCS", tmp_path)
+    count = recompute.Count()
+    _recompute_order.check_squares(count.compare)
+    (wrong,) = count.wrong
+    assert "trained', 'order', 64, 0.0" in wrong and "printed 0.45" in wrong
+
+
 def test_the_script_imports_nothing_of_the_project():
-    for module in (recompute, _recompute_numbers):
+    for module in (recompute, _recompute_numbers, _recompute_order):
         tree = ast.parse(Path(module.__file__).read_text(encoding="utf-8"))
         names = {n.module for n in ast.walk(tree) if isinstance(n, ast.ImportFrom)}
         names |= {a.name for n in ast.walk(tree) if isinstance(n, ast.Import) for a in n.names}

@@ -1,7 +1,8 @@
 """Contact signals in one dimension: recordings of vibrations, cut into windows.
 
-Two layouts: that of dexrob/BioTac_slide_20_50 (`mat1/mat1_10_bio.csv`), and any folder
-`<domain>/<class>/<name>.csv` or `.wav`. Both leave out what they cannot read, with the reason.
+Three layouts: that of dexrob/BioTac_slide_20_50 (`mat1/mat1_10_bio.csv`), any folder
+`<domain>/<class>/<name>.csv` or `.wav`, and a folder of .npz files with the arrays `signal` and
+`material`. All leave out what they cannot read, with the reason.
 """
 
 import csv
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 
 from omnivat.data.embeddings import Embeddings, Header
 from omnivat.data.foreign import PREFIX
+from omnivat.data.foreign_files import read_columns
 from omnivat.data.materials import class_key, in_order
 from omnivat.data.pairs import Skipped
 from omnivat.data.readers.names import folders_in, show, visible
@@ -25,12 +27,13 @@ from omnivat.data.strips import ENCODER, PREPROCESSING, READER, STRIPES
 from omnivat.errors import DataError, SettingsError
 from omnivat.tables import load
 
-LAYOUT = "<domain>/<class>/<name>.csv or .wav"
+LAYOUT = "<domain>/<class>/<name>.csv or .wav, or .npz with signal (N, n) and material (N,)"
 BIOTAC = re.compile(r"(?P<material>mat\d+)_\d+_bio\.csv", re.IGNORECASE)
 DYNAMIC = tuple(f"pac{k}" for k in range(1, 23))  # 22 samples of dynamic pressure in a row
 MOST = 10_000_000  # samples of one recording
 SIGNAL_READERS = {  # tried in this order
     "biotac": "omnivat.data.readers.signals:read_biotac",
+    "arrays": "omnivat.data.readers.signals:read_arrays",
     "folder": "omnivat.data.readers.signals:read_folder",
 }
 Signal = NDArray[np.float32]
@@ -58,13 +61,15 @@ class Recordings:
 def read_signals(source: Path | str, *, reader: str = "auto") -> Recordings:
     """Return the recordings in a folder; errors as in `signal_embeddings`.
 
-    reader  a name in SIGNAL_READERS; "auto": BioTac if any file has such a name
+    reader  a name in SIGNAL_READERS; "auto": BioTac if any file has such a name, arrays if the
+            folder has an .npz file, a folder of signals otherwise
     """
     root = Path(source)
     if not root.is_dir():
         raise DataError(f"'{show(root)}' is not a folder; expected a folder of {LAYOUT}.")
     if reader == "auto":
-        reader = "biotac" if next(_biotac_files(root), None) else "folder"
+        other = "arrays" if _array_files(root) else "folder"
+        reader = "biotac" if next(_biotac_files(root), None) else other
     found: Recordings = load(SIGNAL_READERS, reader, kind="reader of signals")(root)
     if not found.recordings:
         why = f" ({found.skipped[0].what}: {found.skipped[0].why})" if found.skipped else ""
@@ -99,6 +104,44 @@ def read_folder(root: Path) -> Recordings:
         for entry in visible(kind)
     ]
     return _collected(root, files, _any, f"folder of signals '{root.name}'")
+
+
+def read_arrays(root: Path) -> Recordings:
+    """Return the recordings of .npz files: `signal` (N, n), `material` (N,), perhaps `domain` (N,).
+
+    A file without `domain` is a domain of its name.
+    """
+    recordings: list[Recording] = []
+    skipped = []
+    for file in _array_files(root):
+        try:
+            recordings += _rows_of(file)
+        except DataError as error:
+            skipped.append(Skipped(what=show(file.relative_to(root)), why=str(error)))
+    origin = f"arrays of signals in '{root.name}'"
+    return Recordings(recordings=tuple(recordings), skipped=tuple(skipped), origin=origin)
+
+
+def _rows_of(file: Path) -> Iterator[Recording]:
+    found = read_columns(file)
+    for name in ("signal", "material"):
+        if name not in found:
+            raise DataError(f"lacks the array '{name}'")
+    signal = found["signal"]
+    if signal.ndim != 2 or signal.dtype.kind not in "iuf" or not np.isfinite(signal).all():
+        raise DataError("'signal' is no table of finite numbers, a recording a row")
+    names = [found["material"], found.get("domain", np.full(len(signal), file.stem))]
+    if any(one.shape != (len(signal),) for one in names):
+        raise DataError(f"'material' or 'domain' has no name for each of {len(signal)} recordings")
+    return (
+        Recording(
+            signal=row.astype(np.float32),
+            domain=str(domain),
+            material=class_key(str(material)),
+            name=f"{file.name}:{index}",
+        )
+        for index, (row, material, domain) in enumerate(zip(signal, *names, strict=True))
+    )
 
 
 def signal_embeddings(
@@ -193,6 +236,10 @@ def _biotac_files(root: Path) -> Iterator[Path]:
         *(f for top in folders_in(root) for f in folders_in(top)),
     ):
         yield from (folder / e.name for e in visible(folder) if BIOTAC.fullmatch(e.name))
+
+
+def _array_files(root: Path) -> list[Path]:
+    return [root / e.name for e in visible(root) if e.name.lower().endswith(".npz")]
 
 
 def _material(file: Path) -> str:

@@ -111,6 +111,32 @@ def test_bad_requests_end_in_one_sentence(tmp_path):
         signal_embeddings(tmp_path, window=4)
 
 
+def test_a_folder_of_arrays_has_a_recording_a_row(tmp_path):
+    signal = np.random.default_rng(0).integers(-9, 9, (6, 200)).astype(np.int16)
+    np.savez(tmp_path / "lab.npz", signal=signal, material=np.array([1, 2] * 3))
+    np.savez(tmp_path / "named.npz", signal=signal, material=["Wood"] * 6, domain=["a", "b"] * 3)
+    found = read_signals(tmp_path).recordings
+    assert [(one.domain, one.material) for one in found[:2]] == [("lab", "1"), ("lab", "2")]
+    assert {(one.domain, one.material) for one in found[6:]} == {("a", "wood"), ("b", "wood")}
+    np.testing.assert_array_equal(found[3].signal, signal[3])
+
+
+@pytest.mark.parametrize(
+    ("arrays", "why"),
+    [
+        ({"signal": np.ones((2, 9))}, "lacks the array 'material'"),
+        ({"signal": np.ones((2, 9)), "material": [1]}, "no name for each of 2"),
+        ({"signal": np.full((2, 9), np.nan), "material": [1, 2]}, "no table of finite numbers"),
+        ({"signal": np.ones(9), "material": [1] * 9}, "no table of finite numbers"),
+    ],
+)
+def test_arrays_that_do_not_fit_are_left_out_with_the_reason(tmp_path, arrays, why):
+    np.savez(tmp_path / "bad.npz", **arrays)
+    (tmp_path / "cut.npz").write_bytes(b"PK")
+    with pytest.raises(DataError, match=why):
+        read_signals(tmp_path)
+
+
 def test_the_command_line_writes_a_set_of_signals(tmp_path, capsys):
     a_set(tmp_path / "data")
     (tmp_path / "data/mat1/mat1_99_bio.csv").write_text("pdc\n1\n")
