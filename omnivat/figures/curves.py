@@ -250,6 +250,7 @@ def staircase(frames: FrameSet, *, order: float | None = None) -> Figure:
             range=[-0.5, len(words) - 0.5],
             tickvals=list(range(len(words))),
             ticktext=words,
+            tickangle=-35,  # all names, on a phone, too
             showgrid=False,
         ),
         yaxis=axis(
