@@ -3,6 +3,7 @@
 import json
 import math
 import re
+from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
@@ -54,6 +55,13 @@ def test_every_figure_is_plotlys_and_has_a_still_picture_of_valid_svg(name, tmp_
     assert json.loads(found.to_json())["data"]
     figures.write(tmp_path / "f.png", found)
     assert (tmp_path / "f.png").stat().st_size > 1000
+
+
+def test_no_figure_has_the_name_of_the_module_that_holds_it():
+    modules = {file.stem for file in Path(figures.__file__).parent.glob("*.py")}
+    assert not modules & set(
+        figures.__all__
+    )  # an import of the module would take the figure's place
 
 
 def test_a_map_has_a_mark_for_every_point_and_one_name_a_group():
