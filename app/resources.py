@@ -174,9 +174,8 @@ class Resources:
         embeddings = self.embeddings()
         self.head().require_embeddings(embeddings)
         rows = embeddings.vis if modality == "vis" else embeddings.tac
-        return np.array(
-            np.asarray(rows)[row], np.float32
-        )  # a row of a memmap takes 20 times as long
+        plain = np.asarray(rows)  # a row of a memmap takes 20 times as long
+        return np.array(plain[row], np.float32)
 
     def _row(self, name: str) -> int:
         count = len(self.embeddings())

@@ -1,6 +1,5 @@
 """The choices of a training, and their check."""
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -51,10 +50,7 @@ def offers(embeddings: "Embeddings", source: str) -> dict[str, Any]:
     """
     from omnivat.lang.bank import DEFAULT_BANK, load_bank
 
-    header = embeddings.header
-    there = {*zip(embeddings.domain.tolist(), embeddings.label.tolist(), strict=True)}
-    sizes = Counter(domain for domain, _ in there)
-    domains = [name for k, name in enumerate(header.domains) if sizes[k] > 1]
+    header, domains = embeddings.header, list(embeddings.learnable)
     if not domains:
         raise DataError(
             "No domain has pairs of two classes, so there is nothing to train a head on."

@@ -22,7 +22,8 @@ from scipy.stats import rankdata, spearmanr
 from omnivat import figures
 from omnivat.files import write_text
 from omnivat.frames.file import frames_header
-from omnivat.ladder import FORMAT, RECORDS, letters, marks
+from omnivat.heads import LADDERS
+from omnivat.ladder import FORMAT, letters, marks
 from omnivat.protocol.records import lines, read
 from omnivat.reports.reading import settled
 
@@ -114,7 +115,7 @@ def retrieval() -> dict[str, dict[str, dict[str, Found]]]:
     Over domains: unseen domains of one head; the mean over heads, its interval over sources.
     Between heads: heads of all other sources in one domain; the mean and its interval over domains.
     """
-    first, *runs = lines(RECORDS, FORMAT)
+    first, *runs = lines(LADDERS, FORMAT)
     truth, domain = letters(first["truth"]), np.array(first["domain"])
     cells = []  # (source, target, head, stage) and its values
     for number, run in enumerate(one for one in runs if "space" in one):

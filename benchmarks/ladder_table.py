@@ -20,7 +20,8 @@ from omnivat.figures.scores import ladder
 from omnivat.figures.still import svg_of
 from omnivat.files import write_text
 from omnivat.gaps.calibration import ece, nll
-from omnivat.ladder import FORMAT, KNOWN, METHOD, RECORDS, letters, marks
+from omnivat.heads import LADDERS
+from omnivat.ladder import FORMAT, KNOWN, METHOD, letters, marks
 from omnivat.protocol.records import lines
 from omnivat.reports.intervals import Interval, bootstrap_interval
 
@@ -229,7 +230,7 @@ def picture(found: Shares) -> str:
 def main() -> None:
     """Write both files."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--records", type=Path, default=RECORDS, help="of benchmarks.ladder")
+    parser.add_argument("--records", type=Path, default=LADDERS, help="of benchmarks.ladder")
     parser.add_argument("--out", type=Path, default=Path("docs/benchmarks"), help="folder")
     options = parser.parse_args()
     found = shares(options.records)

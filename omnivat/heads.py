@@ -53,11 +53,14 @@ def ladder_file(embeddings: Path) -> Path:
 
 
 def ladder_key(head: Path, embeddings: Path) -> str:
-    """Return a hash of what a ladder is computed from: the head, the set and the records.
+    """Return a hash of what a ladder is computed from: the head with its profile, the set and the records.
 
-    Raises OSError if a file is missing.
+    Raises OSError if another file than the profile is missing: older heads have none.
     """
-    return hash_of(head / "weights.safetensors", head / "settings.json", embeddings, LADDERS)[:24]
+    profile = head / "profile.safetensors"
+    own = [profile] if profile.is_file() else []
+    files = (head / "weights.safetensors", head / "settings.json", *own, embeddings, LADDERS)
+    return hash_of(*files)[:24]
 
 
 def kept_ladder(head: Path, embeddings: Path) -> dict[str, Any] | None:

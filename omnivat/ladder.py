@@ -26,7 +26,6 @@ from omnivat.protocol.records import lines
 from omnivat.unseen.masks import counted, of_domains, wilson
 
 FORMAT = "omnivat-ladder-1"
-RECORDS = LADDERS
 METHOD = "omnivat"  # in the records: the light head, trained as the default one
 OTHERS = {"logistic": "logistic regression", "nearest_mean": "nearest class mean"}  # for the rest
 COUNTS = (1, 2, 5, 10, 20, 50)  # pairs without labels
@@ -169,7 +168,7 @@ def rung(
 @cache
 def _records() -> tuple[Mapping[str, Any], list[Mapping[str, Any]]]:
     """Return the head line of the shipped records, and the lines that `recorded` reads."""
-    found = list(lines(RECORDS, FORMAT))
+    found = list(lines(LADDERS, FORMAT))
     return (found[0] if found else {}), [
         one for one in found[1:] if one["method"] in (METHOD, *OTHERS)
     ]

@@ -52,8 +52,7 @@ def try_pairs(
     Raises DataError for a source without two classes.
     """
     data = found.embeddings
-    kinds = {name: np.unique(data.label[found.members(name)]) for name in found.domains}
-    able = [name for name, own in kinds.items() if len(own) > 1]
+    able = data.learnable
     if source and source not in able:
         raise DataError(
             f"'{printable(source)}' cannot train a head: it needs pairs of two classes. Choose "

@@ -85,8 +85,7 @@ def fit(resources: Resources) -> dict[str, str]:
     try:
         resources.head().require_embeddings(embeddings)
     except DataError as error:
-        found = {*zip(embeddings.domain.tolist(), embeddings.label.tolist(), strict=True)}
-        able = len(found) > len({domain for domain, _ in found})
+        able = embeddings.learnable
         name = shlex.quote(resources.where.embeddings.name)
         return {
             "problem": without_places(str(error)),

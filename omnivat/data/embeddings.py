@@ -64,6 +64,13 @@ class Embeddings:
         """D, the encoder's width."""
         return int(self.vis.shape[1])
 
+    @property
+    def learnable(self) -> tuple[str, ...]:
+        """Names of the domains with pairs of two classes or more, from which a head can learn."""
+        there = np.zeros((len(self.header.domains), len(self.header.classes)), dtype=bool)
+        there[self.domain, self.label] = True
+        return tuple(n for n, own in zip(self.header.domains, there, strict=True) if own.sum() > 1)
+
     def select(self, keep: NDArray[Any]) -> "Embeddings":
         """Return the pairs of `keep`, a mask or indices; the list of domains stays the same."""
         index = np.flatnonzero(keep) if keep.dtype == bool else keep

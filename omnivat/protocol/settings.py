@@ -67,12 +67,8 @@ def available(embeddings: Embeddings) -> tuple[str, ...]:
 
     Without any of them: every domain with two or more classes, by its own name.
     """
-    domains = embeddings.header.domains
-    present = {paper_name(name) for name in domains}
-    papers = tuple(name for name in SETTINGS if name in present)
-    return papers or tuple(
-        name for name in domains if len(set(embeddings.in_domain(name).label.tolist())) > 1
-    )
+    present = {paper_name(name) for name in embeddings.header.domains}
+    return tuple(name for name in SETTINGS if name in present) or embeddings.learnable
 
 
 def own_setting(source: str, domains: Sequence[str]) -> Setting:

@@ -22,7 +22,7 @@ from omnivat.train import TrainSettings
 
 @pytest.fixture(autouse=True)
 def no_records(monkeypatch, tmp_path):
-    monkeypatch.setattr(ladder, "RECORDS", tmp_path / "none.jsonl.gz")
+    monkeypatch.setattr(ladder, "LADDERS", tmp_path / "none.jsonl.gz")
     ladder._records.cache_clear()
     yield
     ladder._records.cache_clear()
@@ -86,7 +86,7 @@ def test_another_source_and_other_rungs_come_from_the_records(head, shifted, tmp
     one = {"method": METHOD, "source": names[1], "seed": 0, "answers": answers}
     lines = [first, one, {**one, "source": names[0], "answers": {"k1": "..aa", "none": "..bb"}}]
     file.write_text("".join(json.dumps({"format": FORMAT, **line}) + "\n" for line in lines))
-    monkeypatch.setattr(ladder, "RECORDS", file)
+    monkeypatch.setattr(ladder, "LADDERS", file)
     ladder._records.cache_clear()
 
     other = {r["rung"]: (r["accuracy"], r["from"]) for r in rungs(head, shifted, source=names[1])}
@@ -102,7 +102,7 @@ def test_another_source_and_other_rungs_come_from_the_records(head, shifted, tmp
 
 
 def test_records_of_other_domains_say_nothing_about_a_set(head, shifted, monkeypatch):
-    monkeypatch.setattr(ladder, "RECORDS", EXAMPLES / "records" / "ladder.jsonl.gz")
+    monkeypatch.setattr(ladder, "LADDERS", EXAMPLES / "records" / "ladder.jsonl.gz")
     ladder._records.cache_clear()
     assert {one["from"] for one in rungs(head, shifted)} == {"this head"}
 
@@ -138,6 +138,9 @@ def test_a_kept_ladder_is_of_exactly_its_head_and_its_set(head, shifted, tmp_pat
     assert kept_ladder(tmp_path / "head", place) is None
     save_embeddings(place, shifted)
     assert kept_ladder(tmp_path / "head", place) == kept
+    shorter = replace(head.source_profile, step=0.5)
+    save_head(tmp_path / "head", replace(head, profile=shorter))
+    assert kept_ladder(tmp_path / "head", place) is None
     save_head(tmp_path / "head", replace(head, provenance={**head.provenance, "seed": 9}))
     assert kept_ladder(tmp_path / "head", place) is None
 

@@ -87,8 +87,8 @@ def test_half_precision_keeps_probabilities_to_a_thousandth():
 
 
 def test_the_ladder_with_its_intervals_is_what_its_records_give():
-    found = ladder_table.shares(ladder_table.RECORDS)
-    text = ladder_table.table(found, ladder_table.confidence(ladder_table.RECORDS))
+    found = ladder_table.shares(ladder_table.LADDERS)
+    text = ladder_table.table(found, ladder_table.confidence(ladder_table.LADDERS))
     assert text + "\n" == (recompute.TABLES / "ladder.md").read_text(encoding="utf-8")
 
 
