@@ -213,6 +213,5 @@ def api_routes(sets: VisitorSets, mcp: Handler, *, opened: bool) -> list[Route]:
     }
     methods = ["GET", "POST", "PUT", "PATCH", "DELETE"]
     return [
-        Route(path, in_sentences(handler if opened else closed), methods=methods)
-        for path, handler in handlers.items()
+        Route(path, in_sentences(handler if opened else closed), methods=methods) for path, handler in handlers.items()
     ]

@@ -95,10 +95,7 @@ TOOLS: dict[str, tuple[str, Schema, Schema]] = {
             },
             order=NUMBER,
             source=TEXT,
-            images={
-                **_by_name(TEXT),
-                "description": "names under which the images can be used again",
-            },
+            images={**_by_name(TEXT), "description": "names under which the images can be used again"},
         ),
     ),
     "gaps": (
@@ -160,16 +157,11 @@ def document() -> Schema:
     image = {"schema": {**TEXT, "format": "binary", "maxLength": MAX_IMAGE_BYTES}}
     sent = _returned(ref=TEXT, width={"type": "integer"}, height={"type": "integer"}, preview=TEXT)
     paths = {
-        f"/omnivat/api/{name}": posted(
-            what, {"application/json": {"schema": given}}, found, operationId=name
-        )
+        f"/omnivat/api/{name}": posted(what, {"application/json": {"schema": given}}, found, operationId=name)
         for name, (what, given, found) in TOOLS.items()
     }
     paths["/omnivat/image"] = posted(
-        "Send one picture; its `ref` names it in predict.",
-        {"image/*": image},
-        sent,
-        operationId="image",
+        "Send one picture; its `ref` names it in predict.", {"image/*": image}, sent, operationId="image"
     )
     return {
         "openapi": "3.1.0",

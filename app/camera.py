@@ -52,9 +52,7 @@ def live(
     pair: dict[str, Any] = {"vis": None, "tac": None}
     with torch.inference_mode():
         pixels = {
-            one: for_modality(resources.encoder(), one).preprocess(
-                resources.picture(part, name, check).image
-            )
+            one: for_modality(resources.encoder(), one).preprocess(resources.picture(part, name, check).image)
             for one, part in _parts(content, modality, split).items()
         }
         read = perf_counter()
@@ -69,11 +67,7 @@ def live(
     return {
         "classes": list(head.settings.classes),
         **found,
-        "ms": {
-            "read": _ms(read - began),
-            "encoder": _ms(embedded - read),
-            "head": _ms(perf_counter() - embedded),
-        },
+        "ms": {"read": _ms(read - began), "encoder": _ms(embedded - read), "head": _ms(perf_counter() - embedded)},
     }
 
 
@@ -85,9 +79,7 @@ def _parts(content: bytes | Path, modality: str, split: int) -> dict[str, bytes 
         raise DataError(f"modality is '{modality:.20}'; it is vis, tac or both.")
     whole = content.read_bytes() if isinstance(content, Path) else content
     if not 0 < split < len(whole):
-        raise DataError(
-            f"split is {split}; give the bytes of the photo, before those of the touch."
-        )
+        raise DataError(f"split is {split}; give the bytes of the photo, before those of the touch.")
     return {"vis": whole[:split], "tac": whole[split:]}
 
 

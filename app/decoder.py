@@ -112,8 +112,7 @@ class Decoder:
             output, _ = process.communicate(question + (content[:] if size else b""), DECODE_WAIT_S)
         except subprocess.TimeoutExpired as error:
             raise DataError(
-                f"'{name}' takes longer than {DECODE_WAIT_S} s to read; save it as PNG or JPEG and "
-                "try again."
+                f"'{name}' takes longer than {DECODE_WAIT_S} s to read; save it as PNG or JPEG and try again."
             ) from error
         finally:
             process.kill()
@@ -124,8 +123,7 @@ class Decoder:
         wide, high = header.get("size", (0, 0))
         if not wide or len(pixels) != 3 * wide * high:  # it may have been killed halfway
             why = header.get("error") or (
-                f"'{name}' could not be read within the time and memory allowed; scale it down, or "
-                "save it as JPEG."
+                f"'{name}' could not be read within the time and memory allowed; scale it down, or save it as JPEG."
             )
             raise DataError(why)
         return Image.frombuffer("RGB", (wide, high), pixels, "raw", "RGB", 0, 1).copy()

@@ -53,11 +53,6 @@ def example_named(examples: dict[str, Example], name: str) -> Example:
 def listed(examples: dict[str, Example]) -> list[dict[str, object]]:
     """Return the gallery's data for each example."""
     return [
-        {
-            "name": one.name,
-            "domain": one.domain,
-            "class": one.material,
-            "simulated": is_simulated(one.domain),
-        }
+        {"name": one.name, "domain": one.domain, "class": one.material, "simulated": is_simulated(one.domain)}
         for one in examples.values()
     ]

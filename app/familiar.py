@@ -52,9 +52,7 @@ def familiar(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any
     return {"images": images, "of": of}
 
 
-def looked_at(
-    head: "Head", vis: "torch.Tensor | None", tac: "torch.Tensor | None"
-) -> dict[str, dict[str, Any]]:
+def looked_at(head: "Head", vis: "torch.Tensor | None", tac: "torch.Tensor | None") -> dict[str, dict[str, Any]]:
     """Return modality -> cosine, quantile, words and guess of one pair's raw embeddings (1, D).
 
     Empty if the head's folder lacks the training embeddings.
@@ -67,9 +65,7 @@ def looked_at(
     return {name: {**one, "guess": one["quantile"] < UNLIKE} for name, one in found.items()}
 
 
-def predict_one(
-    head: "Head", pair: "Mapping[str, torch.Tensor | None]", order: float | None = None
-) -> dict[str, Any]:
+def predict_one(head: "Head", pair: "Mapping[str, torch.Tensor | None]", order: float | None = None) -> dict[str, Any]:
     """Return `readings`, the class probabilities, and `images`, the familiarity, of one pair.
 
     order  p in quarter turns; None: the learned one
@@ -100,9 +96,7 @@ def first(resources: Resources) -> dict[str, Any]:
     if head.familiarity is None or not refs:
         return {"ref": next(iter(refs.values()), None)}
     rows = np.array(list(refs))
-    vis, tac = (
-        torch.from_numpy(copied(getattr(embeddings, name)[rows])) for name in ("vis", "tac")
-    )
+    vis, tac = (torch.from_numpy(copied(getattr(embeddings, name)[rows])) for name in ("vis", "tac"))
     looks = head.familiarity.look(vis, tac)
     least = [min(one["quantile"] for one in look.values()) for look in looks]
     best = int(np.argmax(least))

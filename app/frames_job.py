@@ -72,13 +72,7 @@ class FramesJob:
     """The frames of a head and a set, computed as a job if there is no file."""
 
     def __init__(
-        self,
-        source: Source,
-        ready: Path | None,
-        folder: Path | None = None,
-        *,
-        jobs: Jobs,
-        owner: str = "",
+        self, source: Source, ready: Path | None, folder: Path | None = None, *, jobs: Jobs, owner: str = ""
     ) -> None:
         self._source, self._folder = source, folder
         self._jobs, self._owner = jobs, owner
@@ -92,9 +86,7 @@ class FramesJob:
         """Return the state; the first call starts the work if needed."""
         with self._lock:
             if not self._whole and self._wanted():
-                self._job = self._jobs.start(
-                    self._compute, lane="long", owner=self._owner, priority=FIRST_LOOK
-                )
+                self._job = self._jobs.start(self._compute, lane="long", owner=self._owner, priority=FIRST_LOOK)
             job, file, whole = self._job, self._file, self._whole
         if whole or job is None:
             return FramesState(file=file)
@@ -174,11 +166,7 @@ class FramesJob:
         from omnivat.frames.builder import DEFAULT_MAPS
         from omnivat.frames.records import kind_of, with_learned
 
-        provenance = head and {
-            "hash": head_hash(self._source.head),
-            "source": head.source,
-            "kind": kind_of(head),
-        }
+        provenance = head and {"hash": head_hash(self._source.head), "source": head.source, "kind": kind_of(head)}
         frames = build_frames(
             head.model if head else None,
             embeddings,

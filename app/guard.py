@@ -26,9 +26,9 @@ App = Callable[[Scope, Receive, Send], Awaitable[None]]
 LOOPBACK = frozenset({"localhost", "127.0.0.1", "::1"})
 SAFE = ("GET", "HEAD")
 OPEN = ("/omnivat/", "/assets/", "/static/", "/svelte/", "/custom_component/", "/pwa_icon")
-PAGE = frozenset(
-    ("/", "/config", "/theme.css", "/favicon.ico", "/manifest.json", "/robots.txt")
-) | {"/gradio_api/startup-events"}  # Gradio requests the last one itself when it starts
+PAGE = frozenset(("/", "/config", "/theme.css", "/favicon.ico", "/manifest.json", "/robots.txt")) | {
+    "/gradio_api/startup-events"
+}  # Gradio requests the last one itself when it starts
 INLINE = re.compile(rb"<script(?![^>]*\ssrc=)[^>]*>(.*?)</script>", re.DOTALL)
 
 
@@ -111,10 +111,7 @@ def refused(scope: Scope, rules: Rules) -> str:
     """Return the reason for refusing a request, one sentence; "" if it is served."""
     host = _header(scope["headers"], b"host").decode("latin-1")
     if not _known(_name(host), rules):
-        return (
-            f"This server is not called '{host:.80}'. Start it with --allow-host NAME to serve that "
-            "name, too."
-        )
+        return f"This server is not called '{host:.80}'. Start it with --allow-host NAME to serve that name, too."
     site = _header(scope["headers"], b"sec-fetch-site")
     mode = _header(scope["headers"], b"sec-fetch-mode")
     origin = _header(scope["headers"], b"origin").decode("latin-1")
@@ -139,9 +136,7 @@ async def alone(app: Any) -> AsyncIterator[None]:
     """Serve a Gradio application without its own CORS headers, which allow any origin with cookies."""
     from gradio.route_utils import CustomCORSMiddleware
 
-    app.user_middleware = [
-        one for one in app.user_middleware if one.cls is not CustomCORSMiddleware
-    ]
+    app.user_middleware = [one for one in app.user_middleware if one.cls is not CustomCORSMiddleware]
     app.middleware_stack = app.build_middleware_stack()
     yield
 
@@ -176,9 +171,7 @@ def _place(origin: str) -> tuple[str, int | None]:
 
 def headers(page: bytes, rules: Rules) -> list[tuple[bytes, bytes]]:
     """Return the response headers; they allow only the inline scripts of `page`."""
-    hashes = " ".join(
-        f"'sha256-{b64encode(sha256(script).digest()).decode()}'" for script in INLINE.findall(page)
-    )
+    hashes = " ".join(f"'sha256-{b64encode(sha256(script).digest()).decode()}'" for script in INLINE.findall(page))
     policy = "; ".join(
         [
             "default-src 'self'",

@@ -101,10 +101,7 @@ class Job(Generic[T]):
         """Return the state of the job."""
         error = self.future.exception() if self.future.done() else None
         return Status(
-            state=self._state,
-            place=self._jobs.place(self),
-            step=self._step,
-            problem=str(error) if error else "",
+            state=self._state, place=self._jobs.place(self), step=self._step, problem=str(error) if error else ""
         )
 
     def wait(self, timeout_s: float | None = None) -> T:

@@ -81,10 +81,7 @@ def _drawn(resources: Resources, question: Mapping[str, Any]) -> Drawn:
 
 
 def _features(
-    resources: Resources,
-    refs: Mapping[str, Ref | None],
-    drawn: Drawn,
-    question: Mapping[str, Any],
+    resources: Resources, refs: Mapping[str, Ref | None], drawn: Drawn, question: Mapping[str, Any]
 ) -> "tuple[dict[str, Tensor], Tensor | None]":
     """Return the pair's rows (1, W) at the map's stage by modality, and its nodes (M, W).
 
@@ -107,9 +104,7 @@ def _features(
     return own, out.nodes[0]
 
 
-def _of_set(
-    refs: Mapping[str, Ref | None], drawn: Drawn, points: Mapping[str, Any]
-) -> dict[str, list[float]]:
+def _of_set(refs: Mapping[str, Ref | None], drawn: Drawn, points: Mapping[str, Any]) -> dict[str, list[float]]:
     """Return the map positions of the images that are rows of the set."""
     half = len(drawn.flat) // 2
     return {

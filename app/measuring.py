@@ -78,9 +78,7 @@ def head_row(model: Any, exact: Any, vis: "Tensor", tac: "Tensor") -> dict[str, 
     kept = model.coefficients(vis, tac)
     wanted = exact(vis.double(), tac.double(), order=ORDER).probabilities
     found = model.from_coefficients(kept, ORDER).probabilities
-    return row(
-        "whole head on all pairs, as p moves", lambda: model.from_coefficients(kept, ORDER)
-    ) | {
+    return row("whole head on all pairs, as p moves", lambda: model.from_coefficients(kept, ORDER)) | {
         "error": float((found - wanted).abs().max()),
         "of": "largest difference of a probability from double precision",
     }

@@ -29,9 +29,7 @@ def mixed(refs: Mapping[str, Ref | None]) -> bool:
 
 
 def embedded(
-    resources: Resources,
-    refs: Mapping[str, Ref | None],
-    question: Mapping[str, Any] = MappingProxyType({}),
+    resources: Resources, refs: Mapping[str, Ref | None], question: Mapping[str, Any] = MappingProxyType({})
 ) -> "dict[str, torch.Tensor | None]":
     """Return the embeddings (1, input_width) of the named images; None for a missing one.
 
@@ -41,15 +39,10 @@ def embedded(
     """
     if not any(refs.values()):
         raise DataError("Choose a pair first: a VIS image, a TAC image or both.")
-    return {
-        modality: of_ref(resources, ref, modality, question) if ref else None
-        for modality, ref in refs.items()
-    }
+    return {modality: of_ref(resources, ref, modality, question) if ref else None for modality, ref in refs.items()}
 
 
-def of_ref(
-    resources: Resources, ref: Ref, modality: str, question: Mapping[str, Any]
-) -> "torch.Tensor":
+def of_ref(resources: Resources, ref: Ref, modality: str, question: Mapping[str, Any]) -> "torch.Tensor":
     """Return the embedding (1, input_width) of one image, as `embedded` does."""
     import torch
 
@@ -57,9 +50,7 @@ def of_ref(
     return moved(resources, question, modality, rows) if ref.kind == "image" else rows
 
 
-def moved(
-    resources: Resources, question: Mapping[str, Any], modality: str, rows: "torch.Tensor"
-) -> "torch.Tensor":
+def moved(resources: Resources, question: Mapping[str, Any], modality: str, rows: "torch.Tensor") -> "torch.Tensor":
     """Return rows (B, input_width) of a visitor's images, moved by the profile of a request, if any.
 
     Raises ForgottenError if the server no longer has the profile, DataError if it does not fit the

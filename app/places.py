@@ -23,11 +23,7 @@ class Places:
     drawn: int = DRAWN_PAIRS  # of a larger set so many pairs are drawn at random
 
 
-def places(
-    head: Path | None = None,
-    embeddings: Path | None = None,
-    compare: Sequence[Path] = (),
-) -> Places:
+def places(head: Path | None = None, embeddings: Path | None = None, compare: Sequence[Path] = ()) -> Places:
     """Return the locations of the project's own files or of given ones."""
     own = head is None and embeddings is None
     frames = EXAMPLES / "frames.bin"

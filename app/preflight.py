@@ -15,26 +15,19 @@ MOST_PAIRS = 50_000  # 100,000 points: what the map draws smoothly
 def port_number(text: str) -> int:
     """Return a port from the command line; raises ArgumentTypeError for anything else."""
     if not text.isascii() or not text.isdigit() or not 1 <= int(text[:6]) <= 65535:
-        raise argparse.ArgumentTypeError(
-            f"'{text:.20}' is not a port; give a number from 1 to 65535"
-        )
+        raise argparse.ArgumentTypeError(f"'{text:.20}' is not a port; give a number from 1 to 65535")
     return int(text)
 
 
 def pair_count(text: str) -> int:
     """Return a number of pairs from the command line; raises ArgumentTypeError for anything else."""
     if not text.isascii() or not text.isdigit() or not 1 <= int(text[:9]) <= MOST_PAIRS:
-        raise argparse.ArgumentTypeError(
-            f"'{text:.20}' is not a number of pairs; give one from 1 to {MOST_PAIRS:,}"
-        )
+        raise argparse.ArgumentTypeError(f"'{text:.20}' is not a number of pairs; give one from 1 to {MOST_PAIRS:,}")
     return int(text)
 
 
 def require_files(
-    head: Path | None,
-    embeddings: Path | None,
-    compare: Sequence[Path],
-    profile: Path | None = None,
+    head: Path | None, embeddings: Path | None, compare: Sequence[Path], profile: Path | None = None
 ) -> None:
     """Raise DataError for a named head or set that does not exist, or a profile that does not load."""
     if profile is not None:
@@ -49,8 +42,7 @@ def require_files(
             )
     if embeddings is not None and not embeddings.is_file():
         raise DataError(
-            f"No embeddings file at '{embeddings}'. Make one with `python -m omnivat embed`, or name "
-            "another."
+            f"No embeddings file at '{embeddings}'. Make one with `python -m omnivat embed`, or name another."
         )
 
 
@@ -63,8 +55,7 @@ def free_port(host: str, port: int | None) -> int:
         family, _, _, _, place = socket.getaddrinfo(host, 0, type=socket.SOCK_STREAM)[0]
     except (OSError, UnicodeError) as error:
         raise SettingsError(
-            f"--host is '{host:.80}', which names no machine; leave it out, or give 0.0.0.0 to be "
-            "reached by others."
+            f"--host is '{host:.80}', which names no machine; leave it out, or give 0.0.0.0 to be reached by others."
         ) from error
     for one in [port] if port else PORTS:
         with socket.socket(family, socket.SOCK_STREAM) as probe:
@@ -76,8 +67,7 @@ def free_port(host: str, port: int | None) -> int:
                 if error.errno != errno.EADDRINUSE:
                     why = error.strerror or str(error)
                     raise SettingsError(
-                        f"Nothing can listen on '{host:.80}', port {one} ({why}); choose another "
-                        "--host or --port."
+                        f"Nothing can listen on '{host:.80}', port {one} ({why}); choose another --host or --port."
                     ) from error
     if port:
         raise SettingsError(f"Port {port} is in use; choose another --port, or leave it out.")

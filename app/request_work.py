@@ -45,9 +45,7 @@ async def done(
 
 
 @asynccontextmanager
-async def received(
-    request: Request, scratch: Scratch, limit: int, what: str
-) -> AsyncIterator[Path]:
+async def received(request: Request, scratch: Scratch, limit: int, what: str) -> AsyncIterator[Path]:
     """Yield a temporary file with the request's bytes.
 
     Raises DataError for more than `limit` bytes, or if the upload stalls.

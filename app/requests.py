@@ -81,9 +81,7 @@ async def blocks(request: Request, limit: int, what: str) -> AsyncIterator[bytes
             raise StalledError(f"{what} did not arrive in time; send it again.") from error
         size += len(block)
         if size > limit:
-            raise TooLargeError(
-                f"{what} is larger than {limit / 1e6:.3g} MB; scale it down and try again."
-            )
+            raise TooLargeError(f"{what} is larger than {limit / 1e6:.3g} MB; scale it down and try again.")
         yield block
 
 

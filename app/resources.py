@@ -100,8 +100,7 @@ class Resources:
         head = self.heads[name or ""]()
         if name and self.head().encoder != head.encoder:
             raise DataError(
-                f"The head '{name}' was trained with another encoder than the first one; "
-                "compare heads of one encoder."
+                f"The head '{name}' was trained with another encoder than the first one; compare heads of one encoder."
             )
         return head
 
@@ -134,9 +133,7 @@ class Resources:
         """
         return self.shared.decoder.read(source, name, check)
 
-    def take_image(
-        self, source: bytes | Path, name: str, check: "Check" = lambda: None
-    ) -> "tuple[Ref, Picture]":
+    def take_image(self, source: bytes | Path, name: str, check: "Check" = lambda: None) -> "tuple[Ref, Picture]":
         """Embed an image from bytes or a file; return its reference and the decoded picture.
 
         Raises DataError, one sentence, for an unsupported image.
@@ -153,9 +150,7 @@ class Resources:
             kept = self._embedded(key, self.picture(source, name), self._shown)
         return kept
 
-    def _embedded(
-        self, key: str, found: "Picture", into: "Recent[np.ndarray[Any, Any]]"
-    ) -> "np.ndarray[Any, Any]":
+    def _embedded(self, key: str, found: "Picture", into: "Recent[np.ndarray[Any, Any]]") -> "np.ndarray[Any, Any]":
         kept = into.get(key)
         if kept is not None:
             return kept
@@ -210,9 +205,7 @@ class Resources:
         wanted = self.head().encoder
         encoder = self.shared.encoder(wanted["name"], wanted["weights_hash"])
         self.head().require(
-            (encoder.name, encoder.weights_hash, encoder.preprocessing),
-            encoder.width,
-            what="Images encoded here",
+            (encoder.name, encoder.weights_hash, encoder.preprocessing), encoder.width, what="Images encoded here"
         )
         return encoder
 

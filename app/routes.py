@@ -120,23 +120,17 @@ def web_files() -> dict[str, Path]:
     return {p.relative_to(WEB).as_posix(): p for p in WEB.rglob("*") if p.suffix in TYPES}
 
 
-def file_response(
-    request: Request, file: Path, headers: Mapping[str, str] | None = None, **options: Any
-) -> Response:
+def file_response(request: Request, file: Path, headers: Mapping[str, str] | None = None, **options: Any) -> Response:
     """Serve a file, or 304 if the browser has the current version.
 
     headers  of either response
     """
-    sent = FileResponse(
-        file, stat_result=file.stat(), headers={**FRESH, **(headers or {})}, **options
-    )
+    sent = FileResponse(file, stat_result=file.stat(), headers={**FRESH, **(headers or {})}, **options)
     tag = sent.headers["etag"]
     if tag not in request.headers.get("if-none-match", ""):
         return sent
     return Response(
-        status_code=304,
-        headers={**FRESH, **(headers or {}), "ETag": tag},
-        background=options.get("background"),
+        status_code=304, headers={**FRESH, **(headers or {}), "ETag": tag}, background=options.get("background")
     )
 
 
@@ -185,20 +179,14 @@ def mode_frames(request: Request, resources: Resources, mode: str) -> Response:
     if file is None:
         return refusal(f"There are no frames of the kind '{mode:.20}' beside this set.", 404)
     return file_response(
-        request,
-        file,
-        headers={HOLDS: resources.holds, "X-Frames": "fine"},
-        media_type="application/octet-stream",
+        request, file, headers={HOLDS: resources.holds, "X-Frames": "fine"}, media_type="application/octet-stream"
     )
 
 
 async def thumbnails(sets: VisitorSets, request: Request) -> Response:
     """Serve the thumbnail sheet or its description; sets without one show names only."""
     sprite = sheet(set_of(sets, request))
-    file = {
-        "webp": sprite,
-        "json": sprite.with_suffix(".json") if sprite else None,
-    }.get(request.path_params["kind"])
+    file = {"webp": sprite, "json": sprite.with_suffix(".json") if sprite else None}.get(request.path_params["kind"])
     if file is None:
         return refusal("This set has no thumbnails; the page shows names instead.", 404)
     return file_response(request, file)
@@ -228,9 +216,7 @@ def in_json(value: Any, resources: Resources) -> Response:
     try:
         return JSONResponse(value, headers={HOLDS: resources.holds})
     except ValueError:
-        return refusal(
-            "The head gives values that are not finite numbers; its weights are damaged. Train it again."
-        )
+        return refusal("The head gives values that are not finite numbers; its weights are damaged. Train it again.")
 
 
 async def facts(sets: VisitorSets, found: Callable[[Resources], Any], request: Request) -> Response:
@@ -249,9 +235,7 @@ async def compute(sets: VisitorSets, computed: Computed, request: Request) -> Re
 
 
 async def download(
-    sets: VisitorSets,
-    made: Callable[[Resources, Mapping[str, Any]], bytes],
-    request: Request,
+    sets: VisitorSets, made: Callable[[Resources, Mapping[str, Any]], bytes], request: Request
 ) -> Response:
     """Return a file for one JSON request: a zip, or a page of figures."""
     resources = set_of(sets, request)

@@ -60,9 +60,7 @@ def save_figure(resources: Resources, question: Mapping[str, Any]) -> bytes:
     from omnivat.frames.records import FEATURES
     from omnivat.stages import STAGES
 
-    file = (
-        mode_files(resources.where).get(str(question.get("mode"))) or resources.frames.state().file
-    )
+    file = mode_files(resources.where).get(str(question.get("mode"))) or resources.frames.state().file
     if file is None:
         raise DataError("The map is not ready yet; save it when it is shown.")
     frames = read_frames(file)

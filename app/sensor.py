@@ -64,9 +64,7 @@ def joined(one: "Channels", other: "Channels") -> "Channels":
         share * (part.variance + (own - mean) ** 2)
         for share, own, part in zip(shares, means, (one, other), strict=True)
     )
-    return Channels(
-        mean=mean.astype(np.float32), variance=np.asarray(variance, np.float32), count=count
-    )
+    return Channels(mean=mean.astype(np.float32), variance=np.asarray(variance, np.float32), count=count)
 
 
 def save_sensor(resources: Resources, question: Mapping[str, Any]) -> bytes:

@@ -30,9 +30,7 @@ def parser(environ: Mapping[str, str] = os.environ) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="app.py", description="Open the OmniVaT page.")
     parser.add_argument("--head", type=Path, help="folder of a trained head")
     parser.add_argument("--embeddings", type=Path, help="embeddings file to show")
-    parser.add_argument(
-        "--profile", type=Path, metavar="FILE", help="profile of your sensor (`omnivat profile`)"
-    )
+    parser.add_argument("--profile", type=Path, metavar="FILE", help="profile of your sensor (`omnivat profile`)")
     parser.add_argument(
         "--sample",
         type=pair_count,
@@ -72,20 +70,11 @@ def parser(environ: Mapping[str, str] = os.environ) -> argparse.ArgumentParser:
         default=hosted.FRAMED in environ,
         help="let other pages show this one in a frame, for notebooks and hosted demos",
     )
+    parser.add_argument("--api", action="store_true", help="open the API for programs, over HTTP and MCP (docs/api.md)")
     parser.add_argument(
-        "--api",
-        action="store_true",
-        help="open the API for programs, over HTTP and MCP (docs/api.md)",
+        "--no-browser", action="store_true", default=hosted.is_hosted(environ), help="do not open a browser"
     )
-    parser.add_argument(
-        "--no-browser",
-        action="store_true",
-        default=hosted.is_hosted(environ),
-        help="do not open a browser",
-    )
-    parser.add_argument(
-        "--desktop", action="store_true", help="open a separate window (needs pywebview)"
-    )
+    parser.add_argument("--desktop", action="store_true", help="open a separate window (needs pywebview)")
     return parser
 
 

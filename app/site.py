@@ -118,9 +118,7 @@ def earlier_files(out: Path) -> set[str]:
     try:
         return {MARK, *json.loads((out / MARK).read_text(encoding="utf-8"))["files"]}
     except (OSError, ValueError, KeyError, TypeError) as error:
-        raise WriteError(
-            f"'{out}' holds files that no export wrote; name an empty or a new folder."
-        ) from error
+        raise WriteError(f"'{out}' holds files that no export wrote; name an empty or a new folder.") from error
 
 
 def visitor_sets(where: Places, sets: Sequence[str] | None) -> dict[str, Resources]:
@@ -131,9 +129,7 @@ def visitor_sets(where: Places, sets: Sequence[str] | None) -> dict[str, Resourc
         raise SettingsError(f"No set is called '{min(unknown):.40}'; there are {known}.")
     desks = VisitorSets(Resources(where))
     here = (where.head, where.embeddings)
-    shipped = (
-        name for name, (folder, file) in shipped_sets().items() if here == (folder / "head", file)
-    )
+    shipped = (name for name, (folder, file) in shipped_sets().items() if here == (folder / "head", file))
     home = next(shipped, OWN)
     names = shipped_sets() if sets is None else sets
     return {home: desks.first} | {n: desks.named(n) for n in names if n != home}
@@ -167,15 +163,10 @@ def fill(folder: Path, desks: Mapping[str, Resources], models: str, on_step: OnS
     write_text(folder / "sw.js", worker(folder))
 
 
-def replies(
-    resources: Resources, desks: Iterable[str]
-) -> Iterator[tuple[str, Callable[[], dict[str, Any]]]]:
+def replies(resources: Resources, desks: Iterable[str]) -> Iterator[tuple[str, Callable[[], dict[str, Any]]]]:
     """Yield the requests about a set whose replies are always the same, each with its function."""
     for name, found in FACTS.items():
-        yield (
-            name,
-            partial(modes_of, resources, desks) if name == "modes" else partial(found, resources),
-        )
+        yield (name, partial(modes_of, resources, desks) if name == "modes" else partial(found, resources))
     sources = ["", *explore.ladder(resources, {"source": ""})["sources"]]
     for path, question in (
         ("votes", {"head": ""}),
@@ -214,13 +205,11 @@ def page(web: str, held: Mapping[str, Any]) -> str:
     """Return the page: all tabs, of which the script opens one."""
     tabs = [(name, import_module(f"app.views.{name}").TITLE) for name in VIEWS]
     buttons = "".join(
-        f'<button type="button" role="tab" id="view-{name}-button" aria-controls="view-{name}">'
-        f"{escape(title)}</button>"
+        f'<button type="button" role="tab" id="view-{name}-button" aria-controls="view-{name}">{escape(title)}</button>'
         for name, title in tabs
     )
     panels = "\n".join(
-        f'<div id="view-{name}" role="tabpanel" aria-labelledby="view-{name}-button" hidden>'
-        f"{html_of(name)}</div>"
+        f'<div id="view-{name}" role="tabpanel" aria-labelledby="view-{name}-button" hidden>{html_of(name)}</div>'
         for name, _ in tabs
     )
     return document(

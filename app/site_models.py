@@ -38,10 +38,7 @@ COPIED = (  # for familiarity, profiles, and saving a taught head
 
 
 def write_models(
-    desks: Mapping[str, Resources],
-    folder: Path,
-    runtime: Path | None = None,
-    on_step: OnStep = ignore,
+    desks: Mapping[str, Resources], folder: Path, runtime: Path | None = None, on_step: OnStep = ignore
 ) -> str:
     """Write all that the routes of Try a pair need into a new folder of `folder`; return its name.
 
@@ -87,10 +84,7 @@ def write_set(resources: Resources, folder: Path) -> None:
         if first.path and (first.path / name).is_file():
             shutil.copyfile(first.path / name, folder / name)
     record = {
-        "heads": {
-            name: _write_head(resources.head_named(name), folder, file)
-            for name, file in files.items()
-        },
+        "heads": {name: _write_head(resources.head_named(name), folder, file) for name, file in files.items()},
         "encoder": write_encoder(resources, folder.parent),
         "key": dict(first.encoder),
         "width": embeddings.width,

@@ -33,9 +33,7 @@ def write_runtime(folder: Path, given: Path | None = None) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     for name in FILES:
         if not (source / name).is_file():
-            raise DataError(
-                f"'{source}' holds no {name}; name the folder of the npm package {PACKAGE}."
-            )
+            raise DataError(f"'{source}' holds no {name}; name the folder of the npm package {PACKAGE}.")
         with replacing(folder / name) as file:
             shutil.copyfile(source / name, file)
 

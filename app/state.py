@@ -51,9 +51,7 @@ def ref_from(value: Any) -> Ref | None:
     kind, colon, name = value.partition(":")
     if kind not in KINDS or not colon or not name:
         raise DataError(
-            f"'{value}' names no image; expected one of "
-            + ", ".join(f"'{kind}:…'" for kind in KINDS)
-            + "."
+            f"'{value}' names no image; expected one of " + ", ".join(f"'{kind}:…'" for kind in KINDS) + "."
         )
     return Ref(kind, name)
 

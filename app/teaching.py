@@ -37,9 +37,7 @@ def lessons_in(question: Mapping[str, Any]) -> list[Mapping[str, Any]]:
     for one in given:
         label = one.get("label")
         if not isinstance(label, str) or not 0 < len(label.strip()) <= LONGEST_LABEL:
-            raise DataError(
-                f"A label is {label!r:.60}; give a name of 1 to {LONGEST_LABEL} letters."
-            )
+            raise DataError(f"A label is {label!r:.60}; give a name of 1 to {LONGEST_LABEL} letters.")
         if mixed(refs_from(one)):
             raise DataError(
                 f"The photo and the touch labelled '{label}' come from different pairs; label pairs "
@@ -128,9 +126,7 @@ def own_set(resources: Resources, question: Mapping[str, Any]) -> "Embeddings":
 
     given = [one for one in lessons_in(question) if one.get("vis") and one.get("tac")]
     if not given:
-        raise DataError(
-            "A set needs pairs of both images; label at least one photo with its touch."
-        )
+        raise DataError("A set needs pairs of both images; label at least one photo with its touch.")
     lessons = _lessons(resources, given, {})  # as they come: a profile is a file of its own
     labels = [one.label for one in lessons]
     classes = tuple(dict.fromkeys(labels))
@@ -170,15 +166,11 @@ def save_taught(resources: Resources, question: Mapping[str, Any]) -> bytes:
 
 
 def _name(question: Mapping[str, Any]) -> str:
-    text = json.dumps(
-        [question.get(name) for name in ("head", "profile", "lessons")], sort_keys=True
-    )
+    text = json.dumps([question.get(name) for name in ("head", "profile", "lessons")], sort_keys=True)
     return blake2b(text.encode("utf-8", "replace"), digest_size=16).hexdigest()
 
 
-def _lessons(
-    resources: Resources, given: Sequence[Mapping[str, Any]], question: Mapping[str, Any]
-) -> "list[Lesson]":
+def _lessons(resources: Resources, given: Sequence[Mapping[str, Any]], question: Mapping[str, Any]) -> "list[Lesson]":
     from omnivat.teach import Lesson
 
     found = []

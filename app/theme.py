@@ -40,8 +40,5 @@ def theme() -> Any:
     import gradio as gr
 
     return gr.themes.Base(
-        primary_hue=gr.themes.colors.blue,
-        neutral_hue=gr.themes.colors.slate,
-        font=list(FONTS),
-        font_mono=list(MONO),
+        primary_hue=gr.themes.colors.blue, neutral_hue=gr.themes.colors.slate, font=list(FONTS), font_mono=list(MONO)
     )

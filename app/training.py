@@ -107,9 +107,7 @@ class Trainings:
         with self._lock:
             before = self._active.get(visitor)
             if before is not None and before.active:
-                raise DataError(
-                    "Your training before this one still runs or waits; cancel it first."
-                )
+                raise DataError("Your training before this one still runs or waits; cancel it first.")
             self._active = {name: one for name, one in self._active.items() if one.active}
             if len(self._active) >= MOST_RUNS:
                 self._make_way(address)
@@ -123,12 +121,7 @@ class Trainings:
             self._active[visitor] = run
         name = os.urandom(12).hex()
         self._runs.keep(name, run)
-        return {
-            "run": name,
-            "total": plan.epochs,
-            "source": plan.source,
-            **_drawn_pairs(embeddings, run.rows),
-        }
+        return {"run": name, "total": plan.epochs, "source": plan.source, **_drawn_pairs(embeddings, run.rows)}
 
     def _make_way(self, address: str) -> None:
         """End the last waiting training of the address with most. Raises BusyError if that is `address`."""
@@ -137,9 +130,7 @@ class Trainings:
         theirs = [run.job for run in self._active.values() if run.address == most and run.job]
         waiting = [job for job in theirs if job.status().state == "waiting"]
         if held[most] <= held[address] + 1 or not waiting:
-            raise BusyError(
-                f"{MOST_RUNS} trainings run or wait here already; try again in a few minutes."
-            )
+            raise BusyError(f"{MOST_RUNS} trainings run or wait here already; try again in a few minutes.")
         why = "Your place was needed by another visitor; start the training again in a few minutes."
         self._sets.shared.jobs.cancel(waiting[-1], BusyError(why))
 

@@ -52,9 +52,7 @@ def offers(embeddings: "Embeddings", source: str) -> dict[str, Any]:
 
     header, domains = embeddings.header, list(embeddings.learnable)
     if not domains:
-        raise DataError(
-            "No domain has pairs of two classes, so there is nothing to train a head on."
-        )
+        raise DataError("No domain has pairs of two classes, so there is nothing to train a head on.")
     return {
         "sources": domains,
         "widths": list(WIDTHS),

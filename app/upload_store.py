@@ -30,9 +30,7 @@ class UploadStore:
         self._scratch = scratch
         self._lock = Lock()
         self._coming: Counter[str] = Counter()  # visitor -> bytes of unfinished files
-        self._kept: OrderedDict[Entry, tuple[int, float]] = (
-            OrderedDict()
-        )  # size, time; oldest first
+        self._kept: OrderedDict[Entry, tuple[int, float]] = OrderedDict()  # size, time; oldest first
 
     async def keep(self, name: str, content: AsyncIterator[bytes], visitor: str = "") -> str:
         """Write one file as it arrives; return its name.
@@ -41,9 +39,7 @@ class UploadStore:
         sent too many.
         """
         if name not in PARTS:
-            raise DataError(
-                f"'{name:.60}' is no file of a head or set; expected one of {', '.join(PARTS)}."
-            )
+            raise DataError(f"'{name:.60}' is no file of a head or set; expected one of {', '.join(PARTS)}.")
         temporary = self._folder() / f"{os.urandom(8).hex()}.part"
         digest, size, counted = blake2b(digest_size=16), 0, 0
         try:

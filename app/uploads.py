@@ -13,16 +13,7 @@ from app.limits import MAX_IMAGE_BYTES, MAX_QUESTION_BYTES, PARTS
 from app.messages import Handler, refusal
 from app.occlusion import occlusion
 from app.request_work import done, received
-from app.requests import (
-    blocks,
-    body,
-    desk_name,
-    file_name,
-    number_from,
-    preview,
-    question_from,
-    visitor_of,
-)
+from app.requests import blocks, body, desk_name, file_name, number_from, preview, question_from, visitor_of
 from app.sensor import load_sensor
 from app.state import order_from, ref_from
 from app.visitor_sets import VisitorSets
@@ -50,19 +41,12 @@ async def take_image(sets: VisitorSets, request: Request) -> Response:
 
         def taken(job: Job[dict[str, Any]]) -> dict[str, Any]:
             ref, found = resources.take_image(file, name, job.check)
-            return {
-                "ref": str(ref),
-                "width": found.width,
-                "height": found.height,
-                "preview": preview(found.image),
-            }
+            return {"ref": str(ref), "width": found.width, "height": found.height, "preview": preview(found.image)}
 
         return JSONResponse(await done(request, sets.shared.jobs, taken, priority=SENT))
 
 
-async def of_image(
-    work: Callable[..., dict[str, Any]], priority: int, sets: VisitorSets, request: Request
-) -> Response:
+async def of_image(work: Callable[..., dict[str, Any]], priority: int, sets: VisitorSets, request: Request) -> Response:
     """Run `work` on an uploaded image that is not kept, with the parameters of the address."""
     query = request.query_params
     resources = sets.named(desk_name(request))

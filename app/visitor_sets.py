@@ -29,13 +29,7 @@ if TYPE_CHECKING:
 
     from omnivat.checkpoint import Head
 
-HEAD = (
-    "weights.safetensors",
-    "settings.json",
-    "metrics.json",
-    "familiarity.safetensors",
-    "profile.safetensors",
-)
+HEAD = ("weights.safetensors", "settings.json", "metrics.json", "familiarity.safetensors", "profile.safetensors")
 NEEDED_HEAD = HEAD[:2]
 SET = "embeddings.safetensors"
 SHEET = ("embeddings.thumbnails.webp", "embeddings.thumbnails.json")
@@ -146,13 +140,7 @@ class VisitorSets:
         return self._made(os.urandom(12).hex(), placed, lambda: None, visitor)
 
     def _made(
-        self,
-        key: str,
-        placed: Callable[[Path], Places],
-        check: Callable[[], None],
-        visitor: str,
-        *,
-        fits: bool = True,
+        self, key: str, placed: Callable[[Path], Places], check: Callable[[], None], visitor: str, *, fits: bool = True
     ) -> str:
         """Fill a new folder, check its content, and add it as a visitor set.
 
@@ -206,9 +194,7 @@ class VisitorSets:
             dropped[old] = self._loaded.pop(old)
         return dropped
 
-    def _placed(
-        self, folder: Path, parts: Mapping[str, str], base: Places, *, compare: bool
-    ) -> Places:
+    def _placed(self, folder: Path, parts: Mapping[str, str], base: Places, *, compare: bool) -> Places:
         """Move the parts to their places under `folder`."""
         for name, sent in parts.items():
             self._parts.place(name, sent, folder / ("head" if name in HEAD else ".") / name)

@@ -34,9 +34,7 @@ def costly() -> Iterator[tuple[str, bytes]]:
         "WebP, lossless noise": _file(noise, "WEBP", lossless=True, method=0, quality=0),
         "JPEG, progressive noise": _file(noise.resize((3200, 2800)), "JPEG", progressive=True),
         "JPEG, 64 megapixels": _file(plain("RGB", (8000, 8000), 1), "JPEG"),
-        "JPEG, 64 megapixels, progressive": _file(
-            plain("RGB", (8000, 8000), 1), "JPEG", progressive=True
-        ),
+        "JPEG, 64 megapixels, progressive": _file(plain("RGB", (8000, 8000), 1), "JPEG", progressive=True),
         "JPEG, CMYK": _file(plain("CMYK", (7000, 7000), 1), "JPEG"),
         "PNG, soft": _file(soft, "PNG", compress_level=1),
         "PNG, transparent": _file(plain("RGBA", (3500, 3500), (1, 2, 3, 4)), "PNG"),
@@ -44,9 +42,7 @@ def costly() -> Iterator[tuple[str, bytes]]:
         "PNG, interlaced, 16 bits RGBA": interlaced(2820, 2820),
         "TIFF, deflate": _file(soft, "TIFF", compression="tiff_adobe_deflate"),
         "TIFF, LZW": _file(noise, "TIFF", compression="tiff_lzw"),
-        "TIFF, floating": _file(
-            Image.fromarray(np.zeros((3500, 3500), np.float32)), "TIFF", compression="tiff_lzw"
-        ),
+        "TIFF, floating": _file(Image.fromarray(np.zeros((3500, 3500), np.float32)), "TIFF", compression="tiff_lzw"),
         "GIF": _file(plain("P", (4000, 4000), 1), "GIF"),
         "BMP": _file(soft.resize((2500, 2600)), "BMP"),
         "JPEG 2000": _file(plain("RGB", (4000, 4000)), "JPEG2000"),
@@ -68,11 +64,8 @@ def _noted() -> dict[str, bytes]:
         "PNG, 1 MB of EXIF entries": png[:at] + _chunk(b"eXIf", table) + png[at:],
         "JPEG, 300 EXIF parts": jpeg[:2] + part * 300 + jpeg[2:],
         "JPEG, 19 MB of fill bytes": jpeg[:2] + b"\xff" * 19_000_000 + jpeg[2:],
-        "JPEG, 9 million starts of a scan": _file(small, "JPEG", progressive=True)
-        + b"\xff\xda" * 9_000_000,
-        "GIF, 1.2 MB of comments": gif.replace(
-            b"\x2c", b"\x21\xfe" + (b"\xff" + bytes(255)) * 4_900 + b"\0\x2c", 1
-        ),
+        "JPEG, 9 million starts of a scan": _file(small, "JPEG", progressive=True) + b"\xff\xda" * 9_000_000,
+        "GIF, 1.2 MB of comments": gif.replace(b"\x2c", b"\x21\xfe" + (b"\xff" + bytes(255)) * 4_900 + b"\0\x2c", 1),
         "PNG, 8 x 1.9 million": _file(Image.new("RGBA", (8, 1_900_000)), "PNG"),
     }
 
@@ -171,6 +164,4 @@ def _own_mb(process: int) -> float:
 
 
 def _seconds() -> float:
-    return sum(
-        used.ru_utime + used.ru_stime for used in map(getrusage, (RUSAGE_SELF, RUSAGE_CHILDREN))
-    )
+    return sum(used.ru_utime + used.ru_stime for used in map(getrusage, (RUSAGE_SELF, RUSAGE_CHILDREN)))

@@ -46,9 +46,7 @@ def served(folder: Path) -> Iterator[tuple[int, Path]]:
     log = folder / "log"
     line = f'ulimit -n 1024; exec "$0" app.py --no-browser --port {port}'
     with log.open("w") as handle:
-        process = subprocess.Popen(
-            ["bash", "-c", line, sys.executable], stdout=handle, stderr=subprocess.STDOUT
-        )
+        process = subprocess.Popen(["bash", "-c", line, sys.executable], stdout=handle, stderr=subprocess.STDOUT)
     try:
         until = monotonic() + 120
         while asked(port, "/theme.css") != 200 and monotonic() < until:
@@ -81,10 +79,7 @@ def streams(folder: Path) -> Iterator[Case]:
                 link = socket.create_connection((ADDRESS, port), 5)
                 links.append(link)
                 asked(port, f"/gradio_api/{ways[number % 2]}", link)
-        yield (
-            f"the page beside {STREAMS} streams",
-            asked(port, "/omnivat/web/shared/page.css") == 200,
-        )
+        yield (f"the page beside {STREAMS} streams", asked(port, "/omnivat/web/shared/page.css") == 200)
         for link in links:
             link.close()
         for number in range(SESSIONS):
@@ -151,9 +146,7 @@ def outputs(folder: Path) -> Iterator[Case]:
     odd = os.fsencode(folder) + b"/\xff.safetensors"
     command = [sys.executable, "-m", "omnivat"]
     done = subprocess.run(
-        [*command, "import", str(table), "--encoder", "mine", "--out", odd],
-        capture_output=True,
-        check=False,
+        [*command, "import", str(table), "--encoder", "mine", "--out", odd], capture_output=True, check=False
     )
     yield "a name that cannot be encoded", done.returncode == 0 and b"Traceback" not in done.stderr
     for way in (">&-", "> /dev/full"):

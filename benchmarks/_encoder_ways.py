@@ -49,9 +49,7 @@ def alone(network: torch.nn.Module, dtype: torch.dtype) -> Run:
     return lambda images: one_by_one(network, images.to(dtype))
 
 
-def batched(
-    network: torch.nn.Module, dtype: torch.dtype, size: int, order: torch.memory_format
-) -> Run:
+def batched(network: torch.nn.Module, dtype: torch.dtype, size: int, order: torch.memory_format) -> Run:
     """Return a way with `size` images at a time, in a given memory order."""
 
     def run(images: Tensor) -> Tensor:
@@ -157,9 +155,7 @@ def rn50(width: int = 64, blocks: tuple[int, ...] = (3, 4, 6, 3)) -> torch.nn.Mo
         for part, value in (("weight", 1), ("bias", 0), ("running_mean", 0), ("running_var", 1)):
             state[f"{norm}.{part}"] = torch.full((out,), float(value))
 
-    for i, (out, into) in enumerate(
-        ((width // 2, 3), (width // 2, width // 2), (width, width // 2))
-    ):
+    for i, (out, into) in enumerate(((width // 2, 3), (width // 2, width // 2), (width, width // 2))):
         conv(f"conv{i + 1}", f"bn{i + 1}", out, into, 3)
     into = width
     for stage, count in enumerate(blocks):

@@ -77,9 +77,7 @@ def firefox() -> Iterator[Firefox]:
     """Yield a page of a new Firefox with an empty profile. Raises FileNotFoundError if there is none."""
     binary = next((path for name in NAMES if (path := shutil.which(name))), None)
     if binary is None:
-        raise FileNotFoundError(
-            "No Firefox was found; install it with `apt-get install firefox-esr`."
-        )
+        raise FileNotFoundError("No Firefox was found; install it with `apt-get install firefox-esr`.")
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]

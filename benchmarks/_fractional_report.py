@@ -57,11 +57,7 @@ def table(record: dict[str, Any]) -> str:
             cells = []
             for task in tasks:
                 row = mine.get(task)
-                ratio = (
-                    f"{peer[task]['time']['median'] / row['time']['median']:.1f}"
-                    if row and task in peer
-                    else ""
-                )
+                ratio = f"{peer[task]['time']['median'] / row['time']['median']:.1f}" if row and task in peer else ""
                 cells.append(f"{_cell(row)} | {ratio}" if row else " | ")
             share = mine.get("new p", {}).get("share")
             error = next(iter(mine.values()))["error"]
@@ -93,9 +89,7 @@ def plot(record: dict[str, Any], path: Path) -> None:
     sections = list(_sections(chosen))
     names = list(dict.fromkeys(r["method"] for r in chosen))
     colours = {name: pyplot.get_cmap("tab10")(i % 10) for i, name in enumerate(names)}
-    figure, axes = pyplot.subplots(
-        1, len(sections), figsize=(3.6 * len(sections), 4.4), sharey=True, squeeze=False
-    )
+    figure, axes = pyplot.subplots(1, len(sections), figsize=(3.6 * len(sections), 4.4), sharey=True, squeeze=False)
     for axis, ((batch, size, _), rows) in zip(axes[0], sections, strict=True):
         for r in rows:
             time = r["time"]
@@ -110,9 +104,7 @@ def plot(record: dict[str, Any], path: Path) -> None:
             )
         front = pareto([(r["time"]["median"], r["error"]) for r in rows])
         axis.plot(*zip(*front, strict=True), "--", color="grey", linewidth=1, zorder=0)
-        axis.set(
-            xscale="log", yscale="log", title=f"{batch} × {size}", xlabel="new p, ms (1 thread)"
-        )
+        axis.set(xscale="log", yscale="log", title=f"{batch} × {size}", xlabel="new p, ms (1 thread)")
         axis.grid(alpha=0.3)
     axes[0][0].set_ylabel("relative error against 80-bit arithmetic")
     handles, labels = axes[0][0].get_legend_handles_labels()

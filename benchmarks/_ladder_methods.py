@@ -107,15 +107,10 @@ CLOSED = {"logistic": logistic, "nearest_mean": nearest_mean}  # refitted in a m
 def closed(name: str, pair: Pair, labels: Array, source: Profiles, classes: int) -> Trained:
     """Return a closed-form method fitted to pairs."""
     fitted = CLOSED[name](joined(pair, source), labels, classes)
-    return Trained(
-        probabilities=lambda rows: fitted(joined(rows, source)),
-        features=lambda rows: joined(rows, source),
-    )
+    return Trained(probabilities=lambda rows: fitted(joined(rows, source)), features=lambda rows: joined(rows, source))
 
 
-def baseline(
-    name: str, embeddings: Embeddings, rows: Array, source: Profiles, seed: int
-) -> Trained:
+def baseline(name: str, embeddings: Embeddings, rows: Array, source: Profiles, seed: int) -> Trained:
     """Train a method of the table on standardised embeddings, mirrored copies included."""
 
     def seen(flip: str, modality: str) -> torch.Tensor:
@@ -157,9 +152,7 @@ def distilled(embeddings: Embeddings, source: str, seed: int) -> Trained:
     return _of_head(embeddings, model)
 
 
-def _plan(
-    embeddings: Embeddings, source: str, seed: int, *, lang: bool = True, mffa: bool = True
-) -> TrainingPlan:
+def _plan(embeddings: Embeddings, source: str, seed: int, *, lang: bool = True, mffa: bool = True) -> TrainingPlan:
     training = TrainSettings(**PAGE, lang=lang)  # type: ignore[arg-type]
     head = {"width": 64, "mffa": mffa}
     return plan_training(embeddings, source, head=head, training=training, seed=seed)
@@ -281,18 +274,13 @@ def logistic_recipe(embeddings: Embeddings, source: str, seed: int) -> Trained:
     drawn = [
         (joined((batch.vis.numpy(), batch.tac.numpy()), own), batch.labels.numpy())  # type: ignore[union-attr]
         for epoch in range(COPIES)
-        for batch in batches(
-            plan.pairs, labels, every, None, plan.training, derive_seed(seed, "epoch", epoch)
-        )
+        for batch in batches(plan.pairs, labels, every, None, plan.training, derive_seed(seed, "epoch", epoch))
     ]
     column = [embeddings.header.classes.index(name) for name in plan.settings.classes]
     said = np.array(column)[np.concatenate([y for _, y in drawn])]
     inputs = np.vstack([x for x, _ in drawn])
     fitted = logistic(inputs, said, len(embeddings.header.classes))
-    return Trained(
-        probabilities=lambda pair: fitted(joined(pair, own)),
-        features=lambda pair: joined(pair, own),
-    )
+    return Trained(probabilities=lambda pair: fitted(joined(pair, own)), features=lambda pair: joined(pair, own))
 
 
 def _standard(rows: Array, source: Channels) -> torch.Tensor:

@@ -39,10 +39,7 @@ def space(model: Any, embeddings: Embeddings, source: Array, tested: Array) -> S
 def _rows(model: Any, embeddings: Embeddings, rows: Array) -> dict[str, dict[str, Tensor]]:
     vis, tac = (torch.from_numpy(np.asarray(x, np.float32)) for x in rows_of(embeddings, rows))
     outputs = {"vis": model(vis, None), "tac": model(None, tac)}
-    return {
-        stage: {name: stage_features(one, stage)[name] for name, one in outputs.items()}
-        for stage in STAGES
-    }
+    return {stage: {name: stage_features(one, stage)[name] for name, one in outputs.items()} for stage in STAGES}
 
 
 def _measured(here: dict[str, Tensor], home: dict[str, Tensor], label: Tensor) -> list[float]:

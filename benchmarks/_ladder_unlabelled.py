@@ -47,9 +47,7 @@ def lame(method: Trained, new: Pair, asked: Pair) -> Array:
     return answers
 
 
-def self_trained(
-    name: str, own: Pair, labels: Array, new: Pair, asked: Pair, source: Profiles, classes: int
-) -> Array:
+def self_trained(name: str, own: Pair, labels: Array, new: Pair, asked: Pair, source: Profiles, classes: int) -> Array:
     """Return answers after two rounds of self-training (pseudo-labels; Lee, 2013): half, then 70 %."""
     model = closed(name, own, labels, source, classes)
     for share in (0.5, 0.7):

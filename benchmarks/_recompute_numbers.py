@@ -11,9 +11,7 @@ Target = tuple[str, str, str]  # truth and prediction of each pair, and its obje
 Said = tuple[str, int, Mapping[str, Target]]  # source, seed, domain -> target
 
 
-def probabilities(
-    target: Mapping[str, Any], classes: int, temperature: float
-) -> np.ndarray[Any, Any]:
+def probabilities(target: Mapping[str, Any], classes: int, temperature: float) -> np.ndarray[Any, Any]:
     """Return (N, K) from the stored log-odds against the last class."""
     odds = np.frombuffer(b64decode(target["odds"]), "<f2").reshape(-1, classes - 1).astype(float)
     values = np.pad(odds, ((0, 0), (0, 1))) / temperature
@@ -62,9 +60,7 @@ def _drawn(domain: str, labels: str, guess: str, named: str) -> np.ndarray[Any, 
         times = lots.multinomial(len(own), [1 / len(own)] * len(own), DRAWS)
         weights[1:, truth == c] = times[:, np.searchsorted(own, objects[truth == c])]
     names = np.array(sorted(set(labels)))
-    is_so, said = (
-        np.asarray(x[:, None] == names, np.float32) for x in (truth, np.array(list(guess)))
-    )
+    is_so, said = (np.asarray(x[:, None] == names, np.float32) for x in (truth, np.array(list(guess))))
     right, each = weights @ (is_so * said), weights @ (is_so + said)
     accuracy = right.sum(1) / weights.sum(1)
     return np.stack((accuracy, (2 * right / np.maximum(each, 1e-9)).mean(1)))

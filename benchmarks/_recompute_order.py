@@ -21,9 +21,7 @@ def records(name: str) -> list[Rows]:
     data = (DOCS / "benchmarks" / name).read_bytes()
     text = (gzip.decompress(data) if name.endswith(".gz") else data).decode()
     found: list[Rows] = (
-        json.loads(text)["rows"]
-        if name.endswith(".json")
-        else [json.loads(line) for line in text.splitlines()]
+        json.loads(text)["rows"] if name.endswith(".json") else [json.loads(line) for line in text.splitlines()]
     )
     return found
 

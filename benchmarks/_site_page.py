@@ -132,9 +132,7 @@ def longest(browser: Any, page: Any, action: Callable[[], None]) -> dict[str, fl
     tasks = [
         e
         for e in events
-        if e.get("ph") == "X"
-        and "RunTask" in e["name"]
-        and names[e["pid"], e["tid"]] == "CrRendererMain"
+        if e.get("ph") == "X" and "RunTask" in e["name"] and names[e["pid"], e["tid"]] == "CrRendererMain"
     ]
     return {
         "longest_ms": max(e["dur"] for e in tasks) / 1000,

@@ -28,9 +28,7 @@ def plain(name: str) -> str:
     return re.sub(r"[-_.]+", "-", name).lower()
 
 
-def affected(
-    packages: Mapping[str, Version], advisories: list[Mapping[str, Any]]
-) -> Iterator[tuple[str, str]]:
+def affected(packages: Mapping[str, Version], advisories: list[Mapping[str, Any]]) -> Iterator[tuple[str, str]]:
     """Yield package and advisory for each affected locked version."""
     for advisory in advisories:
         if advisory.get("withdrawn"):
@@ -47,11 +45,7 @@ def hit(version: Version, entry: Mapping[str, Any]) -> bool:
     """True if an advisory's entry includes this version, by name or by range."""
     if any(_version(text) == version for text in entry.get("versions", [])):
         return True
-    return any(
-        within(version, span["events"])
-        for span in entry.get("ranges", [])
-        if span.get("type") == "ECOSYSTEM"
-    )
+    return any(within(version, span["events"]) for span in entry.get("ranges", []) if span.get("type") == "ECOSYSTEM")
 
 
 def within(version: Version, events: list[Mapping[str, str]]) -> bool:

@@ -214,10 +214,7 @@ def main(arguments: list[str] | None = None) -> int:
         }
         for name, counts in found.items()
     }
-    write_json(
-        chosen.out,
-        {"seed": chosen.seed, "count": chosen.count, "attacks": record, "costly": costly},
-    )
+    write_json(chosen.out, {"seed": chosen.seed, "count": chosen.count, "attacks": record, "costly": costly})
     for name, one in costly["files"].items():
         print(f"{name:34} {one['processor_s']:5.2f} s {one['mb']:4} MB  {one['said']:.90}")
     print(f"four at once: {costly['four_at_once']}")

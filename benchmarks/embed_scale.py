@@ -61,10 +61,7 @@ def measured(folder: Path, count: int) -> dict[str, Any]:
     if out.exists() or not kept:
         raise SystemExit("The kill came too late or too early to prove anything.")
     runs["resumed"] = watched(images, out, stop_at=None)
-    require(
-        runs["resumed"]["said"],
-        f"{pairs - 1} pairs embedded, {kept * CHUNK} of them by an earlier run",
-    )
+    require(runs["resumed"]["said"], f"{pairs - 1} pairs embedded, {kept * CHUNK} of them by an earlier run")
     embedded = len(load_embeddings(out))
     same = [digest(file) == digest(broken / file.name) for file in sorted(whole.iterdir())]
     peak = max(run["peak_mb"] for run in runs.values())

@@ -70,9 +70,7 @@ def cpu_name() -> str:
     return str(torch.cpu.get_capabilities().get("cpu_name", "unknown"))
 
 
-def measured(
-    network: str, ways: dict[str, Run], images: Tensor, rounds: int
-) -> list[dict[str, Any]]:
+def measured(network: str, ways: dict[str, Run], images: Tensor, rounds: int) -> list[dict[str, Any]]:
     """Return a row for each way: milliseconds for each image, and error against the first way."""
     embedded = {name: way(images) for name, way in ways.items()}  # also warms up
     times: dict[str, list[tuple[float, float]]] = {name: [] for name in ways}
@@ -93,10 +91,7 @@ def timed(way: Run, images: Tensor) -> tuple[float, float]:
     """Return CPU and wall milliseconds for each image."""
     cpu, wall = time.process_time(), time.perf_counter()
     way(images)
-    return (
-        1e3 * (time.process_time() - cpu) / len(images),
-        1e3 * (time.perf_counter() - wall) / len(images),
-    )
+    return (1e3 * (time.process_time() - cpu) / len(images), 1e3 * (time.perf_counter() - wall) / len(images))
 
 
 def spread(times: list[tuple[float, float]]) -> dict[str, float]:

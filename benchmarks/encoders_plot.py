@@ -31,8 +31,7 @@ def page(found: dict[str, Any]) -> str:
         "Error is 1 - cosine to fp32 image by image, over generated pictures. CLIP's towers have "
         "random weights of the published sizes, so their errors are only a hint.",
         "",
-        "| network | way | processor ms an image | wall ms | speed | error, median | error, worst "
-        "| same bits |",
+        "| network | way | processor ms an image | wall ms | speed | error, median | error, worst | same bits |",
         "| --- | --- | --- | --- | --- | --- | --- | --- |",
     ]
     lines += [
@@ -45,9 +44,7 @@ def page(found: dict[str, Any]) -> str:
     ]
     networks = dict.fromkeys(row["network"] for row in found["rows"])
     verdicts = [verdict([r for r in found["rows"] if r["network"] == n]) for n in networks]
-    return "\n".join(
-        [*lines, "", *verdicts, "", "![time against error](encoders.png)", "", CAPTION, ""]
-    )
+    return "\n".join([*lines, "", *verdicts, "", "![time against error](encoders.png)", "", CAPTION, ""])
 
 
 def verdict(rows: Sequence[dict[str, Any]]) -> str:
@@ -73,9 +70,7 @@ def plot(rows: Sequence[dict[str, Any]], path: Path) -> None:
     networks = list(dict.fromkeys(row["network"] for row in rows))
     ways = list(dict.fromkeys(row["way"] for row in rows))
     colours = {way: pyplot.get_cmap("tab10")(i % 10) for i, way in enumerate(ways)}
-    figure, axes = pyplot.subplots(
-        1, len(networks), figsize=(3.7 * len(networks), 4.6), sharey=True, squeeze=False
-    )
+    figure, axes = pyplot.subplots(1, len(networks), figsize=(3.7 * len(networks), 4.6), sharey=True, squeeze=False)
     seen: dict[str, Any] = {}
     for axis, network in zip(axes[0], networks, strict=True):
         for row in (r for r in rows if r["network"] == network):

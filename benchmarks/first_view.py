@@ -73,7 +73,9 @@ def table(found: list[dict[str, Any]]) -> str:
         f"{one['left']:.0f}, {one['right']:.0f} | {one['smallest']:.1f} |"
         for one in found
     ]
-    head = "| window | chapter | words | map | margins, px | smallest letters, px |\n| --- | --- | --- | --- | --- | --- |"
+    head = (
+        "| window | chapter | words | map | margins, px | smallest letters, px |\n| --- | --- | --- | --- | --- | --- |"
+    )
     return "\n".join([head, *rows]) + "\n"
 
 

@@ -100,11 +100,7 @@ def measure(rows: int, size: int, count: int, rounds: int) -> list[Row]:
     x = torch.from_numpy(generator.normal(size=(rows, size)))
     draw = random.Random(size)
     huge = rows * size > HUGE
-    found = {
-        name: m
-        for name, m in methods().items()
-        if not (huge and (m.slow or m.dtype == torch.float64))
-    }
+    found = {name: m for name, m in methods().items() if not (huge and (m.slow or m.dtype == torch.float64))}
     errors = {name: error_of(method, x) for name, method in found.items()}
     x = x.float() if huge else x
     result = []

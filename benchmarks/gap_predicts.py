@@ -143,9 +143,9 @@ def retrieval() -> dict[str, dict[str, dict[str, Found]]]:
                             np.mean(
                                 [
                                     spearmanr(
-                                        *np.array(
-                                            [c[4] for c in own if c[unit] == name and c[group] == g]
-                                        ).T[[column, place]]
+                                        *np.array([c[4] for c in own if c[unit] == name and c[group] == g]).T[
+                                            [column, place]
+                                        ]
                                     ).statistic
                                     for g in groups
                                 ]
@@ -154,10 +154,7 @@ def retrieval() -> dict[str, dict[str, dict[str, Found]]]:
                     row[outcome] = interval(len(each), partial(_mean, np.array(each)))
         return table
 
-    return {
-        "over unseen domains, within a head": over(2, 0),
-        "between heads, in one domain": over(1, 1),
-    }
+    return {"over unseen domains, within a head": over(2, 0), "between heads, in one domain": over(1, 1)}
 
 
 def _mean(values: Array, rows: NDArray[np.int64]) -> Array:
@@ -243,10 +240,7 @@ def main(given: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--out", type=Path, default=Path("docs/benchmarks"))
     options = parser.parse_args(given)
-    headers = {
-        name: {file: frames_header(folder / file) for file in FILES}
-        for name, folder in SETS.items()
-    }
+    headers = {name: {file: frames_header(folder / file) for file in FILES} for name, folder in SETS.items()}
     found = measured(headers)
     write_text(options.out / "gap_predicts.json", json.dumps(found, indent=1) + "\n")
     write_text(options.out / "gap_predicts.md", report(found))

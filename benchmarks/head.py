@@ -132,10 +132,7 @@ def predictions(width: int, runs: int) -> list[dict[str, Any]]:
     one = measured(lambda: model(vis[:1], tac[:1]).probabilities, 30 * runs)
     many = measured(lambda: model(vis, tac).probabilities, runs)
     rate = max(before, wall_rate())
-    return [
-        row("one pair", width, one, each, rate),
-        row("2,000 pairs", width, many, PAIRS * each, rate),
-    ]
+    return [row("one pair", width, one, each, rate), row("2,000 pairs", width, many, PAIRS * each, rate)]
 
 
 def epoch(width: int, steps: int) -> dict[str, Any]:
@@ -173,8 +170,7 @@ def show(report: dict[str, Any]) -> str:
         "the same threads, measured before and after. One pair, and training at D = 64, keep to "
         "one thread: sharing out so little work costs more than it saves.",
         "",
-        "| what | D | runs | wall | CPU | target, wall, 2 cores | product rate | floor "
-        "| floor / lowest wall |",
+        "| what | D | runs | wall | CPU | target, wall, 2 cores | product rate | floor | floor / lowest wall |",
         "| --- | --- | --- | --- | --- | --- | --- | --- | --- |",
     ]
     for r in report["rows"]:
@@ -221,9 +217,7 @@ def main() -> None:
     rows += [epoch(width, arguments.steps) for width in (512, 64)]
     report = {"machine": machine(), "rows": rows}
     arguments.out.parent.mkdir(parents=True, exist_ok=True)
-    arguments.out.with_suffix(".json").write_text(
-        json.dumps(report, indent=1) + "\n", encoding="utf-8"
-    )
+    arguments.out.with_suffix(".json").write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
     page = show(report)
     arguments.out.with_suffix(".md").write_text(page, encoding="utf-8")
     print(page)

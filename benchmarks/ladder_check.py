@@ -56,14 +56,10 @@ def confidences(records: Path) -> dict[str, tuple[float, float]]:
             missed = 100 * sum(map(abs, bins.values())) / len(rows)
             found.append((missed, mean([-math.log(max(own, 1e-12)) for *_, own in rows])))
         key = run["method"], run["source"]
-        by_source.setdefault(key, []).append(
-            (mean([a for a, _ in found]), mean([b for _, b in found]))
-        )
+        by_source.setdefault(key, []).append((mean([a for a, _ in found]), mean([b for _, b in found])))
     methods: dict[str, list[tuple[float, float]]] = {}
     for (method, _), values in by_source.items():
-        methods.setdefault(method, []).append(
-            (mean([a for a, _ in values]), mean([b for _, b in values]))
-        )
+        methods.setdefault(method, []).append((mean([a for a, _ in values]), mean([b for _, b in values])))
     return {m: (mean([a for a, _ in v]), mean([b for _, b in v])) for m, v in methods.items()}
 
 
@@ -124,9 +120,7 @@ def main() -> None:
             for printed, value, room in pairs:
                 right += 1
                 if abs(float(printed) - value) > room:
-                    wrong.append(
-                        f"{NAMES[method]}, budget: {value:.3f}, and the table has {printed}"
-                    )
+                    wrong.append(f"{NAMES[method]}, budget: {value:.3f}, and the table has {printed}")
     print("\n".join(wrong) or f"{right} figures agree")
     sys.exit(bool(wrong))
 

@@ -62,9 +62,7 @@ def shares(records: Path) -> Shares:
         apart: dict[str, list[float]] = defaultdict(list)
         for rung, answers in run["answers"].items():
             right = np.where(known, marks(answers, truth), np.nan)
-            each = [
-                right[domain == d] for d in np.unique(domain) if (d == home) == (rung == "home")
-            ]
+            each = [right[domain == d] for d in np.unique(domain) if (d == home) == (rung == "home")]
             seen = [float(np.nanmean(rows)) for rows in each if not np.isnan(rows).all()]
             if seen:
                 apart[rung.partition(":")[0]].append(100 * float(np.mean(seen)))
@@ -90,17 +88,13 @@ def confidence(records: Path) -> Mapping[str, tuple[float, float]]:
         shares = torch.from_numpy(unodds(run["odds"], len(first["classes"])))
         places = [known & (domain == d) for d in np.unique(domain) if d != home]
         cells = [
-            (
-                100 * ece(shares[rows], torch.from_numpy(truth[rows])),
-                nll(shares[rows], torch.from_numpy(truth[rows])),
-            )
+            (100 * ece(shares[rows], torch.from_numpy(truth[rows])), nll(shares[rows], torch.from_numpy(truth[rows])))
             for rows in places
             if rows.any()
         ]
         found[run["method"]][run["source"]].append(np.mean(cells, axis=0))
     return {
-        name: tuple(np.mean([np.mean(runs, axis=0) for runs in own.values()], axis=0))
-        for name, own in found.items()
+        name: tuple(np.mean([np.mean(runs, axis=0) for runs in own.values()], axis=0)) for name, own in found.items()
     }
 
 
@@ -216,13 +210,7 @@ def picture(found: Shares) -> str:
             own = {s: [v / 100 for v in values] for s, values in found[name][rung].items()}
             one = bootstrap_interval(own)
             records.append(
-                {
-                    "known": words,
-                    "accuracy": one.mean,
-                    "low": one.low,
-                    "high": one.high,
-                    "method": NAMES[name],
-                }
+                {"known": words, "accuracy": one.mean, "low": one.low, "high": one.high, "method": NAMES[name]}
             )
     return svg_of(ladder(records))
 

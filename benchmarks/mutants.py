@@ -43,14 +43,7 @@ AREAS = {
     "projection": ("tests/unit/projection",),
     "adapt": ("tests/unit/adapt", "tests/unit/cli/test_profile_command.py"),
 }
-SHARED = (
-    "torch",
-    "scipy.stats",
-    "scipy.ndimage",
-    "scipy.optimize",
-    "sklearn.linear_model",
-    "PIL.Image",
-)
+SHARED = ("torch", "scipy.stats", "scipy.ndimage", "scipy.optimize", "sklearn.linear_model", "PIL.Image")
 SWAPS: dict[type[ast.AST], type[ast.AST]] = {
     ast.Add: ast.Sub,
     ast.Sub: ast.Add,

@@ -78,9 +78,7 @@ def main() -> None:
     options = parser.parse_args()
     others = [record for record in read(OTHERS) if record["method"] in COMPARED]
     rows = rows_of([*read(options.records), *read(LIGHT), *others])
-    best = next(
-        label for label in rows if label.startswith("OmniVaT") and label.endswith("noise 2")
-    )
+    best = next(label for label in rows if label.startswith("OmniVaT") and label.endswith("noise 2"))
     text = "\n\n".join(
         [
             "# Noise on the embeddings",

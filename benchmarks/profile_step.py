@@ -73,26 +73,16 @@ def report(cells: Mapping[str, Cells]) -> str:
         own = [found for key, found in cells.items() if key.split()[0] == name]
         if not own:
             continue
-        tables = {
-            s: np.mean([table for found in own for table in found.get(s, {}).values()], axis=0)
-            for s in own[0]
-        }
-        rows = [
-            f"| {s} | " + " | ".join(_cell(row) for row in table) + " |"
-            for s, table in tables.items()
-        ]
+        tables = {s: np.mean([table for found in own for table in found.get(s, {}).values()], axis=0) for s in own[0]}
+        rows = [f"| {s} | " + " | ".join(_cell(row) for row in table) + " |" for s, table in tables.items()]
         mean = np.mean(list(tables.values()), axis=0)
         head = f"| {text}, trained on | " + " | ".join(f"{step:g}" for step in STEPS) + " |"
         rows.append("| **mean** | " + " | ".join(_cell(row) for row in mean) + " |")
         parts.append("\n".join([head, "| --- |" + " ---: |" * len(STEPS), *rows]))
-        steps, times = np.unique(
-            chosen({k: v for k, v in cells.items() if k.split()[0] == name}), return_counts=True
-        )
+        steps, times = np.unique(chosen({k: v for k, v in cells.items() if k.split()[0] == name}), return_counts=True)
         said = ", ".join(f"{s:g} ({n} times)" for s, n in zip(steps, times, strict=True))
         seeds = len(own)
-        parts.append(
-            f"Seeds: {seeds}. Points for 1 / 5 / 20 pairs. Chosen without the source and the target: {said}."
-        )
+        parts.append(f"Seeds: {seeds}. Points for 1 / 5 / 20 pairs. Chosen without the source and the target: {said}.")
     parts.append(f"Heads trained with imitated sensors take {STEP_SHIFTED:g} of the step.")
     return "\n\n".join(parts) + "\n"
 

@@ -97,12 +97,8 @@ def chain_report(points: Tensor) -> list[dict[str, Any]]:
                 "maps": name,
                 "cpu": time.process_time() - begun,
                 "drift": float(np.mean([drift(a, b) for a, b in pairwise(flats)])),
-                "trustworthiness": float(
-                    np.mean([trustworthiness(x, y) for x, y in zip(stops, flats, strict=True)])
-                ),
-                "recall_at_15": float(
-                    np.mean([recall(x, y) for x, y in zip(stops, flats, strict=True)])
-                ),
+                "trustworthiness": float(np.mean([trustworthiness(x, y) for x, y in zip(stops, flats, strict=True)])),
+                "recall_at_15": float(np.mean([recall(x, y) for x, y in zip(stops, flats, strict=True)])),
             }
         )
     return found
@@ -114,9 +110,7 @@ def in_own_process(name: str, arguments: argparse.Namespace) -> dict[str, Any]:
     for option in ("points", "width", "runs", "threads"):
         command += [f"--{option}", str(getattr(arguments, option))]
     limits = dict.fromkeys(("OMP_NUM_THREADS", "NUMBA_NUM_THREADS"), str(arguments.threads))
-    done = subprocess.run(
-        command, check=True, capture_output=True, text=True, env={**os.environ, **limits}
-    )
+    done = subprocess.run(command, check=True, capture_output=True, text=True, env={**os.environ, **limits})
     report: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
     return report
 

@@ -44,10 +44,7 @@ def made(width: int) -> Embeddings:
     label = np.arange(len(rows)) % 5
     label[(label == 3) & (domain >= 4)] = 0  # TacQuad has no ceramic
     centres = random.normal(size=(5, width))
-    vectors = [
-        (centres[label] + random.normal(size=(len(rows), width))).astype(np.float32)
-        for _ in range(4)
-    ]
+    vectors = [(centres[label] + random.normal(size=(len(rows), width))).astype(np.float32) for _ in range(4)]
     names = [str(index) for index in range(len(rows))]
     header = Header(
         encoder="made",
@@ -69,9 +66,7 @@ def made(width: int) -> Embeddings:
         rows={
             "vis": names,
             "tac": names,
-            "object": [
-                f"{d}/{c}/{i // 50}" for i, (d, c) in enumerate(zip(domain, label, strict=True))
-            ],
+            "object": [f"{d}/{c}/{i // 50}" for i, (d, c) in enumerate(zip(domain, label, strict=True))],
             "split": [row[2] for row in rows],
             "part": [row[1] for row in rows],
             "looks_like": [""] * len(rows),
@@ -94,14 +89,7 @@ def main() -> None:
         size = file.stat().st_size
         command = [sys.executable, "-m", "omnivat", "protocol", "--embeddings", str(file)]
         command += ["--out", str(Path(folder) / "out"), "--methods", options.methods]
-        command += [
-            "--sources",
-            options.source,
-            "--seeds",
-            "0",
-            "--set",
-            f"epochs={options.epochs}",
-        ]
+        command += ["--sources", options.source, "--seeds", "0", "--set", f"epochs={options.epochs}"]
         began = time.perf_counter()
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
         seconds = time.perf_counter() - began

@@ -255,9 +255,7 @@ def check_noise(count: Count, light: Sequence[Record]) -> None:
     noisy = [r for r in runs if r["settings"]["train"].get("noise") == 2]
     longer = [r for r in runs if not r["settings"]["train"].get("noise")]
     found = [mean_of(records, "mean")[0] for records in (noisy, light, longer)]
-    printed = re.search(
-        r"(\d+\.\d) % at D = 64, \+(\d+\.\d) \[.*?\+(\d+\.\d) \[", text.replace("\n", " ")
-    )
+    printed = re.search(r"(\d+\.\d) % at D = 64, \+(\d+\.\d) \[.*?\+(\d+\.\d) \[", text.replace("\n", " "))
     assert printed, "the README has no sentence on noise"
     wanted = (found[0], found[0] - found[1], found[0] - found[2])
     for text_of, value in zip(printed.groups(), wanted, strict=True):

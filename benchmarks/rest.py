@@ -59,9 +59,7 @@ def embedded(found: Embeddings, count: int) -> Arrays:
 
     rests = {name: picture(resting(made.sensor, size=224)) for name, made in SIMULATED.items()}
     rows = np.random.default_rng(0).permutation(len(found))[:count]
-    arrays = {
-        way: np.zeros((len(found), found.width), np.float32) for way in ("plain", "rest", "own")
-    }
+    arrays = {way: np.zeros((len(found), found.width), np.float32) for way in ("plain", "rest", "own")}
     for row in rows:
         domain = found.header.domains[found.domain[row]]
         pair = plan[domain, found.header.classes[found.label[row]], found.rows["object"][row]]

@@ -56,8 +56,7 @@ def make_set(folder: Path, pairs: int) -> Path:
             yield means[modality, of] + 2 * random.standard_normal((len(of), WIDTH), np.float32)
 
     vectors = {
-        name: Column(dtype="F32", shape=(pairs, WIDTH), blocks=blocks(k))
-        for k, name in enumerate(("vis", "tac"))
+        name: Column(dtype="F32", shape=(pairs, WIDTH), blocks=blocks(k)) for k, name in enumerate(("vis", "tac"))
     }
     rows = {name: [""] * pairs for name in ROW_NAMES}
     rows |= {name: [f"{name}/{k:06d}.png" for k in range(pairs)] for name in ("vis", "tac")}
@@ -77,9 +76,7 @@ def make_head(folder: Path) -> Path:
     names = tuple(f"class {k}" for k in range(CLASSES))
     settings = HeadSettings(classes=names, input_width=WIDTH)
     made = {"name": "made", "weights_hash": "0" * 16, "preprocessing": "none"}
-    head = Head(
-        model=OmniVaT(settings), settings=settings, encoder=made, provenance={"source": "domain 0"}
-    )
+    head = Head(model=OmniVaT(settings), settings=settings, encoder=made, provenance={"source": "domain 0"})
     return save_head(folder / "head", head)
 
 
@@ -111,17 +108,7 @@ def report(head: Path, file: Path, out: Path) -> None:
 
 def sweep(head: Path, file: Path, out: Path) -> None:
     """Curves over 3 orders."""
-    command(
-        "sweep",
-        "--head",
-        head,
-        "--embeddings",
-        file,
-        "--orders",
-        "0,0.5,1",
-        "--csv",
-        out / "sweep.csv",
-    )
+    command("sweep", "--head", head, "--embeddings", file, "--orders", "0,0.5,1", "--csv", out / "sweep.csv")
 
 
 def train(head: Path, file: Path, out: Path) -> None:

@@ -44,9 +44,7 @@ def main() -> None:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(description=__doc__)
     source = parser.add_mutually_exclusive_group()
-    source.add_argument(
-        "--embeddings", type=Path, default=SHIPPED, help="file of the embed command"
-    )
+    source.add_argument("--embeddings", type=Path, default=SHIPPED, help="file of the embed command")
     source.add_argument("--pairs", type=Path, help="a folder with pairs.csv, to embed first")
     parser.add_argument("--real", type=Path, help="a folder of real pairs with labels.csv")
     parser.add_argument("--examples", type=Path, help="example pairs to compare with the set's own")
@@ -56,12 +54,8 @@ def _parser() -> argparse.ArgumentParser:
 
 def print_sensors(features: Features) -> None:
     """Print how often the nearest TAC neighbour has the same sensor."""
-    shares = sensor_accuracy(
-        features.tac, domains=features.column("domain"), splits=features.column("split")
-    )
-    print(
-        "## Sensor identified by the nearest TAC neighbour (test pairs against training pairs, %)\n"
-    )
+    shares = sensor_accuracy(features.tac, domains=features.column("domain"), splits=features.column("split"))
+    print("## Sensor identified by the nearest TAC neighbour (test pairs against training pairs, %)\n")
     print("| domain | sensor | right |\n| --- | --- | ---: |")
     for domain, cell in shares.items():
         sensor = DOMAINS[paper_name(domain)].sensor
@@ -74,9 +68,7 @@ def print_sensors(features: Features) -> None:
 def print_gaps(features: Features) -> None:
     """Print the distance between the VIS and TAC centroids, and the spread around each."""
     print("## Modality gap (unit vectors)\n")
-    print(
-        "| domain | between centroids | spread of VIS | spread of TAC |\n| --- | ---: | ---: | ---: |"
-    )
+    print("| domain | between centroids | spread of VIS | spread of TAC |\n| --- | ---: | ---: | ---: |")
     domains = features.column("domain")
     for domain in dict.fromkeys(map(str, domains)):
         vis, tac = features.vis[domains == domain], features.tac[domains == domain]

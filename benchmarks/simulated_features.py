@@ -81,8 +81,6 @@ def encoded(files: list[Path]) -> Array:
     parts = []
     with torch.no_grad():
         for start in range(0, len(files), _BATCH):
-            images = [
-                encoder.preprocess(read_image(file)) for file in files[start : start + _BATCH]
-            ]
+            images = [encoder.preprocess(read_image(file)) for file in files[start : start + _BATCH]]
             parts.append(encoder.embed(torch.stack(images)).numpy())
     return np.asarray(np.concatenate(parts))

@@ -55,21 +55,14 @@ def fitted(values: Array, materials: Names) -> tuple[Probabilities, Names]:
     return lambda others: np.asarray(probe.predict_proba(others)), np.asarray(probe.classes_)
 
 
-def read_all(
-    vis: Array, tac: Array, train: NDArray[np.bool_], materials: Names
-) -> dict[str, Names]:
+def read_all(vis: Array, tac: Array, train: NDArray[np.bool_], materials: Names) -> dict[str, Names]:
     """Return the predictions of probes of every reading for all N pairs: reading -> (N,) classes.
 
     vis, tac   (N, D) unit-length embeddings
     train      (N,) the pairs that the probes are trained on
     materials  (N,) class names, read for training pairs only
     """
-    inputs = {
-        "VIS": vis,
-        "TAC": tac,
-        "concatenation": np.concatenate([vis, tac], axis=1),
-        "mean": (vis + tac) / 2,
-    }
+    inputs = {"VIS": vis, "TAC": tac, "concatenation": np.concatenate([vis, tac], axis=1), "mean": (vis + tac) / 2}
     shares, classes = {}, materials[:0]
     for name, values in inputs.items():
         probe, classes = fitted(values[train], materials[train])
@@ -111,8 +104,7 @@ def sensor_accuracy(tac: Array, *, domains: Names, splits: Names) -> dict[str, A
     nearest = domains[train][(tac[test] @ tac[train].T).argmax(1)]
     return {
         str(name): Accuracy(
-            right=int((nearest[domains[test] == name] == name).sum()),
-            of=int((domains[test] == name).sum()),
+            right=int((nearest[domains[test] == name] == name).sum()), of=int((domains[test] == name).sum())
         )
         for name in dict.fromkeys(domains)
     }

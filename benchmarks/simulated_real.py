@@ -40,10 +40,7 @@ def real_pairs(folder: Path) -> Real:
         rows = [r for r in csv.DictReader(file) if class_key(r["material"]) in MATERIALS]
     if not rows:
         raise DataError(f"'{table}' names no pair of {', '.join(MATERIALS)}.")
-    files = {
-        name: [folder / row.get("folder", "") / row[name] for row in rows]
-        for name in ("vis", "tac")
-    }
+    files = {name: [folder / row.get("folder", "") / row[name] for row in rows] for name in ("vis", "tac")}
     return Real(
         vis=encoded(files["vis"]),
         tac=encoded(files["tac"]),
@@ -97,8 +94,7 @@ def _head_predictions(folder: Path, features: Features, real: Real) -> dict[str,
     vis, tac = (torch.from_numpy(values).to(PRECISION) for values in (real.vis, real.tac))
     given = {"photo only": (vis, None), "touch only": (None, tac), "both": (vis, tac)}
     return {
-        name: np.array([row["prediction"] for row in predict_embeddings(head, *pair)])
-        for name, pair in given.items()
+        name: np.array([row["prediction"] for row in predict_embeddings(head, *pair)]) for name, pair in given.items()
     }
 
 
@@ -124,10 +120,7 @@ def _print_neighbours(features: Features, real: Real) -> None:
     print("| sensor | images | nearest | five nearest |\n| --- | ---: | --- | --- |")
     for sensor in dict.fromkeys(map(str, real.sensors)):
         mine = nearest[real.sensors == sensor]
-        first, five = (
-            Counter(map(str, domains[mine[:, 0]])),
-            Counter(map(str, domains[mine.ravel()])),
-        )
+        first, five = (Counter(map(str, domains[mine[:, 0]])), Counter(map(str, domains[mine.ravel()])))
         print(f"| {sensor or 'not stated'} | {len(mine)} | {_counts(first)} | {_counts(five)} |")
     print()
 

@@ -79,15 +79,10 @@ def print_table(found: Judged, features: Features) -> None:
     gains = []
     for question in questions(features):
         shares = {
-            name: by_source(matrix(found, features, name, question.chosen), within=question.within)
-            for name in READINGS
+            name: by_source(matrix(found, features, name, question.chosen), within=question.within) for name in READINGS
         }
         cells = [f"{100 * np.nanmean(shares[name]):.1f}" for name in READINGS]
-        print(
-            f"| {question.name} | {_counted(found, features, question)} | "
-            + " | ".join(cells)
-            + " |"
-        )
+        print(f"| {question.name} | {_counted(found, features, question)} | " + " | ".join(cells) + " |")
         gains.append((question.name, shares))
     within, across = (chance(found, features, within=inside) for inside in (True, False))
     print(f"\nChance: {100 * within:.1f} within a domain, {100 * across:.1f} in other domains.\n")

@@ -203,9 +203,7 @@ def embedded(resources: Resources, decoder: Decoder, content: bytes) -> torch.Te
     return encoder.embed(encoder.preprocess(decoder.read(content, "a").image)[None])
 
 
-def compared(
-    found: Mapping[str, Any], classes: list[str], wanted: Mapping[str, Any]
-) -> tuple[float, int]:
+def compared(found: Mapping[str, Any], classes: list[str], wanted: Mapping[str, Any]) -> tuple[float, int]:
     """Return the largest difference of a probability, and the number of changed classes."""
     gaps, changed = [], 0
     for name, shares in wanted.items():
@@ -230,10 +228,7 @@ def pairs_compared(site: Site, resources: Resources, count: int) -> dict[str, An
         changed += more
     rows = np.linspace(0, len(embeddings) - 1, count - count // 2).astype(int).tolist()
     for row in rows:
-        pair = {
-            n: torch.from_numpy(getattr(embeddings, n)[row : row + 1].copy())
-            for n in ("vis", "tac")
-        }
+        pair = {n: torch.from_numpy(getattr(embeddings, n)[row : row + 1].copy()) for n in ("vis", "tac")}
         _, reply, spent = site.ask("many", {"pairs": [{"vis": f"row:{row}", "tac": f"row:{row}"}]})
         gap, more = compared(reply["pairs"][0]["readings"], classes, expected(resources, pair))
         gaps["pairs of the set"].append(gap)
@@ -304,9 +299,7 @@ def odd_compared(site: Site, resources: Resources) -> dict[str, Any]:
             continue
         _, reply, _ = site.ask("many", {"pairs": [{"vis": reply["ref"]}]})
         (wanted,) = predict_embeddings(resources.head(), row, None)
-        gap, changed = compared(
-            reply["pairs"][0]["readings"], classes, {"vis": wanted["probabilities"]}
-        )
+        gap, changed = compared(reply["pairs"][0]["readings"], classes, {"vis": wanted["probabilities"]})
         found[name] = {"difference": gap, "changed": changed}
     decoder.close()
     return found
@@ -356,9 +349,7 @@ def main() -> None:
     print(json.dumps(record, indent=2, ensure_ascii=False))
     if options.out:
         write_json(options.out.with_suffix(".json"), record)
-    if not options.page and (
-        record["changed_classes"] or max(record["largest_difference"].values()) >= WANTED
-    ):
+    if not options.page and (record["changed_classes"] or max(record["largest_difference"].values()) >= WANTED):
         raise SystemExit("The browser's predictions differ from those of `predict`.")
 
 

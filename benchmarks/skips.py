@@ -91,9 +91,7 @@ def numeric(model: OmniVaT, vis: Tensor, tac: Tensor) -> Iterator[Rule]:
         "DTG folds into one matrix; nodes only on request",
         lambda: model.dtg.nodes(root).mean(1),
         lambda: torch.nn.functional.linear(root, matrix, offset),
-        lambda: relative(
-            torch.nn.functional.linear(root, matrix, offset), model.dtg.nodes(root).mean(1)
-        ),
+        lambda: relative(torch.nn.functional.linear(root, matrix, offset), model.dtg.nodes(root).mean(1)),
     )
 
     def gap_at(order: float) -> Tensor:
@@ -108,10 +106,7 @@ def numeric(model: OmniVaT, vis: Tensor, tac: Tensor) -> Iterator[Rule]:
         return torch.stack([gap_at(p) for p in ORDERS])
 
     yield Rule(
-        "the raw transform is unitary: one gap for all p (11 orders)",
-        every,
-        once,
-        lambda: relative(once(), every()),
+        "the raw transform is unitary: one gap for all p (11 orders)", every, once, lambda: relative(once(), every())
     )
 
 
@@ -120,8 +115,7 @@ def maps(model: OmniVaT, vis: Tensor, tac: Tensor) -> Rule:
     pairs = model.coefficients(vis[::3], tac[::3])
     orders = [model.order + 0.005 * step for step in range(6)]
     rows = [
-        torch.cat([out.f_hat[name] for name in IMAGES])
-        for out in (model.from_coefficients(pairs, p) for p in orders)
+        torch.cat([out.f_hat[name] for name in IMAGES]) for out in (model.from_coefficients(pairs, p) for p in orders)
     ]
 
     def apart() -> list[Tensor]:
@@ -133,12 +127,9 @@ def maps(model: OmniVaT, vis: Tensor, tac: Tensor) -> Rule:
     def error() -> str:
         one, other = apart(), chained()
         trust = [
-            sum(trustworthiness(p, m) for p, m in zip(rows, made, strict=True)) / len(rows)
-            for made in (one, other)
+            sum(trustworthiness(p, m) for p, m in zip(rows, made, strict=True)) / len(rows) for made in (one, other)
         ]
-        moved = [
-            sum(drift(a, b) for a, b in pairwise(made)) / (len(rows) - 1) for made in (one, other)
-        ]
+        moved = [sum(drift(a, b) for a, b in pairwise(made)) / (len(rows) - 1) for made in (one, other)]
         return f"trustworthiness {trust[0]:.3f} → {trust[1]:.3f}, drift {moved[0]:.2f} → {moved[1]:.2f}"
 
     return Rule("a map starts from its neighbour's (6 orders)", apart, chained, error)
@@ -163,9 +154,7 @@ def started(statement: str, rounds: int) -> Spread:
     code = f"import time; {statement}; print(time.process_time())"
     taken = []
     for _ in range(rounds + 1):
-        done = subprocess.run(
-            [sys.executable, "-c", code], capture_output=True, text=True, check=True
-        )
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
         taken.append(1e3 * float(done.stdout.split()[-1]))
     taken = taken[1:]  # the first fills the disk's cache
     return Spread(median(taken), min(taken), max(taken), len(taken))
@@ -203,9 +192,7 @@ def main() -> None:
     page = "from app.server import build; build()"
     heavy = "import torch, umap, plotly.graph_objects; from app.server import build; build()"
     slow, fast = started(heavy, 3), started(page, 3)
-    lines.append(
-        line("the first page loads no torch, umap or plotly (CPU time)", slow, fast, "none")
-    )
+    lines.append(line("the first page loads no torch, umap or plotly (CPU time)", slow, fast, "none"))
     head = "| rule | without, ms | with, ms | saves | error |\n| --- | --- | --- | --- | --- |"
     text = (
         "# What is not computed\n\n"

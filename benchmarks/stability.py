@@ -96,10 +96,7 @@ def laws(size: int, dtype: torch.dtype) -> list[Cell]:
     wide = x.to(torch.complex128)
     back = relative(dfrft(dfrft(x, 0.375), -0.375), wide)
     added = relative(dfrft(dfrft(x, 0.375), 0.8125), dfrft(x, 1.1875).to(torch.complex128))
-    cells = [
-        Cell("unitarity", size, name, back, bound),
-        Cell("additivity", size, name, added, bound * 4 / 3),
-    ]
+    cells = [Cell("unitarity", size, name, back, bound), Cell("additivity", size, name, added, bound * 4 / 3)]
     step, y = 2.0**-10, x
     for _ in range(STEPS):
         y = dfrft(y, step)
@@ -142,9 +139,7 @@ def table(cells: list[Cell]) -> str:
             key=lambda c: math.inf if math.isnan(c.error) else c.error / c.target,
         )
         met = "yes" if worst.error <= worst.target else "**no**"
-        lines.append(
-            f"| {key[0]} | {key[1]} | {worst.error:.1e} | {worst.size} | {worst.target:.1e} | {met} |"
-        )
+        lines.append(f"| {key[0]} | {key[1]} | {worst.error:.1e} | {worst.size} | {worst.target:.1e} | {met} |")
     return "\n".join([*lines, ""])
 
 

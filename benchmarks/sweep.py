@@ -72,9 +72,7 @@ def report_width(width: int, arguments: argparse.Namespace) -> dict[str, Any]:
     orders = np.linspace(0, 1, arguments.orders).tolist()
     require_right(model, embeddings, orders[: len(orders) // 2 + 1 : max(len(orders) // 4, 1)])
     time = timed(lambda: sweep(model, embeddings, orders), arguments.runs)
-    answers = timed(
-        lambda: sweep(model, embeddings, orders[::10], stages=(), measures=("accuracy",)), 1
-    )
+    answers = timed(lambda: sweep(model, embeddings, orders[::10], stages=(), measures=("accuracy",)), 1)
     rate = product_rate(width)
     floor = floor_operations(model) * arguments.pairs * arguments.orders / rate
     return {
@@ -101,9 +99,7 @@ def require_right(model: OmniVaT, embeddings: Embeddings, orders: list[float]) -
 def show(report: dict[str, Any]) -> None:
     """Print the table of docs/benchmarks/sweep.md."""
     print(json.dumps(report["machine"]))
-    print(
-        "| D | wall s (low to high) | target | CPU s | in the head | rate | floor, CPU s | share |"
-    )
+    print("| D | wall s (low to high) | target | CPU s | in the head | rate | floor, CPU s | share |")
     print("| --- | --- | --- | --- | --- | --- | --- | --- |")
     for row in report["widths"]:
         time = row["time"]

@@ -54,9 +54,7 @@ def _lesson(head: Head, pairs: Embeddings, row: int, label: int) -> Lesson:
     )
 
 
-def _right(
-    head: Head, pairs: Embeddings, rows: "np.ndarray[tuple[int], np.dtype[np.int64]]", truth: Tensor
-) -> float:
+def _right(head: Head, pairs: Embeddings, rows: "np.ndarray[tuple[int], np.dtype[np.int64]]", truth: Tensor) -> float:
     found = predicted_probabilities(head.model, pairs.select(rows))["fused"].argmax(1)
     return float((found == truth).double().mean())
 

@@ -77,12 +77,7 @@ def made_source(kind: str, pairs: int, seed: int) -> Embeddings:
         label, vis, tac = label[:5], vis[:5], tac[:5]
     order = np.argsort(label, kind="stable")
     header = Header(
-        encoder="made",
-        weights_hash="none",
-        preprocessing="none",
-        domains=("made",),
-        classes=MATERIALS,
-        simulated=True,
+        encoder="made", weights_hash="none", preprocessing="none", domains=("made",), classes=MATERIALS, simulated=True
     )
     return Embeddings(
         header=header,
@@ -113,10 +108,7 @@ def runs(domains: Sequence[str]) -> list[Run]:
         for kind in extremes
         for s in (0, 1)
     ]
-    listed += [
-        Run(group="batches of one pair, so of one class", train={"batch": 1}, seed=s)
-        for s in (0, 1)
-    ]
+    listed += [Run(group="batches of one pair, so of one class", train={"batch": 1}, seed=s) for s in (0, 1)]
     listed += [
         Run(
             group=f"p learned from {order:g}, its rate × {scale:g}",
@@ -127,10 +119,7 @@ def runs(domains: Sequence[str]) -> list[Run]:
         for order in ORDERS
     ]
     listed += [
-        Run(
-            group="p without its clamp and slow rate",
-            train={"order_lr_scale": s, "order_clip": 1e9},
-        )
+        Run(group="p without its clamp and slow rate", train={"order_lr_scale": s, "order_clip": 1e9})
         for s in (1.0, 10.0)
     ]
     listed += [
@@ -183,9 +172,7 @@ def table(records: list[dict[str, Any]]) -> str:
         "| what | runs | held | refused | steps clipped | p clamped | p at the end | mod 4 | CE |",
         "| --- | --- | --- | --- | --- | --- | --- | --- | --- |",
     ]
-    for group, members in itertools.groupby(
-        sorted(records, key=lambda r: r["place"]), key=lambda r: r["group"]
-    ):
+    for group, members in itertools.groupby(sorted(records, key=lambda r: r["place"]), key=lambda r: r["group"]):
         rows = list(members)
         done = [r for r in rows if not r["refused"]]
         cells = [group, str(len(rows)), str(sum(r["held"] for r in rows))]

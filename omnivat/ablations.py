@@ -59,13 +59,9 @@ ABLATIONS = {
         "Key components",
         rows={
             "baseline": BASELINE,
-            "mffa without MMA": Row(
-                "+ MFFA (without L_MMA)", head=ONLY_MFFA, train={"mma_weight": 0.0}
-            ),
+            "mffa without MMA": Row("+ MFFA (without L_MMA)", head=ONLY_MFFA, train={"mma_weight": 0.0}),
             "mffa": Row("+ MFFA", head=ONLY_MFFA),
-            "dtg without NOD": Row(
-                "+ DTG (without L_NOD)", head=ONLY_DTG, train={"nod_weight": 0.0}
-            ),
+            "dtg without NOD": Row("+ DTG (without L_NOD)", head=ONLY_DTG, train={"nod_weight": 0.0}),
             "dtg": Row("+ DTG", head=ONLY_DTG),
             "full": FULL,
         },
@@ -84,9 +80,7 @@ ABLATIONS = {
         "Global class token",
         rows={
             "baseline": BASELINE,
-            "without class token": Row(
-                "OmniVaT (without class token)", head={"class_token": False}
-            ),
+            "without class token": Row("OmniVaT (without class token)", head={"class_token": False}),
             "full": FULL,
         },
     ),
@@ -116,9 +110,7 @@ ABLATIONS = {
                 for p in (0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 1.0)
             },
             "p 0.5 fixed": Row("p = 0.5 (fixed)", head={"order": 0.5, "learn_order": False}),
-            "p per modality": Row(
-                "p = 0.5, one for each modality", head={"order_per_modality": True}
-            ),
+            "p per modality": Row("p = 0.5, one for each modality", head={"order_per_modality": True}),
         },
     ),
     "fixed_order": Ablation(
@@ -126,9 +118,7 @@ ABLATIONS = {
         axis="p, fixed",
         rows={
             **{
-                f"p {p:g} fixed": Row(
-                    f"p = {p:g} (fixed)", head={"order": p, "learn_order": False}, value=p
-                )
+                f"p {p:g} fixed": Row(f"p = {p:g} (fixed)", head={"order": p, "learn_order": False}, value=p)
                 for p in (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
             },
             "full": Row("OmniVaT, p learned from 0.5"),
@@ -138,9 +128,7 @@ ABLATIONS = {
         "Projection to the head's width (ours): one map for VIS and TAC, or one each",
         sources=ALL_SOURCES,
         rows={
-            "shared projection": Row(
-                "OmniVaT (one map for VIS and TAC)", head={"shared_projection": True}
-            ),
+            "shared projection": Row("OmniVaT (one map for VIS and TAC)", head={"shared_projection": True}),
             "full": FULL,
         },
     ),
@@ -151,9 +139,7 @@ ABLATIONS = {
             "guide added": Row("guide added only (Eq. 5)", head={"guide": "added"}),
             "guide query": Row("guide as query only (Eq. 6)", head={"guide": "query"}),
             "guide unit": Row("guide of length 1 in place of √D", head={"guide_length": "unit"}),
-            "bank all": Row(
-                "class tokens of guided pairs in the bank, too", train={"bank_from": "all"}
-            ),
+            "bank all": Row("class tokens of guided pairs in the bank, too", train={"bank_from": "all"}),
             "mma guided": Row("L_MMA on pairs guided by LANG only", train={"mma_on": "guided"}),
             "full": FULL,
         },
@@ -164,9 +150,7 @@ ABLATIONS = {
         axis="R",
         rows={
             f"R {levels}": Row(
-                f"R = {levels}, {2**levels - 1} node{'s' if levels > 1 else ''}",
-                head={"levels": levels},
-                value=levels,
+                f"R = {levels}, {2**levels - 1} node{'s' if levels > 1 else ''}", head={"levels": levels}, value=levels
             )
             for levels in (1, 2, 3, 4, 5)
         },
@@ -176,8 +160,7 @@ ABLATIONS = {
         sources=("TAG",),
         axis="E",
         rows={
-            f"E {count}": Row(f"E = {count}", head={"expansion": count}, value=count)
-            for count in (1, 2, 3, 4, 6, 8)
+            f"E {count}": Row(f"E = {count}", head={"expansion": count}, value=count) for count in (1, 2, 3, 4, 6, 8)
         },
     ),
     "balance": Ablation(

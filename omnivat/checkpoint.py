@@ -66,9 +66,7 @@ class Head:
         wanted = tuple(self.encoder[name] for name in ENCODER)
         if key == wanted and width == self.settings.input_width:
             return
-        if key != wanted and "".join(key).removesuffix(RESTED) == "".join(wanted).removesuffix(
-            RESTED
-        ):
+        if key != wanted and "".join(key).removesuffix(RESTED) == "".join(wanted).removesuffix(RESTED):
             less, more = ("with", "without") if wanted[2].endswith(RESTED) else ("without", "with")
             raise DataError(
                 f"{what} are made {more} a rest picture subtracted from touch, and this head was "
@@ -175,9 +173,7 @@ def require_head_folder(folder: str | Path, *, also: Sequence[str] = ()) -> None
     if target.exists() and not target.is_dir():
         raise DataError(f"'{target}' is a file; name a folder for the head.")
     allowed = {WEIGHTS, SETTINGS, METRICS, FAMILIARITY, PROFILE, *also}
-    foreign = (
-        sorted(p.name for p in target.iterdir() if p.name not in allowed) if target.is_dir() else []
-    )
+    foreign = sorted(p.name for p in target.iterdir() if p.name not in allowed) if target.is_dir() else []
     if foreign:
         raise DataError(
             f"'{target}' holds '{foreign[0]}', which is not part of a head and would be lost; "
@@ -216,9 +212,7 @@ def load_head(folder: str | Path, *, dtype: torch.dtype | None = None) -> Head:
     """
     path = Path(folder)
     if not path.is_dir():
-        raise DataError(
-            f"No head at '{path}'. Train one with `python -m omnivat train --out {path}`."
-        )
+        raise DataError(f"No head at '{path}'. Train one with `python -m omnivat train --out {path}`.")
     _require(path / SETTINGS)
     record = read_object(path / SETTINGS)
     if record.get("format") != FORMAT:
@@ -235,9 +229,7 @@ def load_head(folder: str | Path, *, dtype: torch.dtype | None = None) -> Head:
         _require_training(provenance.get("train", {}), path / SETTINGS)
     except (KeyError, TypeError, AttributeError, SettingsError) as error:
         why = f"{error!s:.300}"
-        raise DataError(
-            f"'{path / SETTINGS}' does not describe a head: {why.rstrip('.')}."
-        ) from error
+        raise DataError(f"'{path / SETTINGS}' does not describe a head: {why.rstrip('.')}.") from error
     model = _load_weights(path / WEIGHTS, settings)
     model.calibration = _calibration(path / SETTINGS, record.get("calibration"))
     model = model.to(device=current(), dtype=dtype)
@@ -278,12 +270,7 @@ def _calibration(file: Path, given: Any) -> Calibration:
 
 def _require_training(train: Any, file: Path) -> None:
     """Raise DataError if the training settings that others read are of another kind."""
-    kinds = {
-        "order_draw": str,
-        "modalities": str,
-        "order_low": int | float,
-        "order_high": int | float,
-    }
+    kinds = {"order_draw": str, "modalities": str, "order_low": int | float, "order_high": int | float}
     if not isinstance(train, dict) or any(
         not isinstance(train[name], kind) for name, kind in kinds.items() if name in train
     ):
@@ -306,9 +293,7 @@ def _load_weights(file: Path, settings: HeadSettings) -> OmniVaT:
         tensor_table(file)
         tensors = load_file(file)
     except (SafetensorError, OSError) as error:
-        raise DataError(
-            f"'{file}' cannot be read ({error}); copy the head folder again."
-        ) from error
+        raise DataError(f"'{file}' cannot be read ({error}); copy the head folder again.") from error
     with torch.device("meta"):
         model = OmniVaT(settings)
     try:
@@ -324,9 +309,7 @@ def _check_tensors(given: Mapping[str, torch.Tensor], wanted: Mapping[str, torch
         if name not in given:
             raise ValueError(f"{name} is missing")
         if given[name].shape != tensor.shape:
-            raise ValueError(
-                f"{name} has shape {tuple(given[name].shape)}, expected {tuple(tensor.shape)}"
-            )
+            raise ValueError(f"{name} has shape {tuple(given[name].shape)}, expected {tuple(tensor.shape)}")
         if given[name].is_floating_point() != tensor.is_floating_point():
             raise ValueError(f"{name} is of type {given[name].dtype}, expected {tensor.dtype}")
         if not given[name].isfinite().all():
@@ -339,6 +322,4 @@ def _check_tensors(given: Mapping[str, torch.Tensor], wanted: Mapping[str, torch
 
 def _require(file: Path) -> None:
     if not file.is_file():
-        raise DataError(
-            f"'{file}' is missing; a head folder holds {WEIGHTS}, {SETTINGS}, {METRICS}."
-        )
+        raise DataError(f"'{file}' is missing; a head folder holds {WEIGHTS}, {SETTINGS}, {METRICS}.")

@@ -67,9 +67,7 @@ def settings_from(kind: type[S], values: Mapping[str, Any]) -> S:
     hints = get_type_hints(kind)
     for name in values:
         if name not in hints:
-            raise SettingsError(
-                f"{kind.__name__} has no setting '{name}'.{suggestion(name, hints) or _list(hints)}"
-            )
+            raise SettingsError(f"{kind.__name__} has no setting '{name}'.{suggestion(name, hints) or _list(hints)}")
     return kind(**{name: _fit(hints[name], value, name) for name, value in values.items()})
 
 
@@ -84,9 +82,7 @@ def parse_assignments(kind: type[Any], texts: Sequence[str]) -> dict[str, Any]:
         if not equals:
             raise SettingsError(f"--set got '{text}'; write it as key=value.")
         if name not in hints:
-            raise SettingsError(
-                f"{kind.__name__} has no setting '{name}'.{suggestion(name, hints) or _list(hints)}"
-            )
+            raise SettingsError(f"{kind.__name__} has no setting '{name}'.{suggestion(name, hints) or _list(hints)}")
         try:
             value = json.loads(raw)
         except ValueError:

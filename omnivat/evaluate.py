@@ -51,9 +51,7 @@ def predicted_logits(
 
     Raises DataError if there are no pairs.
     """
-    return _joined(
-        [output.reading_logits for output in _outputs(model, embeddings, None, modalities)]
-    )
+    return _joined([output.reading_logits for output in _outputs(model, embeddings, None, modalities)])
 
 
 def _joined(batches: Sequence[dict[str, Tensor]]) -> dict[str, Tensor]:
@@ -64,11 +62,7 @@ def _joined(batches: Sequence[dict[str, Tensor]]) -> dict[str, Tensor]:
 
 @torch.inference_mode()
 def _outputs(
-    model: OmniVaT,
-    embeddings: Embeddings,
-    order: float | None,
-    modalities: Sequence[str],
-    rows: Rows | None = None,
+    model: OmniVaT, embeddings: Embeddings, order: float | None, modalities: Sequence[str], rows: Rows | None = None
 ) -> Iterator[HeadOutput]:
     device = model.classifier.device
     blocks = [walked(getattr(embeddings, name), rows, size=CHUNK) for name in modalities]

@@ -127,9 +127,7 @@ def locked(handle: IO[Any]) -> bool | None:
 @contextmanager
 def _temporary(target: Path) -> Iterator[Path]:
     """Yield a new file next to `target`; it is removed when the block ends."""
-    with NamedTemporaryFile(
-        dir=target.parent, prefix=f".{target.name}.", suffix=".tmp", delete=False
-    ) as handle:
+    with NamedTemporaryFile(dir=target.parent, prefix=f".{target.name}.", suffix=".tmp", delete=False) as handle:
         temporary = Path(handle.name)
         locked(handle)
         try:
@@ -157,10 +155,7 @@ def require_writable(path: str | Path, suffix: str = "") -> None:
     if not folder.is_dir():
         raise WriteError(f"'{target}' cannot be written: '{folder}' is a file; choose a folder.")
     if not os.access(folder, os.W_OK | os.X_OK):
-        raise WriteError(
-            f"'{target}' cannot be written: nothing may be written in '{folder}'; "
-            "choose another folder."
-        )
+        raise WriteError(f"'{target}' cannot be written: nothing may be written in '{folder}'; choose another folder.")
 
 
 def read_whole(path: str | Path, most: int, name: str = "") -> bytes:

@@ -38,9 +38,7 @@ class HeldOut:
     plain: Tensor  # (N,) bool
 
 
-def held_out_logits(
-    model: OmniVaT, fold: Evidence, *, modalities: Sequence[str] = ("vis", "tac")
-) -> HeldOut:
+def held_out_logits(model: OmniVaT, fold: Evidence, *, modalities: Sequence[str] = ("vis", "tac")) -> HeldOut:
     """Return a model's logits on the held-out pairs of a fold, plain and under imitated sensors."""
     parts, labels, plain = [], [], []
     for name, pairs in fold.held.items():
@@ -74,9 +72,7 @@ def calibration_of(
     return fit_calibration(found.logits, found.labels, fusion=head.fusion)
 
 
-def lang_guard(
-    model: OmniVaT, pairs: Embeddings, bank: LangBank, *, seed: int = 0
-) -> dict[str, float]:
+def lang_guard(model: OmniVaT, pairs: Embeddings, bank: LangBank, *, seed: int = 0) -> dict[str, float]:
     """Return ACC on pairs "with" the text of their class, "without" it, and the "gap".
 
     pairs  test pairs of the source; classes that the head lacks are left out
@@ -94,17 +90,12 @@ def lang_guard(
     texts = torch.from_numpy(bank.embeddings[truth.numpy(), styles])
     guided = guided_probabilities(model, pairs, texts, truth)
     plain = predicted_probabilities(model, pairs)["fused"]
-    found = {
-        "with": float(accuracy(truth, guided.argmax(-1))),
-        "without": float(accuracy(truth, plain.argmax(-1))),
-    }
+    found = {"with": float(accuracy(truth, guided.argmax(-1))), "without": float(accuracy(truth, plain.argmax(-1)))}
     return found | {"gap": found["with"] - found["without"]}
 
 
 @torch.no_grad()
-def guided_probabilities(
-    model: OmniVaT, pairs: Embeddings, texts: Tensor, labels: Tensor
-) -> Tensor:
+def guided_probabilities(model: OmniVaT, pairs: Embeddings, texts: Tensor, labels: Tensor) -> Tensor:
     """Return fused probabilities (N, K) of pairs guided by texts (N, lang_width), as in training.
 
     labels  (N,) not used by the head: class tokens are the class-agnostic ones

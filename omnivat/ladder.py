@@ -74,10 +74,7 @@ def rungs(head: Head, embeddings: Embeddings, *, source: str = "") -> list[dict[
     if own:
         found |= {one.rung: one for one in _of_head(head, embeddings)}
     ordered = [found[name] for name in KNOWN if name in found]
-    return [
-        {"from" if name == "origin" else name: value for name, value in asdict(one).items()}
-        for one in ordered
-    ]
+    return [{"from" if name == "origin" else name: value for name, value in asdict(one).items()} for one in ordered]
 
 
 def ladder(head: Head, embeddings: Embeddings, *, source: str = "") -> dict[str, Any]:
@@ -138,12 +135,7 @@ def _right(head: Head, test: Embeddings, label: NDArray[np.int64]) -> NDArray[np
 
 
 def rung(
-    name: str,
-    rows: Sequence[NDArray[np.float64]],
-    domain: NDArray[np.int64],
-    home: int,
-    source: str,
-    origin: str,
+    name: str, rows: Sequence[NDArray[np.float64]], domain: NDArray[np.int64], home: int, source: str, origin: str
 ) -> Rung:
     """Return a rung from the right predictions (N,) of each draw; NaN where none was made.
 
@@ -169,9 +161,7 @@ def rung(
 def _records() -> tuple[Mapping[str, Any], list[Mapping[str, Any]]]:
     """Return the head line of the shipped records, and the lines that `recorded` reads."""
     found = list(lines(LADDERS, FORMAT))
-    return (found[0] if found else {}), [
-        one for one in found[1:] if one["method"] in (METHOD, *OTHERS)
-    ]
+    return (found[0] if found else {}), [one for one in found[1:] if one["method"] in (METHOD, *OTHERS)]
 
 
 def recorded(source: str, domains: Sequence[str]) -> list[Rung]:
@@ -207,25 +197,14 @@ def recorded(source: str, domains: Sequence[str]) -> list[Rung]:
 
 
 def _recorded(
-    name: str,
-    known: str,
-    rows: Sequence[NDArray[np.float64]],
-    domain: NDArray[np.int64],
-    home: int,
-    source: str,
+    name: str, known: str, rows: Sequence[NDArray[np.float64]], domain: NDArray[np.int64], home: int, source: str
 ) -> Rung:
     if name != "home":
         return replace(rung(name, rows, domain, home, source, "records"), known=known)
     right = np.mean(rows, axis=0)[domain == home]
     low, high = wilson(round(float(right.sum())), len(right))
     return Rung(
-        rung=name,
-        known=known,
-        accuracy=float(right.mean()),
-        low=low,
-        high=high,
-        source=source,
-        origin="records",
+        rung=name, known=known, accuracy=float(right.mean()), low=low, high=high, source=source, origin="records"
     )
 
 

@@ -91,9 +91,5 @@ def joint_loss(
         mma = mma_loss(**{n: x if aligned is None else x[aligned] for n, x in given.items()})
     nod = nod_loss(layers) if nod_weight > 0 else zero
     ce = torch.stack([cross_entropy(values, labels) for values in logits.values()]).mean()
-    fit = (
-        ce
-        if targets is None
-        else torch.stack([mse_loss(logits[n], targets[n]) for n in logits]).mean()
-    )
+    fit = ce if targets is None else torch.stack([mse_loss(logits[n], targets[n]) for n in logits]).mean()
     return Losses(mma_weight * mma + nod_weight * nod + fit, mma, nod, ce)

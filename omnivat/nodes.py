@@ -70,11 +70,7 @@ def tree_facts(model: OmniVaT, nodes: Tensor, labels: Tensor | None = None) -> T
 def _level(nodes: Tensor, group: range) -> Level:
     own = nodes[:, group.start : group.stop]
     directions = normalize(own, dim=-1)
-    return Level(
-        nodes=group,
-        cosines=(directions @ directions.mT).mean(0),
-        nod=float(nod_loss([own[:, :1], own])),
-    )
+    return Level(nodes=group, cosines=(directions @ directions.mT).mean(0), nod=float(nod_loss([own[:, :1], own])))
 
 
 @torch.no_grad()

@@ -23,11 +23,7 @@ from omnivat.stages import IMAGES, STAGES
 INPUTS = (*IMAGES, "orders", "directions")
 OUTPUTS = (
     *(f"p_{name}" for name in READINGS),
-    *(
-        f"{name}_{what}"
-        for name in IMAGES
-        for what in ("size", "alone", "f_hat", "standing", "attention")
-    ),
+    *(f"{name}_{what}" for name in IMAGES for what in ("size", "alone", "f_hat", "standing", "attention")),
 )
 
 
@@ -46,9 +42,7 @@ class PortableHead(nn.Module):
         super().__init__()
         self.model = model
 
-    def forward(
-        self, vis: Tensor, tac: Tensor, orders: Tensor, directions: Tensor
-    ) -> tuple[Tensor, ...]:
+    def forward(self, vis: Tensor, tac: Tensor, orders: Tensor, directions: Tensor) -> tuple[Tensor, ...]:
         head: Any = self.model
         raw = {"vis": vis, "tac": tac}
         found = {
@@ -58,15 +52,12 @@ class PortableHead(nn.Module):
         bars = [one.f_bar.expand(orders.shape[1], -1) for one in found.values()]  # (P, D) each
         hats = [bar + self._mean(bars) for bar in bars]
         alone = [bar + self._mean([bar]) for bar in bars]
-        branches = {
-            name: head.classify(hat, directions) for name, hat in zip(IMAGES, hats, strict=True)
-        }
+        branches = {name: head.classify(hat, directions) for name, hat in zip(IMAGES, hats, strict=True)}
         own, scale = head.calibration, head.calibration.temperature
         pair = head.classify(torch.stack(hats).sum(0), directions)
         readings = [fuse(head.settings.fusion, branches, pair, own)]
         readings += [
-            tempered(head.classify(one, directions), scale[name])
-            for name, one in zip(IMAGES, alone, strict=True)
+            tempered(head.classify(one, directions), scale[name]) for name, one in zip(IMAGES, alone, strict=True)
         ]
         readings += [tempered(one, scale["fused"]) for one in branches.values()]
         rest = []

@@ -15,12 +15,7 @@ PRECISION = torch.float64  # heads in this dtype give the same digits in any bat
 
 @torch.no_grad()
 def predict_embeddings(
-    head: Head,
-    vis: Tensor | None,
-    tac: Tensor | None,
-    *,
-    order: float | None = None,
-    profile: Profile | None = None,
+    head: Head, vis: Tensor | None, tac: Tensor | None, *, order: float | None = None, profile: Profile | None = None
 ) -> list[dict[str, Any]]:
     """Return one record for each pair, as plain values.
 
@@ -34,8 +29,7 @@ def predict_embeddings(
     """
     if profile is not None:
         vis, tac = (
-            None if rows is None else head.moved(name, rows, profile)
-            for name, rows in (("vis", vis), ("tac", tac))
+            None if rows is None else head.moved(name, rows, profile) for name, rows in (("vis", vis), ("tac", tac))
         )
     device = head.model.classifier.device
     given = [None if rows is None else rows.to(device) for rows in (vis, tac)]
@@ -49,9 +43,7 @@ def predict_embeddings(
         {
             "prediction": head.settings.classes[int(fused[row].argmax())],
             "probabilities": _named(head.settings.classes, fused[row]),
-            "modalities": {
-                name: _named(head.settings.classes, values[row]) for name, values in alone.items()
-            },
+            "modalities": {name: _named(head.settings.classes, values[row]) for name, values in alone.items()},
             **_branches(head.settings.classes, branches, row),
             "temperature": dict(head.model.calibration.temperature),
             "familiarity": looked[row] if looked else {},
@@ -66,9 +58,7 @@ def _named(classes: Sequence[str], values: Tensor) -> dict[str, float]:
     return dict(zip(classes, values.tolist(), strict=True))
 
 
-def _branches(
-    classes: Sequence[str], branches: dict[str, Tensor], row: int
-) -> dict[str, dict[str, dict[str, float]]]:
+def _branches(classes: Sequence[str], branches: dict[str, Tensor], row: int) -> dict[str, dict[str, dict[str, float]]]:
     if not branches:
         return {}
     return {"branches": {name: _named(classes, values[row]) for name, values in branches.items()}}

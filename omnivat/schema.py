@@ -98,9 +98,7 @@ def texts(value: Any, name: str) -> dict[str, str]:
 
 def name_list(value: Any, name: str, most: int) -> tuple[str, ...]:
     """Return a list of different, short, non-empty names; raises DataError for anything else."""
-    good = isinstance(value, list) and all(
-        isinstance(n, str) and 0 < len(n) <= LONGEST_NAME for n in value
-    )
+    good = isinstance(value, list) and all(isinstance(n, str) and 0 < len(n) <= LONGEST_NAME for n in value)
     if not good or len(value) > most or len(set(value)) < len(value):
         raise DataError(
             f"'{name}' should be a list of up to {most:,} different names of 1 to {LONGEST_NAME} "
@@ -123,8 +121,7 @@ def columns_in(content: bytes, name: str, most: int) -> dict[str, list[str]]:
     for title, column in columns.items():
         if not _all_writable(title, column):
             raise DataError(
-                f"Column {title!a:.60} of '{name}' is not a list of texts that can be written; make "
-                "the file again."
+                f"Column {title!a:.60} of '{name}' is not a list of texts that can be written; make the file again."
             )
     return columns
 
@@ -171,10 +168,7 @@ def tensor_table(
     metadata = texts(table.pop("__metadata__", {}), f"{file} (metadata)")
     for name, entry in table.items():
         if not _is_entry(entry, types):
-            raise DataError(
-                f"'{file}' cannot be read ('{name:.60}' is no array of {', '.join(types)}); copy it "
-                "again."
-            )
+            raise DataError(f"'{file}' cannot be read ('{name:.60}' is no array of {', '.join(types)}); copy it again.")
     return table, metadata, 8 + length
 
 
@@ -185,8 +179,4 @@ def _is_entry(entry: Any, types: tuple[str, ...]) -> bool:
     if not isinstance(shape, list) or not isinstance(places, list):
         return False
     sizes = [*shape, *places]
-    return (
-        all(type(n) is int and n >= 0 for n in sizes)
-        and len(shape) <= MOST_AXES
-        and len(places) == 2
-    )
+    return all(type(n) is int and n >= 0 for n in sizes) and len(shape) <= MOST_AXES and len(places) == 2

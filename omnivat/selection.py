@@ -34,9 +34,7 @@ class Evidence:
     held: dict[str, Embeddings]  # "held out", "axes 0", "axes 1", ..., "spread 0", ...
 
 
-def evidence(
-    source: Embeddings, fold: int, *, shifts: int = SHIFTS, strength: float = STRENGTH
-) -> Evidence:
+def evidence(source: Embeddings, fold: int, *, shifts: int = SHIFTS, strength: float = STRENGTH) -> Evidence:
     """Split a source's training pairs by object and shift the held-out ones.
 
     fold      number of the fold; the same for every method
@@ -53,12 +51,7 @@ def evidence(
 
 
 def evidence_of(
-    source: Embeddings,
-    held: NDArray[np.bool_],
-    seed: int,
-    *,
-    shifts: int = SHIFTS,
-    strength: float = STRENGTH,
+    source: Embeddings, held: NDArray[np.bool_], seed: int, *, shifts: int = SHIFTS, strength: float = STRENGTH
 ) -> Evidence:
     """Return the fold with held-out pairs `held` (N,); the seed draws the imitated sensors."""
     fit, rest = source.select(~held), source.select(held)
@@ -70,9 +63,7 @@ def evidence_of(
     return Evidence(fit=fit, held={"held out": rest, **shifted})
 
 
-def shift(
-    pairs: Embeddings, reference: Embeddings, strength: float, seed: int, *, kind: str = "axes"
-) -> Embeddings:
+def shift(pairs: Embeddings, reference: Embeddings, strength: float, seed: int, *, kind: str = "axes") -> Embeddings:
     """Return the pairs as measured by imitated sensors.
 
     "axes"    x -> mean + (x - mean) (1 + s a) + s std b, a in [-0.5, 0.5] and b ~ N(0, 1) by axis

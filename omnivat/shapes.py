@@ -47,9 +47,7 @@ def unit(x: Tensor) -> Tensor:
 
     Each row is first divided by its largest entry. A row of zeros stays zero and has no gradient.
     """
-    longest = (
-        x.detach().abs().amax(-1, keepdim=True)
-    )  # 20 times as fast as torch's norm of order inf
+    longest = x.detach().abs().amax(-1, keepdim=True)  # 20 times as fast as torch's norm of order inf
     found = normalize(x / longest.where(longest > 0, 1), dim=-1)
     if not found.requires_grad:
         return found

@@ -13,11 +13,7 @@ STAGES = ("raw", "frft", "relu", "f_bar", "f_hat")
 # transform is unitary.
 STILL = ("raw", "frft")
 STAGE_TITLES = dict(
-    zip(
-        STAGES,
-        ("raw embedding E", "raw DFrFT", "F after ReLU", "F after FrATT", "F after DTG"),
-        strict=True,
-    )
+    zip(STAGES, ("raw embedding E", "raw DFrFT", "F after ReLU", "F after FrATT", "F after DTG"), strict=True)
 )
 
 
@@ -36,9 +32,7 @@ def checked_order(order: Any, *, name: str = "order") -> float:
     number = isinstance(order, int | float) and not isinstance(order, bool)
     if number and abs(order) <= LIMIT:
         return float(order)
-    raise SettingsError(
-        f"{name} is {_shown(order)}; give {RANGE}.{_same_as(order) if number else ''}"
-    )
+    raise SettingsError(f"{name} is {_shown(order)}; give {RANGE}.{_same_as(order) if number else ''}")
 
 
 def fitting(learned: float, width: int) -> tuple[float, float]:

@@ -101,9 +101,7 @@ def taught(head: Head, lessons: Sequence[Lesson], method: str = "") -> Head:
         enough = _missing(lessons) == ""
         method = work.report(ignore).method if enough else work.methods[0]
     elif method not in work.methods:
-        raise SettingsError(
-            f"There is no method '{method}' here; choose {', '.join(work.methods)}."
-        )
+        raise SettingsError(f"There is no method '{method}' here; choose {', '.join(work.methods)}.")
     return work.head_of(method)
 
 
@@ -125,10 +123,7 @@ def _missing(lessons: Sequence[Lesson]) -> str:
     if sum(len(own) >= FEWEST for own in objects.values()) >= FEWEST:
         return ""
     there = ", ".join(f"{label} {len(own)}" for label, own in objects.items()) or "none yet"
-    return (
-        "Label two or more pairs of each of two or more classes first, of different objects; there "
-        f"are: {there}."
-    )
+    return f"Label two or more pairs of each of two or more classes first, of different objects; there are: {there}."
 
 
 class _Work:
@@ -266,10 +261,7 @@ def _row(model: OmniVaT, lesson: Lesson) -> Rows:
     """Return the row (1, 2 W) of a pair; the part of a missing image is zero."""
     given = {"vis": lesson.vis, "tac": lesson.tac}
     width = model.settings.input_width
-    parts = [
-        torch.zeros(1, width) if raw is None else model.standing(name, raw)
-        for name, raw in given.items()
-    ]
+    parts = [torch.zeros(1, width) if raw is None else model.standing(name, raw) for name, raw in given.items()]
     row: Rows = torch.cat(parts, dim=1).double().numpy()
     return row
 

@@ -124,9 +124,7 @@ def in_processes(
     Processes end with their parent. Otherwise, those of a killed process would wait for ever and keep
     their memory.
     """
-    pool = ProcessPoolExecutor(
-        count, mp_context=get_context("spawn"), initializer=_begin, initargs=(prepare, given)
-    )
+    pool = ProcessPoolExecutor(count, mp_context=get_context("spawn"), initializer=_begin, initargs=(prepare, given))
     try:
         waiting = {pool.submit(work, item) for item in items}
         while waiting:

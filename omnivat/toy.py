@@ -41,15 +41,9 @@ def toy(orders: Sequence[float]) -> dict[str, Any]:
     return {
         "orders": [float(p) for p in orders],
         "spike": SPIKE_ORDER,
-        "signals": {
-            name: {"re": _rounded(x[..., 0]), "im": _rounded(x[..., 1])}
-            for name, x in planes.items()
-        },
+        "signals": {name: {"re": _rounded(x[..., 0]), "im": _rounded(x[..., 1])} for name, x in planes.items()},
         "clouds": {name: _rounded(x) for name, x in flat.items()},
-        "distances": {
-            "signals": _apart(planes, lambda x: x.flatten(1)),
-            "clouds": _apart(flat, lambda x: x.mean(1)),
-        },
+        "distances": {"signals": _apart(planes, lambda x: x.flatten(1)), "clouds": _apart(flat, lambda x: x.mean(1))},
     }
 
 
@@ -68,9 +62,7 @@ def _clouds() -> dict[str, Tensor]:
     """Return two clouds (40,) of complex numbers: one coefficient of 40 embeddings."""
     random = np.random.default_rng(7)
     return {
-        name: torch.from_numpy(
-            (np.array(centre) + WIDTH * random.standard_normal((POINTS, 2))) @ np.array([1, 1j])
-        )
+        name: torch.from_numpy((np.array(centre) + WIDTH * random.standard_normal((POINTS, 2))) @ np.array([1, 1j]))
         for name, centre in zip(NAMES, CENTRES, strict=True)
     }
 

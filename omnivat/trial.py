@@ -42,9 +42,7 @@ class Trial:
     records: list[dict[str, Any]] = field(default_factory=list)
 
 
-def try_pairs(
-    found: Features, *, source: str = "", seed: int = 0, on_step: OnStep = ignore
-) -> Trial:
+def try_pairs(found: Features, *, source: str = "", seed: int = 0, on_step: OnStep = ignore) -> Trial:
     """Train on one domain and measure at home, with whole objects left out, and in every other domain.
 
     source  "": the domain with the most pairs among those with two classes or more
@@ -71,12 +69,7 @@ def try_pairs(
         fit = own[~out]
         part = _plan(found, source, len(folds) + 2, seed, rows=fit)
         model = train(
-            part.pairs,
-            part.settings,
-            part.training,
-            bank=part.bank,
-            seed=seed,
-            watch=watch.part(k * each, whole),
+            part.pairs, part.settings, part.training, bank=part.bank, seed=seed, watch=watch.part(k * each, whole)
         ).model
         for view, labels in _predicted(model, data, own[out], _views(found)).items():
             said[view][out] = labels
@@ -122,10 +115,7 @@ def _no_head(found: Features) -> str:
 def _objects(data: Embeddings) -> NDArray[np.int64]:
     """Return an index (N,) of objects by domain and name; a pair without a name is its own."""
     names = data.rows["object"]
-    keys = [
-        f"{d}/{name or f'{chr(0)}{k}'}"
-        for k, (d, name) in enumerate(zip(data.domain, names, strict=True))
-    ]
+    keys = [f"{d}/{name or f'{chr(0)}{k}'}" for k, (d, name) in enumerate(zip(data.domain, names, strict=True))]
     return np.unique(keys, return_inverse=True)[1]
 
 
@@ -134,9 +124,7 @@ def _views(found: Features) -> tuple[str, ...]:
     return tuple(VIEWS) if len(found.modalities) == 2 else found.modalities
 
 
-def _plan(
-    found: Features, source: str, trainings: int, seed: int, rows: Rows | None = None
-) -> TrainingPlan:
+def _plan(found: Features, source: str, trainings: int, seed: int, rows: Rows | None = None) -> TrainingPlan:
     """Return the plan of a head that suits the pairs: small, with noise and imitated sensors."""
     data = found.embeddings if rows is None else found.embeddings.select(rows)
     count = len(found.members(source))
@@ -218,9 +206,7 @@ def _filled(record: dict[str, Any], said: dict[str, Labels]) -> dict[str, Any]:
     return record
 
 
-def _in_target(
-    found: Features, head: Head, own: Rows, rows: Rows, name: str
-) -> tuple[dict[str, Any] | None, str]:
+def _in_target(found: Features, head: Head, own: Rows, rows: Rows, name: str) -> tuple[dict[str, Any] | None, str]:
     """Return the record of a target domain, plain and with a profile of its pictures, and a sentence."""
     data, views = found.embeddings, _views(found)
     lead = f"In '{printable(name)}'"
@@ -229,8 +215,7 @@ def _in_target(
         return None, f"{lead}: no pair is of a class that the head learned."
     record = _filled(
         _record(name, data.label[known], _objects(data)[known]),
-        _predicted(head.model, data, known, views)
-        | {PROBE: _probe(found, own)(_rows(found, data, known))},
+        _predicted(head.model, data, known, views) | {PROBE: _probe(found, own)(_rows(found, data, known))},
     )
     text = f"{lead}, of which nothing was known: {_sentence(record)}"
     mixed = np.random.default_rng(derive_seed(0, "known", name)).permutation(rows)

@@ -11,9 +11,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 settings.register_profile("ci", derandomize=True, deadline=None, max_examples=40)
-settings.register_profile(
-    "home", deadline=None, max_examples=100, suppress_health_check=[HealthCheck.too_slow]
-)
+settings.register_profile("home", deadline=None, max_examples=100, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("ci" if os.environ.get("CI") else "home")
 
 CLASSES = ("wood", "steel", "plastic", "ceramic", "glass")
@@ -87,13 +85,9 @@ def make_embeddings() -> Callable[..., object]:
         label = np.tile(np.repeat(np.arange(len(classes)), per_class), len(domains))
         noise = random.normal(size=(4, len(label), width))
         vis, tac, vis_flip, tac_flip = (
-            (directions[label] + shifts[domain, m % 2] + noise[m]).astype(np.float32)
-            for m in range(4)
+            (directions[label] + shifts[domain, m % 2] + noise[m]).astype(np.float32) for m in range(4)
         )
-        names = [
-            f"{domains[d]}/{classes[c]}/{i}"
-            for i, (d, c) in enumerate(zip(domain, label, strict=True))
-        ]
+        names = [f"{domains[d]}/{classes[c]}/{i}" for i, (d, c) in enumerate(zip(domain, label, strict=True))]
         rows = {
             "vis": [name + "_vis.png" for name in names],
             "tac": [name + "_tac.png" for name in names],
@@ -113,23 +107,14 @@ def make_embeddings() -> Callable[..., object]:
             origin="made by a test",
         )
         return Embeddings(
-            header=header,
-            vis=vis,
-            tac=tac,
-            vis_flip=vis_flip,
-            tac_flip=tac_flip,
-            domain=domain,
-            label=label,
-            rows=rows,
+            header=header, vis=vis, tac=tac, vis_flip=vis_flip, tac_flip=tac_flip, domain=domain, label=label, rows=rows
         )
 
     return make
 
 
 @pytest.fixture(scope="session")
-def head_folder(
-    make_embeddings: Callable[..., object], tmp_path_factory: pytest.TempPathFactory
-) -> Path:
+def head_folder(make_embeddings: Callable[..., object], tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the folder of a small head, trained for two epochs on made-up embeddings."""
     from omnivat.cli import main
     from omnivat.data.store import save_embeddings

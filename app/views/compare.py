@@ -157,11 +157,7 @@ def _matrix(resources: Resources) -> dict[str, Any]:
         "targets": list(header.domains),
         "backbone": BACKBONE,
         "paper": {
-            method: {
-                source: printed[paper_name(source)]
-                for source in sources
-                if paper_name(source) in printed
-            }
+            method: {source: printed[paper_name(source)] for source in sources if paper_name(source) in printed}
             for method, printed in paper()["main"][BACKBONE].items()
         },
         "why": not_comparable({"simulated": header.simulated, "encoder": header.encoder}),
@@ -177,10 +173,7 @@ def head_row(resources: Resources, name: str) -> dict[str, Any] | None:
     domains = resources.embeddings().header.domains
     try:
         cells = {
-            str(record["domain"]): [
-                record["scores"]["fused"]["accuracy"],
-                record["scores"]["fused"]["macro_f1"],
-            ]
+            str(record["domain"]): [record["scores"]["fused"]["accuracy"], record["scores"]["fused"]["macro_f1"]]
             for record in head.metrics.get("domains", [])
             if "fused" in record.get("scores", {}) and record["domain"] in domains
         }
@@ -218,13 +211,7 @@ def protocol_runs(content: str) -> dict[tuple[str, str], list[Mapping[str, Any]]
 def protocol_rows(runs: Mapping[tuple[str, str], Sequence[Any]]) -> list[dict[str, Any]]:
     """Return a row for each method and source, mean over seeds."""
     return [
-        {
-            "method": some[0]["method"],
-            "label": label,
-            "source": source,
-            "seeds": len(some),
-            "cells": mean_cells(some),
-        }
+        {"method": some[0]["method"], "label": label, "source": source, "seeds": len(some), "cells": mean_cells(some)}
         for (label, source), some in runs.items()
     ]
 
@@ -245,9 +232,7 @@ def ranking(runs: Mapping[tuple[str, str], Sequence[Any]]) -> list[dict[str, Any
         if len(own) < 2:
             continue
         scores = {
-            metric: {
-                source: [record_mean(one, metric) for one in some] for source, some in own.items()
-            }
+            metric: {source: [record_mean(one, metric) for one in some] for source, some in own.items()}
             for metric in METRICS
         }
         intervals = [bootstrap_interval(scores[metric], draws=DRAWS) for metric in METRICS]
@@ -266,9 +251,7 @@ def mean_cells(runs: Sequence[Mapping[str, Any]]) -> dict[str, list[float]]:
     """Return target -> [accuracy, macro-F1], each the mean over runs with that target."""
     cells: dict[str, list[float]] = {}
     for target in dict.fromkeys(name for run in runs for name in run["targets"]):
-        scores = [
-            run["targets"][target]["scores"]["fused"] for run in runs if target in run["targets"]
-        ]
+        scores = [run["targets"][target]["scores"]["fused"] for run in runs if target in run["targets"]]
         cells[target] = [sum(score[metric] for score in scores) / len(scores) for metric in METRICS]
     return cells
 

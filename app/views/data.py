@@ -14,7 +14,9 @@ from omnivat.errors import DataError
 
 TITLE = "Data & limits"
 FITS = {"problem": "", "remedy": "", "command": ""}
-REMEDY = "This command trains a small head on the set, tests it on objects that it has not seen, and opens the page with it."
+REMEDY = (
+    "This command trains a small head on the set, tests it on objects that it has not seen, and opens the page with it."
+)
 UNABLE = (
     "No domain has pairs of two classes, so no head can learn from the set. This command measures gaps, "
     "retrieval and neighbours, which need none."

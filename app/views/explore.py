@@ -160,9 +160,7 @@ def centred(resources: Resources, method: str) -> dict[str, Any]:
         if len(embeddings) > CENTRED_PAIRS:
             raise DataError(f"Domains are centred in sets of at most {CENTRED_PAIRS:,} pairs.")
         found = kept_reply(resources.where.embeddings, embeddings, method)
-        kept = resources.results.keep(
-            f"centred {method}", found or centred_reply(embeddings, method)
-        )
+        kept = resources.results.keep(f"centred {method}", found or centred_reply(embeddings, method))
     return kept
 
 

@@ -49,10 +49,7 @@ def predicted(resources: Resources, question: Mapping[str, Any]) -> dict[str, An
         "learned": head.model.order,
         "span": trained_span(head),
         "stops": {name: rounded(readings[name][:-1]) for name in READINGS if name in readings},
-        "exact": {
-            "order": exact,
-            "readings": {name: rounded(values[-1:])[0] for name, values in readings.items()},
-        },
+        "exact": {"order": exact, "readings": {name: rounded(values[-1:])[0] for name, values in readings.items()}},
         "spectra": {name: spectrum(values[:-1]) for name, values in swept["magnitudes"].items()},
     }
 
@@ -90,10 +87,7 @@ def trained_span(head: "Head") -> list[float]:
 
 
 def sweep(
-    model: "OmniVaT",
-    vis: "torch.Tensor | None",
-    tac: "torch.Tensor | None",
-    orders: tuple[float, ...],
+    model: "OmniVaT", vis: "torch.Tensor | None", tac: "torch.Tensor | None", orders: tuple[float, ...]
 ) -> "dict[str, dict[str, np.ndarray[Any, Any]]]":
     """Return the head's results for one pair at P orders, in one batch.
 

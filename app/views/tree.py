@@ -16,9 +16,7 @@ if TYPE_CHECKING:
     from omnivat.nodes import TreeFacts
 
 TITLE = "Tree"
-MOST_PAIRS = (
-    5000  # pairs that count; a larger set is thinned evenly, with an error of about a point
-)
+MOST_PAIRS = 5000  # pairs that count; a larger set is thinned evenly, with an error of about a point
 
 
 def tree(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
@@ -123,11 +121,7 @@ def node_records(facts: "TreeFacts") -> list[dict[str, Any]]:
 def layer_records(facts: "TreeFacts") -> list[dict[str, Any]]:
     """Return each group's cosine matrix and its distance from the identity, which NOD minimises."""
     return [
-        {
-            "nodes": list(level.nodes),
-            "cosines": rounded(level.cosines.numpy()),
-            "nod": round(level.nod, 5),
-        }
+        {"nodes": list(level.nodes), "cosines": rounded(level.cosines.numpy()), "nod": round(level.nod, 5)}
         for level in facts.levels
     ]
 

@@ -32,19 +32,14 @@ class Score:
     unseen: float  # mean over unseen domains
 
 
-def scored(
-    model: OmniVaT, embeddings: Embeddings, source: str, order: float | None = None
-) -> Score:
+def scored(model: OmniVaT, embeddings: Embeddings, source: str, order: float | None = None) -> Score:
     """Score a head on all domains of a set, at its own order or another."""
     shares = predicted_probabilities(model, embeddings, order=order)["fused"]
     right = shares.argmax(1).numpy() == labels_of(model, embeddings)
     keep = counted(embeddings, source)
     own = keep & (embeddings.domain == embeddings.header.domains.index(source))
     unseen = mean_over_domains(right, embeddings, source, keep)
-    return Score(
-        source_test=100 * float(right[own].mean()),
-        unseen=float("nan") if unseen is None else 100 * unseen,
-    )
+    return Score(source_test=100 * float(right[own].mean()), unseen=float("nan") if unseen is None else 100 * unseen)
 
 
 def labels_of(model: OmniVaT, embeddings: Embeddings) -> np.ndarray[Any, Any]:
@@ -57,12 +52,7 @@ def labels_of(model: OmniVaT, embeddings: Embeddings) -> np.ndarray[Any, Any]:
 
 
 def head_at(
-    embeddings: Embeddings,
-    source: str,
-    order: float,
-    seed: int,
-    training: TrainSettings,
-    head: dict[str, Any],
+    embeddings: Embeddings, source: str, order: float, seed: int, training: TrainSettings, head: dict[str, Any]
 ) -> OmniVaT:
     """Train a head with p fixed at `order`."""
     plan = plan_training(embeddings, source, head=head, training=training).at(order, seed)
@@ -82,9 +72,7 @@ def other_seed(settings: ChirpSettings, seed: int) -> ChirpSettings:
     return replace(settings, seed=seed, order=drawn)
 
 
-def carried_out(
-    work: Callable[..., Any], jobs: Sequence[tuple[Any, ...]], processes: int
-) -> Iterable[Any]:
+def carried_out(work: Callable[..., Any], jobs: Sequence[tuple[Any, ...]], processes: int) -> Iterable[Any]:
     """Return the results of `work(*job)` in the order of the jobs, one thread for each process."""
     if processes == 1:
         torch.set_num_threads(1)
@@ -92,13 +80,8 @@ def carried_out(
     return _in_processes(work, jobs, processes)
 
 
-def _in_processes(
-    work: Callable[..., Any], jobs: Sequence[tuple[Any, ...]], processes: int
-) -> Iterable[Any]:
+def _in_processes(work: Callable[..., Any], jobs: Sequence[tuple[Any, ...]], processes: int) -> Iterable[Any]:
     with ProcessPoolExecutor(
-        processes,
-        mp_context=get_context("spawn"),
-        initializer=torch.set_num_threads,
-        initargs=(1,),
+        processes, mp_context=get_context("spawn"), initializer=torch.set_num_threads, initargs=(1,)
     ) as pool:
         yield from pool.map(work, *zip(*jobs, strict=True))

@@ -6,12 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.studies._order_runs import (
-    CHIRP_HEAD,
-    CHIRP_TRAINING,
-    other_seed,
-    scored,
-)
+from benchmarks.studies._order_runs import CHIRP_HEAD, CHIRP_TRAINING, other_seed, scored
 from benchmarks.studies._order_sets import WIDTH
 from benchmarks.studies._other_chirps import Recipe, beside, drawn, embeddings_of
 from omnivat.data.store import Embeddings
@@ -68,11 +63,7 @@ def near_of(order: float, touch: float, seed: int) -> dict[str, Any]:
 
 
 def search_alone(
-    made: Embeddings,
-    source: str,
-    head: dict[str, Any],
-    training: TrainSettings,
-    curve: bool = False,
+    made: Embeddings, source: str, head: dict[str, Any], training: TrainSettings, curve: bool = False
 ) -> dict[str, Any]:
     """Search without a training; return the order, its ties and the cost, and the curve if asked."""
     plan = plan_training(made, source, head=head, training=training)

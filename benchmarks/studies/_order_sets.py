@@ -43,10 +43,7 @@ def pictures(file: Path) -> list[Image.Image]:
     sheet = Image.open(sheet_of(file)).convert("RGB")
     layout = json.loads(sheet_of(file).with_suffix(".json").read_text(encoding="utf-8"))
     tile, columns = layout["tile"], layout["columns"]
-    corners = (
-        (tile * (place % columns), tile * (place // columns))
-        for place in range(2 * len(load_embeddings(file)))
-    )
+    corners = ((tile * (place % columns), tile * (place // columns)) for place in range(2 * len(load_embeddings(file))))
     return [sheet.crop((x, y, x + tile, y + tile)) for x, y in corners]
 
 

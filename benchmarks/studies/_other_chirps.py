@@ -51,18 +51,14 @@ def eigenvectors(width: int) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
 def turned(rows: NDArray[Any], order: float) -> NDArray[np.complex128]:
     """Return F_p of rows (N, D)."""
     vectors, index = eigenvectors(rows.shape[-1])
-    turned: NDArray[np.complex128] = (rows @ vectors * np.exp(-0.5j * np.pi * order * index)) @ (
-        vectors.T
-    )
+    turned: NDArray[np.complex128] = (rows @ vectors * np.exp(-0.5j * np.pi * order * index)) @ (vectors.T)
     return turned
 
 
 def drawn(seed: int, **fixed: Any) -> Recipe:
     """Draw a recipe: p* in [0, 1], interference 0.1 to 0.25 from it or at an end of [0, 1]."""
     random = np.random.default_rng([2718, seed])
-    order = float(
-        fixed.pop("order", random.choice([random.uniform(0, 1), 0.0, 1.0], p=[0.9, 0.05, 0.05]))
-    )
+    order = float(fixed.pop("order", random.choice([random.uniform(0, 1), 0.0, 1.0], p=[0.9, 0.05, 0.05])))
     near = tuple((_near(order, random), _near(order, random)) for _ in range(3))
     values: dict[str, Any] = {
         "order": order,
@@ -143,9 +139,7 @@ def _signals(
         phase = np.exp(2j * np.pi * random.random(len(rows)))
         other[rows, random.integers(0, recipe.width, len(rows))] += phase
     signal, noise = (turned(z, -p).real for z, p in ((spike, recipe.order), (other, order)))
-    signal, noise = (
-        z / np.linalg.norm(z, axis=1, keepdims=True).clip(1e-9) for z in (signal, noise)
-    )
+    signal, noise = (z / np.linalg.norm(z, axis=1, keepdims=True).clip(1e-9) for z in (signal, noise))
     white = NOISE * random.standard_normal(signal.shape)
     mixed: NDArray[np.float64] = (name != recipe.blind) * signal + recipe.strength * noise + white
     return mixed.astype(np.float32)

@@ -106,12 +106,7 @@ def _loss(model: OmniVaT, pairs: Embeddings, order: float) -> float:
 
 def strength(options: argparse.Namespace) -> list[dict[str, Any]]:
     """Accuracy of heads trained at p*, 0 and 1."""
-    jobs = [
-        (value, shift, seed)
-        for value in STRENGTHS
-        for shift in SHIFTS
-        for seed in range(options.seeds)
-    ]
+    jobs = [(value, shift, seed) for value in STRENGTHS for shift in SHIFTS for seed in range(options.seeds)]
     return list(carried_out(strength_of, jobs, options.jobs))
 
 
@@ -165,10 +160,7 @@ def shipped(options: argparse.Namespace) -> list[dict[str, Any]]:
 def ties(options: argparse.Namespace) -> list[dict[str, Any]]:
     """Search alone, on every source of the simulated sensors."""
     made = signals_of("projected", False)
-    return [
-        {"source": s} | search_alone(made, s, {"width": WIDTH}, SENSORS)
-        for s in made.header.domains
-    ]
+    return [{"source": s} | search_alone(made, s, {"width": WIDTH}, SENSORS) for s in made.header.domains]
 
 
 def channels(options: argparse.Namespace) -> list[dict[str, Any]]:

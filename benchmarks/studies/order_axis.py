@@ -36,12 +36,7 @@ STOPS = (0.0, 0.25, 0.5, 0.75, 1.0)
 SIDE = 64  # samples of a row of a picture
 PATCHES = 14  # a side of the encoder's map
 BATCH = 32
-KINDS = (
-    "rows of tactile images",
-    "rows of photos",
-    "patches of tactile images",
-    "patches of photos",
-)
+KINDS = ("rows of tactile images", "rows of photos", "patches of tactile images", "patches of photos")
 Row = dict[str, Any]
 
 
@@ -90,9 +85,7 @@ def scored(values: NDArray[np.float32], embeddings: Embeddings, source: str) -> 
     scaled = (values - mean) / deviation
     probe, classes = fitted(scaled[own], names[own])
     right = classes[probe(scaled).argmax(1)] == names
-    return 100 * (
-        mean_over_domains(right, embeddings, source, counted(embeddings, source)) or float("nan")
-    )
+    return 100 * (mean_over_domains(right, embeddings, source, counted(embeddings, source)) or float("nan"))
 
 
 def measured(file: Path, shuffles: int) -> Iterator[Row]:
@@ -124,8 +117,7 @@ def table(rows: list[Row]) -> str:
             cells = " | ".join(f"{np.mean(values):.1f}" for values in found)
             lines.append(f"| {kind} | {name} | {cells} | {_interval(found[-1] - found[0])} |")
         gained = [
-            _by_source(rows, kind, 1.0, shuffled) - _by_source(rows, kind, 0.0, shuffled)
-            for shuffled in (False, True)
+            _by_source(rows, kind, 1.0, shuffled) - _by_source(rows, kind, 0.0, shuffled) for shuffled in (False, True)
         ]
         lines.append(f"| | in order less shuffled | | | | | | {_interval(gained[0] - gained[1])} |")
     return "\n".join(lines)
@@ -133,11 +125,7 @@ def table(rows: list[Row]) -> str:
 
 def _by_source(rows: list[Row], kind: str, order: float, shuffled: bool) -> NDArray[np.float64]:
     """Return the accuracy (S,) of each source; the mean over shuffles."""
-    own = [
-        row
-        for row in rows
-        if (row["kind"], row["order"], row["shuffle"] is not None) == (kind, order, shuffled)
-    ]
+    own = [row for row in rows if (row["kind"], row["order"], row["shuffle"] is not None) == (kind, order, shuffled)]
     return np.array(
         [
             np.mean([row["unseen"] for row in own if row["source"] == source])

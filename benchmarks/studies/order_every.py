@@ -47,12 +47,7 @@ NAMED = ("kind", "source", "width", "seed", "steps", "draw", "stops")  # key of 
 
 
 def at_stops(
-    embeddings: Embeddings,
-    source: str,
-    width: int,
-    seed: int,
-    stops: Sequence[float],
-    training: TrainSettings,
+    embeddings: Embeddings, source: str, width: int, seed: int, stops: Sequence[float], training: TrainSettings
 ) -> Row:
     """Train a head at each stop; return their accuracies (%)."""
     began = time.process_time()
@@ -67,12 +62,7 @@ def at_stops(
 
 
 def one_head(
-    embeddings: Embeddings,
-    source: str,
-    width: int,
-    seed: int,
-    stops: Sequence[float],
-    training: TrainSettings,
+    embeddings: Embeddings, source: str, width: int, seed: int, stops: Sequence[float], training: TrainSettings
 ) -> Row:
     """Train one head for every order; return its accuracies (%) at the stops, and averaged."""
     plan = plan_training(embeddings, source, head={"width": width}, training=training)
@@ -92,9 +82,7 @@ def one_head(
 def every_settings(pairs: int, steps: int, draw: str, teachers: int) -> TrainSettings:
     """Return the settings of a head for every order; LANG serves the teachers alone."""
     epochs = round(steps / ceil(pairs / EVERY.batch))
-    return replace(
-        EVERY, epochs=epochs, order_draw=draw, order_teachers=teachers, lang=teachers > 0
-    )
+    return replace(EVERY, epochs=epochs, order_draw=draw, order_teachers=teachers, lang=teachers > 0)
 
 
 def averaged(model: OmniVaT, embeddings: Embeddings, source: str) -> float:
@@ -106,9 +94,7 @@ def averaged(model: OmniVaT, embeddings: Embeddings, source: str) -> float:
     return 100 * (mean_over_domains(right, embeddings, source, keep) or float("nan"))
 
 
-def made(
-    file: Path, kind: str, source: str, width: int, seed: int, steps: int, draw: str, stops: str
-) -> Row:
+def made(file: Path, kind: str, source: str, width: int, seed: int, steps: int, draw: str, stops: str) -> Row:
     """Return a complete row: its key and its results."""
     places = tuple(map(float, stops.split(",")))
     known = dict(zip(NAMED, (kind, source, width, seed, steps, draw, stops), strict=True))
@@ -202,9 +188,7 @@ def main() -> None:
     return None
 
 
-def _job(
-    kind: str, source: str, width: int, seed: int, options: argparse.Namespace
-) -> tuple[Any, ...]:
+def _job(kind: str, source: str, width: int, seed: int, options: argparse.Namespace) -> tuple[Any, ...]:
     own = (options.steps, options.draw) if kind in TEACHERS else (0, "none")
     return (kind, source, width, seed, *own, options.stops)
 

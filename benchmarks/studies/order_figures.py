@@ -21,9 +21,7 @@ from omnivat.reports.intervals import Spread, spread, spread_lines
 Rows = list[dict[str, Any]]
 
 
-def line_plot(
-    title: str, across: str, ticks: list[str], series: Mapping[str, list[Spread]], unit: str = "%"
-) -> str:
+def line_plot(title: str, across: str, ticks: list[str], series: Mapping[str, list[Spread]], unit: str = "%") -> str:
     """Return an SVG: one line for each series over evenly spaced places, bars of one std."""
     points = {name: spread_lines(found) for name, found in series.items()}
     return svg_of(lines(points, title=title, across=across, up=unit, ticks=ticks))
@@ -67,13 +65,7 @@ def gains(rows: Rows) -> str:
         [f"{value:g}" for value in strengths],
         {
             f"shift {shift:g}": [
-                spread(
-                    [
-                        _gain(row)
-                        for row in rows
-                        if (row["strength"], row["shift"]) == (value, shift)
-                    ]
-                )
+                spread([_gain(row) for row in rows if (row["strength"], row["shift"]) == (value, shift)])
                 for value in strengths
             ]
             for shift in shifts
@@ -95,18 +87,12 @@ def controls(rows: Rows, kind: str, title: str) -> str:
         title,
         "order p that the head was trained at",
         [f"{order:g}" for order in orders],
-        {
-            name: _scores(own, orders, shuffled)
-            for name, shuffled in (("in order", False), ("permuted", True))
-        },
+        {name: _scores(own, orders, shuffled) for name, shuffled in (("in order", False), ("permuted", True))},
     )
 
 
 def _scores(rows: Rows, orders: Sequence[float], shuffled: bool) -> list[Spread]:
-    return [
-        spread([r["unseen"] for r in rows if (r["order"], r["permuted"]) == (order, shuffled)])
-        for order in orders
-    ]
+    return [spread([r["unseen"] for r in rows if (r["order"], r["permuted"]) == (order, shuffled)]) for order in orders]
 
 
 def searched(rows: Rows) -> str:
@@ -127,12 +113,7 @@ def searched(rows: Rows) -> str:
 
 def every_order(rows: Rows) -> str:
     """Accuracy against p: heads of one stop and one head for every order, spread over sources."""
-    names = {
-        "noisy": "each stop, noise",
-        "alone": "each stop",
-        "every": "every, teachers",
-        "plain": "every order",
-    }
+    names = {"noisy": "each stop, noise", "alone": "each stop", "every": "every, teachers", "plain": "every order"}
     light = [row for row in rows if row["width"] == 64]
     both = set.intersection(*({r["source"] for r in light if r["kind"] == kind} for kind in names))
     own = [row for row in light if row["source"] in both]
@@ -142,10 +123,7 @@ def every_order(rows: Rows) -> str:
         "order p",
         stops,
         {
-            name: [
-                spread([row["unseen"][place] for row in own if row["kind"] == kind])
-                for place in range(len(stops))
-            ]
+            name: [spread([row["unseen"][place] for row in own if row["kind"] == kind]) for place in range(len(stops))]
             for kind, name in names.items()
         },
     )
@@ -161,13 +139,7 @@ def axes(rows: Rows) -> str:
         [f"{order:g}" for order in orders],
         {
             name: [
-                spread(
-                    [
-                        r["unseen"]
-                        for r in own
-                        if r["order"] == order and (r["shuffle"] is None) is kept
-                    ]
-                )
+                spread([r["unseen"] for r in own if r["order"] == order and (r["shuffle"] is None) is kept])
                 for order in orders
             ]
             for name, kept in (("samples in order", True), ("samples shuffled", False))
@@ -185,10 +157,7 @@ def touched(record: Mapping[str, Rows]) -> str:
         "Vibrations: accuracy against p",
         "order p of the transform",
         "%",
-        {
-            name: (list(ORDERS), [accuracy[f"p = {p:g}"] for p in ORDERS])
-            for name, accuracy in curves.items()
-        },
+        {name: (list(ORDERS), [accuracy[f"p = {p:g}"] for p in ORDERS]) for name, accuracy in curves.items()},
     )
 
 
@@ -216,12 +185,7 @@ def squares(found: Sequence[Square]) -> str:
 
 def unitaries(rows: Rows) -> str:
     """Accuracy on chirps with F_p and with other unitaries in its place: mean, lowest, highest."""
-    names = {
-        "order": "F_p at p*",
-        "identity": "identity",
-        "unitary": "random unitary",
-        "group": "exp(pA), random A",
-    }
+    names = {"order": "F_p at p*", "identity": "identity", "unitary": "random unitary", "group": "exp(pA), random A"}
     records = []
     for kind, name in names.items():
         own = [row["unseen"] for row in rows if row["kind"] == kind]
@@ -244,14 +208,8 @@ FIGURES: dict[str, tuple[str, Callable[[Rows], str]]] = {
     "order_width": ("basin", widths),
     "order_gain": ("strength", gains),
     "order_chirps": ("channels", lambda rows: controls(rows, "chirps", "Chirps")),
-    "order_projected": (
-        "channels",
-        lambda rows: controls(rows, "projected", "Sensors, learned projection"),
-    ),
-    "order_unprojected": (
-        "channels",
-        lambda rows: controls(rows, "unprojected", "Sensors, 64 channels as they are"),
-    ),
+    "order_projected": ("channels", lambda rows: controls(rows, "projected", "Sensors, learned projection")),
+    "order_unprojected": ("channels", lambda rows: controls(rows, "unprojected", "Sensors, 64 channels as they are")),
     "order_axis": ("axis", axes),
     "order_search": ("shipped", searched),
     "order_rows": ("channels", lambda rows: controls(rows, "rows", "Rows of the pictures")),
@@ -271,9 +229,7 @@ def main() -> None:
             written(options.out / f"{name}.svg", draw(rows))
     if (record := options.records / "order_touch.json").is_file():
         written(options.out / "order_touch.svg", touched(json.loads(record.read_text("utf-8"))))
-    written(
-        options.out / "order_squares.svg", squares(order_squares.squares_of([order_squares.OUT]))
-    )
+    written(options.out / "order_squares.svg", squares(order_squares.squares_of([order_squares.OUT])))
     written(options.out / "order_controls.svg", unitaries(rows_of(order_controls.OUT)))
     if rows := rows_of(options.records / "order_every.jsonl"):
         written(options.out / "order_every.svg", every_order(rows))

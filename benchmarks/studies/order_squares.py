@@ -49,14 +49,10 @@ OUT = Path("docs/benchmarks/order_squares.jsonl.gz")
 Square = dict[str, Any]
 
 
-def square(
-    head: str, kind: str, width: int, noise: float, source: str, size: int, made: Embeddings
-) -> Square:
+def square(head: str, kind: str, width: int, noise: float, source: str, size: int, made: Embeddings) -> Square:
     """Train the heads of one source; return what heads and ensembles predict."""
     torch.set_num_threads(1)
-    plan = plan_training(
-        made, source, head={"width": width}, training=replace(QUICK_SENSORS, noise=noise)
-    )
+    plan = plan_training(made, source, head={"width": width}, training=replace(QUICK_SENSORS, noise=noise))
     shares_of = _ridge if head == "ridge" else _trained
     cells: list[list[NDArray[np.float32]]] = []
     for row, stop in enumerate(np.linspace(0, 1, size).tolist()):
@@ -84,12 +80,8 @@ def square(
 def _trained(plan: TrainingPlan, matrix: Tensor) -> NDArray[np.float32]:
     """Return the probabilities (N, K) of a trained head with `matrix` in place of F_p."""
     with heads_with(matrix):
-        model = train(
-            plan.pairs, plan.settings, plan.training, bank=plan.bank, seed=plan.seed
-        ).model
-        shares: NDArray[np.float32] = predicted_probabilities(model, plan.embeddings)[
-            "fused"
-        ].numpy()
+        model = train(plan.pairs, plan.settings, plan.training, bank=plan.bank, seed=plan.seed).model
+        shares: NDArray[np.float32] = predicted_probabilities(model, plan.embeddings)["fused"].numpy()
     return shares
 
 
@@ -204,9 +196,7 @@ def table(squares: Sequence[Square]) -> str:
             middle, low, high = less(rows)
             found = f"{middle:+.2f} [{low:+.2f}, {high:+.2f}]"
             within = "yes" if max(-low, high) < MARGIN else "no"
-        figures = " | ".join(
-            f"{mean[name]:.2f}" for name in ("one", "seeds", "orders", "orders, one seed", "all")
-        )
+        figures = " | ".join(f"{mean[name]:.2f}" for name in ("one", "seeds", "orders", "orders, one seed", "all"))
         expected = mean["spread over seeds"] / key[4] ** 0.5
         lines.append(
             f"| {key[0]} | {key[1]} | {key[2]} | {key[3]:g} | {key[4]} | {len(rows)} | {figures} | {found} | {within} | "
@@ -246,9 +236,7 @@ def squares_of(files: Sequence[Path]) -> list[Square]:
 
 def main() -> None:
     """Make the missing squares, or print the table of the existing ones."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--head", choices=["trained", "ridge"], default="trained")
     parser.add_argument("--kinds", default="order")
     parser.add_argument("--width", type=int, default=64)

@@ -45,9 +45,7 @@ def fractional(signals: Array, order: float) -> Array:
 
 def short_time(signals: Array) -> Array:
     """Return the log magnitudes (N, frames x frequencies) of the short-time Fourier transform."""
-    parts = torch.stft(
-        torch.from_numpy(signals), 64, 32, window=torch.hann_window(64), return_complex=True
-    )
+    parts = torch.stft(torch.from_numpy(signals), 64, 32, window=torch.hann_window(64), return_complex=True)
     found: Array = np.log(parts.abs().flatten(1).numpy() + 1e-3)
     return found
 
@@ -92,9 +90,7 @@ def pooled(rows: Array, groups: NDArray[Any]) -> Array:
     return found
 
 
-def compared(
-    signals: Array, labels: NDArray[Any], groups: NDArray[Any], folds: int
-) -> dict[str, Any]:
+def compared(signals: Array, labels: NDArray[Any], groups: NDArray[Any], folds: int) -> dict[str, Any]:
     """Return the accuracy (%) of every feature on recordings, mean over folds.
 
     signals (N, D) and labels (N,) are windows; groups (N,) numbers their recordings. Features and
@@ -185,9 +181,7 @@ def table(rows: Sequence[dict[str, Any]]) -> str:
 
 def main() -> None:
     """Measure, or print the tables of the record."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path, nargs="?")
     parser.add_argument("--simulate", action="store_true")
     parser.add_argument("--table", action="store_true")

@@ -30,11 +30,7 @@ class Picture:
 
 
 def pictures_in(
-    folder: Path | None,
-    *,
-    vis: Path | None = None,
-    tac: Path | None = None,
-    rest: str | None = None,
+    folder: Path | None, *, vis: Path | None = None, tac: Path | None = None, rest: str | None = None
 ) -> list[Picture]:
     """Return the pictures of a folder: of pairs, or by name (`*_vis.*`, `*_tac.*`, vis/, tac/).
 
@@ -74,13 +70,7 @@ def _of_pairs(folder: Path, rest: str | None) -> list[Picture]:
         return []
     photos = dict.fromkeys(pair.vis for pair in pairs)
     return [Picture(modality="vis", source=path, name=show(path)) for path in photos] + [
-        Picture(
-            modality="tac",
-            source=pair.tac,
-            name=show(pair.tac),
-            crop=pair.tac_crop,
-            rest=pair.tac_rest,
-        )
+        Picture(modality="tac", source=pair.tac, name=show(pair.tac), crop=pair.tac_crop, rest=pair.tac_rest)
         for pair in pairs
     ]
 
@@ -150,11 +140,7 @@ def profile_of_pictures(
 
 
 def profile_of_rows(
-    rows: dict[str, list[np.ndarray]],
-    key: tuple[str, str, str],
-    *,
-    domain: str = "",
-    skipped: Iterable[Skipped] = (),
+    rows: dict[str, list[np.ndarray]], key: tuple[str, str, str], *, domain: str = "", skipped: Iterable[Skipped] = ()
 ) -> Profile:
     """Return the profile of embeddings (W,) by modality; raises DataError if there are none."""
     channels = {name: channels_of(np.stack(some)) for name, some in rows.items() if some}

@@ -75,22 +75,16 @@ LABELS = {
         "PromptStyler, cross-entropy",
         "exact but for the loss, rate (0.05, cosine) and decay, those of a public re-implementation",
     ),
-    "zero_shot": Label(
-        "CLIP zero-shot", 'exact: "a photo of a CLASS.", the model\'s own logit scale'
-    ),
+    "zero_shot": Label("CLIP zero-shot", 'exact: "a photo of a CLASS.", the model\'s own logit scale'),
     "zero_shot_styles": Label("CLIP zero-shot, mean of styles", "ours: the LANG bank's styles"),
     "spg": Label(
         "SPG",
         "exact over pooled embeddings but for random crops, with the rate and the clips that its code "
         "has for other sets than PACS; one noise vector for all, so that results repeat",
     ),
-    "mmrl": Label(
-        "MMRL", "exact but for random crops, through both live towers; VIS and TAC are images alike"
-    ),
+    "mmrl": Label("MMRL", "exact but for random crops, through both live towers; VIS and TAC are images alike"),
     "mixup": Label("mixup", "exact, over frozen embeddings"),
-    "mixstyle": Label(
-        "MixStyle-vector", "surrogate: statistics over axes, not over a map's places"
-    ),
+    "mixstyle": Label("MixStyle-vector", "surrogate: statistics over axes, not over a map's places"),
     "fourier": Label("FACT-vector", "surrogate: amplitudes of the embedding, not of the image"),
     "sam": Label("SAM", "exact, over frozen embeddings"),
     "coral": Label("CORAL VIS-TAC", "surrogate: aligns the modalities, for there is one domain"),
@@ -99,9 +93,7 @@ LABELS = {
         "surrogate, touch alone: its contrastive loss over frozen embeddings; no transformer of its "
         "own and no calibration presses",
     ),
-    "vt_cmc_head": Label(
-        "VT CMC-head", "contrastive head and probe only: the encoders are not pre-trained on touch"
-    ),
+    "vt_cmc_head": Label("VT CMC-head", "contrastive head and probe only: the encoders are not pre-trained on touch"),
     "ldc": Label(
         "LDC",
         "exact but for random crops, its list of prompts and its search of a mix, through the live image "
@@ -113,7 +105,5 @@ LABELS = {
         "embedding are concatenated, not added, a gate for each class, no BatchNorm, gradients clipped at "
         "5; base logits come from source class means where no text of the image encoder is at hand",
     ),
-    "robust_vish": Label(
-        "RobustVisH-2", "two branches: the kinaesthetic one has no counterpart in these data"
-    ),
+    "robust_vish": Label("RobustVisH-2", "two branches: the kinaesthetic one has no counterpart in these data"),
 }

@@ -17,9 +17,7 @@ from omnivat.baselines.evidence import best
 from omnivat.seeding import derive_seed
 
 EPOCHS = 20
-CANDIDATES = {
-    f"lr {lr:g}, text {share:g}": (lr, share) for lr in (0.02, 0.1) for share in (0.1, 1.0)
-}
+CANDIDATES = {f"lr {lr:g}, text {share:g}": (lr, share) for lr in (0.02, 0.1) for share in (0.1, 1.0)}
 TEXTS = 16  # style texts in each step
 
 
@@ -83,9 +81,7 @@ def _train(source: Source, lr: float, text_weight: float) -> Baseline:
     lang, classes = source.lang, len(source.classes)
     mapped = lang is not None and not source.lang_of_images
     with seeded(derive_seed(source.seed, "baseline")):
-        model = Baseline(
-            source.width, classes, lang.shape[2] if mapped and lang is not None else None
-        )
+        model = Baseline(source.width, classes, lang.shape[2] if mapped and lang is not None else None)
 
         def loss(rows: Tensor) -> Tensor:
             images = torch.cat(source.drawn(rows))

@@ -34,9 +34,7 @@ def mixup(alpha: float, vis: Tensor, tac: Tensor, truth: Tensor) -> tuple[Tensor
     return mixed[0], mixed[1], mixed[2]
 
 
-def mixstyle(
-    alpha: float, vis: Tensor, tac: Tensor, truth: Tensor
-) -> tuple[Tensor, Tensor, Tensor]:
+def mixstyle(alpha: float, vis: Tensor, tac: Tensor, truth: Tensor) -> tuple[Tensor, Tensor, Tensor]:
     """Set each embedding's mean and spread between its own and another's; keep the labels."""
     other = torch.randperm(len(vis))
     share = torch.distributions.Beta(alpha, alpha).sample((len(vis), 1))
@@ -50,9 +48,7 @@ def mixstyle(
     return restyled(vis), restyled(tac), truth
 
 
-def fourier(
-    strength: float, vis: Tensor, tac: Tensor, truth: Tensor
-) -> tuple[Tensor, Tensor, Tensor]:
+def fourier(strength: float, vis: Tensor, tac: Tensor, truth: Tensor) -> tuple[Tensor, Tensor, Tensor]:
     """Mix the amplitudes of each embedding's spectrum with another's; keep phases and labels."""
     other = torch.randperm(len(vis))
     share = strength * torch.rand(len(vis), 1)
@@ -92,10 +88,7 @@ def fit_sam(source: Source) -> Fitted:
 
 
 def _fit(
-    source: Source,
-    name: str,
-    change: Callable[..., tuple[Tensor, Tensor, Tensor]],
-    strengths: tuple[float, ...],
+    source: Source, name: str, change: Callable[..., tuple[Tensor, Tensor, Tensor]], strengths: tuple[float, ...]
 ) -> Fitted:
     candidates = {f"{strength:g}": strength for strength in strengths}
     train = partial(_train, name=name, change=change)
@@ -106,9 +99,7 @@ def _fit(
         repeats=1,
     )
     strength = candidates[chosen]
-    models = {
-        key: train(source, strength=strength, inputs=inputs) for key, inputs in INPUTS.items()
-    }
+    models = {key: train(source, strength=strength, inputs=inputs) for key, inputs in INPUTS.items()}
     return of_perceptrons(models, {"strength": strength})
 
 

@@ -137,8 +137,7 @@ class Source:
             rows = getattr(self, name)
             if rows is not None and not rows.isfinite().all():
                 raise DataError(
-                    f"{name} has NaN or infinite values; a method can learn nothing from them. Embed "
-                    "the pairs again."
+                    f"{name} has NaN or infinite values; a method can learn nothing from them. Embed the pairs again."
                 )
 
     def __len__(self) -> int:

@@ -29,10 +29,7 @@ class Towers(nn.Module):
     def features(self, vis: Tensor, tac: Tensor) -> dict[str, Tensor]:
         """Return the hidden layers (B, 256)."""
         scale = vis.shape[1] ** 0.5
-        return {
-            "vis": self.vis(scale * normalize(vis, dim=-1)),
-            "tac": self.tac(scale * normalize(tac, dim=-1)),
-        }
+        return {"vis": self.vis(scale * normalize(vis, dim=-1)), "tac": self.tac(scale * normalize(tac, dim=-1))}
 
     def forward(self, vis: Tensor, tac: Tensor) -> dict[str, Tensor]:
         """Return logits (B, K) of each modality."""
@@ -48,10 +45,7 @@ def coral_loss(first: Tensor, second: Tensor) -> Tensor:
 def fit(source: Source) -> Fitted:
     """Train with AdamW; held-out objects choose the weight of the alignment."""
     chosen = best(
-        source,
-        CANDIDATES,
-        lambda part, weight: lambda v, t: _predict(_train(part, weight), v, t)["fused"],
-        repeats=1,
+        source, CANDIDATES, lambda part, weight: lambda v, t: _predict(_train(part, weight), v, t)["fused"], repeats=1
     )
     model = _train(source, CANDIDATES[chosen])
     return Fitted(

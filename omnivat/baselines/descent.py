@@ -37,9 +37,7 @@ def descend(module: nn.Module, count: int, how: Descent, loss: Callable[[Tensor]
             module.parameters(), how.lr, weight_decay=how.weight_decay, eps=how.eps, fused=True
         )
     else:
-        optimiser = torch.optim.SGD(
-            module.parameters(), lr=how.lr, momentum=0.9, weight_decay=how.weight_decay
-        )
+        optimiser = torch.optim.SGD(module.parameters(), lr=how.lr, momentum=0.9, weight_decay=how.weight_decay)
     total = how.epochs * math.ceil(count / how.batch)
     step = 0
     module.train()
@@ -59,9 +57,7 @@ def descend(module: nn.Module, count: int, how: Descent, loss: Callable[[Tensor]
     module.eval()
 
 
-def _at_the_worst_near(
-    module: nn.Module, radius: float, drawn: Tensor, loss: Callable[[], Tensor]
-) -> None:
+def _at_the_worst_near(module: nn.Module, radius: float, drawn: Tensor, loss: Callable[[], Tensor]) -> None:
     """Replace the gradients by those at the highest point of the loss within `radius`, to first order.
 
     drawn  state of torch's random stream before the first pass; both passes use it

@@ -16,9 +16,7 @@ from omnivat.seeding import derive_seed
 
 HIDDEN, EPOCHS = 256, 20
 INPUTS = {"fused": ("vis", "tac"), "vis": ("vis",), "tac": ("tac",)}
-CANDIDATES = {
-    f"lr {lr:g}, decay {decay:g}": (lr, decay) for lr in (3e-4, 1e-3) for decay in (1e-2, 1.0)
-}
+CANDIDATES = {f"lr {lr:g}, decay {decay:g}": (lr, decay) for lr in (3e-4, 1e-3) for decay in (1e-2, 1.0)}
 Predictor = Callable[[Tensor, Tensor], Tensor]
 
 
@@ -46,12 +44,7 @@ class Perceptron(nn.Module):
 
 def fit(source: Source) -> Fitted:
     """Train with AdamW; held-out objects choose learning rate and weight decay."""
-    chosen = best(
-        source,
-        CANDIDATES,
-        lambda part, choice: predictor(_train(part, *choice, INPUTS["fused"])),
-        repeats=1,
-    )
+    chosen = best(source, CANDIDATES, lambda part, choice: predictor(_train(part, *choice, INPUTS["fused"])), repeats=1)
     models = {name: _train(source, *CANDIDATES[chosen], inputs) for name, inputs in INPUTS.items()}
     return of_perceptrons(models, {"training": chosen})
 

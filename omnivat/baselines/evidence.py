@@ -24,9 +24,7 @@ def folds(source: Source, repeats: int = REPEATS) -> list[tuple[Tensor, Tensor]]
     found = []
     for repeat in range(repeats):
         seed = derive_seed(source.seed, "folds", repeat)
-        held = torch.from_numpy(
-            hold_out(source.objects, source.labels.numpy(), FRACTION, seed=seed)
-        )
+        held = torch.from_numpy(hold_out(source.objects, source.labels.numpy(), FRACTION, seed=seed))
         if held.any():
             found.append(((~held).nonzero()[:, 0], held.nonzero()[:, 0]))
     return found

@@ -15,16 +15,7 @@ import torch
 from torch import Tensor, nn
 from torch.nn.functional import cross_entropy, l1_loss, normalize
 
-from omnivat.baselines.contract import (
-    Fitted,
-    ImageInput,
-    Live,
-    Source,
-    fused,
-    joined,
-    live_towers,
-    seeded,
-)
+from omnivat.baselines.contract import Fitted, ImageInput, Live, Source, fused, joined, live_towers, seeded
 from omnivat.baselines.descent import Descent, descend
 from omnivat.baselines.mmrl import PROMPT
 from omnivat.encoders.clip_live import LiveClip
@@ -33,9 +24,7 @@ from omnivat.seeding import derive_seed
 WEIGHTS = (0.1, 0.2, 0.3, 0.4)  # of the levels
 STEP, HIDDEN = 2, 2048  # layers between two levels; width of the head
 # 32 pairs are the published batch of 64 images.
-HOW = Descent(
-    lr=1e-4, epochs=50, batch=32, weight_decay=1e-4, method="adam", warmup=0.0, eps=1e-4, clip=0.0
-)
+HOW = Descent(lr=1e-4, epochs=50, batch=32, weight_decay=1e-4, method="adam", warmup=0.0, eps=1e-4, clip=0.0)
 LEAST = 200  # steps
 
 
@@ -48,8 +37,7 @@ class TokenLevels(nn.Module):
         last = len(clip.image_layers) - 1
         self.after = [max(0, last - STEP * back) for back in (3, 2, 1, 0)]
         self.adapters = nn.ModuleList(
-            nn.Sequential(nn.Linear(width, width, bias=False), nn.LayerNorm(width), nn.ReLU())
-            for _ in WEIGHTS
+            nn.Sequential(nn.Linear(width, width, bias=False), nn.LayerNorm(width), nn.ReLU()) for _ in WEIGHTS
         )
 
     def forward(self, clip: LiveClip, images: Tensor) -> tuple[Tensor, Tensor]:
@@ -89,10 +77,7 @@ class MapLevels(nn.Module):
         with torch.no_grad():
             found = clip.image.levels(images)
             plain = clip.image.pool(found[-1])
-        levels = [
-            weight * adapter(maps)
-            for weight, adapter, maps in zip(WEIGHTS, self.adapters, found, strict=True)
-        ]
+        levels = [weight * adapter(maps) for weight, adapter, maps in zip(WEIGHTS, self.adapters, found, strict=True)]
         joined_levels: Tensor = clip.image.pool(torch.stack(levels).sum(0))
         return plain, joined_levels
 
@@ -128,10 +113,7 @@ class DeConfused(nn.Module):
 
 def _perceptron(width: int, hidden: int, out: int) -> nn.Sequential:
     return nn.Sequential(
-        nn.Linear(width, hidden, bias=False),
-        nn.BatchNorm1d(hidden),
-        nn.ReLU(),
-        nn.Linear(hidden, out, bias=False),
+        nn.Linear(width, hidden, bias=False), nn.BatchNorm1d(hidden), nn.ReLU(), nn.Linear(hidden, out, bias=False)
     )
 
 
@@ -165,9 +147,7 @@ def fit(source: Source) -> Fitted:
     )
 
 
-def _train(
-    model: DeConfused, clip: LiveClip, source: Source, live: Live, given: ImageInput
-) -> None:
+def _train(model: DeConfused, clip: LiveClip, source: Source, live: Live, given: ImageInput) -> None:
     def loss(rows: Tensor) -> Tensor:
         found = model(live.drawn(rows, given).to(clip.device))
         labels = source.labels[rows].repeat(2).to(clip.device)

@@ -18,9 +18,7 @@ from omnivat.baselines.nearest_mean import class_directions
 from omnivat.seeding import derive_seed
 
 HIDDEN = 512
-CANDIDATES = {
-    f"lr {lr:g}, scale {scale:g}": (lr, scale) for lr in (1e-4, 1e-3) for scale in (10.0, 30.0)
-}
+CANDIDATES = {f"lr {lr:g}, scale {scale:g}": (lr, scale) for lr in (1e-4, 1e-3) for scale in (10.0, 30.0)}
 
 
 class DeConfusion(nn.Module):
@@ -29,9 +27,7 @@ class DeConfusion(nn.Module):
     def __init__(self, width: int, classes: int) -> None:
         super().__init__()
         self.head = nn.Sequential(nn.Linear(width, HIDDEN), nn.ReLU(), nn.Linear(HIDDEN, classes))
-        self.confusion = nn.Sequential(
-            nn.Linear(width + classes, HIDDEN), nn.ReLU(), nn.Linear(HIDDEN, classes)
-        )
+        self.confusion = nn.Sequential(nn.Linear(width + classes, HIDDEN), nn.ReLU(), nn.Linear(HIDDEN, classes))
         self.gate = nn.Linear(width, classes)
 
     def forward(self, rows: Tensor, base: Tensor) -> tuple[Tensor, Tensor, Tensor]:
@@ -82,10 +78,7 @@ def _prototypes(source: Source) -> dict[str, Tensor]:
 def fit(source: Source) -> Fitted:
     """Train with AdamW; held-out objects choose learning rate and scale of the base logits."""
     chosen = best(
-        source,
-        CANDIDATES,
-        lambda part, choice: lambda v, t: _predict(_train(part, *choice), v, t)["fused"],
-        repeats=1,
+        source, CANDIDATES, lambda part, choice: lambda v, t: _predict(_train(part, *choice), v, t)["fused"], repeats=1
     )
     model = _train(source, *CANDIDATES[chosen])
     return Fitted(

@@ -79,10 +79,7 @@ def _one_each(source: Source) -> tuple[Logistic, Logistic]:
     if key not in _KEPT:
         while len(_KEPT) > 1:
             _KEPT.pop(next(iter(_KEPT)))
-        _KEPT[key] = (
-            fit_logistic(source, lambda pairs: pairs.vis),
-            fit_logistic(source, lambda pairs: pairs.tac),
-        )
+        _KEPT[key] = (fit_logistic(source, lambda pairs: pairs.vis), fit_logistic(source, lambda pairs: pairs.tac))
     return _KEPT[key]
 
 

@@ -101,9 +101,7 @@ class Problem:
         """Return zero parameters (K, R + 1), flat."""
         return np.zeros(self.classes * (self.inside.shape[1] + 1))
 
-    def solved(
-        self, strength: float, start: NDArray[np.float64], tolerance: float = 1e-8
-    ) -> NDArray[np.float64]:
+    def solved(self, strength: float, start: NDArray[np.float64], tolerance: float = 1e-8) -> NDArray[np.float64]:
         """Return the parameters that minimise the objective, starting from given ones."""
         from scipy.optimize import minimize
 
@@ -118,9 +116,7 @@ class Problem:
         parameters: NDArray[np.float64] = found.x
         return parameters
 
-    def _objective(
-        self, flat: NDArray[np.float64], strength: float
-    ) -> tuple[float, NDArray[np.float64]]:
+    def _objective(self, flat: NDArray[np.float64], strength: float) -> tuple[float, NDArray[np.float64]]:
         """Return the objective and its gradient at flat parameters."""
         count, both = len(self.labels), flat.reshape(self.classes, -1)
         weight, bias = both[:, :-1], both[:, -1]

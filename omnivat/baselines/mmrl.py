@@ -15,16 +15,7 @@ import torch
 from torch import Tensor, nn
 from torch.nn.functional import cosine_similarity, cross_entropy, normalize
 
-from omnivat.baselines.contract import (
-    Fitted,
-    ImageInput,
-    Live,
-    Source,
-    fused,
-    joined,
-    live_towers,
-    seeded,
-)
+from omnivat.baselines.contract import Fitted, ImageInput, Live, Source, fused, joined, live_towers, seeded
 from omnivat.baselines.descent import Descent, descend
 from omnivat.encoders.clip_live import LiveClip
 from omnivat.errors import DataError
@@ -135,9 +126,7 @@ def _prompts(clip: LiveClip, classes: tuple[str, ...]) -> tuple[Tensor, Tensor]:
     return clip.text_tokens([PROMPT.format(name) for name in classes])
 
 
-def _train(
-    model: Representations, clip: LiveClip, source: Source, live: Live, given: ImageInput
-) -> None:
+def _train(model: Representations, clip: LiveClip, source: Source, live: Live, given: ImageInput) -> None:
     with torch.no_grad():
         prompts = _prompts(clip, source.classes)
         own = clip.embed_texts([PROMPT.format(name) for name in source.classes])

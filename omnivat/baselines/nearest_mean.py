@@ -16,9 +16,7 @@ CANDIDATES = {
 
 def fit(source: Source) -> Fitted:
     """Store a mean direction for each class and modality; held-out objects choose the settings."""
-    chosen = best(
-        source, CANDIDATES, lambda part, choice: lambda v, t: _model(part, *choice)(v, t)["fused"]
-    )
+    chosen = best(source, CANDIDATES, lambda part, choice: lambda v, t: _model(part, *choice)(v, t)["fused"])
     return Fitted(
         predict=_model(source, *CANDIDATES[chosen]),
         chosen={"means": chosen},

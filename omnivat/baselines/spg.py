@@ -128,10 +128,7 @@ def learn_generator(source: Source, prompt: Tensor) -> Generator:
     images, _ = _images(source)
     generator = Generator(images.shape[1], tuple(prompt.shape))
     judge = Discriminator(images.shape[1], tuple(prompt.shape))
-    optimisers = [
-        torch.optim.AdamW(net.parameters(), lr=LEAST, weight_decay=1e-4)
-        for net in (generator, judge)
-    ]
+    optimisers = [torch.optim.AdamW(net.parameters(), lr=LEAST, weight_decay=1e-4) for net in (generator, judge)]
     for epoch in range(GAN_EPOCHS):
         for optimiser in optimisers:
             optimiser.param_groups[0]["lr"] = rate(epoch, GAN_RATE, GAN_EPOCHS, WARM)
@@ -161,10 +158,7 @@ def _gan_step(
 
 
 def _step(
-    optimiser: torch.optim.AdamW,
-    network: nn.Module,
-    loss: Tensor,
-    most: tuple[float, float, dict[str, float]],
+    optimiser: torch.optim.AdamW, network: nn.Module, loss: Tensor, most: tuple[float, float, dict[str, float]]
 ) -> None:
     optimiser.zero_grad(set_to_none=True)
     loss.backward()

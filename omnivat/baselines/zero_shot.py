@@ -39,10 +39,7 @@ def _compared(texts: Tensor, scale: float) -> Fitted:
     def alone(rows: Tensor) -> Tensor:
         return (scale * normalize(rows, dim=-1) @ prototypes.T).softmax(-1)
 
-    return Fitted(
-        predict=lambda vis, tac: fused({"vis": alone(vis), "tac": alone(tac)}),
-        chosen={"logit scale": scale},
-    )
+    return Fitted(predict=lambda vis, tac: fused({"vis": alone(vis), "tac": alone(tac)}), chosen={"logit scale": scale})
 
 
 def texts_of_the_image_encoder(source: Source, what: str) -> Tensor:

@@ -88,20 +88,14 @@ def familiarity_of(
     levels = torch.linspace(0, 1, QUANTILES)
     return Familiarity(
         rows=rows,
-        quantiles={
-            name: torch.quantile(nearest_cosine(x, x, owner, owner), levels)
-            for name, x in rows.items()
-        },
+        quantiles={name: torch.quantile(nearest_cosine(x, x, owner, owner), levels) for name, x in rows.items()},
         lengths={name: x[::step].float().norm(dim=-1) for name, x in given.items()},
         labels=None if labels is None else labels[::step].long(),
     )
 
 
 def nearest_cosine(
-    rows: Tensor,
-    reference: Tensor,
-    owner: Tensor | None = None,
-    reference_owner: Tensor | None = None,
+    rows: Tensor, reference: Tensor, owner: Tensor | None = None, reference_owner: Tensor | None = None
 ) -> Tensor:
     """Return (B,): the largest cosine of each row (B, D) with reference rows (N, D).
 
@@ -152,18 +146,13 @@ def load_familiarity(file: Path, width: int) -> Familiarity | None:
         tensor_table(file, types=(*FLOATS, "I64"))
         tensors = load_file(file)
     except (SafetensorError, OSError) as error:
-        raise DataError(
-            f"'{file}' cannot be read ({error}); copy the head folder again."
-        ) from error
+        raise DataError(f"'{file}' cannot be read ({error}); copy the head folder again.") from error
     names = [name for name in IMAGES if name in tensors]
     fits = names and all(
-        tensors[n].ndim == 2 and tensors[n].shape[1] == width and f"{n}_quantiles" in tensors
-        for n in names
+        tensors[n].ndim == 2 and tensors[n].shape[1] == width and f"{n}_quantiles" in tensors for n in names
     )
     count = len(tensors[names[0]]) if names else 0
-    others = [
-        tensors[key] for key in ("labels", *(f"{n}_lengths" for n in names)) if key in tensors
-    ]
+    others = [tensors[key] for key in ("labels", *(f"{n}_lengths" for n in names)) if key in tensors]
     if not fits or any(one.shape != (count,) for one in others):
         raise DataError(f"'{file}' does not fit this head; copy the head folder again.")
     return Familiarity(

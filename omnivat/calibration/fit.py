@@ -52,9 +52,7 @@ def fit_share(vis: Tensor, tac: Tensor, labels: Tensor) -> float:
     return min(shares, key=loss)
 
 
-def fit_calibration(
-    logits: Mapping[str, Tensor], labels: Tensor, *, fusion: str = "mean"
-) -> Calibration:
+def fit_calibration(logits: Mapping[str, Tensor], labels: Tensor, *, fusion: str = "mean") -> Calibration:
     """Return temperatures for "fused", "vis" and "tac", and the share of a learned fusion.
 
     logits  of held-out pairs: "vis" and "tac" with the other image absent; "vis_branch" and
@@ -62,10 +60,7 @@ def fit_calibration(
                     temperature 1
             fusion  late fusion of the branches
     """
-    temperature = {
-        name: fit_temperature(logits[name], labels) if name in logits else 1.0
-        for name in ("vis", "tac")
-    }
+    temperature = {name: fit_temperature(logits[name], labels) if name in logits else 1.0 for name in ("vis", "tac")}
     share = 0.5
     if "vis_branch" in logits and "tac_branch" in logits:
         branches = logits["vis_branch"], logits["tac_branch"]

@@ -25,8 +25,7 @@ COMMANDS = {name: import_module(f"omnivat.cli.{FILES.get(name, name)}") for name
 def parser() -> argparse.ArgumentParser:
     """Return the parser of all commands."""
     top = argparse.ArgumentParser(
-        prog="omnivat",
-        description="See why a model trained on one tactile sensor fails on the next.",
+        prog="omnivat", description="See why a model trained on one tactile sensor fails on the next."
     )
     top.add_argument("--version", action="version", version=f"omnivat {__version__}")
     commands = top.add_subparsers(dest="command", metavar="COMMAND")

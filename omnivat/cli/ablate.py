@@ -21,11 +21,7 @@ def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--only", default="", metavar="a,b,c", help="some of the ablations")
     parser.add_argument("--sources", default="", metavar="A,B", help="instead of the paper's")
     parser.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="key=value",
-        help="a base setting of all rows, such as width=64",
+        "--set", action="append", default=[], metavar="key=value", help="a base setting of all rows, such as width=64"
     )
 
 

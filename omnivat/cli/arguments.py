@@ -44,12 +44,7 @@ def add_download(parser: argparse.ArgumentParser) -> None:
         help="fetch missing weights from the hub without asking",
     )
     group.add_argument(
-        "--offline",
-        action="store_const",
-        const="no",
-        dest="download",
-        default="ask",
-        help="never fetch weights",
+        "--offline", action="store_const", const="no", dest="download", default="ask", help="never fetch weights"
     )
 
 
@@ -120,10 +115,7 @@ def add_embeddings(parser: argparse.ArgumentParser) -> None:
 def add_order(parser: argparse.ArgumentParser) -> None:
     """Declare --order, from -4 to 4."""
     parser.add_argument(
-        "--order",
-        type=order,
-        metavar="P",
-        help="fractional order p, -4 to 4 quarter turns; default: the learned one",
+        "--order", type=order, metavar="P", help="fractional order p, -4 to 4 quarter turns; default: the learned one"
     )
 
 
@@ -156,9 +148,7 @@ def with_profiles(head: "Head | None", embeddings: "Embeddings", files: list[Pat
     from omnivat.data.profile_file import load_profile
 
     if head is None:
-        raise SettingsError(
-            "--profile needs a head, and stage raw uses none; choose another stage."
-        )
+        raise SettingsError("--profile needs a head, and stage raw uses none; choose another stage.")
     return head.profiled(embeddings, [load_profile(file) for file in files])
 
 

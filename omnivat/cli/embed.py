@@ -27,9 +27,7 @@ def add(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--out", type=Path, required=True, help="the .safetensors file to write")
     parser.add_argument("--weights", type=Path, help="checkpoint of the encoder")
-    parser.add_argument(
-        "--tac-encoder", metavar="NAME", help="another encoder for tactile images; named as above"
-    )
+    parser.add_argument("--tac-encoder", metavar="NAME", help="another encoder for tactile images; named as above")
     parser.add_argument("--tac-weights", type=Path, help="checkpoint of --tac-encoder")
     parser.add_argument(
         "--reader",
@@ -60,14 +58,9 @@ def add(parser: argparse.ArgumentParser) -> None:
         default="float32",
         help="type of the stored vectors; default: float32",
     )
+    parser.add_argument("--engine", choices=["local", "ray"], default="local", help="this machine, or a Ray cluster")
     parser.add_argument(
-        "--engine", choices=["local", "ray"], default="local", help="this machine, or a Ray cluster"
-    )
-    parser.add_argument(
-        "--manifest",
-        choices=["csv", "parquet"],
-        default="csv",
-        help="kind of the table next to the embeddings",
+        "--manifest", choices=["csv", "parquet"], default="csv", help="kind of the table next to the embeddings"
     )
     add_rest(parser)
     parser.add_argument("--no-flips", action="store_true", help="leave out the mirrored copies")
@@ -85,16 +78,11 @@ def run(options: argparse.Namespace) -> None:
     require_writable(options.out, ".safetensors")
     if realpath(manifest_place(options.out, options.manifest)) == realpath(options.pairs):
         raise SettingsError(
-            f"--out is '{options.out}', and its table would replace '{options.pairs}'; "
-            "choose another name."
+            f"--out is '{options.out}', and its table would replace '{options.pairs}'; choose another name."
         )
     encoder = encoder_name(options.encoder, options.tac_encoder, options.tac_weights)
     found = read_pairs(
-        options.pairs,
-        reader=options.reader,
-        strict=options.strict,
-        seed=options.seed,
-        **reader_options(options.set),
+        options.pairs, reader=options.reader, strict=options.strict, seed=options.seed, **reader_options(options.set)
     )
     found = with_rest(found, options.tac_rest or "none")
     print(summary_table(found))

@@ -46,8 +46,7 @@ def add(parser: argparse.ArgumentParser) -> None:
         "--unlabelled",
         type=whole(0),
         metavar="N",
-        help="draw N training pairs of each target domain, profile them without their labels, and "
-        "predict the rest",
+        help="draw N training pairs of each target domain, profile them without their labels, and predict the rest",
     )
     parser.add_argument(
         "--draws",
@@ -120,9 +119,7 @@ def _known(
     if options.profile:
         raise SettingsError("Give --profile or --unlabelled, not both.")
     for draw in range(options.draws if options.unlabelled else 1):
-        profiles, rows = drawn_profiles(
-            embeddings, head.source, options.unlabelled, seed=options.seed + draw
-        )
+        profiles, rows = drawn_profiles(embeddings, head.source, options.unlabelled, seed=options.seed + draw)
         rest = embeddings.select(np.setdiff1d(np.arange(len(embeddings)), rows))
         moved = profiled(rest, profiles, head.source_profile)
         yield moved, {n: p.counts["vis"] for n, p in profiles.items()}
@@ -186,9 +183,7 @@ def table(records: Sequence[dict[str, Any]]) -> str:
 
     "photo only" and "touch only" are ACC with the other image absent.
     """
-    lines = [
-        f"{'domain':<18} {'pairs':>6} {'ACC':>6} {'F1':>6} {'photo only':>11} {'touch only':>11}"
-    ]
+    lines = [f"{'domain':<18} {'pairs':>6} {'ACC':>6} {'F1':>6} {'photo only':>11} {'touch only':>11}"]
     for record in records:
         name = record["domain"] + (" (source)" if record["is_source"] else "")
         scores = record["scores"]
@@ -196,10 +191,7 @@ def table(records: Sequence[dict[str, Any]]) -> str:
             lines.append(f"{name:<18} {0:>6}  no pairs of the head's classes")
             continue
         fused = scores["fused"]
-        alone = [
-            f"{100 * scores[n]['accuracy']:>11.1f}" if n in scores else f"{'-':>11}"
-            for n in ("vis", "tac")
-        ]
+        alone = [f"{100 * scores[n]['accuracy']:>11.1f}" if n in scores else f"{'-':>11}" for n in ("vis", "tac")]
         lines.append(
             f"{name:<18} {record['pairs']:>6} {100 * fused['accuracy']:>6.1f} "
             f"{100 * fused['macro_f1']:>6.1f} {' '.join(alone)}"
@@ -209,9 +201,7 @@ def table(records: Sequence[dict[str, Any]]) -> str:
     targets = target_scores(records)
     mean, f1 = target_mean(targets), target_mean(targets, "macro_f1")
     if math.isnan(mean):
-        lines.append(
-            "mean of targets: none, because no other domain has pairs of the head's classes"
-        )
+        lines.append("mean of targets: none, because no other domain has pairs of the head's classes")
     else:
         lines.append(f"{'mean of targets':<18} {'':>6} {100 * mean:>6.1f} {100 * f1:>6.1f}")
     if any(record.get("unlabelled") for record in records):
@@ -228,7 +218,5 @@ def table(records: Sequence[dict[str, Any]]) -> str:
                 f"{pstdev(each):.1f} points between draws."
             )
     if any(record["trained_on"] for record in records):
-        lines.append(
-            "The set has no split: the source's row is measured on the head's training pairs."
-        )
+        lines.append("The set has no split: the source's row is measured on the head's training pairs.")
     return "\n".join(lines)

@@ -18,18 +18,11 @@ COLOURS = ("domain", "class", "modality", "correctness", "confidence")
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument(
-        "--what",
-        choices=("map", "curves", "page"),
-        default="map",
-        help="the picture to write; default: the map",
+        "--what", choices=("map", "curves", "page"), default="map", help="the picture to write; default: the map"
     )
     target = parser.add_mutually_exclusive_group(required=True)
-    target.add_argument(
-        "--site", type=Path, help="folder for the whole page, to be served by any file server"
-    )
-    parser.add_argument(
-        "--sets", nargs="+", metavar="NAME", help="sets of the project in the site; default: all"
-    )
+    target.add_argument("--site", type=Path, help="folder for the whole page, to be served by any file server")
+    parser.add_argument("--sets", nargs="+", metavar="NAME", help="sets of the project in the site; default: all")
     parser.add_argument(
         "--runtime",
         type=Path,
@@ -43,38 +36,15 @@ def add(parser: argparse.ArgumentParser) -> None:
         help="leave out of the site what the browser computes with: own pictures, trees",
     )
     target.add_argument(
-        "--out",
-        type=Path,
-        help=".html (interactive), .svg, .png or .json (Plotly); .html for the page",
+        "--out", type=Path, help=".html (interactive), .svg, .png or .json (Plotly); .html for the page"
     )
     parser.add_argument("--head", type=Path, help="head folder; default: the project's own")
-    parser.add_argument(
-        "--embeddings", type=Path, help="embeddings file; default: the project's own"
-    )
-    parser.add_argument(
-        "--frames", type=Path, help="frames from `sweep`, instead of computing them"
-    )
-    parser.add_argument(
-        "--order", type=order, help="p, -4 to 4 quarter turns; default: the learned one"
-    )
-    parser.add_argument(
-        "--stage",
-        choices=STAGES,
-        default="f_hat",
-        help="stage of the head to draw; default: f_hat",
-    )
-    parser.add_argument(
-        "--map",
-        choices=("pca", "umap"),
-        default="pca",
-        help="projection of the map; default: pca",
-    )
-    parser.add_argument(
-        "--colour",
-        choices=COLOURS,
-        default="domain",
-        help="meaning of colours; default: domain",
-    )
+    parser.add_argument("--embeddings", type=Path, help="embeddings file; default: the project's own")
+    parser.add_argument("--frames", type=Path, help="frames from `sweep`, instead of computing them")
+    parser.add_argument("--order", type=order, help="p, -4 to 4 quarter turns; default: the learned one")
+    parser.add_argument("--stage", choices=STAGES, default="f_hat", help="stage of the head to draw; default: f_hat")
+    parser.add_argument("--map", choices=("pca", "umap"), default="pca", help="projection of the map; default: pca")
+    parser.add_argument("--colour", choices=COLOURS, default="domain", help="meaning of colours; default: domain")
 
 
 def write_site(options: argparse.Namespace) -> None:
@@ -87,12 +57,7 @@ def write_site(options: argparse.Namespace) -> None:
         where = replace(where, frames=options.frames)
     with progress_bar("site") as show:
         sizes = export_site(
-            where,
-            options.site,
-            options.sets,
-            models=options.models,
-            runtime=options.runtime,
-            on_step=show,
+            where, options.site, options.sets, models=options.models, runtime=options.runtime, on_step=show
         )
     print(
         f"{len(sizes)} files, {sum(sizes.values()) / 1e6:.1f} MB, in {options.site}; "
@@ -108,10 +73,7 @@ def run(options: argparse.Namespace) -> None:
         raise SettingsError("--sets, --runtime and --no-models belong to --site; leave them out.")
     wanted = (".html",) if options.what == "page" else (".html", ".svg", ".png", ".json")
     if options.out.suffix.lower() not in wanted:
-        raise SettingsError(
-            f"--out is '{options.out.name}'; for the {options.what} it ends in "
-            f"{' or '.join(wanted)}."
-        )
+        raise SettingsError(f"--out is '{options.out.name}'; for the {options.what} it ends in {' or '.join(wanted)}.")
     from app.export import export_page, export_picture, frames_file, where_from
 
     where = where_from(options.head, options.embeddings)

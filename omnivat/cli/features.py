@@ -51,9 +51,7 @@ class StageFeatures:
         from omnivat.sweep.walk import CHUNK, stage_blocks
 
         model, count = self.head.model if self.head else None, len(self.embeddings)
-        chunk = (
-            CHUNK if model else 8 * CHUNK
-        )  # without a head, larger blocks cost no memory to speak of
+        chunk = CHUNK if model else 8 * CHUNK  # without a head, larger blocks cost no memory to speak of
         blocks = stage_blocks(model, self.embeddings, self.order, self.stage, chunk=chunk)
         with progress_bar(f"features at {self.stage}") as show:
             for rows, found in blocks:
@@ -90,13 +88,7 @@ def add_stage(parser: argparse.ArgumentParser) -> None:
     add_order(parser)
     add_profile(parser)
     add_device(parser)
-    parser.add_argument(
-        "--sample",
-        type=int,
-        default=0,
-        metavar="N",
-        help="use N random pairs; default: all",
-    )
+    parser.add_argument("--sample", type=int, default=0, metavar="N", help="use N random pairs; default: all")
 
 
 def size_warning(pairs: int, width: int) -> str:

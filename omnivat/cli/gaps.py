@@ -20,9 +20,7 @@ if TYPE_CHECKING:
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     add_stage(parser)
-    parser.add_argument(
-        "--measure", choices=list(GAPS), default="centroid", help="default: centroid"
-    )
+    parser.add_argument("--measure", choices=list(GAPS), default="centroid", help="default: centroid")
     add_json(parser)
     add_figure(parser, of="the gaps between domains")
 

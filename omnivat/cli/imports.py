@@ -30,30 +30,16 @@ def add(parser: argparse.ArgumentParser) -> None:
         "table of videos (docs/data.md)",
     )
     parser.add_argument(
-        "--out",
-        type=Path,
-        required=True,
-        help="the .safetensors file to write; of recordings, a new folder of pairs",
+        "--out", type=Path, required=True, help="the .safetensors file to write; of recordings, a new folder of pairs"
     )
     parser.add_argument(
-        "--encoder",
-        default="",
-        metavar="NAME",
-        help="name of the vectors' encoder; recordings need none",
+        "--encoder", default="", metavar="NAME", help="name of the vectors' encoder; recordings need none"
     )
     add_foreign(parser)
     parser.add_argument("--preprocessing", default="", help="preprocessing of the images")
     parser.add_argument("--origin", default="", help="one line on the file's origin")
-    parser.add_argument(
-        "--window", type=int, default=64, help="samples of each row, for a folder of signals"
-    )
-    parser.add_argument(
-        "--frames",
-        type=whole(1),
-        default=5,
-        metavar="N",
-        help="pairs of each recording; default: 5",
-    )
+    parser.add_argument("--window", type=int, default=64, help="samples of each row, for a folder of signals")
+    parser.add_argument("--frames", type=whole(1), default=5, metavar="N", help="pairs of each recording; default: 5")
     parser.add_argument(
         "--pick",
         choices=["even", "contact"],
@@ -69,14 +55,9 @@ def add(parser: argparse.ArgumentParser) -> None:
         help="LeRobot: tactile camera; can be given several times",
     )
     parser.add_argument(
-        "--labels",
-        type=Path,
-        metavar="CSV",
-        help="LeRobot: columns episode, material, perhaps domain, object, split",
+        "--labels", type=Path, metavar="CSV", help="LeRobot: columns episode, material, perhaps domain, object, split"
     )
-    parser.add_argument(
-        "--dtype", choices=["float32", "float16"], default="float32", help="of the written file"
-    )
+    parser.add_argument("--dtype", choices=["float32", "float16"], default="float32", help="of the written file")
 
 
 def add_foreign(parser: argparse.ArgumentParser) -> None:
@@ -103,9 +84,7 @@ def run(options: argparse.Namespace) -> None:
         _recordings(options)
         return
     if not options.encoder:
-        raise SettingsError(
-            f"'{options.file}' is no recording, so --encoder has to name the encoder of its vectors."
-        )
+        raise SettingsError(f"'{options.file}' is no recording, so --encoder has to name the encoder of its vectors.")
     require_writable(options.out, ".safetensors")
     require_own(manifest_place(options.out, "csv"))
     found = _signals(options) if options.file.is_dir() else _vectors(options)
@@ -121,17 +100,11 @@ def _recordings(options: argparse.Namespace) -> None:
     """Write pictures of recordings as a folder of pairs."""
     from omnivat.data.recordings import clips_of, write_pairs
 
-    clips = clips_of(
-        options.file, vis=options.vis, tac=options.tac, domain=options.domain, labels=options.labels
-    )
+    clips = clips_of(options.file, vis=options.vis, tac=options.tac, domain=options.domain, labels=options.labels)
     with progress_bar("import") as show:
-        count, skipped = write_pairs(
-            clips, options.out, frames=options.frames, pick=options.pick, on_step=show
-        )
+        count, skipped = write_pairs(clips, options.out, frames=options.frames, pick=options.pick, on_step=show)
     _tell(skipped)
-    print(
-        f"{count} pairs of {len(clips) - len(skipped)} recordings; next: python -m omnivat try {options.out}"
-    )
+    print(f"{count} pairs of {len(clips) - len(skipped)} recordings; next: python -m omnivat try {options.out}")
 
 
 def _tell(skipped: "Sequence[Skipped]") -> None:

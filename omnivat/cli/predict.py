@@ -41,13 +41,9 @@ def add(parser: argparse.ArgumentParser) -> None:
     add_head(parser)
     add_order(parser)
     add_rest(parser)
-    parser.add_argument(
-        "--profile", type=Path, metavar="FILE", help="profile of the sensor (`omnivat profile`)"
-    )
+    parser.add_argument("--profile", type=Path, metavar="FILE", help="profile of the sensor (`omnivat profile`)")
     parser.add_argument("--weights", type=Path, help="checkpoint of the encoder")
-    parser.add_argument(
-        "--tac-weights", type=Path, help="checkpoint of the encoder of tactile images, if another"
-    )
+    parser.add_argument("--tac-weights", type=Path, help="checkpoint of the encoder of tactile images, if another")
     add_device(parser)
     add_download(parser)
     add_json(parser)
@@ -118,8 +114,7 @@ def _check(options: argparse.Namespace) -> None:
         raise SettingsError("Give either images or --pairs, not both.")
     if not options.pairs and (not given or given % 2):
         raise SettingsError(
-            f"Got {given} image{'' if given == 1 else 's'}; give VIS and TAC for each pair, with '-' for a "
-            "missing one."
+            f"Got {given} image{'' if given == 1 else 's'}; give VIS and TAC for each pair, with '-' for a missing one."
         )
 
 
@@ -131,8 +126,7 @@ def _rest(options: argparse.Namespace, rested: bool) -> str:
     choice = options.tac_rest or ("none" if not rested else "auto" if options.pairs else "")
     if not rested and choice != "none":
         raise SettingsError(
-            f"--tac-rest is '{choice}', and this head was trained on tactile images as they come; "
-            "leave it out."
+            f"--tac-rest is '{choice}', and this head was trained on tactile images as they come; leave it out."
         )
     if not choice and any(name != MISSING for name in options.images[1::2]):
         raise SettingsError(
@@ -142,9 +136,7 @@ def _rest(options: argparse.Namespace, rested: bool) -> str:
     return choice or "none"
 
 
-def _pairs(
-    options: argparse.Namespace, rest: str
-) -> list[tuple[Path | None, Path | None, int, Path | None]]:
+def _pairs(options: argparse.Namespace, rest: str) -> list[tuple[Path | None, Path | None, int, Path | None]]:
     """Return VIS, TAC, the side of the square crop of TAC, and its rest picture, for each pair."""
     if options.pairs:
         from omnivat.data.readers import read_pairs

@@ -31,12 +31,8 @@ def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--vis", type=Path, metavar="DIR", help="a folder of photos alone")
     parser.add_argument("--tac", type=Path, metavar="DIR", help="a folder of tactile images alone")
     parser.add_argument("--out", type=Path, required=True, help="the .safetensors file to write")
-    parser.add_argument(
-        "--domain", default="", help="name of the domain; of a set: the one to take"
-    )
-    parser.add_argument(
-        "--encoder", default=DEFAULT_ENCODER, help="image encoder, named as for `embed`"
-    )
+    parser.add_argument("--domain", default="", help="name of the domain; of a set: the one to take")
+    parser.add_argument("--encoder", default=DEFAULT_ENCODER, help="image encoder, named as for `embed`")
     parser.add_argument("--weights", type=Path, help="checkpoint of the encoder")
     add_rest(parser)
     add_device(parser)
@@ -66,9 +62,7 @@ def _of_embeddings(options: argparse.Namespace) -> "Profile":
     embeddings = load_embeddings(options.pictures)
     domains = embeddings.header.domains
     if not options.domain and len(domains) > 1:
-        raise SettingsError(
-            f"The set has {len(domains)} domains; name one: --domain {domains[0]!r}."
-        )
+        raise SettingsError(f"The set has {len(domains)} domains; name one: --domain {domains[0]!r}.")
     name = options.domain or domains[0]
     return profile_of(embeddings, embeddings.rows_of(name), domain=name)
 
@@ -78,9 +72,7 @@ def _of_pictures(options: argparse.Namespace) -> "Profile":
     from omnivat.encoders import load_encoder
 
     found = pictures_in(options.pictures, vis=options.vis, tac=options.tac, rest=options.tac_rest)
-    encoder = load_encoder(
-        options.encoder, weights=options.weights, device=options.device, download=options.download
-    )
+    encoder = load_encoder(options.encoder, weights=options.weights, device=options.device, download=options.download)
     with progress_bar(f"embed with {encoder.name}") as show:
         profile, skipped = profile_of_pictures(encoder, found, domain=options.domain, on_step=show)
     for one in skipped:

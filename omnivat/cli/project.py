@@ -28,17 +28,10 @@ LEAST = 2 * NEIGHBOURS + 1  # fewest points for a faithfulness value
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     add_stage(parser)
-    parser.add_argument(
-        "--method",
-        choices=list(PROJECTIONS),
-        default="umap",
-        help="method of the map; default: umap",
-    )
+    parser.add_argument("--method", choices=list(PROJECTIONS), default="umap", help="method of the map; default: umap")
     add_seed(parser, of="the layout")
     parser.add_argument("--out", type=Path, help="the CSV to write")
-    parser.add_argument(
-        "--dimensions", type=int, choices=(2, 3), default=2, help="of the map; default: 2"
-    )
+    parser.add_argument("--dimensions", type=int, choices=(2, 3), default=2, help="of the map; default: 2")
     parser.add_argument(
         "--centred",
         action="store_true",
@@ -88,9 +81,7 @@ def _centre(options: argparse.Namespace) -> None:
     from omnivat.frames.centred import write_centred
 
     if options.out is not None or options.figure is not None:
-        raise SettingsError(
-            "--centred writes next to the embeddings; leave out --out and --figure."
-        )
+        raise SettingsError("--centred writes next to the embeddings; leave out --out and --figure.")
     print(f"written: {write_centred(options.embeddings, load_embeddings(options.embeddings))}")
 
 
@@ -118,16 +109,10 @@ def faithfulness(found: "Quality") -> str:
     drawn = found.trustworthiness_error > 0
     trust, recall = (
         f"{value:.4f}" + (f" ± {error:.4f}" if drawn else "")
-        for value, error in (
-            (found.trustworthiness, found.trustworthiness_error),
-            (found.recall, found.recall_error),
-        )
+        for value, error in ((found.trustworthiness, found.trustworthiness_error), (found.recall, found.recall_error))
     )
     of = f", from {found.rows:,} points drawn at random" if drawn else ""
-    return (
-        f"trustworthiness {trust}, recall {recall} at {NEIGHBOURS} neighbours (1 is a faithful "
-        f"map){of}"
-    )
+    return f"trustworthiness {trust}, recall {recall} at {NEIGHBOURS} neighbours (1 is a faithful map){of}"
 
 
 def _rows(found: StageFeatures, flat: "Tensor") -> Iterator[list[str]]:

@@ -34,9 +34,7 @@ def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("--out", type=Path, required=True, help="the .safetensors file to write")
     parser.add_argument("--classes", default=",".join(MATERIALS), help="names, with commas")
-    parser.add_argument(
-        "--encoder", choices=TEXT_ENCODERS, default="minilm", help="text encoder; default: minilm"
-    )
+    parser.add_argument("--encoder", choices=TEXT_ENCODERS, default="minilm", help="text encoder; default: minilm")
     parser.add_argument("--weights", type=Path, help="checkpoint of a CLIP encoder")
     add_device(parser)
     add_download(parser)
@@ -102,12 +100,7 @@ def _learned(options: argparse.Namespace, classes: tuple[str, ...]) -> "LangBank
     tower = ClipWords(clip.network, clip.tokenizer, origin=origin)
     with progress_bar("learn styles") as show:
         words = learn_styles(
-            tower,
-            classes,
-            styles=options.styles,
-            steps=options.steps,
-            seed=options.seed,
-            on_step=show,
+            tower, classes, styles=options.styles, steps=options.steps, seed=options.seed, on_step=show
         )
     how = f" of {options.steps} steps, seed {options.seed}"
     return _of_clip(styled_bank(tower, classes, words, how=how), clip)
@@ -116,9 +109,7 @@ def _learned(options: argparse.Namespace, classes: tuple[str, ...]) -> "LangBank
 def _clip(options: argparse.Namespace) -> "ClipText":
     from omnivat.encoders.clip_text import load_text_encoder
 
-    return load_text_encoder(
-        options.encoder, weights=options.weights, device=options.device, download=options.download
-    )
+    return load_text_encoder(options.encoder, weights=options.weights, device=options.device, download=options.download)
 
 
 def _of_clip(bank: "LangBank", clip: "ClipText") -> "LangBank":
@@ -131,9 +122,5 @@ def _of_clip(bank: "LangBank", clip: "ClipText") -> "LangBank":
     remember(clip.weights_hash, clip.place)
     plain = clip.embed_texts([PLAIN.format(name) for name in bank.classes])
     return replace(
-        bank,
-        plain=plain.cpu().numpy(),
-        encoder=clip.name,
-        text_hash=clip.weights_hash,
-        logit_scale=clip.logit_scale,
+        bank, plain=plain.cpu().numpy(), encoder=clip.name, text_hash=clip.weights_hash, logit_scale=clip.logit_scale
     )

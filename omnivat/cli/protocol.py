@@ -7,15 +7,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from omnivat.cli.arguments import (
-    add_device,
-    add_embeddings,
-    listed,
-    numbers,
-    progress_bar,
-    split_settings,
-    whole,
-)
+from omnivat.cli.arguments import add_device, add_embeddings, listed, numbers, progress_bar, split_settings, whole
 from omnivat.errors import DataError, SettingsError
 from omnivat.files import require_writable
 
@@ -29,12 +21,8 @@ RUNS = "runs.jsonl"
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     add_running(parser)
-    parser.add_argument(
-        "--methods", default="", metavar="a,b,c", help="methods by name; default: all fast ones"
-    )
-    parser.add_argument(
-        "--sources", default="", metavar="A,B", help="domains to train on; default: all in the set"
-    )
+    parser.add_argument("--methods", default="", metavar="a,b,c", help="methods by name; default: all fast ones")
+    parser.add_argument("--sources", default="", metavar="A,B", help="domains to train on; default: all in the set")
     parser.add_argument(
         "--folds",
         type=whole(0),
@@ -79,9 +67,7 @@ def add_running(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seeds", default="0,1,2", metavar="0,1,2", help="one run for each seed")
     parser.add_argument("--jobs", type=whole(1), default=1, help="parallel processes")
     add_device(parser)
-    parser.add_argument(
-        "--engine", default="local", choices=("local", "ray"), help="this machine, or a Ray cluster"
-    )
+    parser.add_argument("--engine", default="local", choices=("local", "ray"), help="this machine, or a Ray cluster")
     parser.add_argument("--tables-only", action="store_true", help="rebuild tables, run nothing")
 
 
@@ -104,17 +90,11 @@ def run(options: argparse.Namespace) -> None:
             note_images(set_of_pairs, options.images)
         head, training = split_settings(options.set, HeadSettings, TrainSettings)
         methods = methods_named(
-            listed(options.methods) or DEFAULT_METHODS,
-            head,
-            training,
-            candidates_of(options.candidate),
+            listed(options.methods) or DEFAULT_METHODS, head, training, candidates_of(options.candidate)
         )
         sources = listed(options.sources) or available(set_of_pairs)
         if not sources:
-            raise DataError(
-                f"'{options.embeddings}' has no domain with pairs of two classes or more to learn "
-                "from."
-            )
+            raise DataError(f"'{options.embeddings}' has no domain with pairs of two classes or more to learn from.")
         folds = tuple(range(options.folds)) or (None,)
         seeds = numbers(options.seeds)
         runs = planned(methods, sources, seeds, folds, calibrate=options.calibrate)

@@ -22,9 +22,7 @@ def add(parser: argparse.ArgumentParser) -> None:
         "one modality, one domain and no classes are accepted",
     )
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder to write")
-    parser.add_argument(
-        "--encoder", default="", metavar="NAME", help="name of the vectors' encoder"
-    )
+    parser.add_argument("--encoder", default="", metavar="NAME", help="name of the vectors' encoder")
     add_foreign(parser)
     add_seed(parser, of="maps and the random part of a large set")
 

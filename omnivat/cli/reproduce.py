@@ -28,22 +28,16 @@ def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--data", type=Path, required=True, help="folder of the data sets")
     parser.add_argument("--out", type=Path, required=True, help="output folder")
     parser.add_argument("--weights", type=Path, help="checkpoint of CLIP, of any layout and size")
-    parser.add_argument(
-        "--encoder", default="", metavar="NAME", help="clip with --weights, else clip-vit-b16"
-    )
+    parser.add_argument("--encoder", default="", metavar="NAME", help="clip with --weights, else clip-vit-b16")
     parser.add_argument("--seeds", default="0,1,2", metavar="0,1,2", help="one run for each seed")
     parser.add_argument("--jobs", type=whole(1), default=1, help="parallel processes")
-    parser.add_argument(
-        "--workers", type=whole(1), help="threads for embedding; default: all cores"
-    )
+    parser.add_argument("--workers", type=whole(1), help="threads for embedding; default: all cores")
     parser.add_argument("--methods", default="", metavar="a,b,c", help="of the comparison")
     parser.add_argument("--only", default="", metavar="a,b,c", help="some of the ablations")
     parser.add_argument("--no-ablations", action="store_true", help="skip the ablations")
     parser.add_argument("--styles", type=whole(1), default=80, help="styles of PromptStyler")
     parser.add_argument("--steps", type=whole(1), default=100, help="steps for each style")
-    parser.add_argument(
-        "--set", action="append", default=[], metavar="key=value", help="a setting of the head"
-    )
+    parser.add_argument("--set", action="append", default=[], metavar="key=value", help="a setting of the head")
     add_device(parser)
     add_download(parser)
 
@@ -59,9 +53,7 @@ def run(options: argparse.Namespace) -> None:
     name = options.encoder or ("clip" if options.weights else "clip-vit-b16")
     sets = read_paper_sets(options.data)
     _say_what_was_found(sets, options.out)
-    encoder = load_encoder(
-        name, weights=options.weights, device=options.device, download=options.download
-    )
+    encoder = load_encoder(name, weights=options.weights, device=options.device, download=options.download)
     _embed(sets, name, encoder, options)
     bank = _lang(name, encoder, options)
     _run("protocol", protocol, _shared(options, bank) + _named("--methods", options.methods))
@@ -127,9 +119,7 @@ def _lang(name: str, encoder: "Encoder", options: argparse.Namespace) -> Path | 
 
     tower = getattr(encoder, "text_hash", "")
     if not tower:
-        print(
-            "The checkpoint has no text tower; heads train without LANG, and text methods are skipped"
-        )
+        print("The checkpoint has no text tower; heads train without LANG, and text methods are skipped")
         return None
     file: Path = options.out / LANG
     if file.is_file() and load_bank(file).text_hash == tower:

@@ -25,10 +25,7 @@ def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("--out", type=Path, required=True, help="folder for the pairs")
     parser.add_argument(
-        "--set",
-        choices=["sensors", "chirps"],
-        default="sensors",
-        help="the set to make; default: sensors",
+        "--set", choices=["sensors", "chirps"], default="sensors", help="the set to make; default: sensors"
     )
     parser.add_argument("--domains", help="only these, separated by commas")
     parser.add_argument("--pairs-per-class", type=int, help="60 for sensors, 40 for chirps")
@@ -73,14 +70,7 @@ def _sensors(options: argparse.Namespace) -> "PairSet":
     domains = [name.strip() for name in options.domains.split(",")] if options.domains else None
     count = {} if options.pairs_per_class is None else {"pairs_per_class": options.pairs_per_class}
     with progress_bar("simulate") as show:
-        return simulate(
-            options.out,
-            domains=domains,
-            seed=options.seed,
-            workers=options.workers,
-            on_step=show,
-            **count,
-        )
+        return simulate(options.out, domains=domains, seed=options.seed, workers=options.workers, on_step=show, **count)
 
 
 def _chirps(options: argparse.Namespace) -> "PairSet":

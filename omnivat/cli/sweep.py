@@ -55,9 +55,7 @@ def add(parser: argparse.ArgumentParser) -> None:
         default=ALL,
         help="of raw, frft, relu, f_bar, f_hat, separated by commas; default: all, for the page",
     )
-    parser.add_argument(
-        "--measures", help="of docs/gaps.md, separated by commas, or 'all'; default: the fast ones"
-    )
+    parser.add_argument("--measures", help="of docs/gaps.md, separated by commas, or 'all'; default: the fast ones")
     parser.add_argument(
         "--engine",
         default="local",
@@ -125,9 +123,7 @@ def run(options: argparse.Namespace) -> None:
     print(f"{len(orders)} stops of {len(embeddings)} pairs written to {written}")
 
 
-def _draw(
-    file: Path, orders: Sequence[float], curves: Mapping[str, Sequence[float | None]], frames: Any
-) -> None:
+def _draw(file: Path, orders: Sequence[float], curves: Mapping[str, Sequence[float | None]], frames: Any) -> None:
     """Draw the page's four charts, or without frames every curve of the whole set."""
     from omnivat.figures import gap_curves, lines, write
     from omnivat.stages import STAGES
@@ -146,9 +142,7 @@ def require_outputs(paths: Sequence[Path]) -> None:
     if not paths:
         raise SettingsError("There is no output; give --out, --json, --csv or --figure.")
     if len({realpath(path) for path in paths}) < len(paths):
-        raise SettingsError(
-            "Two of --out, --json, --csv and --figure name the same file; give each its own file."
-        )
+        raise SettingsError("Two of --out, --json, --csv and --figure name the same file; give each its own file.")
     for path in paths:
         require_writable(path)
 
@@ -167,13 +161,7 @@ def _frames(
     maps = {name: stops for name, stops in DEFAULT_MAPS.items() if name.split("/")[1] in stages}
     with progress_bar("sweep") as show:
         return build_frames(
-            head.model,
-            embeddings,
-            orders=orders,
-            maps=maps,
-            measures=measures,
-            provenance=provenance,
-            on_step=show,
+            head.model, embeddings, orders=orders, maps=maps, measures=measures, provenance=provenance, on_step=show
         )
 
 
@@ -217,9 +205,7 @@ def orders_of(text: str | None, stops: int | None) -> list[float]:
         raise SettingsError(f"--orders is '{text}'; write numbers such as 0,0.25,1.5.") from None
     rising = all(before < after for before, after in pairwise(orders))
     if not rising or len(orders) > MOST_STOPS:
-        raise SettingsError(
-            f"--orders is '{text}'; write 1 to {MOST_STOPS} numbers, each above the last."
-        )
+        raise SettingsError(f"--orders is '{text}'; write 1 to {MOST_STOPS} numbers, each above the last.")
     return [checked_order(order, name="An order of --orders") for order in orders]
 
 

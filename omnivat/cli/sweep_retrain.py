@@ -20,9 +20,7 @@ ONLY_RETRAIN = ("source", "seeds", "jobs", "keep", "lang", "set")
 def add_retrain(parser: argparse.ArgumentParser) -> None:
     """Declare --retrain and its own arguments."""
     group = parser.add_argument_group("a head at each order")
-    group.add_argument(
-        "--retrain", type=whole(2, 1001), metavar="N", help="train a head at each of N orders"
-    )
+    group.add_argument("--retrain", type=whole(2, 1001), metavar="N", help="train a head at each of N orders")
     group.add_argument("--source", help="domain to train on; default: that of --head")
     group.add_argument("--seeds", help="such as 0,1,2 (default); maps show the first one's heads")
     group.add_argument("--jobs", type=whole(1, 256), help="processes; default: all cores")
@@ -70,9 +68,7 @@ def retrained(
         heads_at_stops(plan, orders, folder, seeds=seeds, jobs=jobs, on_step=show)
     maps = {name: stops for name, stops in MAPS.items() if name.split("/")[1] in stages}
     with progress_bar("map each head") as show:
-        frames = retrained_frames(
-            plan, orders, folder, seeds=seeds, maps=maps, measures=measures, on_step=show
-        )
+        frames = retrained_frames(plan, orders, folder, seeds=seeds, maps=maps, measures=measures, on_step=show)
     if options.keep is None:
         shutil.rmtree(folder, ignore_errors=True)
     return frames
@@ -89,7 +85,5 @@ def _plan(options: argparse.Namespace, head: "Head", embeddings: "Embeddings") -
     plan = plan_like(head, embeddings, source=options.source or "", bank=options.lang)
     head_values, train_values = split_settings(options.set or [], HeadSettings, TrainSettings)
     return replace(
-        plan,
-        settings=replace(plan.settings, **head_values),
-        training=replace(plan.training, **train_values),
+        plan, settings=replace(plan.settings, **head_values), training=replace(plan.training, **train_values)
     )

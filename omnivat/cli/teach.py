@@ -7,14 +7,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from omnivat.cli.arguments import (
-    add_head,
-    add_json,
-    add_profile,
-    print_json,
-    progress_bar,
-    with_profiles,
-)
+from omnivat.cli.arguments import add_head, add_json, add_profile, print_json, progress_bar, with_profiles
 from omnivat.errors import DataError
 
 if TYPE_CHECKING:
@@ -24,9 +17,7 @@ if TYPE_CHECKING:
 
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument(
-        "--embeddings", type=Path, required=True, help="labelled pairs, from `omnivat embed`"
-    )
+    parser.add_argument("--embeddings", type=Path, required=True, help="labelled pairs, from `omnivat embed`")
     parser.add_argument("--domain", help="only the pairs of this domain")
     parser.add_argument("--out", type=Path, required=True, help="folder for the taught head")
     add_head(parser)
@@ -90,22 +81,14 @@ def lessons_of(embeddings: "Embeddings") -> "list[Lesson]":
     names = embeddings.header.classes
     objects = embeddings.rows["object"]
     return [
-        Lesson(
-            label=names[label],
-            vis=vis[row : row + 1].float(),
-            tac=tac[row : row + 1].float(),
-            object=objects[row],
-        )
+        Lesson(label=names[label], vis=vis[row : row + 1].float(), tac=tac[row : row + 1].float(), object=objects[row])
         for row, label in enumerate(embeddings.label)
     ]
 
 
 def _readable(record: dict[str, Any], why: str) -> str:
     if why:
-        return (
-            f"{record['method']}; {record['pairs']} pairs; not tested. {why}\n"
-            f"head written to {record['out']}"
-        )
+        return f"{record['method']}; {record['pairs']} pairs; not tested. {why}\nhead written to {record['out']}"
     methods = ", ".join(f"{name} {right}" for name, right in record["right"].items())
     return (
         f"{record['method']}; right before {record['before']}, after {record['after']} of "

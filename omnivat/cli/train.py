@@ -10,14 +10,7 @@ the temperatures to the last quarter; --no-calibration skips it.
 import argparse
 from pathlib import Path
 
-from omnivat.cli.arguments import (
-    add_device,
-    add_embeddings,
-    add_seed,
-    numbers,
-    progress_bar,
-    split_settings,
-)
+from omnivat.cli.arguments import add_device, add_embeddings, add_seed, numbers, progress_bar, split_settings
 
 
 def add(parser: argparse.ArgumentParser) -> None:
@@ -35,9 +28,7 @@ def add(parser: argparse.ArgumentParser) -> None:
         metavar="1,2",
         help="train again with these seeds, for the spread of the scores; the saved head uses --seed",
     )
-    parser.add_argument(
-        "--no-calibration", action="store_true", help="keep temperature 1: half the time"
-    )
+    parser.add_argument("--no-calibration", action="store_true", help="keep temperature 1: half the time")
     parser.add_argument("--resume", action="store_true", help="resume a stopped training of --out")
     parser.add_argument(
         "--set",

@@ -30,12 +30,8 @@ PAGE = "from app.server import main; raise SystemExit(main())"
 
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument(
-        "pairs", type=Path, metavar="PAIRS", help="a folder, a CSV, embeddings, NPZ or Parquet"
-    )
-    parser.add_argument(
-        "--out", type=Path, metavar="DIR", help="folder to write; default: beside PAIRS"
-    )
+    parser.add_argument("pairs", type=Path, metavar="PAIRS", help="a folder, a CSV, embeddings, NPZ or Parquet")
+    parser.add_argument("--out", type=Path, metavar="DIR", help="folder to write; default: beside PAIRS")
     parser.add_argument("--source", default="", help="domain to train on; default: the largest")
     parser.add_argument("--encoder", default=DEFAULT_ENCODER, help="named as for `embed`")
     parser.add_argument("--no-page", action="store_true", help="write the folder, open no page")
@@ -133,12 +129,7 @@ def _embed(options: argparse.Namespace, out: Path) -> list[str]:
     print(summary_table(pairs), flush=True)
     with progress_bar(f"embed with {options.encoder}") as show:
         report = embed_pairs(
-            pairs,
-            options.encoder,
-            out / SET,
-            device=options.device,
-            download=options.download,
-            on_step=show,
+            pairs, options.encoder, out / SET, device=options.device, download=options.download, on_step=show
         )
     notes = [f"Skipped {one.what}: {one.why}" for one in report.skipped]
     embeddings = load_embeddings(out / SET)
@@ -185,9 +176,7 @@ def _write_profiles(found: "Features", out: Path) -> int:
     from omnivat.data.profile_file import save_profile
 
     for k, name in enumerate(found.domains):
-        profile = profile_of(
-            found.embeddings, found.members(name), domain=name, modalities=found.modalities
-        )
+        profile = profile_of(found.embeddings, found.members(name), domain=name, modalities=found.modalities)
         plain = "".join(letter if letter.isalnum() else "-" for letter in name)[:60]
         save_profile(out / "profiles" / f"{k + 1}-{plain}.safetensors", profile)
     return len(found.domains)

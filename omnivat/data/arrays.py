@@ -50,11 +50,7 @@ def write_arrays(path: Path, columns: Mapping[str, Column], metadata: Mapping[st
     end = 0
     for name in order:
         start, end = end, end + _size(columns[name].dtype, columns[name].shape)
-        table[name] = {
-            "dtype": columns[name].dtype,
-            "shape": list(columns[name].shape),
-            "data_offsets": [start, end],
-        }
+        table[name] = {"dtype": columns[name].dtype, "shape": list(columns[name].shape), "data_offsets": [start, end]}
     head = json.dumps(table, ensure_ascii=False, separators=(",", ":")).encode()
     head += b" " * (-len(head) % 8)
     with path.open("wb") as handle:
@@ -64,14 +60,10 @@ def write_arrays(path: Path, columns: Mapping[str, Column], metadata: Mapping[st
             for block in columns[name].blocks:
                 written += handle.write(np.ascontiguousarray(block, dtype=code).tobytes())
             if written != _size(columns[name].dtype, columns[name].shape):
-                raise ValueError(
-                    f"{name} has {written} bytes, not what {columns[name].shape} needs"
-                )
+                raise ValueError(f"{name} has {written} bytes, not what {columns[name].shape} needs")
 
 
-def read_arrays(
-    path: Path, *, large: int | None = None
-) -> tuple[dict[str, NDArray[Any]], dict[str, str]]:
+def read_arrays(path: Path, *, large: int | None = None) -> tuple[dict[str, NDArray[Any]], dict[str, str]]:
     """Return named memory-mapped arrays and the metadata.
 
     large  bytes up to which an array is writable in memory, without changing the file; None:
@@ -104,9 +96,7 @@ def copied(array: NDArray[Any]) -> NDArray[np.float32]:
     return whole
 
 
-def walked(
-    array: NDArray[Any], rows: NDArray[np.int64] | None = None, *, size: int = 4096
-) -> Iterator[NDArray[Any]]:
+def walked(array: NDArray[Any], rows: NDArray[np.int64] | None = None, *, size: int = 4096) -> Iterator[NDArray[Any]]:
     """Yield copies of an array's rows, `size` at a time, without keeping a large array in memory.
 
     rows    indices; None: every row

@@ -83,9 +83,7 @@ def _tiff(content: bytes) -> tuple[bytes, int]:
     kept = [content[at : at + wide] for at, tag in tag_at.items() if tag in TIFF_TAGS]
     count = struct.pack(table.order + table.count, len(kept))
     start = table.entries[0] - len(count)
-    end = (
-        table.entries[-1] + wide + struct.calcsize("=" + table.word)
-    )  # the place of the next table
+    end = table.entries[-1] + wide + struct.calcsize("=" + table.word)  # the place of the next table
     shorter = b"".join([count, *kept]).ljust(end - start, b"\0")
     turn = dict(table.values(content)).get(ORIENTATION, 1)
     return content[:start] + shorter + content[end:], turn if 1 <= turn <= 8 else 1

@@ -133,12 +133,8 @@ def _renamed(found: Columns, columns: Mapping[str, str], place: Path) -> Columns
     known = {*VECTORS, *TEXTS, "vis_file", "tac_file"}
     for ours, theirs in columns.items():
         if ours not in known:
-            raise DataError(
-                f"There is no column '{ours}' to fill; there are {', '.join(sorted(known))}."
-            )
-        numbered = {
-            key: v for key, v in found.items() if re.fullmatch(f"{re.escape(theirs)}_\\d+", key)
-        }
+            raise DataError(f"There is no column '{ours}' to fill; there are {', '.join(sorted(known))}.")
+        numbered = {key: v for key, v in found.items() if re.fullmatch(f"{re.escape(theirs)}_\\d+", key)}
         if theirs not in found and not numbered:
             raise DataError(f"'{place}' has no column '{theirs}'; it has {', '.join(found)}.")
         if theirs in found:
@@ -156,19 +152,13 @@ def _joined(found: Columns, place: Path) -> Columns:
     """Return `vis_0`, `vis_1`, ... as one array (N, D), and so on."""
     joined = dict(found)
     for name in VECTORS:
-        numbers = sorted(
-            int(key.removeprefix(f"{name}_")) for key in found if re.fullmatch(f"{name}_\\d+", key)
-        )
+        numbers = sorted(int(key.removeprefix(f"{name}_")) for key in found if re.fullmatch(f"{name}_\\d+", key))
         if not numbers or name in found:
             continue
         if numbers != list(range(numbers[0], numbers[0] + len(numbers))):
-            raise DataError(
-                f"'{place}' lacks some of the columns {name}_{numbers[0]} to {name}_{numbers[-1]}."
-            )
+            raise DataError(f"'{place}' lacks some of the columns {name}_{numbers[0]} to {name}_{numbers[-1]}.")
         try:
-            joined[name] = np.stack(
-                [found[f"{name}_{i}"].astype(np.float64) for i in numbers], axis=1
-            )
+            joined[name] = np.stack([found[f"{name}_{i}"].astype(np.float64) for i in numbers], axis=1)
         except ValueError as error:
             raise DataError(f"'{place}' has text in the columns {name}_...: {error}.") from error
     return joined
@@ -176,9 +166,7 @@ def _joined(found: Columns, place: Path) -> Columns:
 
 def _vectors(array: NDArray[Any], name: str, count: int, place: Path) -> Array:
     if array.ndim != 2 or len(array) != count or not count or not array.shape[1]:
-        raise DataError(
-            f"'{place}' has {name} of shape {array.shape}, expected ({count}, D): a row for each pair."
-        )
+        raise DataError(f"'{place}' has {name} of shape {array.shape}, expected ({count}, D): a row for each pair.")
     if array.dtype.kind not in "fiu":
         raise DataError(f"'{place}' has {name} of type {array.dtype}; expected numbers.")
     with np.errstate(over="ignore"):
@@ -194,13 +182,8 @@ def _vectors(array: NDArray[Any], name: str, count: int, place: Path) -> Array:
 
 def _texts(array: NDArray[Any], name: str, count: int, place: Path) -> list[str]:
     if array.shape != (count,):
-        raise DataError(
-            f"'{place}' has {name} of shape {array.shape}, expected ({count},): one for each pair."
-        )
-    return [
-        value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
-        for value in array.tolist()
-    ]
+        raise DataError(f"'{place}' has {name} of shape {array.shape}, expected ({count},): one for each pair.")
+    return [value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value) for value in array.tolist()]
 
 
 def _require_names(texts: Mapping[str, list[str]], place: Path) -> None:
@@ -210,9 +193,7 @@ def _require_names(texts: Mapping[str, list[str]], place: Path) -> None:
         if not all(text.strip() for text in texts[name]):
             raise DataError(f"'{place}' has pairs without a {name}; fill that column.")
     if unknown := sorted(set(texts.get("split", ())) - set(SPLITS)):
-        raise DataError(
-            f"'{place}' has the split '{unknown[0]}'; there are train, val, test and none."
-        )
+        raise DataError(f"'{place}' has the split '{unknown[0]}'; there are train, val, test and none.")
 
 
 def _materials(texts: list[str], classes: Sequence[str], place: Path) -> list[str]:

@@ -81,12 +81,8 @@ def _csv(place: Path) -> Columns:
     names, body = rows[0], rows[1:]
     short = next((i for i, row in enumerate(body, start=2) if len(row) != len(names)), None)
     if short is not None:
-        raise DataError(
-            f"'{place}' has {len(body[short - 2])} cells in line {short}, not {len(names)}."
-        )
-    return {
-        name: np.array(column) for name, column in zip(names, zip(*body, strict=True), strict=True)
-    }
+        raise DataError(f"'{place}' has {len(body[short - 2])} cells in line {short}, not {len(names)}.")
+    return {name: np.array(column) for name, column in zip(names, zip(*body, strict=True), strict=True)}
 
 
 READERS: dict[str, Callable[[Path], Columns]] = {

@@ -36,10 +36,7 @@ STARTS: tuple[tuple[str, bytes], ...] = (  # kind, start of its files; a dot is 
     ("AVIF", rb"....ftypavi[fs]|....ftypmi[fa]1|....ftypmsf1"),
     ("PPM", rb"P[1-6fy0CUB]"),
 )
-COSTS = {
-    "JPEG2000": 20,
-    "AVIF": 10,
-}  # bytes per pixel while decoding; others up to 6
+COSTS = {"JPEG2000": 20, "AVIF": 10}  # bytes per pixel while decoding; others up to 6
 
 
 class OddFileError(ValueError):

@@ -62,11 +62,7 @@ VISITORS = Limits(kinds=COMMON, cost=64_000_000, pixels=24_000_000, variants=Fal
 
 
 def read_image(
-    source: str | Path | bytes | Image.Image,
-    name: str = "",
-    *,
-    limits: Limits = OWN,
-    reduced: bool = True,
+    source: str | Path | bytes | Image.Image, name: str = "", *, limits: Limits = OWN, reduced: bool = True
 ) -> Image.Image:
     """Return the image in `source`, a path, a file's bytes or an open image, as upright RGB.
 
@@ -91,9 +87,7 @@ def read_image(
         return _rgb(image, name, reduced=reduced, turn=turn)
 
 
-def examined(
-    content: Content, name: str, *, limits: Limits = OWN, reduced: bool = True
-) -> ImageFile:
+def examined(content: Content, name: str, *, limits: Limits = OWN, reduced: bool = True) -> ImageFile:
     """Return facts from the header of an accepted file.
 
     Raises DataError as `read_image` does; no pixel is decoded.
@@ -191,8 +185,7 @@ def _check_size(width: int, height: int, name: str) -> None:
         )
     if max(width, height) > MAX_SIDE:
         raise DataError(
-            f"'{name}' is {width} × {height} pixels, and a side may have {MAX_SIDE:,}; crop it and "
-            "try again."
+            f"'{name}' is {width} × {height} pixels, and a side may have {MAX_SIDE:,}; crop it and try again."
         )
     if min(width, height) < MIN_SIDE:
         raise DataError(
@@ -254,9 +247,7 @@ def _levels(image: Image.Image, name: str) -> Callable[[Image.Image], Image.Imag
             )
         return _from_unit_range
     if low < 0 or high > 65535:
-        raise DataError(
-            f"'{name}' holds values from {int(low)} to {int(high)}; save it as 8- or 16-bit PNG."
-        )
+        raise DataError(f"'{name}' holds values from {int(low)} to {int(high)}; save it as 8- or 16-bit PNG.")
     return _upper_byte
 
 

@@ -37,10 +37,7 @@ class PaperSets:
     @property
     def fingerprint(self) -> str:
         """A hash of the list of pairs: files, names and splits."""
-        rows = [
-            [str(p.vis), str(p.tac), p.domain, p.material, p.split, p.part]
-            for p in self.pairs.pairs
-        ]
+        rows = [[str(p.vis), str(p.tac), p.domain, p.material, p.split, p.part] for p in self.pairs.pairs]
         return blake2b(json.dumps(rows).encode(), digest_size=8).hexdigest()
 
 
@@ -58,9 +55,7 @@ def find_paper_sets(root: Path) -> dict[str, Path]:
         for name in SETS:
             if import_module(READERS[name].split(":")[0]).recognises(folder):
                 if name in found:
-                    raise DataError(
-                        f"{SETS[name]} is there twice, in '{found[name]}' and '{folder}'; keep one."
-                    )
+                    raise DataError(f"{SETS[name]} is there twice, in '{found[name]}' and '{folder}'; keep one.")
                 found[name] = folder
                 break
     if not found:

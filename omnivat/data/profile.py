@@ -84,11 +84,7 @@ def channels_of(rows: Array, index: NDArray[np.int64] | None = None) -> Channels
         raise DataError("A profile needs one picture or more; there are none.")
     offset = np.asarray(total) / count
     variance = np.maximum(np.asarray(squares) / count - offset**2, 0)
-    return Channels(
-        mean=(start + offset).astype(np.float32),
-        variance=variance.astype(np.float32),
-        count=count,
-    )
+    return Channels(mean=(start + offset).astype(np.float32), variance=variance.astype(np.float32), count=count)
 
 
 def profile_of(
@@ -156,9 +152,7 @@ def standardised(rows: Array, source: Channels) -> Array:
     return changed
 
 
-def profiled(
-    embeddings: Embeddings, profiles: Mapping[str, Profile], source: Profile
-) -> Embeddings:
+def profiled(embeddings: Embeddings, profiles: Mapping[str, Profile], source: Profile) -> Embeddings:
     """Return embeddings with the pairs of each profiled domain moved onto the source's statistics.
 
     profiles  domain -> its profile; other domains stay as they are
@@ -208,11 +202,7 @@ def require_key(profile: Profile, key: tuple[str, str, str], width: int) -> None
 
 
 def _moved_array(
-    array: Array,
-    domain: NDArray[np.int64],
-    owners: Mapping[int, Profile],
-    modality: str,
-    source: Profile,
+    array: Array, domain: NDArray[np.int64], owners: Mapping[int, Profile], modality: str, source: Profile
 ) -> Array:
     changed = _empty(array.shape)
     start = 0

@@ -43,9 +43,7 @@ def load_profile(file: str | Path) -> Profile:
     """
     path = Path(file)
     if not path.is_file():
-        raise DataError(
-            f"No profile at '{path}'. Make one with `python -m omnivat profile PICTURES --out {path}`."
-        )
+        raise DataError(f"No profile at '{path}'. Make one with `python -m omnivat profile PICTURES --out {path}`.")
     if path.stat().st_size > MOST_BYTES:
         raise DataError(f"'{path}' is larger than {MOST_BYTES / 1e6:g} MB; it is no profile.")
     try:
@@ -62,9 +60,7 @@ def load_profile(file: str | Path) -> Profile:
             step=_step(metadata),
         ).checked()
     except (SafetensorError, OSError, ValueError, KeyError) as error:
-        raise DataError(
-            f"'{path}' cannot be read as a profile ({error!s:.200}); make it again."
-        ) from error
+        raise DataError(f"'{path}' cannot be read as a profile ({error!s:.200}); make it again.") from error
 
 
 def _step(metadata: dict[str, str]) -> float:

@@ -15,15 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from safetensors import SafetensorError
 
-from omnivat.data.arrays import (
-    MOST_COLUMNS,
-    Column,
-    column,
-    read_arrays,
-    released,
-    walked,
-    write_arrays,
-)
+from omnivat.data.arrays import MOST_COLUMNS, Column, column, read_arrays, released, walked, write_arrays
 from omnivat.data.domains import require_domain_names
 from omnivat.data.embeddings import Array, Embeddings, Header
 from omnivat.data.manifest import write_manifest
@@ -42,9 +34,7 @@ MOST_CELLS = 1_000_000  # domains times classes: entries of the table of counts
 __all__ = ["FORMAT", "ROW_NAMES", "Embeddings", "Header", "load_embeddings", "save_embeddings"]
 
 
-def save_embeddings(
-    path: str | Path, embeddings: Embeddings, *, dtype: str = "float32", manifest: str = "csv"
-) -> None:
+def save_embeddings(path: str | Path, embeddings: Embeddings, *, dtype: str = "float32", manifest: str = "csv") -> None:
     """Write the embeddings, completely or not at all, and a manifest.
 
     dtype       "float32", or "float16" for half the size and 3 digits
@@ -88,10 +78,7 @@ def write_columns(
     require_domain_names(header.domains)
     rows = _completed(rows, len(label))
     text = json.dumps(rows, ensure_ascii=False).encode()
-    columns = {
-        name: replace(vector, blocks=_checked(path, name, vector))
-        for name, vector in vectors.items()
-    }
+    columns = {name: replace(vector, blocks=_checked(path, name, vector)) for name, vector in vectors.items()}
     columns |= {
         "domain": column(np.asarray(domain, np.int64)),
         "label": column(np.asarray(label, np.int64)),
@@ -179,9 +166,7 @@ def load_embeddings(path: str | Path, *, large: int | None = None) -> Embeddings
     """
     file = Path(path)
     if not file.is_file():
-        raise DataError(
-            f"No embeddings file at '{file}'. Make one with `python -m omnivat embed PAIRS --out {file}`."
-        )
+        raise DataError(f"No embeddings file at '{file}'. Make one with `python -m omnivat embed PAIRS --out {file}`.")
     try:
         arrays, metadata = read_arrays(file, large=large)
         if metadata.get("format") != FORMAT:

@@ -37,9 +37,7 @@ def load_field(file: Path) -> Field:
         raise DataError(f"'{printable(str(file))}' is not a NumPy array ({error}).") from error
     wanted = (MARKERS, MARKERS, 3)
     if field.shape not in (wanted, (MARKERS**2, 3)):
-        raise DataError(
-            f"'{printable(str(file))}' has shape {field.shape}, expected {wanted} displacements."
-        )
+        raise DataError(f"'{printable(str(file))}' has shape {field.shape}, expected {wanted} displacements.")
     if field.dtype.kind not in "fiu" or not np.isfinite(field).all():
         raise DataError(f"'{printable(str(file))}' holds values that are not finite numbers.")
     return field.astype(np.float64).reshape(wanted)
@@ -67,9 +65,7 @@ def field_to_rgb(field: Field, scale: Field, *, side: int = SIDE) -> NDArray[np.
     colours = np.clip(field / scale, -1, 1) * 127.5 + 127.5
     channels = [
         np.asarray(
-            Image.fromarray(colours[..., axis].astype(np.float32)).resize(
-                (side, side), Image.Resampling.BICUBIC
-            )
+            Image.fromarray(colours[..., axis].astype(np.float32)).resize((side, side), Image.Resampling.BICUBIC)
         )
         for axis in range(3)
     ]

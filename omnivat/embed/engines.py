@@ -22,12 +22,7 @@ AHEAD = 4  # waiting pairs for each worker; bounds the memory
 
 
 def run_local(
-    chunks: Sequence[Chunk],
-    job: Job,
-    encoder: Encoder,
-    *,
-    workers: int,
-    on_pairs: Callable[[int], None],
+    chunks: Sequence[Chunk], job: Job, encoder: Encoder, *, workers: int, on_pairs: Callable[[int], None]
 ) -> Iterator[tuple[Chunk, bytes]]:
     """Yield each chunk with the content of its part file, in order.
 
@@ -46,9 +41,7 @@ def run_local(
             yield chunk, part_bytes(chunk, job, found)
 
 
-def in_order(
-    pool: ThreadPoolExecutor, work: Callable[[A], B], items: Iterable[A], *, window: int
-) -> Iterator[B]:
+def in_order(pool: ThreadPoolExecutor, work: Callable[[A], B], items: Iterable[A], *, window: int) -> Iterator[B]:
     """Yield `work(item)` for each item in order, with at most `window` items in progress."""
     under_way: deque[Future[B]] = deque()
     for item in items:
@@ -63,12 +56,7 @@ PURPOSE, INSTALL = "embedding over a cluster", "'ray[data]'"
 
 
 def run_on_ray(
-    chunks: Sequence[Chunk],
-    job: Job,
-    encoder: Encoder,
-    *,
-    workers: int,
-    on_pairs: Callable[[int], None],
+    chunks: Sequence[Chunk], job: Job, encoder: Encoder, *, workers: int, on_pairs: Callable[[int], None]
 ) -> Iterator[tuple[Chunk, bytes]]:
     """Yield each chunk with the content of its part file, in the order of completion.
 
@@ -86,10 +74,7 @@ def run_on_ray(
         data.DataContext.get_current().enable_progress_bars = False
         rows = [{"index": i, "chunk": pickle.dumps(chunk)} for i, chunk in enumerate(chunks)]
         finished = data.from_items(rows, override_num_blocks=len(rows)).map(
-            Worker,
-            fn_constructor_args=(job, encoder.weights_hash),
-            concurrency=min(workers, len(rows)),
-            num_cpus=1,
+            Worker, fn_constructor_args=(job, encoder.weights_hash), concurrency=min(workers, len(rows)), num_cpus=1
         )
         for row in finished.iter_rows():
             chunk = chunks[row["index"]]

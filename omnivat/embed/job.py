@@ -62,26 +62,13 @@ class Chunk:
     fingerprint: str
 
 
-def chunks_of(
-    pairs: Sequence[Pair], encoder: Encoder, job: Job, size: int = CHUNK
-) -> Iterator[Chunk]:
+def chunks_of(pairs: Sequence[Pair], encoder: Encoder, job: Job, size: int = CHUNK) -> Iterator[Chunk]:
     """Split the pairs into chunks of `size`."""
-    made_by = [
-        encoder.name,
-        encoder.weights_hash,
-        encoder.preprocessing,
-        encoder.precision,
-        job.columns,
-    ]
+    made_by = [encoder.name, encoder.weights_hash, encoder.preprocessing, encoder.precision, job.columns]
     for index, start in enumerate(range(0, len(pairs), size)):
         part = tuple(pairs[start : start + size])
         files = [
-            [
-                *_state(pair.vis),
-                *_state(pair.tac),
-                pair.tac_crop,
-                *(_state(pair.tac_rest) if pair.tac_rest else ()),
-            ]
+            [*_state(pair.vis), *_state(pair.tac), pair.tac_crop, *(_state(pair.tac_rest) if pair.tac_rest else ())]
             for pair in part
         ]
         text = json.dumps([made_by, files])
@@ -97,19 +84,12 @@ def _state(path: Path) -> tuple[str, int, int]:
     return str(path), found.st_size, found.st_mtime_ns
 
 
-def embed_one(
-    encoder: Encoder, job: Job, pair: Pair, cache: EmbeddingCache | None = None
-) -> list[Array] | Skipped:
+def embed_one(encoder: Encoder, job: Job, pair: Pair, cache: EmbeddingCache | None = None) -> list[Array] | Skipped:
     """Return a pair's vectors (D,) in the order of `job.columns`, or the reason of a failure."""
     try:
         vis = embed_views(for_modality(encoder, "vis"), pair.vis, cache, flips=job.views)
         tac = embed_views(
-            for_modality(encoder, "tac"),
-            pair.tac,
-            cache,
-            flips=job.views,
-            crop=pair.tac_crop,
-            rest=pair.tac_rest,
+            for_modality(encoder, "tac"), pair.tac, cache, flips=job.views, crop=pair.tac_crop, rest=pair.tac_rest
         )
     except DataError as error:
         return Skipped(what=f"{pair.vis} + {pair.tac}", why=str(error))

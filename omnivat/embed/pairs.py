@@ -94,9 +94,7 @@ def embed_pairs(
     )
 
 
-def _require_sound(
-    pairs: PairSet, out: Path, workers: int | None, dtype: str, manifest: str
-) -> None:
+def _require_sound(pairs: PairSet, out: Path, workers: int | None, dtype: str, manifest: str) -> None:
     """Check input and output before loading the encoder."""
     vector_type(dtype)
     require_writable(out, ".safetensors")

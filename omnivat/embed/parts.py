@@ -108,14 +108,7 @@ class Parts:
 
 
 def merge(
-    out: Path,
-    parts: Sequence[Part],
-    source: PairSet,
-    encoder: Encoder,
-    job: Job,
-    *,
-    dtype: str,
-    manifest: str,
+    out: Path, parts: Sequence[Part], source: PairSet, encoder: Encoder, job: Job, *, dtype: str, manifest: str
 ) -> Header:
     """Write the parts as one set of embeddings, with one part in memory at a time."""
     found = PairSet(pairs=tuple(pair for part in parts for pair in part.pairs))
@@ -134,8 +127,7 @@ def merge(
     )
     shape = (len(found.pairs), encoder.width)
     vectors = {
-        name: Column(dtype=vector_type(dtype), shape=shape, blocks=_vectors(parts, name))
-        for name in job.columns
+        name: Column(dtype=vector_type(dtype), shape=shape, blocks=_vectors(parts, name)) for name in job.columns
     }
     write_columns(
         out,
@@ -186,9 +178,7 @@ def _shared_folder(files: Sequence[Path]) -> str:
     Short names then keep domain and class, `<domain>/<class>/<name>`.
     """
     try:
-        return os.path.commonpath(
-            {str(file.parents[min(2, len(file.parents) - 1)]) for file in files}
-        )
+        return os.path.commonpath({str(file.parents[min(2, len(file.parents) - 1)]) for file in files})
     except ValueError:  # different drives
         return ""
 

@@ -24,14 +24,10 @@ class PairEncoder:
 
     def __init__(self, vis: "Encoder", tac: "Encoder") -> None:
         self.width = max(vis.width, tac.width)
-        self.vis, self.tac = (
-            one if one.width == self.width else _Padded(one, self.width) for one in (vis, tac)
-        )
+        self.vis, self.tac = (one if one.width == self.width else _Padded(one, self.width) for one in (vis, tac))
         self.name = JOINED.join((vis.name, tac.name))
         self.weights_hash = JOINED.join((vis.weights_hash, tac.weights_hash))
-        self.precision = (
-            vis.precision if vis.precision == tac.precision else f"{vis.precision}/{tac.precision}"
-        )
+        self.precision = vis.precision if vis.precision == tac.precision else f"{vis.precision}/{tac.precision}"
         self.preprocessing = f"VIS: {self.vis.preprocessing}; TAC: {self.tac.preprocessing}"
 
     def preprocess(self, image: "Image.Image") -> "torch.Tensor":
@@ -155,16 +151,12 @@ def load_encoder(
         vis, _, tac = name.partition(JOINED)
         of_vis, _, of_tac = weights_hash.partition(JOINED)
         settings = {"device": device, "precision": precision, "download": download}
-        return PairEncoder(
-            _load_one(vis, weights, of_vis, settings), _load_one(tac, tac_weights, of_tac, settings)
-        )
+        return PairEncoder(_load_one(vis, weights, of_vis, settings), _load_one(tac, tac_weights, of_tac, settings))
     settings = {"device": device, "precision": precision, "download": download}
     return _load_one(name, weights, weights_hash, settings)
 
 
-def _load_one(
-    name: str, weights: Path | None, weights_hash: str, settings: dict[str, Any]
-) -> Encoder:
+def _load_one(name: str, weights: Path | None, weights_hash: str, settings: dict[str, Any]) -> Encoder:
     from omnivat.devices import device_from
     from omnivat.encoders.hub import recall, remember
     from omnivat.encoders.names import accepted, loader_of

@@ -38,9 +38,7 @@ class EmbeddingCache:
     folder      folder of the entries; None keeps them in memory only
     """
 
-    def __init__(
-        self, folder: Path | None = None, *, in_memory: int = 2048, on_disk: int = 20_000
-    ) -> None:
+    def __init__(self, folder: Path | None = None, *, in_memory: int = 2048, on_disk: int = 20_000) -> None:
         self._folder = folder
         self._in_memory = in_memory
         self._held: OrderedDict[str, Array] = OrderedDict()
@@ -149,9 +147,7 @@ def embed_views(
     if cache is None:
         return [compute(flip) for flip in flips]
     keys = _keys(encoder, content, crop, flips, calm)
-    return [
-        cache.embedding(key, partial(compute, flip)) for key, flip in zip(keys, flips, strict=True)
-    ]
+    return [cache.embedding(key, partial(compute, flip)) for key, flip in zip(keys, flips, strict=True)]
 
 
 def embed_pair(
@@ -168,18 +164,11 @@ def embed_pair(
     Raises DataError as `read_image` does.
     """
     return (
-        None
-        if vis is None
-        else embed_image(for_modality(encoder, "vis"), vis, cache, name=_name(vis, "VIS")),
+        None if vis is None else embed_image(for_modality(encoder, "vis"), vis, cache, name=_name(vis, "VIS")),
         None
         if tac is None
         else embed_image(
-            for_modality(encoder, "tac"),
-            tac,
-            cache,
-            crop=tac_crop,
-            rest=tac_rest,
-            name=_name(tac, "TAC"),
+            for_modality(encoder, "tac"), tac, cache, crop=tac_crop, rest=tac_rest, name=_name(tac, "TAC")
         ),
     )
 
@@ -188,9 +177,7 @@ def _name(source: Source, modality: str) -> str:
     return f"the {modality} image" if isinstance(source, bytes | Image.Image) else str(source)
 
 
-def _keys(
-    encoder: Encoder, source: bytes | Image.Image, crop: int, flips: Sequence[bool], calm: bytes
-) -> list[str]:
+def _keys(encoder: Encoder, source: bytes | Image.Image, crop: int, flips: Sequence[bool], calm: bytes) -> list[str]:
     content = blake2b(source if isinstance(source, bytes) else _pixel_bytes(source)).hexdigest()
     made_by = (
         READING,

@@ -7,13 +7,7 @@ from pathlib import Path
 import torch
 
 from omnivat.encoders.clip_names import RESNET, clip_state
-from omnivat.encoders.clip_settings import (
-    ANY,
-    Clip,
-    clip_settings,
-    image_shape,
-    require_name,
-)
+from omnivat.encoders.clip_settings import ANY, Clip, clip_settings, image_shape, require_name
 from omnivat.encoders.clip_towers import ClipTower
 from omnivat.encoders.hub import Checkpoint, find
 from omnivat.encoders.weights import read_weights
@@ -38,14 +32,8 @@ CHECKPOINTS = {
         _on_hub("clip-vit-b16", "openai/clip-vit-base-patch16", 599),
         _on_hub("clip-vit-l14", "openai/clip-vit-large-patch14", 1711),
         _on_hub("clip-vit-l14-336", "openai/clip-vit-large-patch14-336", 1712),
-        _at_openai(
-            "clip-rn50", "RN50", "afeb0e10f9e5a86da6080e35cf09123aca3b358a0c3e3b6c78a7b63bc04b6762"
-        ),
-        _at_openai(
-            "clip-rn101",
-            "RN101",
-            "8fa8567bab74a42d41c5915025a8e4538c3bdbe8804a470a72f30b0d94fab599",
-        ),
+        _at_openai("clip-rn50", "RN50", "afeb0e10f9e5a86da6080e35cf09123aca3b358a0c3e3b6c78a7b63bc04b6762"),
+        _at_openai("clip-rn101", "RN101", "8fa8567bab74a42d41c5915025a8e4538c3bdbe8804a470a72f30b0d94fab599"),
         Checkpoint(name=ANY, fetch="hf download OWNER/NAME --local-dir {folder}"),
     )
 }
@@ -81,9 +69,7 @@ def open_clip(name: str, weights: Path | None, *, download: str = "ask") -> Clip
     )
 
 
-def load(
-    name: str, *, weights: Path | None, device: torch.device, precision: str, download: str = "ask"
-) -> ClipTower:
+def load(name: str, *, weights: Path | None, device: torch.device, precision: str, download: str = "ask") -> ClipTower:
     """Load the image tower of a CLIP checkpoint as an encoder."""
     return load_tower(open_clip(name, weights, download=download), device, precision)
 

@@ -37,11 +37,7 @@ _TEXT = {
 }
 
 # One weight of each kind of image tower.
-_ANCHORS = (
-    "vision_model.embeddings.class_embedding",
-    "visual.class_embedding",
-    "visual.attnpool.positional_embedding",
-)
+_ANCHORS = ("vision_model.embeddings.class_embedding", "visual.class_embedding", "visual.attnpool.positional_embedding")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

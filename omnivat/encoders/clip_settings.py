@@ -56,8 +56,7 @@ def _of_transformers(file: Path, name: str) -> ClipSettings:
     kinds = ("clip", "clip_vision_model", "clip_text_model")
     if config.get("model_type", "clip") not in kinds:
         raise DataError(
-            f"'{file}' is not of a CLIP model but of '{config['model_type']}'; "
-            f"use --encoder hf:{file.parent}."
+            f"'{file}' is not of a CLIP model but of '{config['model_type']}'; use --encoder hf:{file.parent}."
         )
     image = config.get("vision_config") or config
     text = config.get("text_config") or config
@@ -143,10 +142,7 @@ class ImageShape:
         layers = "+".join(map(str, self.layers))
         if self.kind == RESNET:
             return f"a ResNet of {layers} blocks from width {self.width}, D {self.embed}, {self.side} px"
-        return (
-            f"a ViT of patch {self.patch}, {layers} layers of width {self.width}, D {self.embed}, "
-            f"{self.side} px"
-        )
+        return f"a ViT of patch {self.patch}, {layers} layers of width {self.width}, D {self.embed}, {self.side} px"
 
 
 PUBLISHED = {

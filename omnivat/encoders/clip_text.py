@@ -44,9 +44,7 @@ class ClipText:
             return torch.cat([self._embed(text) for text in texts])
 
     def _embed(self, text: str) -> Tensor:
-        tokens = self.tokenizer(
-            [text], truncation=True, max_length=self._longest, return_tensors="pt"
-        ).to(self._device)
+        tokens = self.tokenizer([text], truncation=True, max_length=self._longest, return_tensors="pt").to(self._device)
         embeds: Tensor = self.network(**tokens).text_embeds
         return embeds.float()
 
@@ -91,16 +89,13 @@ def load_text_encoder(
     """
     if name not in CHECKPOINTS:
         raise MissingNameError(
-            f"No text tower belongs to '{name}'; there are {', '.join(CHECKPOINTS)}."
-            + suggestion(name, CHECKPOINTS)
+            f"No text tower belongs to '{name}'; there are {', '.join(CHECKPOINTS)}." + suggestion(name, CHECKPOINTS)
         )
     from omnivat.devices import device_from
 
     clip = open_clip(name, weights, download=download)
     if not clip.weights.text:
-        raise DataError(
-            f"'{clip.file}' has an image tower and no text tower; name the whole model."
-        )
+        raise DataError(f"'{clip.file}' has an image tower and no text tower; name the whole model.")
     return ClipText(clip, device_from(device))
 
 

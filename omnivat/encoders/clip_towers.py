@@ -24,9 +24,7 @@ PURPOSE = "CLIP's ViT encoders"
 class ClipTower:
     """The image tower of CLIP, a ViT or a ResNet, as an `Encoder`."""
 
-    def __init__(
-        self, clip: Clip, shape: ImageShape, device: torch.device, precision: str, *, vit: bool
-    ) -> None:
+    def __init__(self, clip: Clip, shape: ImageShape, device: torch.device, precision: str, *, vit: bool) -> None:
         try:
             network = _network(clip, shape) if vit else Tower(clip.weights.image)
         except KeyError as error:
@@ -50,9 +48,7 @@ class ClipTower:
         return one_by_one(self._tower, images.to(self._device, self._type))
 
     def _tower(self, images: Tensor) -> Tensor:
-        given = (
-            self.network(pixel_values=images).image_embeds if self.is_vit else self.network(images)
-        )
+        given = self.network(pixel_values=images).image_embeds if self.is_vit else self.network(images)
         embeds: Tensor = given
         return embeds
 
@@ -106,8 +102,7 @@ def filled(network: Any, state: State, clip: Clip) -> Any:
     wanted = network.state_dict()
     if missing := sorted(set(wanted) - set(state)):
         raise DataError(
-            f"'{clip.file}' lacks {len(missing)} weights of {clip.name}, such as {missing[0]}; "
-            "fetch it again."
+            f"'{clip.file}' lacks {len(missing)} weights of {clip.name}, such as {missing[0]}; fetch it again."
         )
     for key, tensor in wanted.items():
         if state[key].shape != tensor.shape:
@@ -133,9 +128,7 @@ class Tower(nn.Module):
 
     def __init__(self, state: State) -> None:
         super().__init__()
-        self.stem = nn.ModuleList(
-            Conv(state, f"conv{i}", f"bn{i}", stride=2 if i == 1 else 1) for i in (1, 2, 3)
-        )
+        self.stem = nn.ModuleList(Conv(state, f"conv{i}", f"bn{i}", stride=2 if i == 1 else 1) for i in (1, 2, 3))
         self.stages = nn.ModuleList(
             nn.Sequential(
                 *(

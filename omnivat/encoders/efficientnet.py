@@ -13,15 +13,7 @@ from torch import Tensor, nn
 from torch.nn.functional import conv2d, pad, relu6
 
 from omnivat.encoders.onnx_runtime import in_half, in_onnx_runtime, translate
-from omnivat.encoders.running import (
-    ONNX,
-    SIDE,
-    one_by_one,
-    pixels,
-    placed,
-    precision_type,
-    state_hash,
-)
+from omnivat.encoders.running import ONNX, SIDE, one_by_one, pixels, placed, precision_type, state_hash
 from omnivat.errors import DataError
 from omnivat.files import replacing
 from omnivat.tables import need
@@ -104,12 +96,7 @@ def _blocks(state: dict[str, Tensor]) -> Iterator[Block]:
     index = 0
     for repeats, _, stride, expansion, _ in STAGES:
         for repeat in range(repeats):
-            yield Block(
-                state,
-                f"_blocks.{index}",
-                stride=stride if repeat == 0 else 1,
-                widens=expansion != 1,
-            )
+            yield Block(state, f"_blocks.{index}", stride=stride if repeat == 0 else 1, widens=expansion != 1)
             index += 1
 
 
@@ -148,9 +135,7 @@ class EfficientNetLite0:
         return one_by_one(self._network, images.to(self._device, self._type))
 
 
-def load_lite0(
-    *, weights: Path | None, device: torch.device, precision: str = "fp32"
-) -> EfficientNetLite0:
+def load_lite0(*, weights: Path | None, device: torch.device, precision: str = "fp32") -> EfficientNetLite0:
     """Load the encoder from `weights`, or from the package with the published ones."""
     return EfficientNetLite0(weights or _packaged_weights(), device, precision)
 

@@ -26,12 +26,7 @@ POOLED, MEAN_TOKEN = "the model's pooled output", "mean of tokens"
 
 
 def load(
-    model: str,
-    *,
-    weights: Path | None = None,
-    device: torch.device,
-    precision: str = "fp32",
-    download: str = "ask",
+    model: str, *, weights: Path | None = None, device: torch.device, precision: str = "fp32", download: str = "ask"
 ) -> TorchEncoder:
     """Load a vision model from a folder or from the hub.
 
@@ -46,9 +41,7 @@ def load(
     run, about = _run_and_pooling(network, side)
     wrapped = _Tower(network, run)
     if _patches(network) is None:
-        return TorchEncoder(
-            wrapped, side=side, mean=mean, std=std, about=about, device=device, precision=precision
-        )
+        return TorchEncoder(wrapped, side=side, mean=mean, std=std, about=about, device=device, precision=precision)
     return TorchEncoder(
         wrapped,
         prepare=partial(pixels, mean=mean, std=std, side=side),
@@ -76,9 +69,7 @@ def _folder(place: Path, model: str, download: str) -> Path:
     if place.is_dir():
         return place
     if place.suffix or model.count("/") != 1 or model.startswith((".", "/", "~")):
-        raise DataError(
-            f"'{place}' is not a folder with a model of transformers; name one, or OWNER/NAME on the hub."
-        )
+        raise DataError(f"'{place}' is not a folder with a model of transformers; name one, or OWNER/NAME on the hub.")
     found = hub.fetch(model, download=download)
     if isinstance(found, Path):
         return found
@@ -94,15 +85,12 @@ def _network(folder: Path) -> Any:
         )
     except Exception as error:  # transformers has a different error for each kind of damaged folder
         first = (str(error).strip().splitlines() or [type(error).__name__])[0][:160]
-        raise DataError(
-            f"'{folder}' cannot be loaded as a model of transformers: {first}"
-        ) from error
+        raise DataError(f"'{folder}' cannot be loaded as a model of transformers: {first}") from error
     missing = sorted(key for key in info["missing_keys"] if not _unused(network, key))
     if missing or info.get("mismatched_keys"):
         wrong = missing or [str(key) for key in info["mismatched_keys"]]
         raise DataError(
-            f"'{folder}' lacks {len(wrong)} weights of {type(network).__name__}, such as {wrong[0]}; "
-            "fetch it again."
+            f"'{folder}' lacks {len(wrong)} weights of {type(network).__name__}, such as {wrong[0]}; fetch it again."
         )
     return network.eval().requires_grad_(False)
 
@@ -186,9 +174,7 @@ def _image_settings(folder: Path, config: Any) -> tuple[int, tuple[float, ...], 
         side = round(vision.num_patches**0.5) * vision.patch_size
     else:
         crop = stated.get("crop_size") if stated.get("do_center_crop", True) else None
-        side = (
-            _side(crop) or _side(stated.get("size")) or _side(getattr(vision, "image_size", SIDE))
-        )
+        side = _side(crop) or _side(stated.get("size")) or _side(getattr(vision, "image_size", SIDE))
     if stated.get("do_normalize", True) is False:
         return side or SIDE, (0.0,) * 3, (1.0,) * 3
     mean = tuple(map(float, stated.get("image_mean") or IMAGENET_MEAN))

@@ -31,9 +31,7 @@ def in_onnx_runtime(network: nn.Module, example: Tensor) -> Callable[[Tensor], T
         return running(file)
 
 
-def translate(
-    network: nn.Module, example: Tensor | tuple[Tensor, ...], file: Path, **options: Any
-) -> None:
+def translate(network: nn.Module, example: Tensor | tuple[Tensor, ...], file: Path, **options: Any) -> None:
     """Write `network` to one `file`; its inputs have the shapes of `example`.
 
     options  of torch.onnx.export; without them one input, images (1, 3, H, W)
@@ -49,9 +47,7 @@ def translate(
         before, quiet.level = quiet.level, logging.ERROR
         try:
             settings: dict[str, Any] = {"input_names": ["images"]} | options
-            torch.onnx.export(
-                network, given, file, dynamo=True, verbose=False, external_data=False, **settings
-            )
+            torch.onnx.export(network, given, file, dynamo=True, verbose=False, external_data=False, **settings)
         finally:
             quiet.level = before
 

@@ -25,13 +25,7 @@ from omnivat.errors import DataError
 NAME, HEAD, INSIDE = ("sitr", 64, "base_model.")  # head width; classifier prefix
 MEAN, STD = (-1.2223, -1.8114, -1.7090), (11.7932, 12.7956, 13.6452)  # of differences, 0 to 255
 # Number of presses in a checkpoint -> indices among the 18.
-PRESSES = {
-    0: (),
-    4: (1, 3, 7, 9),
-    8: (1, 3, 7, 9, 10, 12, 16, 18),
-    9: tuple(range(1, 10)),
-    18: tuple(range(1, 19)),
-}
+PRESSES = {0: (), 4: (1, 3, 7, 9), 8: (1, 3, 7, 9, 10, 12, 16, 18), 9: tuple(range(1, 10)), 18: tuple(range(1, 19))}
 
 
 class Block(nn.Module):
@@ -40,9 +34,7 @@ class Block(nn.Module):
     def __init__(self, width: int, hidden: int) -> None:
         super().__init__()
         self.norm1, self.norm2 = nn.LayerNorm(width), nn.LayerNorm(width)
-        self.attn = nn.ModuleDict(
-            {"qkv": nn.Linear(width, 3 * width), "proj": nn.Linear(width, width)}
-        )
+        self.attn = nn.ModuleDict({"qkv": nn.Linear(width, 3 * width), "proj": nn.Linear(width, width)})
         self.mlp = nn.ModuleDict({"fc1": nn.Linear(width, hidden), "fc2": nn.Linear(hidden, width)})
 
     def forward(self, tokens: Tensor) -> Tensor:
@@ -66,15 +58,7 @@ class Sitr(nn.Module):
     """
 
     def __init__(
-        self,
-        *,
-        width: int,
-        depth: int,
-        hidden: int,
-        patch: int,
-        places: int,
-        rest: Tensor,
-        presses: Tensor,
+        self, *, width: int, depth: int, hidden: int, patch: int, places: int, rest: Tensor, presses: Tensor
     ) -> None:
         super().__init__()
         self.patch_embed = nn.ModuleDict({"proj": nn.Conv2d(3, width, patch, patch)})
@@ -106,9 +90,7 @@ class Sitr(nn.Module):
         return found
 
 
-def load(
-    weights: Path | None = None, device: torch.device | str = "cpu", precision: str = "fp32"
-) -> TorchEncoder:
+def load(weights: Path | None = None, device: torch.device | str = "cpu", precision: str = "fp32") -> TorchEncoder:
     """Load SITR from its weights, with the calibration next to them.
 
     weights  a PyTorch or safetensors file, of the base model or of a classifier over it, or its folder
@@ -151,8 +133,7 @@ def _sizes(state: Mapping[str, Tensor], file: Path) -> tuple[int, dict[str, int]
         hidden = len(state["blocks.0.mlp.fc1.weight"])
     except (KeyError, ValueError, IndexError) as error:
         raise DataError(
-            f"'{file}' is not of SITR: it lacks or misshapes {error}; name the file that SITR's authors "
-            "publish."
+            f"'{file}' is not of SITR: it lacks or misshapes {error}; name the file that SITR's authors publish."
         ) from error
     grid = round(places**0.5)
     if width % HEAD or grid**2 != places:
@@ -161,13 +142,7 @@ def _sizes(state: Mapping[str, Tensor], file: Path) -> tuple[int, dict[str, int]
             "a square. Name the file that SITR's authors publish."
         )
     depth = count(dict(state), "blocks.")
-    return grid * patch, {
-        "width": width,
-        "depth": depth,
-        "hidden": hidden,
-        "patch": patch,
-        "places": places,
-    }
+    return grid * patch, {"width": width, "depth": depth, "hidden": hidden, "patch": patch, "places": places}
 
 
 def _channels(state: Mapping[str, Tensor], file: Path) -> int:
@@ -176,8 +151,7 @@ def _channels(state: Mapping[str, Tensor], file: Path) -> int:
     channels = 0 if weight is None or weight.ndim != 4 else weight.shape[1]
     if channels % 3 or channels // 3 not in PRESSES:
         raise DataError(
-            f"'{file}' takes {channels} channels of calibration; three for each of 0, 4, 8, 9 or 18 "
-            "presses are known."
+            f"'{file}' takes {channels} channels of calibration; three for each of 0, 4, 8, 9 or 18 presses are known."
         )
     return channels // 3
 

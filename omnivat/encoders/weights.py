@@ -61,11 +61,7 @@ def read_weights(place: Path, name: str) -> Weights:
         ) from error
     # Copied, because numbers in a mapped file may be unaligned, and the last digits of a product
     # depend on alignment.
-    floats = {
-        key: value.to(torch.float32, copy=True)
-        for key, value in state.items()
-        if value.is_floating_point()
-    }
+    floats = {key: value.to(torch.float32, copy=True) for key, value in state.items() if value.is_floating_point()}
     return Weights(state=_without_prefix(floats), file=file, training=training)
 
 
@@ -86,8 +82,7 @@ def weights_file(place: Path, name: str) -> Path:
         return others[0]
     why = f"; {len(others)} files could be meant" if others else ""
     raise DataError(
-        f"'{place}' has no weights of {name}{why}; name the file, or one of {', '.join(WEIGHTS[:4])} "
-        "is wanted."
+        f"'{place}' has no weights of {name}{why}; name the file, or one of {', '.join(WEIGHTS[:4])} is wanted."
     )
 
 

@@ -106,9 +106,7 @@ def checked(encoder: Any, name: str) -> "NamedEncoder":
 
     One test image must give one finite float32 vector of the stated width.
     """
-    missing = [
-        part for part in ("preprocess", "embed", "width", *TEXTS) if not hasattr(encoder, part)
-    ]
+    missing = [part for part in ("preprocess", "embed", "width", *TEXTS) if not hasattr(encoder, part)]
     if missing:
         raise DataError(
             f"'{name}' returned {type(encoder).__name__}, which has no {', '.join(missing)}; return "
@@ -124,8 +122,7 @@ def checked(encoder: Any, name: str) -> "NamedEncoder":
     vector = found.embed(pixels[None])
     if tuple(vector.shape) != (1, found.width):
         raise DataError(
-            f"embed of '{name}' gave shape {tuple(vector.shape)} for one image, expected "
-            f"(1, {found.width})."
+            f"embed of '{name}' gave shape {tuple(vector.shape)} for one image, expected (1, {found.width})."
         )
     if not vector.is_meta and not vector.isfinite().all():
         raise DataError(f"embed of '{name}' gave NaN or infinite values for a grey image.")

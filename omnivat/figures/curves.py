@@ -92,28 +92,20 @@ def gap_curves(frames: FrameSet, *, stage: str = "f_hat", order: float | None = 
         key, most = str(k + 1) if k else "", _highest(frames, name)
         left, low = BOXES[k]
         span = [frames.orders[0], frames.orders[-1]]
-        layout[f"xaxis{key}"] = axis(
-            domain=[left, left + 0.44], anchor=f"y{key}", range=span, showgrid=False
-        )
-        layout[f"yaxis{key}"] = axis(
-            domain=[low, low + 0.36], anchor=f"x{key}", range=[0, most], nticks=5
-        )
+        layout[f"xaxis{key}"] = axis(domain=[left, left + 0.44], anchor=f"y{key}", range=span, showgrid=False)
+        layout[f"yaxis{key}"] = axis(domain=[low, low + 0.36], anchor=f"x{key}", range=[0, most], nticks=5)
         here = {"xref": f"x{key}", "yref": f"y{key}"}
         upright = {"xref": f"x{key}", "yref": f"y{key} domain", "y0": 0, "y1": 1}
         fits = frames.head.get("fits")
         if frames.head.get("kind", "moved") == "moved" and fits is not None:
             ends = {"x0": max(span[0], fits[0]), "x1": min(span[1], fits[1])}
             if ends["x0"] < ends["x1"]:
-                shapes.append(
-                    {"type": "rect", "fillcolor": AREA, "line_width": 0, **upright, **ends}
-                )
+                shapes.append({"type": "rect", "fillcolor": AREA, "line_width": 0, **upright, **ends})
         level = _level(frames, name)
         if level is not None:
             ends = {"x0": span[0], "x1": span[1], "y0": level, "y1": level}
             shapes.append({"type": "line", "line": {"color": SOFT, "dash": "dash"}, **here, **ends})
-        shapes.append(
-            {"type": "line", "line": {"color": MARK, "width": 1}, **upright, "x0": at, "x1": at}
-        )
+        shapes.append({"type": "line", "line": {"color": MARK, "width": 1}, **upright, "x0": at, "x1": at})
         traces += _chart(frames, name, words, stage, {"xaxis": f"x{key}", "yaxis": f"y{key}"})
         value = _value_at(frames, name, stage, at)
         place = {"xref": f"x{key} domain", "yref": f"y{key} domain", "x": 0, "y": 1}
@@ -140,9 +132,7 @@ def gap_curves(frames: FrameSet, *, stage: str = "f_hat", order: float | None = 
     )
 
 
-def _chart(
-    frames: FrameSet, name: str, words: str, stage: str, axes: Mapping[str, str]
-) -> list[Any]:
+def _chart(frames: FrameSet, name: str, words: str, stage: str, axes: Mapping[str, str]) -> list[Any]:
     """Return the span of several trainings, if any, and the curve."""
     traces, kind = [], frames.head.get("kind", "moved")
     stem = "seeds:accuracy/unseen" if name == "accuracy" else f"seeds:{name}/{stage}"
@@ -254,11 +244,7 @@ def staircase(frames: FrameSet, *, order: float | None = None) -> Figure:
             showgrid=False,
         ),
         yaxis=axis(
-            "gap or margin",
-            range=[
-                0,
-                max(_highest(frames, name) for name in ("modality_gap", "domain_gap", "margin")),
-            ],
+            "gap or margin", range=[0, max(_highest(frames, name) for name in ("modality_gap", "domain_gap", "margin"))]
         ),
         hovermode="x unified",
     )
@@ -271,8 +257,7 @@ def training_curves(epochs: Sequence[Mapping[str, float]], *, title: str = "Trai
     names = [name for name in (epochs[0] if epochs else {}) if name not in left_out]
     places = [row.get("epoch", k) + 1 for k, row in enumerate(epochs)]
     logs = {
-        name: (places, [math.log10(v) if (v := row.get(name) or 0) > 0 else None for row in epochs])
-        for name in names
+        name: (places, [math.log10(v) if (v := row.get(name) or 0) > 0 else None for row in epochs]) for name in names
     }
     kept = {name: xy for name, xy in logs.items() if any(v is not None for v in xy[1])}
     found = lines(kept, title=title, across="epoch", up="loss")
@@ -290,10 +275,7 @@ def search_curve(record: Mapping[str, Any], *, title: str = "Search for p") -> F
     found = sorted(zip(record["orders"], record["score"], record["round"], strict=True))
     names = {"coarse": "even orders", "fine": "around the best"}
     series = {
-        names.get(kind, kind): (
-            [p for p, _, k in found if k == kind],
-            [s for _, s, k in found if k == kind],
-        )
+        names.get(kind, kind): ([p for p, _, k in found if k == kind], [s for _, s, k in found if k == kind])
         for kind in dict.fromkeys(record["round"])
     }
     caption = f"Each dot is a short training on the source alone. The lowest loss is at p = {min(found, key=lambda f: f[1])[0]:.4g}."

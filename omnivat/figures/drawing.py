@@ -97,9 +97,7 @@ def _element(shape: Shape) -> str:
     points = triangle((x, y), shape.size) if shape.kind == "triangle" else shape.points
     name = "polyline" if shape.kind == "line" else "polygon"
     if shape.kind == "line":
-        paint += f' stroke-width="{shape.size:g}"' + (
-            ' stroke-dasharray="4 3"' if shape.dashed else ""
-        )
+        paint += f' stroke-width="{shape.size:g}"' + (' stroke-dasharray="4 3"' if shape.dashed else "")
     return f'<{name} points="{" ".join(f"{a:.2f},{b:.2f}" for a, b in points)}" {paint}/>'
 
 

@@ -79,22 +79,14 @@ def _look(modality: int, colour: str, named: bool, name: str) -> dict[str, Any]:
         "name": name,
         "legendgroup": name,
         "showlegend": named,
-        "marker": {
-            "color": colour,
-            "size": 6,
-            "opacity": 0.75,
-            "symbol": ("circle", "triangle-up")[modality],
-        },
+        "marker": {"color": colour, "size": 6, "opacity": 0.75, "symbol": ("circle", "triangle-up")[modality]},
     }
 
 
 def _points(places: NDArray[Any], rows: int, look: dict[str, Any]) -> Any:
     rounded = np.round(places, 4)
     if places.shape[1] == 3:  # a triangle is no symbol of three dimensions
-        look["marker"] |= {
-            "size": 3,
-            "symbol": look["marker"]["symbol"].replace("triangle-up", "diamond"),
-        }
+        look["marker"] |= {"size": 3, "symbol": look["marker"]["symbol"].replace("triangle-up", "diamond")}
         return go.Scatter3d(**look, x=rounded[:, 0], y=rounded[:, 1], z=rounded[:, 2])
     kind = go.Scattergl if rows > MANY else go.Scatter
     return kind(**look, x=rounded[:, 0], y=rounded[:, 1])
@@ -164,9 +156,7 @@ def frames_map(
     )
 
 
-def _grouped(
-    frames: FrameSet, colour: str, stop: int
-) -> tuple[Sequence[str], Sequence[str], NDArray[Any]]:
+def _grouped(frames: FrameSet, colour: str, stop: int) -> tuple[Sequence[str], Sequence[str], NDArray[Any]]:
     """Return the groups' names and colours, and the group of each pair or each of the 2N points."""
     if colour == "domain":
         return frames.domains, DOMAINS, frames.domain

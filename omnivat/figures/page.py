@@ -156,9 +156,7 @@ def write(path: str | Path, found: Any) -> Path:
 def require_ending(path: Path) -> Path:
     """Return a path that ends in one of ENDINGS; raises SettingsError for another."""
     if path.suffix.lower() not in ENDINGS:
-        raise SettingsError(
-            f"The figure '{path.name}' ends in '{path.suffix}'; choose {', '.join(ENDINGS)}."
-        )
+        raise SettingsError(f"The figure '{path.name}' ends in '{path.suffix}'; choose {', '.join(ENDINGS)}.")
     return path
 
 

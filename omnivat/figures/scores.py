@@ -38,9 +38,7 @@ def dots(
     """
     known = [r for r in records if r.get("value") is not None and math.isfinite(r["value"])]
     if not known:
-        raise DataError(
-            f"There is no value to draw for '{title}'; choose a set with labelled pairs."
-        )
+        raise DataError(f"There is no value to draw for '{title}'; choose a set with labelled pairs.")
     rows = list(dict.fromkeys(str(r["row"]) for r in known))
     series = list(dict.fromkeys(str(r.get("series", "")) for r in known))
     traces = []
@@ -70,11 +68,7 @@ def dots(
         )
     every = [_end(r, end) for r in known for end in ("low", "high")] + ([level] if level else [])
     room = 0.04 * (max(every) - min(every) or 1)
-    span = (
-        (ends[0], 1.02 * ends[1])
-        if ends
-        else (min(0.0, min(every)) and min(every) - room, max(every) + room)
-    )
+    span = (ends[0], 1.02 * ends[1]) if ends else (min(0.0, min(every)) and min(every) - room, max(every) + room)
     shapes = [] if level is None else [_upright(level)]
     tall = 116 + max(ROW, 15 * len(series) + 8) * len(rows)
     return figure(
@@ -84,9 +78,7 @@ def dots(
         height=tall,
         xaxis=axis(across, range=list(span), tickformat=".0%" if percent else None),
         yaxis=axis(
-            range=[len(rows) - 0.5, -0.5],
-            tickvals=list(range(len(rows))),
-            ticktext=[plain(row) for row in rows],
+            range=[len(rows) - 0.5, -0.5], tickvals=list(range(len(rows))), ticktext=[plain(row) for row in rows]
         ),
         margin={"l": 24 + 7 * max(map(len, rows))},
         showlegend=len(series) > 1,
@@ -111,15 +103,7 @@ def _words(record: Record, percent: bool) -> str:
 
 def _upright(level: float) -> dict[str, Any]:
     line = {"color": SOFT, "dash": "dash"}
-    return {
-        "type": "line",
-        "line": line,
-        "x0": level,
-        "x1": level,
-        "yref": "y domain",
-        "y0": 0,
-        "y1": 1,
-    }
+    return {"type": "line", "line": line, "x0": level, "x1": level, "yref": "y domain", "y0": 0, "y1": 1}
 
 
 def strangers(summary: Record) -> Figure:
@@ -136,9 +120,7 @@ def strangers(summary: Record) -> Figure:
             if share:
                 note = f"of {domain['pairs']} pairs" if "pairs" in domain else ""
                 ends = {"low": share.get("low"), "high": share.get("high")}
-                records.append(
-                    {"row": name, "series": words, "value": share["share"], "note": note, **ends}
-                )
+                records.append({"row": name, "series": words, "value": share["share"], "note": note, **ends})
     return dots(
         records,
         title="Accuracy in each domain",
@@ -171,14 +153,10 @@ def ladder(records: Sequence[Record], *, chance: float | None = None) -> Figure:
                 level=chance, ends=(0, 1), percent=True, caption=caption)  # fmt: skip
 
 
-def confusion(
-    counts: Sequence[Sequence[float]], classes: Sequence[str], *, title: str = "Confusion"
-) -> Figure:
+def confusion(counts: Sequence[Sequence[float]], classes: Sequence[str], *, title: str = "Confusion") -> Figure:
     """Return counts (K, K), true class by predicted class, as shares of each row."""
     totals = [sum(row) for row in counts]
-    shares = [
-        [v / t if t else math.nan for v in row] for row, t in zip(counts, totals, strict=True)
-    ]
+    shares = [[v / t if t else math.nan for v in row] for row, t in zip(counts, totals, strict=True)]
     words = [[f"{100 * v:.0f}" if v == v else "" for v in row] for row in shares]
     rows = [f"{name} ({int(total)})" for name, total in zip(classes, totals, strict=True)]
     return figure(
@@ -196,14 +174,9 @@ def _heat(values: Any, words: Any, ends: tuple[float, float], hover: str, **more
                       hovertemplate=hover + "<extra></extra>", showscale=False, **more)  # fmt: skip
 
 
-def _grid(
-    rows: Sequence[str], columns: Sequence[str], key: str = "", **more: Any
-) -> dict[str, Any]:
+def _grid(rows: Sequence[str], columns: Sequence[str], key: str = "", **more: Any) -> dict[str, Any]:
     def side(names: Sequence[str], ends: list[float], **extra: Any) -> dict[str, Any]:
-        ticks: dict[str, Any] = {
-            "tickvals": list(range(len(names))),
-            "ticktext": [plain(n) for n in names],
-        }
+        ticks: dict[str, Any] = {"tickvals": list(range(len(names))), "ticktext": [plain(n) for n in names]}
         return axis(range=ends, showgrid=False, **ticks, **extra)
 
     wide = max((len(name) for name in rows), default=0)
@@ -270,9 +243,7 @@ def tree(facts: Any, classes: Sequence[str], *, title: str = "Nodes of the tree"
     label = [f"{plain(classes[k])}<br>{100 * p:.0f} %" for k, p in zip(best, share, strict=True)]
     hover = [
         f"node {i + 1}, norm {float(n):.3f}"
-        + "".join(
-            f"<br>{plain(c)} {100 * float(p):.1f} %" for c, p in zip(classes, row, strict=True)
-        )
+        + "".join(f"<br>{plain(c)} {100 * float(p):.1f} %" for c, p in zip(classes, row, strict=True))
         for i, (n, row) in enumerate(zip(facts.lengths, facts.probabilities, strict=True))
     ]
     edges = [(at[p], at[i]) for i, p in enumerate(facts.parents) if p >= 0]

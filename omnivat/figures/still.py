@@ -33,10 +33,7 @@ class Plane:
         left, right, low, high = self.box
         across = (x - self.x[0]) / (self.x[1] - self.x[0] or 1)
         up = (y - self.y[0]) / (self.y[1] - self.y[0] or 1)
-        return (
-            left + min(1.0, max(0.0, across)) * (right - left),
-            low - min(1.0, max(0.0, up)) * (low - high),
-        )
+        return (left + min(1.0, max(0.0, across)) * (right - left), low - min(1.0, max(0.0, up)) * (low - high))
 
 
 def picture(figure: Any, *, width: float = WIDTH) -> Picture:
@@ -97,18 +94,11 @@ def _axes(figure: Any, key: str, plane: Plane) -> Iterator[Shape]:
     if across.visible is not False:
         ticks = _ticks(across, plane.x)
         wide = LETTER * max((len(label) for _, label in ticks), default=0)
-        rows = min(
-            4, max(1, math.ceil(wide * len(ticks) / (right - left)))
-        )  # long names take turns
+        rows = min(4, max(1, math.ceil(wide * len(ticks) / (right - left))))  # long names take turns
         for k, (value, label) in enumerate(ticks):
             x = plane.at(value, plane.y[0])[0]
             yield text((x, low + 16 + 13 * (k % rows)), label, 11, "middle")
-        yield text(
-            ((left + right) / 2, low + 23 + 13 * rows),
-            unescape(across.title.text or ""),
-            12,
-            "middle",
-        )
+        yield text(((left + right) / 2, low + 23 + 13 * rows), unescape(across.title.text or ""), 12, "middle")
     if up.visible is not False:
         for value, label in _ticks(up, plane.y):
             y = plane.at(plane.x[0], value)[1]
@@ -205,16 +195,12 @@ def _heat(trace: Any, plane: Plane) -> Iterator[Shape]:
             share = min(1.0, max(0.0, (float(value) - low) / (high - low or 1)))
             corners = plane.at(column - 0.5, row - 0.5), plane.at(column + 0.5, row + 0.5)
             (x0, y0), (x1, y1) = corners
-            yield Shape(
-                kind="rect", points=((x0, min(y0, y1)), (x1, max(y0, y1))), fill=full, opacity=share
-            )
+            yield Shape(kind="rect", points=((x0, min(y0, y1)), (x1, max(y0, y1))), fill=full, opacity=share)
             if trace.text is not None:
                 at = ((x0 + x1) / 2, (y0 + y1) / 2 + 4)
                 words = str(trace.text[row][column])
                 fill = "#ffffff" if share > 0.6 else INK
-                yield Shape(
-                    kind="text", points=(at,), text=words, size=11, anchor="middle", fill=fill
-                )
+                yield Shape(kind="text", points=(at,), text=words, size=11, anchor="middle", fill=fill)
 
 
 def _marked(mark: Any, planes: dict[str, Plane]) -> Iterator[Shape]:
@@ -234,9 +220,7 @@ def _marked(mark: Any, planes: dict[str, Plane]) -> Iterator[Shape]:
     else:
         (x0, y0), (x1, y1) = ends
         fill, share = _paint(mark.fillcolor)
-        yield Shape(
-            kind="rect", points=((x0, min(y0, y1)), (x1, max(y0, y1))), fill=fill, opacity=share
-        )
+        yield Shape(kind="rect", points=((x0, min(y0, y1)), (x1, max(y0, y1))), fill=fill, opacity=share)
 
 
 def _note(note: Any, planes: dict[str, Plane], width: float, height: float) -> Iterator[Shape]:

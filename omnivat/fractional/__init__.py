@@ -10,12 +10,4 @@ from omnivat.fractional.coefficients import Coefficients
 from omnivat.fractional.layer import FractionalTransform
 from omnivat.fractional.transform import coefficients, dfrft, synthesise
 
-__all__ = [
-    "Basis",
-    "Coefficients",
-    "FractionalTransform",
-    "basis",
-    "coefficients",
-    "dfrft",
-    "synthesise",
-]
+__all__ = ["Basis", "Coefficients", "FractionalTransform", "basis", "coefficients", "dfrft", "synthesise"]

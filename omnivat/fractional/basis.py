@@ -19,9 +19,7 @@ class Basis(NamedTuple):
     indices: Tensor
 
 
-def basis(
-    size: int, *, dtype: torch.dtype = torch.float64, device: torch.device | str = "cpu"
-) -> Basis:
+def basis(size: int, *, dtype: torch.dtype = torch.float64, device: torch.device | str = "cpu") -> Basis:
     """Return the Hermite-like eigenvectors of the DFT of length N, ordered by sign changes k.
 
     k = 0 … N-2 and N for even N, 0 … N-1 for odd N. The sign of each vector is arbitrary.

@@ -146,9 +146,7 @@ def turn(piece: Piece) -> Tensor:
     return piece.values * piece.phases()
 
 
-def synthesise_rows(
-    split: Split, values: Tensor, order: Tensor, *, planar: bool, out: Tensor | None = None
-) -> Tensor:
+def synthesise_rows(split: Split, values: Tensor, order: Tensor, *, planar: bool, out: Tensor | None = None) -> Tensor:
     """(λ^p ⊙ values) Vᵀ: planar real (2, ..., N), else complex (..., N)."""
     size, kind = values.shape[-1], values.dtype
     shape = (*leading_shape(values, order), size)
@@ -171,9 +169,7 @@ def synthesise_rows(
     return result
 
 
-def turned_back(
-    split: Split, values: Tensor, order: Tensor, grad: Tensor, *, planar: bool
-) -> tuple[Tensor, Tensor]:
+def turned_back(split: Split, values: Tensor, order: Tensor, grad: Tensor, *, planar: bool) -> tuple[Tensor, Tensor]:
     """Return the gradients of values and order, given the gradient of the result.
 
     With G = Vᵀ grad and U = conj(λ^p) ⊙ G, they are U for the values (its real part if they are
@@ -203,7 +199,4 @@ def turned_back(
 
     for_each(work, pieces(values, order, split.indices), spread=_spread(to_values))
     lead = shape[:-1]
-    return (
-        to_values.view(shape).sum_to_size(values.shape),
-        to_order.view(lead).sum_to_size(order.shape),
-    )
+    return (to_values.view(shape).sum_to_size(values.shape), to_order.view(lead).sum_to_size(order.shape))

@@ -52,10 +52,7 @@ def build_split(size: int, like: Tensor) -> Split:
     if size <= _TINY:
         vectors = torch.from_numpy(_tiny_vectors(size)).to(like)
         return PlainSplit(vectors, torch.from_numpy(indices_by_parity(size)).to(like.device))
-    with (
-        _building,
-        one_blas_thread(),
-    ):  # each parity has a core: identical to the last bit for any number of threads
+    with _building, one_blas_thread():  # each parity has a core: identical to the last bit for any number of threads
         return _build_from_blocks(size, like)
 
 

@@ -110,9 +110,7 @@ def doubled_cosines(size: int) -> Pair:
     square = multiply(x, x)
     cosine, sine = _taylor(square, 1), multiply(x, _taylor(square, 2))
     two = np.where(second, -2.0, 2.0)
-    return Pair(
-        two * np.where(steep, sine.high, cosine.high), two * np.where(steep, sine.low, cosine.low)
-    )
+    return Pair(two * np.where(steep, sine.high, cosine.high), two * np.where(steep, sine.low, cosine.low))
 
 
 def _shift_last(values: Pair, by: float) -> Pair:
@@ -131,6 +129,4 @@ def parity_blocks(size: int) -> ParityBlocks:
     if size % 2 == 0:
         return ParityBlocks(Tridiagonal(cosines, root_first=True, root_last=True), Tridiagonal(odd))
     # For odd N the two middle samples are both neighbours and mirror images.
-    return ParityBlocks(
-        Tridiagonal(_shift_last(cosines, 1.0), root_first=True), Tridiagonal(_shift_last(odd, -1.0))
-    )
+    return ParityBlocks(Tridiagonal(_shift_last(cosines, 1.0), root_first=True), Tridiagonal(_shift_last(odd, -1.0)))

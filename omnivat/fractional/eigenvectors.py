@@ -21,15 +21,7 @@ from importlib import import_module
 import numpy as np
 
 from omnivat.fractional.commuting import Tridiagonal
-from omnivat.fractional.double_double import (
-    SQRT2,
-    Array,
-    Pair,
-    add,
-    exact_product,
-    excess_norm,
-    multiply,
-)
+from omnivat.fractional.double_double import SQRT2, Array, Pair, add, exact_product, excess_norm, multiply
 
 _COLUMNS = 128  # double-double makes dozens of passes; this many columns stay in the cache
 

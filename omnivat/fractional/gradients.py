@@ -91,9 +91,7 @@ class _Apply(Function):
         return _applied(tangent, ctx.split, ctx.back)
 
     @staticmethod
-    def vmap(
-        info: Any, in_dims: tuple[int, None, None], x: Tensor, split: Split, back: bool
-    ) -> tuple[Tensor, int]:
+    def vmap(info: Any, in_dims: tuple[int, None, None], x: Tensor, split: Split, back: bool) -> tuple[Tensor, int]:
         return _applied(x.movedim(in_dims[0], 0), split, back), 0
 
 
@@ -129,12 +127,7 @@ class _Synthesise(Function):
 
     @staticmethod
     def vmap(
-        info: Any,
-        in_dims: tuple[int | None, ...],
-        values: Tensor,
-        order: Tensor,
-        split: Split,
-        planar: bool,
+        info: Any, in_dims: tuple[int | None, ...], values: Tensor, order: Tensor, split: Split, planar: bool
     ) -> tuple[Tensor, int]:
         apart, own = in_dims[0] is not None, in_dims[1] is not None
         lead = max(values.dim() - 1 - apart, order.dim() - own)
@@ -159,7 +152,4 @@ def _differentiable_back(
     back = smooth_phases(order, split.indices).to(grad.dtype).conj() * analyse(grad, split)
     to_values = back if values.is_complex() else back.real
     density = (back.conj() * values).imag * (split.indices * (math.pi / 2))
-    return (
-        to_values.sum_to_size(values.shape),
-        density.sum(-1).to(order.dtype).sum_to_size(order.shape),
-    )
+    return (to_values.sum_to_size(values.shape), density.sum(-1).to(order.dtype).sum_to_size(order.shape))

@@ -23,13 +23,7 @@ class FractionalTransform(nn.Module):
     order: Tensor
 
     def __init__(
-        self,
-        order: float = 0.5,
-        *,
-        learnable: bool = True,
-        dim: int = -1,
-        centered: bool = False,
-        planar: bool = False,
+        self, order: float = 0.5, *, learnable: bool = True, dim: int = -1, centered: bool = False, planar: bool = False
     ) -> None:
         super().__init__()
         start = checked_order(order, torch.device("cpu"))

@@ -102,9 +102,7 @@ class _Parity:
         self.high = slice(self.null + 1, self.null + 1 + pairs)
         self.plus_is_large = factor.middle_is_plus
         # In restore the large side also uses the null vector, which lies next to both halves.
-        large = (
-            slice(start, self.null + 1) if self.plus_is_large else slice(self.null, self.high.stop)
-        )
+        large = slice(start, self.null + 1) if self.plus_is_large else slice(self.null, self.high.stop)
         self.large = large
         self.sides = (large, self.high) if self.plus_is_large else (self.low, large)
         # samples of this parity in [0, M) and, for the large side, the middle one

@@ -7,13 +7,7 @@ from torch import Tensor
 
 from omnivat.errors import ShapeError
 from omnivat.fractional import gradients
-from omnivat.fractional.arguments import (
-    axis_from_end,
-    checked_order,
-    full_precision,
-    split_for,
-    working_precision,
-)
+from omnivat.fractional.arguments import axis_from_end, checked_order, full_precision, split_for, working_precision
 from omnivat.fractional.batches import leading_shape, synthesise_rows
 from omnivat.fractional.coefficients import Coefficients
 from omnivat.fractional.whole_orders import fft_is_exact, quarter_turn, whole_turns
@@ -38,11 +32,7 @@ def coefficients(x: Tensor, dim: int = -1, *, centered: bool = False) -> Coeffic
 
 
 def synthesise(
-    coefficients: Coefficients,
-    order: float | Tensor,
-    *,
-    planar: bool = False,
-    out: Tensor | None = None,
+    coefficients: Coefficients, order: float | Tensor, *, planar: bool = False, out: Tensor | None = None
 ) -> Tensor:
     """Return the transform of order `order` from coefficients.
 
@@ -73,9 +63,7 @@ def synthesise(
     return torch.fft.fftshift(result, dim) if coefficients.centered else result
 
 
-def dfrft(
-    x: Tensor, order: float | Tensor, dim: int = -1, *, centered: bool = False, planar: bool = False
-) -> Tensor:
+def dfrft(x: Tensor, order: float | Tensor, dim: int = -1, *, centered: bool = False, planar: bool = False) -> Tensor:
     """Return the discrete fractional Fourier transform of x along dim; order 1 is the unitary DFT.
 
     F_p = V diag(exp(-iπpk/2)) Vᵀ with the Hermite-like eigenvectors V of the DFT, k = 0 … N-2 and N
@@ -101,17 +89,12 @@ def dfrft(
     return torch.stack([result.real, result.imag]) if planar else result
 
 
-def _check_out(
-    out: Tensor, coefficients: Coefficients, shape: tuple[int, ...], planar: bool
-) -> None:
+def _check_out(out: Tensor, coefficients: Coefficients, shape: tuple[int, ...], planar: bool) -> None:
     kind = coefficients.values.dtype
     wanted = ((2, *shape), kind.to_real()) if planar else (shape, kind.to_complex())
     if coefficients.dim != -1 or coefficients.centered:
-        raise ShapeError(
-            "`out` works only for the last axis without centring: do not pass it here."
-        )
+        raise ShapeError("`out` works only for the last axis without centring: do not pass it here.")
     if (tuple(out.shape), out.dtype) != wanted or not out.is_contiguous():
         raise ShapeError(
-            f"out has shape {tuple(out.shape)} and {out.dtype}, expected contiguous "
-            f"{wanted[0]} and {wanted[1]}."
+            f"out has shape {tuple(out.shape)} and {out.dtype}, expected contiguous {wanted[0]} and {wanted[1]}."
         )

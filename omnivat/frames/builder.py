@@ -113,9 +113,7 @@ class FrameBuilder:
         self.unitary = {name.split("/")[1] for name in maps} - wanted  # frft, if it shares raw
         self.classes, self.facts = facts_of(embeddings, known)
         if max(len(self.classes), len(embeddings.header.domains)) > MOST_NAMES:
-            raise DataError(
-                f"Frames can have {MOST_NAMES} domains and classes; choose a smaller set."
-            )
+            raise DataError(f"Frames can have {MOST_NAMES} domains and classes; choose a smaller set.")
         self.curves: dict[str, list[float | None]] = {}
         self._unseen = UnseenAccuracy(embeddings, known, source)
         self._predictions: list[Any] = []
@@ -189,9 +187,7 @@ def spread(stops: int, count: int) -> tuple[int, ...]:
     return tuple(int(place) for place in np.rint(places))
 
 
-def _tracks(
-    maps: Mapping[str, int], count: int, *, projects: bool, still: Sequence[str]
-) -> dict[str, _Track]:
+def _tracks(maps: Mapping[str, int], count: int, *, projects: bool, still: Sequence[str]) -> dict[str, _Track]:
     """Map each map name to its track; the unitary raw DFrFT shares that of the raw embedding.
 
     If the head projects embeddings, the DFrFT has its own track, of the projected embeddings.
@@ -206,9 +202,7 @@ def _tracks(
     return tracks
 
 
-def _renamed(
-    curves: Mapping[str, list[float | None]], of: str, to: str
-) -> dict[str, list[float | None]]:
+def _renamed(curves: Mapping[str, list[float | None]], of: str, to: str) -> dict[str, list[float | None]]:
     """Return the curves of stage `of`, renamed to stage `to`."""
     split = {name: name.split("/") for name in curves}
     return {

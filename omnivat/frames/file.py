@@ -81,10 +81,7 @@ def read_frames(path: str | Path) -> FrameSet:
     content = file.read_bytes()
     record, start = _record(file, content)
     try:
-        arrays = {
-            name: _array(file, content, start, name, entry)
-            for name, entry in record["arrays"].items()
-        }
+        arrays = {name: _array(file, content, start, name, entry) for name, entry in record["arrays"].items()}
         frames = FrameSet(
             orders=tuple(record["orders"]),
             domains=tuple(record["domains"]),
@@ -102,8 +99,7 @@ def read_frames(path: str | Path) -> FrameSet:
         if isinstance(error, DataError):
             raise
         raise DataError(
-            f"'{file}' cannot be read as frames ({error!r}). Build it again with "
-            "`python -m omnivat sweep`."
+            f"'{file}' cannot be read as frames ({error!r}). Build it again with `python -m omnivat sweep`."
         ) from error
     return frames
 
@@ -134,15 +130,11 @@ def _record(file: Path, content: bytes) -> tuple[dict[str, Any], int]:
         raise DataError(f"'{file}' is cut short or damaged; build it again.") from error
     version = record.get("version") if isinstance(record, dict) else None
     if version != VERSION or start % ALIGN:
-        raise DataError(
-            f"'{file}' has frames of version {version}, expected {VERSION}; build it again."
-        )
+        raise DataError(f"'{file}' has frames of version {version}, expected {VERSION}; build it again.")
     return record, start
 
 
-def _array(
-    file: Path, content: bytes, start: int, name: str, entry: Mapping[str, Any]
-) -> NDArray[Any]:
+def _array(file: Path, content: bytes, start: int, name: str, entry: Mapping[str, Any]) -> NDArray[Any]:
     dtype, shape = DTYPES[entry["dtype"]], tuple(map(int, entry["shape"]))
     first, count = start + int(entry["offset"]), math.prod(shape)
     if min((0, *shape)) < 0 or first < start or first + count * dtype.itemsize > len(content):

@@ -15,11 +15,7 @@ from omnivat.from_pairs.plan import TrainingPlan
 from omnivat.progress import OnStep, Step, ignore
 from omnivat.sweep import MEASURES, STAGES, walk
 
-MAPS: Mapping[str, int] = {
-    **{f"pca/{stage}": 1001 for stage in STAGES},
-    "umap/raw": 1,
-    "umap/f_hat": 1001,
-}
+MAPS: Mapping[str, int] = {**{f"pca/{stage}": 1001 for stage in STAGES}, "umap/raw": 1, "umap/f_hat": 1001}
 STILL = ("raw",)  # every head has its own projection, so distances after the transform differ
 
 
@@ -55,9 +51,7 @@ def retrained_frames(
     for index, order in enumerate(orders):
         heads = [load_head(stop_folder(folder, order, one)) for one in seeds]
         stages = [stage for stage in builder.stages if index == 0 or stage not in STILL]
-        found = next(
-            iter(walk(heads[0].model, plan.embeddings, [order], stages=stages, predictions=True))
-        )
+        found = next(iter(walk(heads[0].model, plan.embeddings, [order], stages=stages, predictions=True)))
         builder.add(replace(found, index=index))
         for name, value in _spread(heads).items():
             over_seeds.setdefault(name, [None] * len(orders))[index] = value

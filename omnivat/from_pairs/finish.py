@@ -59,9 +59,7 @@ def head_from_pairs(
 
     Raises the errors of `plan_training`, and TrainingCancelled.
     """
-    plan = plan_training(
-        embeddings, source, part=part, head=head, training=training, bank=bank, seed=seed
-    )
+    plan = plan_training(embeddings, source, part=part, head=head, training=training, bank=bank, seed=seed)
     watch = Watch(on_step=on_step, cancelled=cancelled)
     if on_epoch is not None:
         reports = _Reports(plan, on_epoch, measure_every, snapshot)
@@ -96,10 +94,7 @@ def trained_head(
         encoder=plan.encoder,
         provenance=provenance,
         familiarity=_familiarity(plan.pairs, labels_of(plan.pairs, plan.settings)),
-        profile=replace(
-            profile_of(plan.pairs, domain=plan.source),
-            step=STEP_SHIFTED if plan.training.shift else 1.0,
-        ),
+        profile=replace(profile_of(plan.pairs, domain=plan.source), step=STEP_SHIFTED if plan.training.shift else 1.0),
     )
     head.metrics.update(_metrics(plan, head, trained))
     for seed in repeat:
@@ -110,15 +105,7 @@ def trained_head(
 
 
 def _trained(plan: TrainingPlan, watch: Watch, resume: Path | None) -> Trained:
-    return train(
-        plan.pairs,
-        plan.settings,
-        plan.training,
-        bank=plan.bank,
-        seed=plan.seed,
-        resume=resume,
-        watch=watch,
-    )
+    return train(plan.pairs, plan.settings, plan.training, bank=plan.bank, seed=plan.seed, resume=resume, watch=watch)
 
 
 class _Reports:
@@ -133,10 +120,7 @@ class _Reports:
         """Report one epoch, with measures if due."""
         epoch = int(record["epoch"]) + 1
         report = EpochReport(
-            epoch=epoch,
-            total=self.total,
-            losses={name: record[name] for name in LOSSES},
-            order=record["order"],
+            epoch=epoch, total=self.total, losses={name: record[name] for name in LOSSES}, order=record["order"]
         )
         if epoch == self.total or (self.every and epoch % self.every == 0):
             found = self.meter.at(model, record["order"])
@@ -150,9 +134,7 @@ def _calibration(plan: TrainingPlan, order: float, watch: Watch) -> tuple[Calibr
     settings = replace(plan.settings, order=order)
     training = replace(plan.training, order_search=False)
     try:
-        found = calibration_of(
-            plan.pairs, settings, training, bank=plan.bank, seed=plan.seed, watch=watch
-        )
+        found = calibration_of(plan.pairs, settings, training, bank=plan.bank, seed=plan.seed, watch=watch)
     except DataError as error:
         return None, f"none: {error}"
     return found, "a quarter of the source's objects, as they are and under imitated sensors"

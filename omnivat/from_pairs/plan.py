@@ -40,11 +40,7 @@ class TrainingPlan:
     def encoder(self) -> dict[str, str]:
         """The encoder of the embeddings, for the head folder."""
         header = self.embeddings.header
-        return {
-            "name": header.encoder,
-            "weights_hash": header.weights_hash,
-            "preprocessing": header.preprocessing,
-        }
+        return {"name": header.encoder, "weights_hash": header.weights_hash, "preprocessing": header.preprocessing}
 
     def provenance(self) -> dict[str, Any]:
         """Return the provenance of a head of this plan, for the head folder."""

@@ -59,9 +59,7 @@ class Meter:
         training = model.training
         model.eval()
         with torch.no_grad():
-            found = next(
-                iter(walk(model, self.embeddings, [order], stages=[STAGE], predictions=True))
-            )
+            found = next(iter(walk(model, self.embeddings, [order], stages=[STAGE], predictions=True)))
         model.train(training)
         return found
 

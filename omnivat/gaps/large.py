@@ -15,10 +15,7 @@ from omnivat.gaps.unit import Estimate
 from omnivat.seeding import derive_seed
 
 DRAWN, LEAST = 20_000, 4096  # pairs drawn of all domains together, and at least of each
-ESTIMATES: dict[str, Callable[..., Estimate]] = {
-    "mmd_rbf": mmd_rbf_estimate,
-    "proxy_a": proxy_a_estimate,
-}
+ESTIMATES: dict[str, Callable[..., Estimate]] = {"mmd_rbf": mmd_rbf_estimate, "proxy_a": proxy_a_estimate}
 Index = NDArray[np.int64]
 
 
@@ -63,8 +60,7 @@ class Moments:
         whole.origin, whole.count = parts[0].origin, sum(one.count for one in parts)
         moves = [one.origin - whole.origin for one in parts]
         whole.sum = sum(
-            (one.sum + one.count * move for one, move in zip(parts, moves, strict=True)),
-            torch.zeros_like(whole.origin),
+            (one.sum + one.count * move for one, move in zip(parts, moves, strict=True)), torch.zeros_like(whole.origin)
         )
         whole.products = None
         if parts[0].products is not None:
@@ -85,11 +81,7 @@ MOMENT_GAPS: dict[str, Callable[[Moments, Moments], Tensor]] = {
 
 
 def moments_of(
-    blocks: Iterable[tuple[slice, Mapping[str, Tensor]]],
-    domain: Index,
-    names: Sequence[str],
-    *,
-    squares: bool,
+    blocks: Iterable[tuple[slice, Mapping[str, Tensor]]], domain: Index, names: Sequence[str], *, squares: bool
 ) -> tuple[dict[str, dict[str, Moments]], dict[str, Moments]]:
     """Return modality -> domain -> moments of unit rows, and modality -> those of all rows.
 
@@ -122,10 +114,7 @@ def drawn(domain: Index, *, seed: int = 0) -> tuple[Index, Index]:
     share = min(1.0, most / int(sizes.max()))
     mixed = [random.permutation(np.flatnonzero(domain == k)) for k in np.flatnonzero(sizes)]
     taken = [np.sort(own[:most]) for own in mixed]
-    alike = [
-        np.isin(rows, own[: round(share * len(own))])
-        for rows, own in zip(taken, mixed, strict=True)
-    ]
+    alike = [np.isin(rows, own[: round(share * len(own))]) for rows, own in zip(taken, mixed, strict=True)]
     return np.concatenate(taken), np.flatnonzero(np.concatenate(alike))
 
 

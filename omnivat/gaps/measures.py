@@ -101,13 +101,9 @@ def accuracies(probabilities: Mapping[str, Tensor], facts: Facts) -> Values:
     yield from _scores(probabilities, facts, lambda p, labels: accuracy(labels, p.argmax(1)))
 
 
-def macro_f1s(
-    probabilities: Mapping[str, Tensor], facts: Facts, *, average: str = "present"
-) -> Values:
+def macro_f1s(probabilities: Mapping[str, Tensor], facts: Facts, *, average: str = "present") -> Values:
     """Yield macro-F1 of the fused prediction (over all, by domain) and of each other reading."""
-    yield from _scores(
-        probabilities, facts, lambda p, labels: macro_f1(labels, p.argmax(1), average=average)
-    )
+    yield from _scores(probabilities, facts, lambda p, labels: macro_f1(labels, p.argmax(1), average=average))
 
 
 def calibrations(probabilities: Mapping[str, Tensor], facts: Facts) -> Values:
@@ -126,9 +122,7 @@ def confusions(probabilities: Mapping[str, Tensor], facts: Facts) -> Values:
             yield f"/{truth}>{predicted_class}", share
 
 
-def _scores(
-    probabilities: Mapping[str, Tensor], facts: Facts, score: Callable[[Tensor, Tensor], Tensor]
-) -> Values:
+def _scores(probabilities: Mapping[str, Tensor], facts: Facts, score: Callable[[Tensor, Tensor], Tensor]) -> Values:
     for name, members in facts.parts():
         kept = members & facts.scored
         yield f"/{name}", score(probabilities["fused"][kept], facts.labels[kept])
@@ -150,11 +144,7 @@ def by_sums(features: Mapping[str, Tensor], facts: Facts, *, measure: SumMeasure
 
 
 # of the sums of a stage: rows need not be in memory together; `domain_gap` is the centroid gap
-SUM_MEASURES: dict[str, SumMeasure] = {
-    "modality_gap": modality_gaps,
-    "domain_gap": domain_gaps,
-    "margin": margins,
-}
+SUM_MEASURES: dict[str, SumMeasure] = {"modality_gap": modality_gaps, "domain_gap": domain_gaps, "margin": margins}
 
 # of the features of a stage: curve names are measure[:variant]/stage[/domain]
 STAGE_MEASURES: dict[str, Measure] = {

@@ -53,9 +53,7 @@ def mmd_rbf(a: Tensor, b: Tensor, *, gamma: float | None = None) -> Tensor:
     return (same - 2 * _mean_kernel(a, b, width)).clamp_min(0)
 
 
-def mmd_rbf_estimate(
-    a: Tensor, b: Tensor, *, gamma: float | None = None, seed: int = 0
-) -> Estimate:
+def mmd_rbf_estimate(a: Tensor, b: Tensor, *, gamma: float | None = None, seed: int = 0) -> Estimate:
     """Estimate `mmd_rbf` by random Fourier features of random rows, with its standard error.
 
     a, b    (N, D), (M, D) features, any length

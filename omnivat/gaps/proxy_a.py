@@ -27,9 +27,7 @@ def proxy_a(a: Tensor, b: Tensor, *, folds: int = 5, ridge: float = 1e-2, seed: 
     return proxy_a_estimate(a, b, folds=folds, ridge=ridge, seed=seed).value
 
 
-def proxy_a_estimate(
-    a: Tensor, b: Tensor, *, folds: int = 5, ridge: float = 1e-2, seed: int = 0
-) -> Estimate:
+def proxy_a_estimate(a: Tensor, b: Tensor, *, folds: int = 5, ridge: float = 1e-2, seed: int = 0) -> Estimate:
     """Return `proxy_a` with the standard error of its test rows, which are drawn from larger sets.
 
     A classifier of fewer rows errs a little more; the standard error does not count that.
@@ -63,8 +61,7 @@ def _fits(
     width, small = one[0].shape[1], len(one[0]) + len(other[0]) < 2 * one[0].shape[1]
     origins = [rows.mean(0) for rows, _ in (one, other)]  # so that products do not cancel
     parts = [
-        [rows[fold == k] - at for k in range(folds)]
-        for (rows, fold), at in zip((one, other), origins, strict=True)
+        [rows[fold == k] - at for k in range(folds)] for (rows, fold), at in zip((one, other), origins, strict=True)
     ]
     every = torch.cat([p for each in parts for p in each]) if small else one[0]
     cosines = every @ every.T if small else every
@@ -79,10 +76,7 @@ def _fits(
         a, b = (mean + at for mean, at in zip(means, origins, strict=True))
         if small:
             rows = torch.cat(
-                [
-                    (torch.cat(each) - mean) / n**0.5
-                    for each, mean, n in zip(kept, means, sizes, strict=True)
-                ]
+                [(torch.cat(each) - mean) / n**0.5 for each, mean, n in zip(kept, means, sizes, strict=True)]
             )
             index = (held != fold).nonzero()[:, 0].to(rows.device)
             gram = _centred(cosines[index[:, None], index], sizes)
@@ -105,9 +99,7 @@ def _centred(products: Tensor, sizes: list[int]) -> Tensor:
     """Return the products (N+M, N+M) of rows less the mean of their set, over the root of its size."""
     for axis in (0, 1):
         sets = products.split(sizes, axis)
-        products = torch.cat(
-            [(p - p.mean(axis, keepdim=True)) / p.shape[axis] ** 0.5 for p in sets], axis
-        )
+        products = torch.cat([(p - p.mean(axis, keepdim=True)) / p.shape[axis] ** 0.5 for p in sets], axis)
     return products
 
 

@@ -36,9 +36,7 @@ class Sums:
     def add(self, features: Mapping[str, Tensor], labels: Tensor, domains: Tensor) -> None:
         """Add pairs: "vis" and "tac" (B, W) of any length, labels and domains (B,)."""
         parts = zip(features["vis"].split(AT_ONCE), features["tac"].split(AT_ONCE), strict=True)
-        for (vis, tac), label, domain in zip(
-            parts, labels.split(AT_ONCE), domains.split(AT_ONCE), strict=True
-        ):
+        for (vis, tac), label, domain in zip(parts, labels.split(AT_ONCE), domains.split(AT_ONCE), strict=True):
             self._add(unit(vis), unit(tac), label * self._domains + domain)
 
     def _add(self, vis: Tensor, tac: Tensor, cell: Tensor) -> None:
@@ -115,10 +113,7 @@ class Sums:
         """Return sums (G, W) and sizes (G,) of cells summed over axis 0, the class, or 1, the domain."""
         if not over:
             return self.cells[name], self.sizes
-        kinds: dict[tuple[int, ...], Tensor] = {
-            (0,): self._names % self._domains,
-            (1,): self._names // self._domains,
-        }
+        kinds: dict[tuple[int, ...], Tensor] = {(0,): self._names % self._domains, (1,): self._names // self._domains}
         kept = kinds.get(over, torch.zeros_like(self._names))
         groups, group = kept.unique(return_inverse=True)
         sums = self.cells[name].new_zeros(len(groups), self.cells[name].shape[1])

@@ -111,16 +111,12 @@ def load_bank(path: str | Path = DEFAULT_BANK) -> LangBank:
         with safe_open(file, framework="numpy") as handle:
             metadata = handle.metadata() or {}
             if metadata.get("format") != FORMAT:
-                raise DataError(
-                    f"'{file}' is not a LANG bank. Make one with `python -m omnivat prompts`."
-                )
+                raise DataError(f"'{file}' is not a LANG bank. Make one with `python -m omnivat prompts`.")
             names = set(handle.keys())
             arrays = {name: handle.get_tensor(name).astype(np.float32) for name in names}
             embeddings, plain = arrays["embeddings"], arrays.get("plain")
     except (SafetensorError, OSError, KeyError) as error:
-        raise DataError(
-            f"'{file}' cannot be read as a LANG bank ({error}); make it again."
-        ) from error
+        raise DataError(f"'{file}' cannot be read as a LANG bank ({error}); make it again.") from error
     classes = tuple(json.loads(metadata["classes"]))
     shaped = embeddings.ndim == 3 and len(embeddings) == len(classes)
     if not shaped or (plain is not None and plain.shape != embeddings[:, 0].shape):

@@ -91,9 +91,7 @@ def learn_styles(
     return torch.stack(words)
 
 
-def styled_bank(
-    tower: WordTower, classes: Sequence[str], words: Tensor, *, how: str = ""
-) -> LangBank:
+def styled_bank(tower: WordTower, classes: Sequence[str], words: Tensor, *, how: str = "") -> LangBank:
     """Return the LANG bank of all classes in the styles `words` (S, W); `how` ends its origin."""
     texts = styled_texts(classes)
     with torch.no_grad():

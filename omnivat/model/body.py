@@ -34,9 +34,7 @@ class Body(nn.Module):
             self.register_buffer("input_mean", torch.zeros(shape))
             self.register_buffer("input_scale", torch.ones(shape))
         if settings.taught:  # rows, biases and classes of `taught_logits`
-            self.register_buffer(
-                "taught_rows", torch.zeros(2, settings.taught, settings.input_width)
-            )
+            self.register_buffer("taught_rows", torch.zeros(2, settings.taught, settings.input_width))
             self.register_buffer("taught_bias", torch.zeros(settings.taught))
             self.register_buffer("taught_class", torch.zeros(settings.taught, dtype=torch.int64))
         if settings.projects:
@@ -111,15 +109,11 @@ class Body(nn.Module):
                     "Use embeddings of the encoder that the head was trained with."
                 )
         if len({len(raw) for raw in given.values()}) > 1:
-            raise ShapeError(
-                "vis and tac have different numbers of pairs; give one of each for every pair."
-            )
+            raise ShapeError("vis and tac have different numbers of pairs; give one of each for every pair.")
         raw = torch.stack([self._standardised(n, r.to(self.dtype)) for n, r in given.items()])
         projected: Tensor
         if self.settings.projects_apart and not lang:
-            projected = torch.stack(
-                [self._projection(n)(r) for n, r in zip(given, raw, strict=True)]
-            )
+            projected = torch.stack([self._projection(n)(r) for n, r in zip(given, raw, strict=True)])
         else:
             projected = (self.project_lang if lang else self.project_image)(raw)
         if self.settings.feature_scale == "literal":
@@ -159,10 +153,7 @@ class Body(nn.Module):
         """
         if not self.settings.taught:
             return {}
-        parts = {
-            name: self.standing(name, raw) @ self.taught_rows[IMAGES.index(name)].T
-            for name, raw in given.items()
-        }
+        parts = {name: self.standing(name, raw) @ self.taught_rows[IMAGES.index(name)].T for name, raw in given.items()}
         scores = {name: 2 * part + self.taught_bias for name, part in parts.items()}
         together = torch.stack(list(parts.values())).sum(0) + self.taught_bias
         scores["fused"] = together if len(parts) > 1 else next(iter(scores.values()))

@@ -57,9 +57,7 @@ class DTG(nn.Module):
     (each node is a child of the root). Source: paper, Eq. 7 to 11, and its ablation of generation.
     """
 
-    def __init__(
-        self, width: int, *, levels: int = 3, init: str = "orthogonal", arrangement: str = "tree"
-    ) -> None:
+    def __init__(self, width: int, *, levels: int = 3, init: str = "orthogonal", arrangement: str = "tree") -> None:
         super().__init__()
         self.levels = levels
         self.arrangement = arrangement
@@ -74,12 +72,7 @@ class DTG(nn.Module):
         """Build the DTG of these settings; without learned generation, it is a single root."""
         if not settings.edges:
             return cls(settings.width, levels=1)
-        return cls(
-            settings.width,
-            levels=settings.levels,
-            init=settings.tree_init,
-            arrangement=settings.generation,
-        )
+        return cls(settings.width, levels=settings.levels, init=settings.tree_init, arrangement=settings.generation)
 
     def grow(self, root: Tensor) -> Grown:
         """Grow all nodes from root (B, D)."""

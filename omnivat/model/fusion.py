@@ -30,9 +30,7 @@ class Calibration:
     share        weight of VIS, 0 to 1, in a learned fusion
     """
 
-    temperature: Mapping[str, float] = field(
-        default_factory=lambda: {"fused": 1.0, "vis": 1.0, "tac": 1.0}
-    )
+    temperature: Mapping[str, float] = field(default_factory=lambda: {"fused": 1.0, "vis": 1.0, "tac": 1.0})
     share: float = 0.5
 
 
@@ -41,9 +39,7 @@ def tempered(logits: Tensor, temperature: float) -> Tensor:
     return torch.softmax(logits / temperature, dim=-1)
 
 
-def fuse(
-    kind: str, logits: Mapping[str, Tensor], pair: Tensor | None, calibration: Calibration
-) -> Tensor:
+def fuse(kind: str, logits: Mapping[str, Tensor], pair: Tensor | None, calibration: Calibration) -> Tensor:
     """Return the pair's class probabilities (B, K), tempered.
 
     kind    of `FUSIONS`
@@ -81,9 +77,7 @@ LATE: dict[str, Callable[[Tensor, float], Tensor]] = {
     "mean": lambda logs, share: torch.logsumexp(logs, dim=0) - math.log(2),
     "product": lambda logs, share: torch.log_softmax(logs.mean(0), dim=-1),
     "confidence": lambda logs, share: _confidence(logs),
-    "learned": lambda logs, share: torch.log_softmax(
-        share * logs[0] + (1 - share) * logs[1], dim=-1
-    ),
+    "learned": lambda logs, share: torch.log_softmax(share * logs[0] + (1 - share) * logs[1], dim=-1),
 }
 FUSIONS = (*LATE, "feature")
 

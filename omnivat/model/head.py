@@ -93,9 +93,7 @@ class OmniVaT(Body):
         Without gradients and attention weights, the head uses folded weights and processes pairs in
         chunks that fit the processor's cache.
         """
-        return replace(
-            self._stages(kept, order, nodes=nodes, attention=attention), taught=kept.taught
-        )
+        return replace(self._stages(kept, order, nodes=nodes, attention=attention), taught=kept.taught)
 
     def _stages(
         self, kept: PairCoefficients, order: float | Tensor | None, *, nodes: bool, attention: bool
@@ -113,12 +111,7 @@ class OmniVaT(Body):
                 return self._output(names, stacked, order, nodes=nodes, fold=True)
             chunks = (slice(start, start + CHUNK) for start in range(0, len(kept), CHUNK))
             return joined(
-                [
-                    self._output(
-                        names, stacked[:, rows], _rows(order, rows), nodes=nodes, fold=True
-                    )
-                    for rows in chunks
-                ]
+                [self._output(names, stacked[:, rows], _rows(order, rows), nodes=nodes, fold=True) for rows in chunks]
             )
 
     def _output(
@@ -184,9 +177,7 @@ class OmniVaT(Body):
         if not self.settings.tree_at_inference:
             return found
         means = [self._mean(rows[None], rows, fold) for rows in found]
-        return (
-            found if means[0] is None else found + torch.stack([m for m in means if m is not None])
-        )
+        return found if means[0] is None else found + torch.stack([m for m in means if m is not None])
 
     def _fold(self, names: tuple[str, ...]) -> FoldedMFFA:
         folded: FoldedMFFA = self._folds.get(names, lambda: fold_mffa(self.mffa, names))
@@ -218,9 +209,7 @@ class OmniVaT(Body):
         order     () or (B,) float64: orders that replace the learned one, without gradient
         """
         given = {n: e for n, e in (("vis", vis), ("tac", tac)) if e is not None}
-        return training_pass(
-            self, given, lang, labels, lang_on=lang_on, token_on=token_on, order=order
-        )
+        return training_pass(self, given, lang, labels, lang_on=lang_on, token_on=token_on, order=order)
 
 
 def _by_name(names: tuple[str, ...], channels: Tensor) -> dict[str, Tensor]:

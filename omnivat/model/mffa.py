@@ -25,9 +25,7 @@ class FrATT(nn.Module):
         self.query = nn.Linear(width, width)
         self.key = nn.Linear(width, width)
         self.value = nn.Linear(width, width)
-        self.ffn = nn.Sequential(
-            nn.Linear(width, ffn_ratio * width), nn.GELU(), nn.Linear(ffn_ratio * width, width)
-        )
+        self.ffn = nn.Sequential(nn.Linear(width, ffn_ratio * width), nn.GELU(), nn.Linear(ffn_ratio * width, width))
         root = float(width**0.5)  # √D divides the scores, or as printed the values
         self.roots = (root, 1.0) if scale == "inside" else (1.0, root)
 
@@ -69,9 +67,7 @@ class MFFA(nn.Module):
             return
         for name in MODALITIES:
             self.theta[name] = nn.Parameter(_theta(settings))
-        self.fratt = FrATT(
-            settings.width, ffn_ratio=settings.ffn_ratio, scale=settings.attention_scale
-        )
+        self.fratt = FrATT(settings.width, ffn_ratio=settings.ffn_ratio, scale=settings.attention_scale)
         classes = len(settings.classes)
         self.register_buffer("bank", torch.zeros(len(MODALITIES), classes, settings.width))
         self.register_buffer("bank_seen", torch.zeros(classes, dtype=torch.bool))
@@ -82,14 +78,10 @@ class MFFA(nn.Module):
             return self.order
         return self.order[[MODALITIES.index(name) for name in names], None]
 
-    def parts(
-        self, names: Sequence[str], embedding: Tensor, order: Tensor | float | None = None
-    ) -> Tensor:
+    def parts(self, names: Sequence[str], embedding: Tensor, order: Tensor | float | None = None) -> Tensor:
         """Transform embeddings (M, B, D) to Re and Im (2, M, B, D). order None: the learned one."""
         p = self.orders(names) if order is None else torch.as_tensor(order, dtype=torch.float64)
-        return reference.transform(
-            embedding, p.to(embedding.device)
-        )  # few rows: one product with V
+        return reference.transform(embedding, p.to(embedding.device))  # few rows: one product with V
 
     def channels(self, parts: Tensor) -> Tensor:
         """Return the channels for tokens: Re and Im, their modulus, or Re. (2, ...) -> (C, ...)."""
@@ -117,9 +109,7 @@ class MFFA(nn.Module):
         return self.class_agnostic_tokens([modality])[0]
 
     @torch.no_grad()
-    def update_bank(
-        self, tokens: Mapping[str, Tensor], labels: Tensor, *, momentum: float = 0.9
-    ) -> None:
+    def update_bank(self, tokens: Mapping[str, Tensor], labels: Tensor, *, momentum: float = 0.9) -> None:
         """Move the bank towards the class means of `tokens`, (B, D) by modality; labels (B,)."""
         if not tokens:
             return
@@ -190,12 +180,7 @@ class MFFA(nn.Module):
         return self._finished(fratt.ffn(fratt.value(pooled) / value_root))
 
     def _complex(
-        self,
-        names: Sequence[str],
-        parts: Tensor,
-        guide: Tensor | None,
-        guided: Tensor | None,
-        token: Tensor | None,
+        self, names: Sequence[str], parts: Tensor, guide: Tensor | None, guided: Tensor | None, token: Tensor | None
     ) -> Tensor:
         """Return F-bar by complex attention, which has no base vectors: token by token."""
         rows = [None] * len(names) if token is None else token
@@ -224,9 +209,7 @@ class MFFA(nn.Module):
         queries = reference.queries_of(tokens, guide, guided)
         if self.class_token and token is None:
             token = self.class_agnostic_token(name)
-        found, weights = reference.attention(
-            self.fratt, queries, reference.with_class_token(tokens, token)
-        )
+        found, weights = reference.attention(self.fratt, queries, reference.with_class_token(tokens, token))
         return self._finished(found), weights
 
     def _finished(self, feature: Tensor) -> Tensor:

@@ -48,9 +48,7 @@ def transform(embedding: Tensor, order: Tensor) -> Tensor:
     order  float64, broadcast against the leading axes of E; with gradients, once
     """
     vectors, k = eigenbasis(embedding.shape[-1], embedding.dtype, embedding.device)
-    turns = torch.fmod(
-        torch.fmod(order, 4.0)[..., None] * k, 4.0
-    )  # (..., D) float64, quarter turns
+    turns = torch.fmod(torch.fmod(order, 4.0)[..., None] * k, 4.0)  # (..., D) float64, quarter turns
     whole = torch.round(turns)  # applied as 0 or ±1, so that even orders are exact
     angle, quarter = (turns - whole) * (torch.pi / 2), torch.remainder(whole.detach(), 4.0)
     step = (quarter - 2).abs() - 1, 1 - (quarter - 1).abs()  # cosine and sine of it
@@ -140,9 +138,7 @@ def mffa(
     tokens = tokens_of(parts, own.theta[name], own.real)  # (C, B, T, D)
     channels = 1 if own.real in ("magnitude", "real") else 2
     means = (
-        tokens.mean(2)
-        if own.real == "hermitian"
-        else tokens[0].unflatten(1, (channels, -1)).mean(2).movedim(1, 0)
+        tokens.mean(2) if own.real == "hermitian" else tokens[0].unflatten(1, (channels, -1)).mean(2).movedim(1, 0)
     )  # (C, B, D)
     queries = queries_of(tokens, guide, guided)
     if own.class_token:

@@ -78,6 +78,4 @@ def literal(settings: HeadSettings) -> HeadSettings:
 
     Such a head does not train: its features are so small that biases and NOD dominate.
     """
-    return replace(
-        settings, attention_scale="outside", feature_scale="literal", tree_at_inference=False
-    )
+    return replace(settings, attention_scale="outside", feature_scale="literal", tree_at_inference=False)

@@ -48,9 +48,7 @@ def training_pass(
     return _output(model, features, found, root, tokens)
 
 
-def _without_mffa(
-    model: Body, given: dict[str, Tensor], lang: Tensor | None, lang_on: Tensor
-) -> TrainingOutput:
+def _without_mffa(model: Body, given: dict[str, Tensor], lang: Tensor | None, lang_on: Tensor) -> TrainingOutput:
     """Grow the tree from the embeddings; MMA has nothing to align."""
     found = model.embedded(given) / model.length
     root = found.sum(0)

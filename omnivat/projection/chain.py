@@ -41,9 +41,7 @@ def chain(features: Iterable[Tensor], *, seed: int = 0, neighbours: int = 15) ->
         yield before
 
 
-def following(
-    points: Tensor, before: Tensor | None, *, seed: int = 0, neighbours: int = 15
-) -> Tensor:
+def following(points: Tensor, before: Tensor | None, *, seed: int = 0, neighbours: int = 15) -> Tensor:
     """Return the map (N, 2) of points (N, D), started from the map `before` if given.
 
     The start is almost right, so a later map takes only WARM_STEPS steps. The low rate WARM_RATE
@@ -51,6 +49,4 @@ def following(
     """
     if before is None:
         return torch_umap.project(points, seed=seed, neighbours=neighbours)
-    return torch_umap.project(
-        points, seed=seed, neighbours=neighbours, steps=WARM_STEPS, rate=WARM_RATE, start=before
-    )
+    return torch_umap.project(points, seed=seed, neighbours=neighbours, steps=WARM_STEPS, rate=WARM_RATE, start=before)

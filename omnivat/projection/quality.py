@@ -66,9 +66,7 @@ class Quality:
     rows: int
 
 
-def quality(
-    points: Tensor, flat: Tensor, *, k: int = 15, rows: int = SAMPLE, seed: int = 0
-) -> Quality:
+def quality(points: Tensor, flat: Tensor, *, k: int = 15, rows: int = SAMPLE, seed: int = 0) -> Quality:
     """Return the quality of a map, from `rows` of its rows sampled at random.
 
     points (N, D), flat (N, 2); k below N / 2. Each sampled row is compared with all N, which

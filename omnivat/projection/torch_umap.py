@@ -89,10 +89,7 @@ def spectral_map(graph: Graph, *, seed: int = 0, dimensions: int = 2) -> Tensor:
     constant = constant / constant.norm()
     generator = torch.Generator(weight.device).manual_seed(derive_seed(seed, "spectral"))
     directions = torch.randn(
-        (rows, min(DIRECTIONS, rows - 1)),
-        generator=generator,
-        dtype=weight.dtype,
-        device=weight.device,
+        (rows, min(DIRECTIONS, rows - 1)), generator=generator, dtype=weight.dtype, device=weight.device
     )
     for done in range(1, ROUNDS + 1):
         directions = directions + walked(directions)  # lazy walk: no negative eigenvalue
@@ -168,12 +165,8 @@ def _spread(points: Tensor, chosen: Tensor, flat: Tensor) -> Tensor:
         pivots = known[:: -(-len(known) // CELLS)]
         ring = torch.cdist(pivots, pivots).topk(min(RING, len(pivots)), largest=False).indices
         cells = nearest(pivots, 1, queries=known).index[:, 0]
-        home = torch.cat(
-            [nearest(pivots, 1, queries=some).index[:, 0] for some in points.split(PLACED)]
-        )
-        for cell, own in enumerate(
-            home.argsort().split(home.bincount(minlength=len(pivots)).tolist())
-        ):
+        home = torch.cat([nearest(pivots, 1, queries=some).index[:, 0] for some in points.split(PLACED)])
+        for cell, own in enumerate(home.argsort().split(home.bincount(minlength=len(pivots)).tolist())):
             near = torch.isin(cells, ring[cell]).nonzero()[:, 0]
             for some in own.split(PLACED):
                 whole[some] = place(points[some], known[near], flat[near])

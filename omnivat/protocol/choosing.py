@@ -25,9 +25,7 @@ from omnivat.seeding import derive_seed
 from omnivat.selection import Evidence, evidence_of
 
 
-def source_arrays(
-    found: Task, bank: LangBank | None, seed: int, pairs: Embeddings | None = None
-) -> Source:
+def source_arrays(found: Task, bank: LangBank | None, seed: int, pairs: Embeddings | None = None) -> Source:
     """Return training pairs as arrays for baselines; `pairs` None: all of the task.
 
     A LANG bank that lacks a class is left out; `why_no_lang` has the reason.
@@ -58,9 +56,7 @@ def source_arrays(
         why_no_lang="" if texts is not None else why,
         plain=None if texts is None or texts.plain is None else tensor(texts.plain),
         logit_scale=None if texts is None else texts.logit_scale,
-        prompts=None
-        if texts is None or not texts.text_hash
-        else partial(load_prompts, texts.encoder, texts.text_hash),
+        prompts=None if texts is None or not texts.text_hash else partial(load_prompts, texts.encoder, texts.text_hash),
         live=live,
         why_not_live=why_not_live,
         seed=derive_seed(seed, "baselines", found.setting.source.domain),

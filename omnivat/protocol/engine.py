@@ -61,10 +61,7 @@ def run_all(
     first, done = min((run.seed for run in runs), default=0), 0
     for part in stages(waiting, first):
         found = {r["key"]: r for r in records.read(out) if r["format"] == records.FORMAT}
-        priors = [
-            None if run.seed == first else found.get(_key(at(run, first), pairs, texts, shared))
-            for run in part
-        ]
+        priors = [None if run.seed == first else found.get(_key(at(run, first), pairs, texts, shared)) for run in part]
         part = [with_choice(run, prior) for run, prior in zip(part, priors, strict=True)]
         for record in _results(part, embeddings, bank, jobs, engine):
             done += 1
@@ -124,9 +121,7 @@ def _results(
     return in_processes(_work, runs, jobs, _prepare, embeddings, bank)
 
 
-def _one_by_one(
-    runs: Sequence[Run], embeddings: Path, bank: Path | None
-) -> Iterator[dict[str, Any]]:
+def _one_by_one(runs: Sequence[Run], embeddings: Path, bank: Path | None) -> Iterator[dict[str, Any]]:
     with one_thread():  # as in a worker, because the number of threads changes the last bits
         pairs, texts = _opened(embeddings, bank)
         for run in runs:
@@ -148,9 +143,7 @@ def _work(run: Run) -> dict[str, Any]:
 def _by_ray(runs: Sequence[Run], embeddings: Path, bank: Path | None) -> Iterator[dict[str, Any]]:
     ray = need("ray", purpose="running on a cluster", install="ray")
     ray.init(ignore_reinit_error=True)
-    remote: Callable[..., Any] = ray.remote(
-        lambda run, *files: next(iter(_one_by_one([run], *files)))
-    ).remote
+    remote: Callable[..., Any] = ray.remote(lambda run, *files: next(iter(_one_by_one([run], *files)))).remote
     waiting = [remote(run, embeddings, bank) for run in runs]
     while waiting:
         done, waiting = ray.wait(waiting, num_returns=1)

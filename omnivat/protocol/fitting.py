@@ -44,12 +44,7 @@ SMALLEST = 1e-12  # probabilities are raised to this before a logarithm
 
 
 def fit_baseline(
-    method: Method,
-    found: Task,
-    bank: LangBank | None,
-    seed: int,
-    calibrate: bool,
-    prior: Choice | None,
+    method: Method, found: Task, bank: LangBank | None, seed: int, calibrate: bool, prior: Choice | None
 ) -> Outcome:
     """Fit a baseline, with settings chosen on held-out objects, and its temperatures."""
     begin = load(BASELINES, method.base, kind="baseline")
@@ -93,9 +88,7 @@ def is_late_fusion(fitted: Fitted, pairs: Embeddings) -> bool:
     return torch.allclose(found["fused"], (found["vis"] + found["tac"]) / 2, atol=1e-6)
 
 
-def _held_logs(
-    fitted: Fitted, fold: Evidence, classes: tuple[str, ...]
-) -> tuple[dict[str, Tensor], Tensor]:
+def _held_logs(fitted: Fitted, fold: Evidence, classes: tuple[str, ...]) -> tuple[dict[str, Tensor], Tensor]:
     parts = [_baseline_logs(fitted, pairs) for pairs in fold.held.values()]
     labels = [label_map(classes, p.header.classes)[p.label] for p in fold.held.values()]
     logits = {name: torch.cat([part[name] for part in parts]) for name in parts[0]}
@@ -131,12 +124,7 @@ def head_settings(
 
 
 def fit_head(
-    method: Method,
-    found: Task,
-    bank: LangBank | None,
-    seed: int,
-    calibrate: bool,
-    prior: Choice | None,
+    method: Method, found: Task, bank: LangBank | None, seed: int, calibrate: bool, prior: Choice | None
 ) -> Outcome:
     """Choose on held-out objects, then train on all pairs."""
     choice = prior or _choose_head(method, found, bank, seed, calibrate)
@@ -155,9 +143,7 @@ def fit_head(
     )
 
 
-def _choose_head(
-    method: Method, found: Task, bank: LangBank | None, seed: int, calibrate: bool
-) -> Choice:
+def _choose_head(method: Method, found: Task, bank: LangBank | None, seed: int, calibrate: bool) -> Choice:
     """Choose the candidate with the lowest log loss on held-out pairs, as for the baselines. Then
     choose a fusion, and fit temperatures, on those pairs and under imitated sensors."""
     names, fusion = tuple(method.candidates) or ("",), stated_fusion(method)
@@ -174,9 +160,7 @@ def _choose_head(
     return Choice(
         candidate=best,
         fusion=chosen_fusion(own.logits, own.labels) if calibrate else fusion,
-        calibration=fit_calibration(own.logits, own.labels, fusion=fusion)
-        if calibrate
-        else Calibration(),
+        calibration=fit_calibration(own.logits, own.labels, fusion=fusion) if calibrate else Calibration(),
         losses=losses if len(names) > 1 else {},
     )
 
@@ -207,34 +191,21 @@ def _head_logits(model: OmniVaT, method: Method, pairs: Embeddings) -> dict[str,
 
 
 @torch.no_grad()
-def _head_features(
-    model: OmniVaT, modalities: tuple[str, ...], pairs: Embeddings
-) -> dict[str, Tensor]:
+def _head_features(model: OmniVaT, modalities: tuple[str, ...], pairs: Embeddings) -> dict[str, Tensor]:
     """Return F-hat of each modality alone, and both branches concatenated as "pair"."""
     rows = {n: tensor(getattr(pairs, n)) if n in modalities else None for n in ("vis", "tac")}
-    alone = {
-        name: model(*(x if n == name else None for n, x in rows.items())).f_hat[name]
-        for name in modalities
-    }
+    alone = {name: model(*(x if n == name else None for n, x in rows.items())).f_hat[name] for name in modalities}
     return {**alone, "pair": torch.cat(list(model(rows["vis"], rows["tac"]).f_hat.values()), -1)}
 
 
-def _guard(
-    model: OmniVaT, found: Task, bank: LangBank | None, seed: int
-) -> dict[str, float] | None:
+def _guard(model: OmniVaT, found: Task, bank: LangBank | None, seed: int) -> dict[str, float] | None:
     if bank is None or not len(found.source_test):
         return None
     return lang_guard(model, found.source_test, bank.for_classes(found.classes), seed=seed)
 
 
 def fit(
-    method: Method,
-    found: Task,
-    bank: LangBank | None,
-    *,
-    seed: int,
-    calibrate: bool,
-    prior: Choice | None = None,
+    method: Method, found: Task, bank: LangBank | None, *, seed: int, calibrate: bool, prior: Choice | None = None
 ) -> Outcome:
     """Fit a method on the task's training pairs.
 

@@ -13,11 +13,7 @@ HEAD = "omnivat"
 VARIANTS: dict[str, tuple[str, dict[str, Any], dict[str, Any]]] = {
     "mffa_alone": ("MFFA alone", {"generation": "none"}, {}),
     "dtg_alone": ("DTG alone", {"mffa": False}, {}),
-    "cosine_head": (
-        "Cosine head, neither MFFA nor tree",
-        {"mffa": False, "generation": "none"},
-        {"nod_weight": 0.0},
-    ),
+    "cosine_head": ("Cosine head, neither MFFA nor tree", {"mffa": False, "generation": "none"}, {"nod_weight": 0.0}),
 }
 # The head with one part switched off: shown in the tables, excluded from the lead.
 ABLATED: dict[str, tuple[str, dict[str, Any], dict[str, Any]]] = {

@@ -55,9 +55,7 @@ def execute(run: Run, embeddings: Embeddings, bank: LangBank | None) -> dict[str
     }
     started = time.perf_counter()
     try:
-        outcome = fit(
-            run.method, found, bank, seed=run.seed, calibrate=run.calibrate, prior=run.prior
-        )
+        outcome = fit(run.method, found, bank, seed=run.seed, calibrate=run.calibrate, prior=run.prior)
     except OmniVatError as error:
         return record | {"skipped": str(error)}
     record |= {

@@ -26,10 +26,7 @@ from omnivat.protocol.choosing import Outcome
 
 
 def score(
-    outcome: Outcome,
-    pairs: Embeddings,
-    classes: tuple[str, ...],
-    numbers: Mapping[str, int] | None = None,
+    outcome: Outcome, pairs: Embeddings, classes: tuple[str, ...], numbers: Mapping[str, int] | None = None
 ) -> dict[str, Any]:
     """Return counts, scores by reading, late fusions, margins and every prediction.
 
@@ -46,13 +43,9 @@ def score(
     mixed = fusions(outcome, logits)
     readings = {name: logits[name] for name in READINGS if name in logits}
     record["scores"] = {name: _scores(values, truth) for name, values in readings.items()}
-    record["scores"]["fused"] |= confidence(
-        logits["fused"], truth, outcome.choice.calibration.temperature["fused"]
-    )
+    record["scores"]["fused"] |= confidence(logits["fused"], truth, outcome.choice.calibration.temperature["fused"])
     record["fusions"] = {name: _short_scores(values, truth) for name, values in mixed.items()}
-    record["margins"] = {
-        name: _number(cosine_margin(rows, truth)) for name, rows in outcome.features(pairs).items()
-    }
+    record["margins"] = {name: _number(cosine_margin(rows, truth)) for name, rows in outcome.features(pairs).items()}
     if numbers is not None and len(classes) <= len(DIGITS):
         record["truth"] = digits(truth.tolist())
         record["objects"] = compact([numbers[name] for name in named_objects(pairs)])
@@ -93,10 +86,7 @@ def fusions(outcome: Outcome, logits: Mapping[str, Tensor]) -> dict[str, Tensor]
 
 def _short_scores(logits: Tensor, truth: Tensor) -> dict[str, float]:
     predicted = logits.argmax(-1)
-    return {
-        "accuracy": float(accuracy(truth, predicted)),
-        "macro_f1": float(macro_f1(truth, predicted)),
-    }
+    return {"accuracy": float(accuracy(truth, predicted)), "macro_f1": float(macro_f1(truth, predicted))}
 
 
 def _number(value: Tensor) -> float | None:

@@ -42,9 +42,7 @@ def _setting(source: str) -> Setting:
         if name == source or {name, source} == SAME_SENSOR:
             continue
         targets.append(Side(domain=name, part=tested_part if other.series else ""))
-    return Setting(
-        source=Side(domain=source, part=learn), targets=tuple(targets), ceramic=domain.ceramic
-    )
+    return Setting(source=Side(domain=source, part=learn), targets=tuple(targets), ceramic=domain.ceramic)
 
 
 SETTINGS = {name: _setting(name) for name in DOMAINS}
@@ -89,9 +87,7 @@ def task(embeddings: Embeddings, source: str) -> Task:
         domains = embeddings.header.domains
         if source not in domains:
             hint = suggestion(paper_name(source), [*SETTINGS, *domains])
-            raise DataError(
-                f"'{source}' is not one of the paper's domains, nor of these embeddings.{hint}"
-            )
+            raise DataError(f"'{source}' is not one of the paper's domains, nor of these embeddings.{hint}")
         setting = own_setting(source, domains)
     names = {paper_name(name): name for name in embeddings.header.domains}
     if setting.source.domain not in names:
@@ -107,21 +103,15 @@ def task(embeddings: Embeddings, source: str) -> Task:
     test = embeddings.in_domain(own, split="test", part=setting.source.part)
     present = set(train.label.tolist())
     targets = {
-        names[side.domain]: _without(
-            embeddings.in_domain(names[side.domain], split="test", part=side.part), dropped
-        )
+        names[side.domain]: _without(embeddings.in_domain(names[side.domain], split="test", part=side.part), dropped)
         for side in setting.targets
         if side.domain in names
     }
     return Task(
         setting=setting,
-        classes=tuple(
-            name for index, name in enumerate(embeddings.header.classes) if index in present
-        ),
+        classes=tuple(name for index, name in enumerate(embeddings.header.classes) if index in present),
         train=train,
-        source_test=_without(test, dropped)
-        if any(test.rows["split"])
-        else test.select(test.label < 0),
+        source_test=_without(test, dropped) if any(test.rows["split"]) else test.select(test.label < 0),
         targets={name: pairs for name, pairs in targets.items() if _shares_classes(pairs, present)},
         missing=tuple(
             str(side)

@@ -12,23 +12,13 @@ from omnivat.files import write_text
 from omnivat.reports.evidence_report import count_text, markdown, spread_text
 from omnivat.reports.intervals import Spread, spread, spread_lines
 from omnivat.reports.paper import MARK, ablation_cell, not_comparable
-from omnivat.reports.reading import (
-    METRICS,
-    Record,
-    by_run,
-    by_seed,
-    changed_settings,
-    completed,
-    latest,
-)
+from omnivat.reports.reading import METRICS, Record, by_run, by_seed, changed_settings, completed, latest
 
 REPORT = "ablations.md"
 SCORES = ("accuracy", "macro_f1")
 
 
-def write_ablations(
-    records: Sequence[Record], layout: Mapping[str, Mapping[str, Any]], folder: Path
-) -> str:
+def write_ablations(records: Sequence[Record], layout: Mapping[str, Mapping[str, Any]], folder: Path) -> str:
     """Write `ablations.md`, and a plot and its points for each figure; return the text.
 
     layout  ablation -> title, axis, sources, rows: {row: (method, label, position on the axis)}
@@ -79,9 +69,7 @@ def _spread(records: Sequence[Record], method: str, sources: Sequence[str], metr
     return spread(by_seed(by_run(records, method, metric), sources))
 
 
-def ablation_table(
-    records: Sequence[Record], name: str, table: Mapping[str, Any], sources: Sequence[str]
-) -> str:
+def ablation_table(records: Sequence[Record], name: str, table: Mapping[str, Any], sources: Sequence[str]) -> str:
     """Return one ablation: one row for each variant, with our and the printed figures."""
     why = not_comparable(records[0]["data"], ablations=True)
     printed = f"printed, ViT-B/16{f' {MARK}' if why else ''}"
@@ -92,9 +80,7 @@ def ablation_table(
             cells += [_scores(records, method, [source]), ablation_cell(name, row, source)]
         if len(sources) > 1:
             cells.append(_scores(records, method, sources))
-        counts = [
-            r["parameters"] for r in completed(records, method) if r["source"] in set(sources)
-        ]
+        counts = [r["parameters"] for r in completed(records, method) if r["source"] in set(sources)]
         rows.append([label, *cells, count_text(counts)])
     header = [text for source in sources for text in (f"{source} → X", printed)]
     header += ["average"] * (len(sources) > 1)
@@ -111,28 +97,18 @@ def _without_empty_columns(header: Sequence[str], rows: Sequence[Sequence[str]])
     return markdown([header[i] for i in full], [[row[i] for i in full] for row in rows])
 
 
-def ablation_plot(
-    records: Sequence[Record], table: Mapping[str, Any], sources: Sequence[str]
-) -> str:
+def ablation_plot(records: Sequence[Record], table: Mapping[str, Any], sources: Sequence[str]) -> str:
     """Return the figure of one ablation: ACC and Macro-F1, mean over its sources."""
     placed = [(method, value) for method, _, value in table["rows"].values() if value is not None]
     series = {
-        METRICS[metric]: [
-            _percent(_spread(records, method, sources, metric)) for method, _ in placed
-        ]
+        METRICS[metric]: [_percent(_spread(records, method, sources, metric)) for method, _ in placed]
         for metric in SCORES
     }
     where = sources[0] if len(sources) == 1 else f"mean of {len(sources)} sources"
     title = f"{table['title'].split(':')[0]}, {where} → X"
     spreads = {name: spread_lines(found) for name, found in series.items()}
     return svg_of(
-        lines(
-            spreads,
-            title=title,
-            across=table["axis"],
-            up="%",
-            ticks=[f"{value:g}" for _, value in placed],
-        )
+        lines(spreads, title=title, across=table["axis"], up="%", ticks=[f"{value:g}" for _, value in placed])
     )
 
 

@@ -114,9 +114,7 @@ def resampled(records: Sequence[Record], row: Row, drawn: Draws) -> dict[str, Re
     rows = np.arange(len(drawn.sources))[:, None]
     by_seed = values[:, 1:][:, rows[..., None], drawn.sources[..., None], drawn.seeds].mean(-1)
     draws, point = by_seed.mean(-1), values[:, 0].mean((-1, -2))
-    return {
-        name: Resampled(value=float(point[i]), draws=draws[i]) for i, name in enumerate(METRICS)
-    }
+    return {name: Resampled(value=float(point[i]), draws=draws[i]) for i, name in enumerate(METRICS)}
 
 
 def _weights(drawn: Draws, domain: str, target: Mapping[str, Any]) -> NDArray[np.float32]:
@@ -126,9 +124,7 @@ def _weights(drawn: Draws, domain: str, target: Mapping[str, Any]) -> NDArray[np
     return np.concatenate((np.ones((1, len(columns)), dtype=np.float32), own))
 
 
-def _scores(
-    target: Mapping[str, Any], reading: str, classes: int, weights: NDArray[np.float32]
-) -> Array:
+def _scores(target: Mapping[str, Any], reading: str, classes: int, weights: NDArray[np.float32]) -> Array:
     """Return ACC and Macro-F1 over present classes (2, 1 + B) of weighted pairs."""
     eye = np.eye(classes, dtype=np.float32)
     truth = eye[[DIGITS.index(d) for d in target["truth"]]]
@@ -141,16 +137,12 @@ def _scores(
     return np.stack((accuracy, f1[:, present].mean(1))).astype(np.float64)
 
 
-def simultaneous(
-    ours: Resampled, others: Mapping[Row, Resampled], *, level: float = 0.95
-) -> dict[Row, Interval]:
+def simultaneous(ours: Resampled, others: Mapping[Row, Resampled], *, level: float = 0.95) -> dict[Row, Interval]:
     """Return simultaneous intervals (max-t) of ours minus each other row."""
     means = {row: ours.value - other.value for row, other in others.items()}
     draws = {row: ours.draws - other.draws for row, other in others.items()}
     spreads = {row: float(d.std(ddof=1)) for row, d in draws.items()}
-    scaled = [
-        np.abs(draws[row] - means[row]) / spreads[row] for row in others if spreads[row] > 1e-12
-    ]
+    scaled = [np.abs(draws[row] - means[row]) / spreads[row] for row in others if spreads[row] > 1e-12]
     factor = float(np.quantile(np.max(scaled, axis=0), level)) if scaled else 0.0
     return {
         row: Interval(

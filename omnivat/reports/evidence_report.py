@@ -41,12 +41,7 @@ def interval_text(found: Interval) -> str:
 
 
 REPORT = "evidence.md"
-COLUMNS = (
-    ("plain", "accuracy"),
-    ("plain", "macro_f1"),
-    ("shifted", "accuracy"),
-    ("shifted", "macro_f1"),
-)
+COLUMNS = (("plain", "accuracy"), ("plain", "macro_f1"), ("shifted", "accuracy"), ("shifted", "macro_f1"))
 
 
 def write_evidence(records: Sequence[Record], folder: Path) -> str:
@@ -65,9 +60,7 @@ def evidence_report(records: Sequence[Record]) -> str:
     for name in dict.fromkeys(record["method"] for record in found):
         own = [record for record in found if record["method"] == name]
         spreads = [_spread(own, kind, metric) for kind, metric in COLUMNS]
-        rows.append(
-            (spreads[1].mean + spreads[3].mean, [own[0]["label"], *map(spread_text, spreads)])
-        )
+        rows.append((spreads[1].mean + spreads[3].mean, [own[0]["label"], *map(spread_text, spreads)]))
     rows.sort(key=lambda row: -row[0])
     header = ["method", "held-out ACC", "held-out Macro-F1", "shifted ACC", "shifted Macro-F1"]
     runs = len({(r["source"], r["seed"], r["fold"]) for r in found})

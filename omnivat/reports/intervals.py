@@ -55,11 +55,7 @@ def t_interval(differences: Sequence[float], *, level: float = 0.95) -> Interval
 
 
 def bootstrap_interval(
-    differences: Mapping[str, Sequence[float]],
-    *,
-    level: float = 0.95,
-    draws: int = 10_000,
-    seed: int = 0,
+    differences: Mapping[str, Sequence[float]], *, level: float = 0.95, draws: int = 10_000, seed: int = 0
 ) -> Interval:
     """Return a percentile interval that resamples groups, then values within each group.
 

@@ -4,25 +4,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from omnivat.files import write_text
-from omnivat.reports.evidence_report import (
-    count_text,
-    interval_text,
-    markdown,
-    percent,
-    spread_text,
-)
+from omnivat.reports.evidence_report import count_text, interval_text, markdown, percent, spread_text
 from omnivat.reports.intervals import bootstrap_interval, paired_differences, spread, t_interval
 from omnivat.reports.paper import MARK, not_comparable, paper_rows, target_rows
-from omnivat.reports.reading import (
-    METRICS,
-    Record,
-    by_run,
-    by_seed,
-    changed_settings,
-    completed,
-    latest,
-    methods,
-)
+from omnivat.reports.reading import METRICS, Record, by_run, by_seed, changed_settings, completed, latest, methods
 from omnivat.reports.readings_report import readings_parts
 from omnivat.reports.side_report import side_parts
 
@@ -129,9 +114,7 @@ def side_table(records: Sequence[Record]) -> str:
             continue
         union = spread(list(by_run(records, name, "macro_f1_union").values())).mean
         found = completed(records, name)
-        own = [
-            r["source_test"]["scores"]["fused"]["accuracy"] for r in found if r.get("source_test")
-        ]
+        own = [r["source_test"]["scores"]["fused"]["accuracy"] for r in found if r.get("source_test")]
         seconds = sorted(r["seconds"] for r in found)[len(found) // 2]
         rows.append(
             [
@@ -161,11 +144,7 @@ def _targets(records: Sequence[Record], name: str, label: str) -> list[str]:
                 for r in found
                 if r["source"] == source and target in r["targets"]
             ]
-            cells.append(
-                " / ".join(percent(spread([s[m] for s in scores]).mean) for m in SCORES)
-                if scores
-                else ""
-            )
+            cells.append(" / ".join(percent(spread([s[m] for s in scores]).mean) for m in SCORES) if scores else "")
         rows.append([source, *cells])
     return [f"### {label}", markdown(["source", *targets], rows)]
 
@@ -174,9 +153,7 @@ def _printed_targets(records: Sequence[Record]) -> list[str]:
     """Return the paper's tables of single targets for the sources in these records."""
     data = records[0]["data"]
     targets = list(dict.fromkeys(t for r in records for t in r.get("targets", {})))
-    rows = [
-        [source, *row] for source in _sources(records) for row in target_rows(source, targets, data)
-    ]
+    rows = [[source, *row] for source in _sources(records) for row in target_rows(source, targets, data)]
     if not rows:
         return []
     why = not_comparable(data, ablations=True)
@@ -187,9 +164,7 @@ def _printed_targets(records: Sequence[Record]) -> list[str]:
 def _notes(records: Sequence[Record]) -> str:
     lines = [f"- {r['label']}: {r['note']}." for r in records if r["note"]]
     lines += [
-        f"- {r['label']}: settings {changed_settings(r) or 'as the defaults'}."
-        for r in records
-        if r.get("settings")
+        f"- {r['label']}: settings {changed_settings(r) or 'as the defaults'}." for r in records if r.get("settings")
     ]
     lines += [
         f"- {r['label']}, {r['source']}: settings chosen on the source: {r['chosen']['settings']}."
@@ -198,8 +173,7 @@ def _notes(records: Sequence[Record]) -> str:
     ]
     lines += [f"- {r['label']} did not run: {r['skipped']}" for r in records if "skipped" in r]
     lines += [
-        f"- From {r['source']} these targets have no pairs of the learned classes: "
-        f"{', '.join(r['missing_targets'])}."
+        f"- From {r['source']} these targets have no pairs of the learned classes: {', '.join(r['missing_targets'])}."
         for r in records
         if r["missing_targets"]
     ]

@@ -8,12 +8,7 @@ from typing import Any
 from omnivat.evaluate import target_mean
 
 Record = Mapping[str, Any]
-METRICS = {
-    "accuracy": "ACC",
-    "macro_f1": "Macro-F1",
-    "macro_f1_union": "Macro-F1 (union)",
-    "ece": "ECE",
-}
+METRICS = {"accuracy": "ACC", "macro_f1": "Macro-F1", "macro_f1_union": "Macro-F1 (union)", "ece": "ECE"}
 
 
 def latest(records: Iterable[Record]) -> list[Record]:
@@ -73,13 +68,10 @@ def record_mean(record: Record, metric: str, which: str = "fused") -> float:
     return target_mean((found[which] for found in scores if which in found), metric)
 
 
-def by_run(
-    records: Iterable[Record], method: str, metric: str, which: str = "fused"
-) -> dict[tuple[str, int], float]:
+def by_run(records: Iterable[Record], method: str, metric: str, which: str = "fused") -> dict[tuple[str, int], float]:
     """Return (source, seed) -> mean score over targets."""
     return {
-        (record["source"], record["seed"]): record_mean(record, metric, which)
-        for record in completed(records, method)
+        (record["source"], record["seed"]): record_mean(record, metric, which) for record in completed(records, method)
     }
 
 

@@ -20,12 +20,7 @@ from omnivat.reports.reading import Record, by_run, by_seed, completed, methods
 
 OURS = ("omnivat", "fused")
 CHOSEN = ("omnivat", "chosen")
-READINGS = {
-    "vis": "photo only",
-    "tac": "touch only",
-    "fused": "both, mean fusion",
-    "chosen": "both, chosen fusion",
-}
+READINGS = {"vis": "photo only", "tac": "touch only", "fused": "both, mean fusion", "chosen": "both, chosen fusion"}
 
 
 def readings_parts(records: Sequence[Record]) -> list[str]:
@@ -59,9 +54,7 @@ def readings_parts(records: Sequence[Record]) -> list[str]:
 
 
 def _chosen_headline(
-    records: Sequence[Record],
-    others: Mapping[str, Mapping[Row, Resampled]],
-    labels: Mapping[str, str],
+    records: Sequence[Record], others: Mapping[str, Mapping[Row, Resampled]], labels: Mapping[str, str]
 ) -> list[str]:
     """Return the headline for the chosen fusion, if runs chose another than the mean."""
     chosen = {r.get("chosen", {}).get("fusion", "mean") for r in completed(records, OURS[0])}

@@ -30,9 +30,7 @@ def margins_report(records: Sequence[Record]) -> str:
     mark = f" {MARK} ({why})" if why else ""
     for label, cells in printed.items():
         values = [cells.get(name) for name in (*map(paper_name, targets), *joint)]
-        rows.append(
-            [f"printed: {label}{mark}", *("–" if v is None else f"{v:.3f}" for v in values)]
-        )
+        rows.append([f"printed: {label}{mark}", *("–" if v is None else f"{v:.3f}" for v in values)])
     table = markdown(["method", *targets, *joint], rows)
     return f"# Cosine margins from {SOURCE}\n\nMean over seeds, both images.\n\n{table}\n"
 
@@ -62,22 +60,9 @@ def cost_report(records: Sequence[Record], measured: Mapping[str, Any]) -> str:
         seconds = sum(record["seconds"] for record in own) / len(own)
         rate = 1 / measured["encoder, s a pair"]
         memory = measured.get("memory, MB")
-        rows.append(
-            [
-                label,
-                f"{size:.2f}",
-                f"{seconds:.1f}",
-                f"{rate:.1f}",
-                f"{memory:.0f}" if memory else "–",
-            ]
-        )
+        rows.append([label, f"{size:.2f}", f"{seconds:.1f}", f"{rate:.1f}", f"{memory:.0f}" if memory else "–"])
     printed = {
-        label: [
-            cells.get("parameters, millions"),
-            None,
-            cells.get("inference, FPS"),
-            cells.get("GPU memory, MB"),
-        ]
+        label: [cells.get("parameters, millions"), None, cells.get("inference, FPS"), cells.get("GPU memory, MB")]
         for label, cells in paper()["cost"].items()
     }
     for label, values in printed.items():

@@ -112,11 +112,7 @@ def margin_table(records: Sequence[Record]) -> str:
         cells = []
         for target in targets:
             values = [r["targets"][target]["margins"] for r in own if target in r["targets"]]
-            cells.append(
-                " / ".join(
-                    _margin([v.get(kind) for v in values]) for kind in ("pair", "vis", "tac")
-                )
-            )
+            cells.append(" / ".join(_margin([v.get(kind) for v in values]) for kind in ("pair", "vis", "tac")))
         rows.append([label, *cells])
     return markdown(["method", *targets], rows) if rows else ""
 

@@ -111,10 +111,7 @@ def _summed(measure: str, whole: Gaps, parts: list[Gaps]) -> list[Record]:
         mean, *others = (float(np.nanmean([one[k] for k in keys])) for one in (whole, *parts))
         error = float(np.sqrt((BLOCKS - 1) * np.var(others)))
         most = 2.0 if measure == "proxy_a" else np.inf
-        ends = {
-            "low": max(0.0, mean - T_BLOCKS * error),
-            "high": min(most, mean + T_BLOCKS * error),
-        }
+        ends = {"low": max(0.0, mean - T_BLOCKS * error), "high": min(most, mean + T_BLOCKS * error)}
         note = f"mean, {len(keys)} {'pairs of domains' if modality else 'domains'}"
         records.append(record(part, measure, mean, modality=modality, note=note, **ends))
         for key in keys:
@@ -123,9 +120,7 @@ def _summed(measure: str, whole: Gaps, parts: list[Gaps]) -> list[Record]:
     return records
 
 
-def _halves(
-    measure: str, rows: Mapping[str, Tensor], members: Mapping[str, Array], gap: Any
-) -> list[Record]:
+def _halves(measure: str, rows: Mapping[str, Tensor], members: Mapping[str, Array], gap: Any) -> list[Record]:
     random = np.random.default_rng(derive_seed(0, "halves"))
     found = []
     for modality, every in rows.items():
@@ -136,9 +131,7 @@ def _halves(
             values.append(_one(gap, every[first], every[second]))
         if values:
             note = "mean over domains of two random halves of one domain"
-            found.append(
-                record("no gap", measure, float(np.nanmean(values)), modality=modality, note=note)
-            )
+            found.append(record("no gap", measure, float(np.nanmean(values)), modality=modality, note=note))
     return found
 
 
@@ -163,31 +156,13 @@ def retrieval(found: Features) -> list[Record]:
             more = {"from": sides[0], "to": sides[1], "modality": domain}
             for k in DEPTHS:
                 note = f"chance {min(1.0, k / len(own)):.4f}"
-                records.append(
-                    share("retrieval", f"recall@{k}", ranks <= k, objects[own], note=note, **more)
-                )
+                records.append(share("retrieval", f"recall@{k}", ranks <= k, objects[own], note=note, **more))
             note = f"of {len(own)}; chance {(len(own) + 1) / 2:g}"
-            records.append(
-                record(
-                    "retrieval",
-                    "median rank",
-                    float(np.median(ranks)),
-                    n=len(own),
-                    note=note,
-                    **more,
-                )
-            )
+            records.append(record("retrieval", "median rank", float(np.median(ranks)), n=len(own), note=note, **more))
             if found.labelled:
                 precision, level = _precision(table, label[own])
                 records.append(
-                    share(
-                        "retrieval",
-                        "mAP of the class",
-                        precision,
-                        objects[own],
-                        note=f"chance {level:.4f}",
-                        **more,
-                    )
+                    share("retrieval", "mAP of the class", precision, objects[own], note=f"chance {level:.4f}", **more)
                 )
     return records
 

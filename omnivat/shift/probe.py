@@ -59,10 +59,7 @@ def probes(found: Features, on_step: OnStep) -> list[Record]:
             if not len(kept):
                 continue
             plain = [rows[kept] for rows in raw]
-            known = [
-                moved(rows[kept], channels_of(rows[profile]), channels_of(rows[own]))
-                for rows in raw
-            ]
+            known = [moved(rows[kept], channels_of(rows[profile]), channels_of(rows[own])) for rows in raw]
             for measure, rows in (("away", plain), ("away, with a profile", known)):
                 right = float((fitted(joined(rows)) == data.label[kept]).mean())
                 sides = {"from": source, "to": target}
@@ -130,16 +127,10 @@ def _means(records: list[Record], view: str, names: list[str]) -> list[Record]:
         ends: dict[str, float] = {}
         if len(names) > 2:
             alone = measure == "home"
-            means = [
-                table[d, d] if alone else table[np.ix_(d, d)] for d in drawn if len(set(d)) > 1
-            ]
-            low, high = np.nanquantile(
-                [np.nanmean(m) for m in means if not np.isnan(m).all()], [0.025, 0.975]
-            )
+            means = [table[d, d] if alone else table[np.ix_(d, d)] for d in drawn if len(set(d)) > 1]
+            low, high = np.nanquantile([np.nanmean(m) for m in means if not np.isnan(m).all()], [0.025, 0.975])
             ends = {"low": float(low), "high": float(high)}
         what = "domains" if measure == "home" else "pairs of domains"
         note = f"mean, {int((~np.isnan(table)).sum())} {what}"
-        found.append(
-            record("probe", measure, float(np.nanmean(table)), modality=view, note=note, **ends)
-        )
+        found.append(record("probe", measure, float(np.nanmean(table)), modality=view, note=note, **ends))
     return found

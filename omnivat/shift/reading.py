@@ -41,9 +41,7 @@ class Features:
     def objects(self) -> NDArray[np.int64]:
         """(N,) index of each pair's object: pairs of one object are not independent."""
         header, names = self.embeddings.header, self.embeddings.rows["object"]
-        keys = [
-            f"{header.domains[d]}/{n}" for d, n in zip(self.embeddings.domain, names, strict=True)
-        ]
+        keys = [f"{header.domains[d]}/{n}" for d, n in zip(self.embeddings.domain, names, strict=True)]
         return np.unique(keys, return_inverse=True)[1]
 
     def rows(self, modality: str) -> Tensor:
@@ -52,9 +50,7 @@ class Features:
 
     def members(self, domain: str) -> NDArray[np.int64]:
         """Rows of a domain."""
-        return np.flatnonzero(
-            self.embeddings.domain == self.embeddings.header.domains.index(domain)
-        )
+        return np.flatnonzero(self.embeddings.domain == self.embeddings.header.domains.index(domain))
 
 
 def read_features(
@@ -92,10 +88,7 @@ def features_of(data: Embeddings, *, seed: int = 0) -> Features:
 def _drawn(found: Embeddings, modalities: tuple[str, ...], labelled: bool, seed: int) -> Features:
     labelled = labelled and len(np.unique(found.label)) > 1
     return Features(
-        embeddings=found.sampled(MOST, seed=seed),
-        modalities=modalities,
-        labelled=labelled,
-        drawn_of=len(found),
+        embeddings=found.sampled(MOST, seed=seed), modalities=modalities, labelled=labelled, drawn_of=len(found)
     )
 
 
@@ -108,12 +101,7 @@ def _pictured(data: Embeddings) -> tuple[str, ...]:
 
 
 def _foreign(
-    file: Path,
-    encoder: str,
-    domain: str,
-    classes: tuple[str, ...],
-    columns: Mapping[str, str] | None,
-    simulated: bool,
+    file: Path, encoder: str, domain: str, classes: tuple[str, ...], columns: Mapping[str, str] | None, simulated: bool
 ) -> tuple[Embeddings, tuple[str, ...], bool]:
     named: dict[str, str] = dict(columns or {})
     found = read_columns(file)

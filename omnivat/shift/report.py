@@ -14,14 +14,7 @@ from omnivat.gaps import NAMES
 from omnivat.progress import OnStep, Step, ignore
 from omnivat.projection import PROJECTIONS
 from omnivat.projection.quality import quality
-from omnivat.shift.measure import (
-    DEPTHS,
-    Record,
-    gaps,
-    neighbours,
-    record,
-    retrieval,
-)
+from omnivat.shift.measure import DEPTHS, Record, gaps, neighbours, record, retrieval
 from omnivat.shift.probe import PROFILE, probes
 from omnivat.shift.reading import Features
 from omnivat.shift.words import NEIGHBOURS, VIEWS, methods, notes
@@ -34,9 +27,7 @@ CHANCE = "#8593a8"  # grey in both themes
 Drawn = dict[str, Any]
 
 
-def write_report(
-    found: Features, out: Path, *, seed: int = 0, on_step: OnStep = ignore
-) -> list[Path]:
+def write_report(found: Features, out: Path, *, seed: int = 0, on_step: OnStep = ignore) -> list[Path]:
     """Measure, draw, and write report.html, numbers.csv, methods.txt and figures/*.svg; return them.
 
     Raises WriteError if a file cannot be written. Each file is complete or absent.
@@ -59,10 +50,7 @@ def write_report(
 
 def numbers(found: Features, on_step: OnStep = ignore) -> list[Record]:
     """Return every number of the report but those of its maps, a record of COLUMNS each."""
-    with (
-        one_thread(),
-        one_blas_thread(),
-    ):  # small matrices: a second thread costs more than it helps
+    with one_thread(), one_blas_thread():  # small matrices: a second thread costs more than it helps
         records = gaps(found, on_step)
         on_step(Step(done=0, total=0, text="retrieval and neighbours"))
         return [*records, *retrieval(found), *neighbours(found), *probes(found, on_step)]
@@ -85,9 +73,7 @@ def _maps(found: Features, seed: int) -> tuple[Drawn, list[Record]]:
             score = quality(points, flat, k=NEIGHBOURS, seed=seed)
             trust = f"trustworthiness {score.trustworthiness:.3f}, recall {score.recall:.3f} at {NEIGHBOURS} neighbours"
             for measure in ("trustworthiness", "recall"):
-                records.append(
-                    record("map", f"{method} {measure}", getattr(score, measure), n=len(points))
-                )
+                records.append(record("map", f"{method} {measure}", getattr(score, measure), n=len(points)))
         colourings = {"domain": (data.domain, data.header.domains)}
         if found.labelled and method == "umap":
             colourings["class"] = (data.label, data.header.classes)
@@ -112,11 +98,7 @@ def _charts(found: Features, records: Sequence[Record]) -> Drawn:
         if table is not None:
             drawn[f"gaps_{measure}"] = figures.gap_tables(table)
     depth = DEPTHS[1]
-    chosen = [
-        r
-        for r in records
-        if r["measure"] == f"recall@{depth}" and len(found.members(r["modality"])) > depth
-    ]
+    chosen = [r for r in records if r["measure"] == f"recall@{depth}" and len(found.members(r["modality"])) > depth]
     if chosen:
         kept = _few(chosen, "modality")
         rows = [{**r, "row": r["modality"], "series": f"{r['from']} to {r['to']}"} for r in kept]
@@ -131,11 +113,7 @@ def _charts(found: Features, records: Sequence[Record]) -> Drawn:
             colours={"chance": CHANCE},
             caption="Within each domain, by cosine. Bars: 95 % intervals over objects.",
         )
-    mixing = [
-        r
-        for r in records
-        if r["part"] == "neighbours" and "own domain" in r["measure"] and r["from"]
-    ]
+    mixing = [r for r in records if r["part"] == "neighbours" and "own domain" in r["measure"] and r["from"]]
     if mixing:
         level = next(r for r in records if r["part"] == "neighbours" and "if domains" in r["note"])
         drawn["neighbours"] = figures.dots(
@@ -177,9 +155,7 @@ def _gap_record(found: Features, records: Sequence[Record], measure: str) -> dic
     for one in own:
         a, b = one["from"], one["to"]
         tables[one["modality"]][a][b] = tables[one["modality"]][b][a] = one["value"]
-    between = [
-        r for r in records if r["part"] == "modality gap" and r["measure"] == measure and r["note"]
-    ]
+    between = [r for r in records if r["part"] == "modality gap" and r["measure"] == measure and r["note"]]
     return {
         "measure": measure,
         "stage": "unit length",
@@ -197,13 +173,9 @@ def _page(found: Features, records: Sequence[Record], drawn: Drawn, words: str) 
     if data.header.simulated:
         facts += " Simulated data."
     missing = notes(found)
-    parts: list[Any] = [
-        f"<p>{escape(facts)}</p>" + "".join(f"<p><b>{escape(m)}</b></p>" for m in missing)
-    ]
+    parts: list[Any] = [f"<p>{escape(facts)}</p>" + "".join(f"<p><b>{escape(m)}</b></p>" for m in missing)]
     parts += [one for name, one in drawn.items() if name.startswith("map")]
-    if any(
-        one["part"].endswith(" gap") and one["note"] for one in records if one["part"] != "no gap"
-    ):
+    if any(one["part"].endswith(" gap") and one["note"] for one in records if one["part"] != "no gap"):
         parts += ["<h2>Gaps, means with 95 % intervals</h2>" + _gap_table(records)]
     parts += [one for name, one in drawn.items() if name.startswith("gaps")]
     if "retrieval" in drawn:
@@ -230,19 +202,9 @@ def _gap_table(records: Sequence[Record]) -> str:
     cells = []
     for one in means:
         level = floors.get((one["measure"], one["modality"]))
-        what = (
-            "between photos and touches"
-            if not one["modality"]
-            else f"between domains, {VIEWS[one['modality']]}"
-        )
+        what = "between photos and touches" if not one["modality"] else f"between domains, {VIEWS[one['modality']]}"
         cells.append(
-            (
-                NAMES[one["measure"]],
-                what,
-                _number(one["value"]),
-                _ends(one),
-                "–" if level is None else _number(level),
-            )
+            (NAMES[one["measure"]], what, _number(one["value"]), _ends(one), "–" if level is None else _number(level))
         )
     head = ("measure", "gap", "mean", "95 % interval", "two halves of one domain")
     return _table(head, cells, words=2)
@@ -253,16 +215,10 @@ def _table(head: Sequence[str], rows: Sequence[Sequence[str]], *, words: int) ->
 
     def line(cells: Sequence[str], tag: str) -> str:
         kinds = [' class="words"' if k < words else "" for k in range(len(cells))]
-        return "".join(
-            f"<{tag}{kind}>{escape(cell)}</{tag}>" for cell, kind in zip(cells, kinds, strict=True)
-        )
+        return "".join(f"<{tag}{kind}>{escape(cell)}</{tag}>" for cell, kind in zip(cells, kinds, strict=True))
 
     lines = [line(head, "th"), *(line(row, "td") for row in rows)]
-    return (
-        '<div class="table"><table>'
-        + "".join(f"<tr>{line}</tr>" for line in lines)
-        + "</table></div>"
-    )
+    return '<div class="table"><table>' + "".join(f"<tr>{line}</tr>" for line in lines) + "</table></div>"
 
 
 def _number(value: float) -> str:

@@ -55,13 +55,9 @@ def methods(found: Features, seed: int) -> str:
             "domain, since finite samples raise all but Proxy-A, which is cross-validated."
         )
     if two and max(members) > 1:
-        parts.append(
-            "In retrieval, each photo ranks the touches of its domain by cosine, and each touch the photos."
-        )
+        parts.append("In retrieval, each photo ranks the touches of its domain by cosine, and each touch the photos.")
     if len(members) > 1:
-        parts.append(
-            f"Neighbours across domains are the {NEAR} nearest rows of other objects by cosine."
-        )
+        parts.append(f"Neighbours across domains are the {NEAR} nearest rows of other objects by cosine.")
     if labelled and large:
         away = (
             f" A profile moves the mean and deviation of each channel of the target to the source's, from {PROFILE} pictures of the target "

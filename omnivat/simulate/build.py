@@ -43,9 +43,7 @@ def write_examples(made: PairSet, folder: Path, *, each: int = 2) -> list[Path]:
         if pair.split == "test":
             classes[pair.domain, pair.material].append(pair)
     if not classes:
-        raise DataError(
-            "The set has no test objects to take examples from; ask for 4 pairs per class or more."
-        )
+        raise DataError("The set has no test objects to take examples from; ask for 4 pairs per class or more.")
     written = []
     for (domain, material), things in classes.items():
         for pair in chosen(things, each):
@@ -74,10 +72,7 @@ def spread(things: list[Pair], count: int) -> list[Pair]:
 
 _NAMES = ("object", "split", "part", "looks_like", "feels_like")
 COLUMNS = ("vis", "tac", "domain", "material", *_NAMES)
-RENDERERS = {
-    "mitsuba": "omnivat.simulate.vision:rendered",
-    "plain": "omnivat.simulate.photograph:plain",
-}
+RENDERERS = {"mitsuba": "omnivat.simulate.vision:rendered", "plain": "omnivat.simulate.photograph:plain"}
 
 
 def simulate(
@@ -109,13 +104,10 @@ def simulate(
     """
     plan = list(_plan(domains, pairs_per_class=pairs_per_class))
     if size < 32:
-        raise DataError(
-            f"Images of {size} pixels are too small to show a touch; ask for 32 or more."
-        )
+        raise DataError(f"Images of {size} pixels are too small to show a touch; ask for 32 or more.")
     # Alternate between classes, so that an interrupted build has a mixed sample.
     todo = sorted(
-        (pair for pair in plan if not _is_done(out, pair, size)),
-        key=lambda pair: int(pair.object.rsplit("-", 1)[1]),
+        (pair for pair in plan if not _is_done(out, pair, size)), key=lambda pair: int(pair.object.rsplit("-", 1)[1])
     )
     done = len(plan) - len(todo)
     on_step(Step(done=done, total=len(plan), text="already there"))
@@ -144,13 +136,9 @@ def draw_to(pair: Planned, *, out: Path, seed: int, size: int, renderer: str) ->
     return pair
 
 
-def _plan(
-    domains: Sequence[str | SimulatedDomain] | None, *, pairs_per_class: int
-) -> Iterator[Planned]:
+def _plan(domains: Sequence[str | SimulatedDomain] | None, *, pairs_per_class: int) -> Iterator[Planned]:
     if not 1 <= pairs_per_class <= NUMBERS:
-        raise DataError(
-            f"{pairs_per_class} pairs of a class were requested; choose 1 to {NUMBERS:,}."
-        )
+        raise DataError(f"{pairs_per_class} pairs of a class were requested; choose 1 to {NUMBERS:,}.")
     for domain in [*SIMULATED.values()] if domains is None else map(_domain, domains):
         for material in classes(domain):
             yield from planned(domain, material, pairs=pairs_per_class)

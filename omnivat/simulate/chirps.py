@@ -56,8 +56,7 @@ class ChirpSettings:
         require_declared(self)
         if self.classes > self.width // 2 - 1:
             raise SettingsError(
-                f"{self.classes} classes need a width of {2 * self.classes + 2} or more, "
-                f"got {self.width}."
+                f"{self.classes} classes need a width of {2 * self.classes + 2} or more, got {self.width}."
             )
 
     @property
@@ -107,9 +106,7 @@ def origin(settings: ChirpSettings) -> str:
     )
 
 
-def domain_signals(
-    settings: ChirpSettings, domain: int
-) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+def domain_signals(settings: ChirpSettings, domain: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Return VIS and TAC (N, D) of one domain, class by class, independent of other domains."""
     label = np.repeat(np.arange(settings.classes), settings.pairs_per_class)
     orders = interference_orders(settings)[domain]
@@ -203,9 +200,7 @@ def pair_names(settings: ChirpSettings) -> dict[str, list[str]]:
     return columns
 
 
-def write_chirps(
-    out: Path, settings: ChirpSettings, *, pictures: bool = True, on_step: OnStep = ignore
-) -> PairSet:
+def write_chirps(out: Path, settings: ChirpSettings, *, pictures: bool = True, on_step: OnStep = ignore) -> PairSet:
     """Write `<out>/<domain>/<class>/<name>_{vis,tac}.png` and `<out>/pairs.csv`; return the pairs.
 
     The same settings give the same bytes. `omnivat embed OUT --encoder strip --no-flips` reads
@@ -227,9 +222,7 @@ def write_chirps(
         on_step(Step(done=row + 1, total=len(made), text=made.rows["object"][row]))
     write_text(out / "pairs.csv", pairs_table(made))
     return PairSet(
-        pairs=tuple(_pair(out, made, row) for row in range(len(made))),
-        origin=origin(settings),
-        simulated=True,
+        pairs=tuple(_pair(out, made, row) for row in range(len(made))), origin=origin(settings), simulated=True
     )
 
 

@@ -57,9 +57,7 @@ def untouched(calibration: str, *, size: int) -> Array:
 
 
 def _rendered(calibration: str, distance: Array, depth: float | None) -> Array:
-    seen = _simulator(calibration).render(
-        distance.astype(np.float32), with_shadow=False, press_depth=depth
-    )
+    seen = _simulator(calibration).render(distance.astype(np.float32), with_shadow=False, press_depth=depth)
     return np.asarray(seen)
 
 

@@ -26,10 +26,7 @@ def _drawn(seed: int, low: float, high: float) -> tuple[float, float, float]:
 
 
 def _grass(x: Array, y: Array, seed: int) -> Array:
-    blades = sum(
-        streaks(x, y, angle=0.9 * turn + 0.3, width=5.0, length=45.0, seed=seed + turn)
-        for turn in range(3)
-    )
+    blades = sum(streaks(x, y, angle=0.9 * turn + 0.3, width=5.0, length=45.0, seed=seed + turn) for turn in range(3))
     return tinted((0.12, 0.15, 0.06), 0.22 * np.asarray(blades))
 
 
@@ -48,21 +45,15 @@ def _gravel(x: Array, y: Array, seed: int) -> Array:
 def _cloth(x: Array, y: Array, seed: int) -> Array:
     red, _, blue = _drawn(seed, 0.03, 0.12)
     folds = orange_peel(x, y, size=90.0, seed=seed)
-    return tinted(
-        (red, 0.9 * red, 2.2 * blue), 0.1 * np.sin(x * 1.3) * np.sin(y * 1.3) + 0.15 * folds
-    )
+    return tinted((red, 0.9 * red, 2.2 * blue), 0.1 * np.sin(x * 1.3) * np.sin(y * 1.3) + 0.15 * folds)
 
 
 def _carpet(x: Array, y: Array, seed: int) -> Array:
     tufts = grain(x, y, coarsest=9.0, finest=2.0, seed=seed)
-    return tinted(
-        _drawn(seed, 0.08, 0.35), 0.3 * tufts + 0.3 * orange_peel(x, y, size=60, seed=seed)
-    )
+    return tinted(_drawn(seed, 0.08, 0.35), 0.3 * tufts + 0.3 * orange_peel(x, y, size=60, seed=seed))
 
 
-def _planks(
-    x: Array, y: Array, seed: int, *, wide: float, tone: tuple[float, float, float]
-) -> Array:
+def _planks(x: Array, y: Array, seed: int, *, wide: float, tone: tuple[float, float, float]) -> Array:
     row = np.floor(y / wide)
     lines = streaks(x + 977.0 * row, y, angle=0.0, width=3.0, length=220.0, seed=seed)
     joint = smoothstep(np.abs(y / wide - row - 0.5), 0.485, 0.5)
@@ -102,13 +93,9 @@ def _street(x: Array, z: Array, seed: int) -> Array:
 
 def _bricks(x: Array, z: Array, seed: int) -> Array:
     row = np.floor(z / 75.0)
-    inside = (np.abs((x / 215.0 + 0.5 * row) % 1.0 - 0.5) < 0.475) & (
-        np.abs(z / 75 - row - 0.5) < 0.43
-    )
+    inside = (np.abs((x / 215.0 + 0.5 * row) % 1.0 - 0.5) < 0.475) & (np.abs(z / 75 - row - 0.5) < 0.43)
     tone = 0.2 * orange_peel(x, z, size=120.0, seed=seed)
-    return mixed(
-        tinted((0.45, 0.42, 0.38), tone), tinted((0.33, 0.16, 0.1), tone), inside.astype(np.float64)
-    )
+    return mixed(tinted((0.45, 0.42, 0.38), tone), tinted((0.33, 0.16, 0.1), tone), inside.astype(np.float64))
 
 
 def _shelf(x: Array, z: Array, seed: int) -> Array:
@@ -131,9 +118,7 @@ def _wall(x: Array, z: Array, seed: int) -> Array:
 def _door(x: Array, z: Array, seed: int) -> Array:
     wall = _wall(x, z, seed)
     u = x - np.random.default_rng(seed).uniform(-300, 300)
-    leaf = tinted(
-        (0.4, 0.26, 0.15), 0.1 * streaks(x, z, angle=np.pi / 2, width=9, length=300, seed=seed)
-    )
+    leaf = tinted((0.4, 0.26, 0.15), 0.1 * streaks(x, z, angle=np.pi / 2, width=9, length=300, seed=seed))
     return mixed(wall, leaf, (np.abs(u) < 380.0).astype(np.float64))
 
 

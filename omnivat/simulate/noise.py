@@ -31,9 +31,7 @@ def noise(x: Array, y: Array, *, wavelength: float, seed: int) -> Array:
     return np.asarray(map_coordinates(_table(), points, order=2, mode="grid-wrap", prefilter=False))
 
 
-def octaves(
-    x: Array, y: Array, *, wavelength: float, finest: float, seed: int, roughness: float = 0.5
-) -> Array:
+def octaves(x: Array, y: Array, *, wavelength: float, finest: float, seed: int, roughness: float = 0.5) -> Array:
     """Sum noise from `wavelength` down to `finest` mm; each octave is `roughness` times the last."""
     total = np.zeros(np.broadcast(x, y).shape)
     power, weight, step = 0.0, 1.0, 0
@@ -50,9 +48,7 @@ def turned(x: Array, y: Array, angle: float) -> tuple[Array, Array]:
     return x * cos + y * sin, y * cos - x * sin
 
 
-def cells(
-    x: Array, y: Array, *, size: float, seed: int, jitter: float = 0.9
-) -> tuple[Array, Array]:
+def cells(x: Array, y: Array, *, size: float, seed: int, jitter: float = 0.9) -> tuple[Array, Array]:
     """Return distance (mm) to the nearest scattered point and to the border of its cell.
 
     Each square of `size` mm has one point, moved by `jitter` of the square.

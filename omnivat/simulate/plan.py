@@ -47,20 +47,14 @@ def planned(domain: SimulatedDomain, material: str, *, pairs: int) -> list[Plann
     """
     parts = domain.series or ("",)
     places = [
-        (
-            "test" if index // len(parts) % TEST_EVERY == 1 else "train",
-            parts[index % len(parts)],
-            index,
-        )
+        ("test" if index // len(parts) % TEST_EVERY == 1 else "train", parts[index % len(parts)], index)
         for index in range(pairs)
     ]
     numbers = {place: domain.seed_base + rank for rank, place in enumerate(sorted(places))}
     return [_pair(domain, material, place, numbers[place]) for place in places]
 
 
-def _pair(
-    domain: SimulatedDomain, material: str, place: tuple[str, str, int], number: int
-) -> Planned:
+def _pair(domain: SimulatedDomain, material: str, place: tuple[str, str, int], number: int) -> Planned:
     split, part, index = place
     name = f"{material}-{index:02d}"
     looks_like, feels_like = imitated(domain, material, number)

@@ -93,9 +93,7 @@ def mesh(mi: Any, solid: Solid, uv: Array, material: dict[str, Any]) -> Any:
 def material(mi: Any, thing: Thing, texture: Texture) -> dict[str, Any]:
     """Return the BSDF; skin and unresolved relief widen its highlight."""
     sight = thing.sight
-    along, across = (
-        float(np.clip(np.hypot(sight.roughness, slope), 0.015, 0.6)) for slope in texture.slopes
-    )
+    along, across = (float(np.clip(np.hypot(sight.roughness, slope), 0.015, 0.6)) for slope in texture.slopes)
     if sight.gloss == "glass":
         alpha = (along + across) / 2
         kind = {"type": "dielectric"} if alpha < 0.03 else {
@@ -171,12 +169,8 @@ def _backdrop(mi: Any, framing: Framing, clear: bool) -> dict[str, Any]:
     x, z = np.meshgrid(axis, axis + half)
     colour = beyond(framing.behind, x, z, seed=framing.seed + 4)
     centre = middle + np.array([0.0, 0.0, half - 15.0])
-    stand = mi.ScalarTransform4f().look_at(
-        origin=centre.tolist(), target=(centre - far).tolist(), up=[0, 0, 1]
-    )
-    return {"type": "rectangle", "to_world": stand.scale([half, half, 1])} | _shown(
-        mi, colour, framing, clear
-    )
+    stand = mi.ScalarTransform4f().look_at(origin=centre.tolist(), target=(centre - far).tolist(), up=[0, 0, 1])
+    return {"type": "rectangle", "to_world": stand.scale([half, half, 1])} | _shown(mi, colour, framing, clear)
 
 
 def _shown(mi: Any, colour: Array, framing: Framing, clear: bool) -> dict[str, Any]:

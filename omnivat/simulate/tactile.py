@@ -51,9 +51,7 @@ def _marked(image: Array, sheet: Array, sensor: Sensor, shear: tuple[float, floa
     """Return the picture with the gel's markers, if it has any."""
     if sensor.markers is None:
         return image
-    return np.asarray(
-        image * (1.0 - marker_shade(sheet, sensor.markers, sensor.field, shear)[..., None])
-    )
+    return np.asarray(image * (1.0 - marker_shade(sheet, sensor.markers, sensor.field, shear)[..., None]))
 
 
 def untouched(sensor: Sensor, *, size: int) -> Array:
@@ -101,9 +99,7 @@ def marker_shade(sheet: Array, markers: Markers, field: float, shear: tuple[floa
     jitter = markers.uneven * markers.pitch
     u = u + jitter * noise(u, v, wavelength=2.6 * markers.pitch, seed=11)
     v = v + jitter * noise(u, v, wavelength=2.6 * markers.pitch, seed=12)
-    radius = markers.radius * (
-        1.0 + 2.0 * markers.uneven * noise(u, v, wavelength=2.0 * markers.pitch, seed=13)
-    )
+    radius = markers.radius * (1.0 + 2.0 * markers.uneven * noise(u, v, wavelength=2.0 * markers.pitch, seed=13))
     du = u - np.round(u / markers.pitch) * markers.pitch
     dv = v - np.round(v / markers.pitch) * markers.pitch
     edge = 1.2 * pixel

@@ -68,9 +68,7 @@ def _pixels(image: Any) -> Array:
 
 
 def _camera(mi: Any, framing: Framing, size: int, samples: int) -> dict[str, Any]:
-    view = mi.ScalarTransform4f().look_at(
-        origin=framing.eye.tolist(), target=framing.target.tolist(), up=[0, 0, 1]
-    )
+    view = mi.ScalarTransform4f().look_at(origin=framing.eye.tolist(), target=framing.target.tolist(), up=[0, 0, 1])
     return {
         "type": "perspective",
         "fov": float(np.rad2deg(framing.lens)),
@@ -138,17 +136,11 @@ def panorama(framing: Framing, *, least_softness: float = 0.0) -> Array:
     light's total power does not depend on its size.
     """
     polar, azimuth = np.meshgrid(
-        (np.arange(_ROWS) + 0.5) / _ROWS * np.pi,
-        (np.arange(_COLUMNS) + 0.5) / _COLUMNS * 2 * np.pi,
-        indexing="ij",
+        (np.arange(_ROWS) + 0.5) / _ROWS * np.pi, (np.arange(_COLUMNS) + 0.5) / _COLUMNS * 2 * np.pi, indexing="ij"
     )
-    way = np.stack(
-        [np.sin(polar) * np.cos(azimuth), np.sin(polar) * np.sin(azimuth), np.cos(polar)], axis=-1
-    )
+    way = np.stack([np.sin(polar) * np.cos(azimuth), np.sin(polar) * np.sin(azimuth), np.cos(polar)], axis=-1)
     flat = np.cos(framing.height)
-    key = np.array(
-        [flat * np.cos(framing.light), flat * np.sin(framing.light), np.sin(framing.height)]
-    )
+    key = np.array([flat * np.cos(framing.light), flat * np.sin(framing.light), np.sin(framing.height)])
     width = max(framing.scene.softness, least_softness, 0.08)
     away = np.arccos(np.clip(way @ key, -1.0, 1.0))
     lamp = np.exp(-((away / width) ** 4))
@@ -161,7 +153,5 @@ def panorama(framing: Framing, *, least_softness: float = 0.0) -> Array:
 def _surroundings(way: Array, polar: Array, seed: int) -> Array:
     """Return the uneven brightness of the surroundings, about 1."""
     above = smoothstep(np.cos(polar), -0.05, 0.25)
-    blocks = octaves(
-        3.0 * way[..., 0] + way[..., 2], 3.0 * way[..., 1], wavelength=1.5, finest=0.4, seed=seed
-    )
+    blocks = octaves(3.0 * way[..., 0] + way[..., 2], 3.0 * way[..., 1], wavelength=1.5, finest=0.4, seed=seed)
     return np.asarray((0.2 + 0.8 * above) * (1.0 + 0.8 * np.tanh(2.0 * blocks)))

@@ -50,17 +50,11 @@ def curves_on_ray(
             still = name.split("/")[1] in STILL  # it holds for every order
             curve = curves.setdefault(name, np.full(len(orders), np.nan))
             curve[slice(None) if still else index] = value
-        on_step(
-            Step(
-                done=len(tasks) - len(waiting), total=len(tasks), text=f"order {orders[index]:.2f}"
-            )
-        )
+        on_step(Step(done=len(tasks) - len(waiting), total=len(tasks), text=f"order {orders[index]:.2f}"))
     return curves
 
 
-def _at(
-    head: str, embeddings: str, order: float, stages: Sequence[str], measures: Sequence[str]
-) -> dict[str, float]:
+def _at(head: str, embeddings: str, order: float, stages: Sequence[str], measures: Sequence[str]) -> dict[str, float]:
     """Return every curve's value at one order, in a worker of one core."""
     with one_thread():
         model = load_head(head).model

@@ -23,9 +23,7 @@ from omnivat.sweep.walk import CHUNK, AtOrder, coarse_first, require_known, walk
 Curves = Mapping[str, Sequence[float | None]]
 
 
-def write_curves_json(
-    path: str | Path, orders: Sequence[float], curves: Curves, head: Mapping[str, Any]
-) -> None:
+def write_curves_json(path: str | Path, orders: Sequence[float], curves: Curves, head: Mapping[str, Any]) -> None:
     """Write `{"orders": [...], "head": {...}, "curves": {name: [...]}}`; null means undefined."""
     plain = {name: [_number(value) for value in values] for name, values in curves.items()}
     write_json(path, {"orders": list(orders), "head": dict(head), "curves": plain})
@@ -94,8 +92,7 @@ def sweep(
         classes=classes,
         label=facts.labels.cpu().numpy(),
         probabilities=np.zeros(
-            (len(orders), len(embeddings) if predictions else 0, len(model.settings.classes)),
-            dtype=np.float32,
+            (len(orders), len(embeddings) if predictions else 0, len(model.settings.classes)), dtype=np.float32
         ),
     )
     visits = coarse_first(len(orders))
@@ -120,9 +117,7 @@ def sweep(
     return result
 
 
-def measured(
-    found: AtOrder, facts: Facts, measures: Sequence[str]
-) -> Iterator[tuple[str, str, float]]:
+def measured(found: AtOrder, facts: Facts, measures: Sequence[str]) -> Iterator[tuple[str, str, float]]:
     """Yield stage ("" for predictions), name and value of all curves at one order."""
     for stage in (*found.features, *found.sums):
         for name, suffix, value in _of_stage(found, stage, facts, measures):
@@ -135,9 +130,7 @@ def measured(
                 yield "", f"{name}{suffix}", float(value)
 
 
-def _of_stage(
-    found: AtOrder, stage: str, facts: Facts, measures: Sequence[str]
-) -> Iterator[tuple[str, str, Tensor]]:
+def _of_stage(found: AtOrder, stage: str, facts: Facts, measures: Sequence[str]) -> Iterator[tuple[str, str, Tensor]]:
     """Yield measure, suffix and value; the sums of a stage are computed once."""
     features, sums = found.features.get(stage, {}), found.sums.get(stage)
     if sums is None and any(name in SUM_MEASURES for name in measures):

@@ -103,13 +103,7 @@ def walk(
                 if predictions:
                     found.take("", output.readings, rows)
         probabilities = found.whole.pop("", {})
-        yield AtOrder(
-            index=index,
-            order=order,
-            features=found.whole,
-            probabilities=probabilities,
-            sums=found.sums,
-        )
+        yield AtOrder(index=index, order=order, features=found.whole, probabilities=probabilities, sums=found.sums)
 
 
 class _Found:
@@ -136,12 +130,7 @@ class _Found:
 
 @torch.no_grad()
 def stage_blocks(
-    model: OmniVaT | None,
-    embeddings: Embeddings,
-    order: float | None,
-    stage: str,
-    *,
-    chunk: int = CHUNK,
+    model: OmniVaT | None, embeddings: Embeddings, order: float | None, stage: str, *, chunk: int = CHUNK
 ) -> Iterator[tuple[slice, Features]]:
     """Yield the features of one stage at one order, `chunk` pairs at a time, with their slice.
 
@@ -187,17 +176,12 @@ def stage_features(output: HeadOutput, stage: str) -> Features:
     return {name: rows.movedim(-2, 0).flatten(1) for name, rows in getattr(output, stage).items()}
 
 
-def _raw_chunks(
-    model: OmniVaT | None, embeddings: Embeddings, chunk: int
-) -> Iterator[tuple[slice, dict[str, Tensor]]]:
+def _raw_chunks(model: OmniVaT | None, embeddings: Embeddings, chunk: int) -> Iterator[tuple[slice, dict[str, Tensor]]]:
     device = model.classifier.device if model else None
     both = zip(walked(embeddings.vis, size=chunk), walked(embeddings.tac, size=chunk), strict=True)
     for place, (vis, tac) in enumerate(both):
         rows = slice(place * chunk, (place + 1) * chunk)
-        yield (
-            rows,
-            {"vis": torch.from_numpy(vis).to(device), "tac": torch.from_numpy(tac).to(device)},
-        )
+        yield (rows, {"vis": torch.from_numpy(vis).to(device), "tac": torch.from_numpy(tac).to(device)})
 
 
 def require_known(names: Sequence[str], known: Sequence[str], kind: str) -> None:

@@ -61,26 +61,17 @@ def labels_of(source: Embeddings, head: HeadSettings) -> Array:
     return labels
 
 
-def held_out(
-    source: Embeddings, labels: Array, settings: TrainSettings, seed: int
-) -> tuple[Array, Array]:
+def held_out(source: Embeddings, labels: Array, settings: TrainSettings, seed: int) -> tuple[Array, Array]:
     """Return indices of training pairs and of pairs held out for selection; no object is split."""
     everything = np.arange(len(source))
     if settings.selection == "last" or settings.val_fraction == 0:
         return everything, everything[:0]
-    held = hold_out(
-        source.rows["object"], labels, settings.val_fraction, seed=derive_seed(seed, "hold-out")
-    )
+    held = hold_out(source.rows["object"], labels, settings.val_fraction, seed=derive_seed(seed, "hold-out"))
     return everything[~held], everything[held]
 
 
 def batches(
-    source: Embeddings,
-    labels: Array,
-    fit: Array,
-    bank: LangBank | None,
-    settings: TrainSettings,
-    seed: int,
+    source: Embeddings, labels: Array, fit: Array, bank: LangBank | None, settings: TrainSettings, seed: int
 ) -> Iterator[Batch]:
     """Yield the batches of one epoch: shuffled pairs, random mirroring, a random text style."""
     random = np.random.default_rng(seed)
@@ -96,9 +87,7 @@ def batches(
     for start in range(0, count, settings.batch):
         rows = slice(start, start + settings.batch)
         given = {
-            name: torch.from_numpy(
-                _shifted(_noisy(drawn.rows(rows), noise.get(name), random), spread, name, random)
-            )
+            name: torch.from_numpy(_shifted(_noisy(drawn.rows(rows), noise.get(name), random), spread, name, random))
             for name, drawn in images.items()
         }
         yield Batch(
@@ -126,10 +115,7 @@ def _noise(source: Embeddings, fit: Array, settings: TrainSettings) -> dict[str,
     """Return the noise's standard deviation (input_width,) by modality; nothing without noise."""
     if not settings.noise:
         return {}
-    return {
-        name: settings.noise * getattr(source, name)[fit].std(0, dtype=np.float32)
-        for name in settings.given
-    }
+    return {name: settings.noise * getattr(source, name)[fit].std(0, dtype=np.float32) for name in settings.given}
 
 
 def _noisy(rows: Array, deviation: Array | None, random: np.random.Generator) -> Array:
@@ -140,9 +126,7 @@ def _noisy(rows: Array, deviation: Array | None, random: np.random.Generator) ->
     return noisy
 
 
-def _spread(
-    source: Embeddings, fit: Array, settings: TrainSettings, random: np.random.Generator
-) -> dict[str, Array]:
+def _spread(source: Embeddings, fit: Array, settings: TrainSettings, random: np.random.Generator) -> dict[str, Array]:
     """Return centred rows (M, input_width) by modality whose random sums are offsets; {} without.
 
     Their covariance is that of the source's pairs times shift², so an offset moves a batch along
@@ -156,9 +140,7 @@ def _spread(
     return {name: scale * (values - values.mean(0)) for name, values in rows.items()}
 
 
-def _shifted(
-    rows: Array, spread: dict[str, Array], name: str, random: np.random.Generator
-) -> Array:
+def _shifted(rows: Array, spread: dict[str, Array], name: str, random: np.random.Generator) -> Array:
     """Return rows (B, input_width) plus one random offset."""
     if name not in spread:
         return rows
@@ -185,9 +167,7 @@ class _Drawn:
         return chosen
 
 
-def _mirrored(
-    source: Embeddings, name: str, shuffled: Array, random: np.random.Generator
-) -> _Drawn:
+def _mirrored(source: Embeddings, name: str, shuffled: Array, random: np.random.Generator) -> _Drawn:
     """Draw embeddings of VIS or TAC; each is mirrored with probability 1/2."""
     plain, flipped = getattr(source, name), getattr(source, f"{name}_flip")
     if flipped is None:

@@ -112,9 +112,7 @@ def train_once(
         drawn = batches(source, labels, fit, bank, settings, stream)
         record = _epoch(model, optimiser, drawn, settings, epoch, steps, watch, teachers)
         if len(held):
-            record["source_val_macro_f1"] = _source_score(
-                model, source, held, labels[held], settings
-            )
+            record["source_val_macro_f1"] = _source_score(model, source, held, labels[held], settings)
             progress.keep_best(record["source_val_macro_f1"], epoch, model)
         progress.epochs.append(record)
         watch.on_epoch(record, model)
@@ -164,9 +162,7 @@ def _orders(model: OmniVaT) -> dict[str, float]:
     return {"order": model.order, **{f"order_{n}": p for n, p in model.orders.items()}}
 
 
-def _source_score(
-    model: OmniVaT, source: Embeddings, held: Array, labels: Array, settings: TrainSettings
-) -> float:
+def _source_score(model: OmniVaT, source: Embeddings, held: Array, labels: Array, settings: TrainSettings) -> float:
     model.eval()
     shares = predicted_probabilities(model, source, modalities=settings.given, rows=held)
     model.train()

@@ -188,12 +188,7 @@ class _Scores:
     """Scores orders on one source, for a head before its training."""
 
     def __init__(
-        self,
-        source: Embeddings,
-        head: HeadSettings,
-        settings: TrainSettings,
-        seed: int,
-        watch: Watch,
+        self, source: Embeddings, head: HeadSettings, settings: TrainSettings, seed: int, watch: Watch
     ) -> None:
         if len(source) > MOST:
             random = np.random.default_rng(derive_seed(seed, "order-search"))

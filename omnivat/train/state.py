@@ -41,13 +41,7 @@ class Progress:
             self.best = {name: tensor.clone() for name, tensor in model.state_dict().items()}
 
 
-def run_name(
-    source: Embeddings,
-    head: HeadSettings,
-    settings: TrainSettings,
-    bank: LangBank | None,
-    seed: int,
-) -> str:
+def run_name(source: Embeddings, head: HeadSettings, settings: TrainSettings, bank: LangBank | None, seed: int) -> str:
     """Return an identifier of the training: data, settings, LANG and seed."""
     digest = sha256()
     for array in (source.vis, source.tac, source.vis_flip, source.tac_flip, source.label):
@@ -57,9 +51,7 @@ def run_name(
     return digest.hexdigest()[:16]
 
 
-def save_state(
-    path: Path, run: str, model: OmniVaT, optimiser: torch.optim.Optimizer, progress: Progress
-) -> None:
+def save_state(path: Path, run: str, model: OmniVaT, optimiser: torch.optim.Optimizer, progress: Progress) -> None:
     """Write the state after an epoch, completely or not at all."""
     tensors = {f"model.{name}": t for name, t in model.state_dict().items()}
     tensors |= {f"best.{name}": t for name, t in progress.best.items()}
@@ -104,10 +96,7 @@ def load_state(path: Path, run: str, model: OmniVaT, optimiser: torch.optim.Opti
             optimiser.state[parameter] = {"momentum_buffer": momenta[str(index)]}
     score, epoch = json.loads(metadata["best"])
     return Progress(
-        epochs=json.loads(metadata["epochs"]),
-        best_score=score,
-        best_epoch=epoch,
-        best=_under("best.", tensors),
+        epochs=json.loads(metadata["epochs"]), best_score=score, best_epoch=epoch, best=_under("best.", tensors)
     )
 
 

@@ -19,9 +19,7 @@ def make_optimiser(model: OmniVaT, settings: TrainSettings) -> torch.optim.SGD:
     order, theta = [model.mffa.order], list(model.mffa.theta.values())
     apart = {id(parameter) for parameter in (*order, *theta)}
     rest = [p for p in model.parameters() if id(p) not in apart]
-    groups: list[dict[str, Any]] = [
-        {"params": rest, "weight_decay": settings.weight_decay, "scale": 1.0}
-    ]
+    groups: list[dict[str, Any]] = [{"params": rest, "weight_decay": settings.weight_decay, "scale": 1.0}]
     if theta:
         groups.append({"params": theta, "weight_decay": 0.0, "scale": 1.0})
     if model.mffa.order.requires_grad:
@@ -29,9 +27,7 @@ def make_optimiser(model: OmniVaT, settings: TrainSettings) -> torch.optim.SGD:
     return torch.optim.SGD(groups, lr=settings.lr, momentum=settings.momentum, fused=True)
 
 
-def set_rate(
-    optimiser: torch.optim.SGD, settings: TrainSettings, epoch: float, step: float
-) -> None:
+def set_rate(optimiser: torch.optim.SGD, settings: TrainSettings, epoch: float, step: float) -> None:
     """Linear warm-up by step, then cosine to zero. epoch and step count in epochs."""
     warm = min(settings.warmup_epochs, settings.epochs)
     if epoch < warm:
@@ -62,11 +58,7 @@ def taught_logits(teachers: Sequence[OmniVaT], batch: Batch) -> dict[str, Tensor
 
 
 def learn(
-    model: OmniVaT,
-    optimiser: torch.optim.SGD,
-    batch: Batch,
-    settings: TrainSettings,
-    teachers: Sequence[OmniVaT] = (),
+    model: OmniVaT, optimiser: torch.optim.SGD, batch: Batch, settings: TrainSettings, teachers: Sequence[OmniVaT] = ()
 ) -> dict[str, float]:
     """Take one optimiser step; return the losses as numbers.
 

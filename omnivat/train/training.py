@@ -66,14 +66,7 @@ def train(
             teachers, watch = _teachers(source, head, settings, bank, seed, watch)
             settings, bank = replace(settings, lang=False), None  # LANG was for the teachers
         trained = train_once(
-            source,
-            head,
-            settings,
-            bank=bank,
-            seed=seed,
-            resume=resume,
-            watch=watch,
-            teachers=teachers,
+            source, head, settings, bank=bank, seed=seed, resume=resume, watch=watch, teachers=teachers
         )
     if search:
         search = {**search, "found": trained.model.order}
@@ -81,12 +74,7 @@ def train(
 
 
 def _teachers(
-    source: Embeddings,
-    head: HeadSettings,
-    settings: TrainSettings,
-    bank: LangBank | None,
-    seed: int,
-    watch: Watch,
+    source: Embeddings, head: HeadSettings, settings: TrainSettings, bank: LangBank | None, seed: int, watch: Watch
 ) -> tuple[list[OmniVaT], Watch]:
     """Return heads with p held at evenly spaced orders of [0, 1], and the watch of the rest.
 

@@ -64,9 +64,7 @@ def unseen_domains(embeddings: Embeddings, source: str) -> tuple[str, ...]:
     return tuple(name for name in embeddings.header.domains if name != source)
 
 
-def mean_over_domains(
-    right: NDArray[Any], embeddings: Embeddings, source: str, keep: Mask
-) -> float | None:
+def mean_over_domains(right: NDArray[Any], embeddings: Embeddings, source: str, keep: Mask) -> float | None:
     """Return the mean over unseen domains of each domain's share of `right` (N,) among `keep`.
 
     None if the source is not among the domains or no unseen domain has a test pair.

@@ -31,9 +31,7 @@ def judged(keep: NDArray[np.bool_], domain: NDArray[Any], most: int = MOST) -> N
     return np.sort(np.concatenate(chosen)) if chosen else np.zeros(0, dtype=np.int64)
 
 
-def nearest_touch(
-    vis: Rows, tac: Rows, domain: NDArray[Any], rows: NDArray[np.int64]
-) -> NDArray[np.int64]:
+def nearest_touch(vis: Rows, tac: Rows, domain: NDArray[Any], rows: NDArray[np.int64]) -> NDArray[np.int64]:
     """Return for each of `rows` the row of the touch with the largest cosine in its domain.
 
     vis     (len(rows), W), photos of `rows`; tac  (N, W); all of any length. A photo's own touch
@@ -120,9 +118,7 @@ def unseen_summary(head: Head, embeddings: Embeddings) -> dict[str, Any]:
         "domains": _by_domain(facts, shares),
         "unseen": {name: _over_domains(facts, right) for name, right in shares.items()},
         "look_alikes": _look_alikes(facts, shares, embeddings.rows.get("looks_like", [])),
-        "confusion": {
-            name: _confusions(facts, values, len(classes)) for name, values in predicted.items()
-        },
+        "confusion": {name: _confusions(facts, values, len(classes)) for name, values in predicted.items()},
         "pairs": {
             "counts": facts.counts,
             "answers": predicted,
@@ -174,9 +170,7 @@ def _over_domains(facts: _Facts, right: Array) -> dict[str, float] | None:
     return {"share": float(np.mean([r / n for r, n in counts])), "low": low, "high": high}
 
 
-def _look_alikes(
-    facts: _Facts, shares: Mapping[str, Array], looks_like: Sequence[str]
-) -> dict[str, Any] | None:
+def _look_alikes(facts: _Facts, shares: Mapping[str, Array], looks_like: Sequence[str]) -> dict[str, Any] | None:
     """Return the shares of unseen pairs that look like another class, or None without any."""
     alike = np.array([bool(name) for name in looks_like] or [False] * len(facts.domain))
     mask = alike & facts.members()[-1][1]
@@ -195,9 +189,7 @@ def _confusions(facts: _Facts, predicted: Array, classes: int) -> dict[str, list
 
 
 @torch.inference_mode()
-def _alone(
-    head: Head, embeddings: Embeddings, rows: NDArray[np.int64]
-) -> tuple[Array, Array, Array]:
+def _alone(head: Head, embeddings: Embeddings, rows: NDArray[np.int64]) -> tuple[Array, Array, Array]:
     """Return unit F-hat of some photos and of each touch, each seen alone, and cosines (N,) of pairs.
 
     rows  ascending: photos whose F-hat is kept

@@ -23,11 +23,7 @@ def small_places(head_folder: Path, tmp_path_factory: pytest.TempPathFactory) ->
             file.parent.mkdir(parents=True, exist_ok=True)
             Image.fromarray(random.integers(0, 255, (32, 32, 3), dtype=np.uint8)).save(file)
     return Places(
-        head=head_folder,
-        embeddings=head_folder.parent / "set.safetensors",
-        frames=None,
-        sprite=None,
-        pairs=pairs,
+        head=head_folder, embeddings=head_folder.parent / "set.safetensors", frames=None, sprite=None, pairs=pairs
     )
 
 
@@ -54,9 +50,7 @@ def encoder() -> PixelMeans:
 
 
 @pytest.fixture
-def resources(
-    small_places: Places, encoder: PixelMeans, monkeypatch: pytest.MonkeyPatch
-) -> Resources:
+def resources(small_places: Places, encoder: PixelMeans, monkeypatch: pytest.MonkeyPatch) -> Resources:
     """Return new resources for the small set, with an encoder without weights."""
     monkeypatch.setattr("omnivat.encoders.base.load_encoder", lambda name, **_: encoder)
     return Resources(small_places)
@@ -71,9 +65,7 @@ def png() -> Callable[..., bytes]:
 
         random = np.random.default_rng(seed)
         with BytesIO() as handle:
-            Image.fromarray(random.integers(0, 255, (side, side, 3), dtype=np.uint8)).save(
-                handle, "PNG"
-            )
+            Image.fromarray(random.integers(0, 255, (side, side, 3), dtype=np.uint8)).save(handle, "PNG")
             return handle.getvalue()
 
     return make

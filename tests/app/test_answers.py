@@ -48,9 +48,7 @@ def test_a_measurement_names_its_error_and_its_spread(resources):
 def test_a_domains_tree_is_the_mean_of_its_pairs_trees(resources):
     rows = np.flatnonzero(resources.embeddings().domain == 1)
     whole = tree.tree(resources, {"domain": "OF Real-sim", "order": 0.5})
-    each = [
-        tree.tree(resources, {"vis": f"row:{r}", "tac": f"row:{r}", "order": 0.5}) for r in rows
-    ]
+    each = [tree.tree(resources, {"vis": f"row:{r}", "tac": f"row:{r}", "order": 0.5}) for r in rows]
     assert whole["pairs"] == len(rows)
     norms = np.mean([[node["norm"] for node in one["nodes"]] for one in each], axis=0)
     np.testing.assert_allclose([node["norm"] for node in whole["nodes"]], norms, atol=1e-3)

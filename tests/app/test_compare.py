@@ -96,9 +96,7 @@ def test_printed_figures_stand_beside_and_are_marked_not_comparable(resources):
     assert "simulated" in got["why"]
 
 
-def test_records_of_the_protocol_give_means_over_seeds_and_skipped_runs_no_row(
-    resources, tmp_path, monkeypatch
-):
+def test_records_of_the_protocol_give_means_over_seeds_and_skipped_runs_no_row(resources, tmp_path, monkeypatch):
     from omnivat.protocol import records
 
     shown = records.fingerprint(resources.embeddings())
@@ -144,9 +142,7 @@ def test_the_projects_own_records_are_of_the_set_that_comes_with_it():
         cells = [row["cells"] for row in rows if row["label"] == one["label"]]
         unseen = [
             [score for name, (score, _) in own.items() if name != source]
-            for own, source in zip(
-                cells, (r["source"] for r in rows if r["label"] == one["label"]), strict=True
-            )
+            for own, source in zip(cells, (r["source"] for r in rows if r["label"] == one["label"]), strict=True)
         ]
         mean, low, high = one["scores"][0]
         assert mean == pytest.approx(sum(sum(own) / len(own) for own in unseen) / len(unseen))

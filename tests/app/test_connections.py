@@ -37,11 +37,7 @@ def port():
         patch.setitem(uvicorn.config.WS_PROTOCOLS, "auto", "auto")
         patch.setattr(uvicorn.config.Config, "__init__", uvicorn.config.Config.__init__)
         connections.install()
-        routes = [
-            Route("/slow", slow),
-            Route("/large", large),
-            Route("/", quick, methods=["GET", "POST"]),
-        ]
+        routes = [Route("/slow", slow), Route("/large", large), Route("/", quick, methods=["GET", "POST"])]
         config = uvicorn.Config(Starlette(routes=routes), port=0, log_level="error")
         server = uvicorn.Server(config)
         thread = Thread(target=server.run, daemon=True)
@@ -129,9 +125,7 @@ def test_of_one_address_the_connection_that_idled_longest_makes_room(port, monke
     monkeypatch.setattr(connections, "room", 3)
     until(lambda: not connections.CROWD)
     with ExitStack() as stack:
-        first, *_, last = [
-            stack.enter_context(socket.create_connection(("127.0.0.1", port), 10)) for _ in range(4)
-        ]
+        first, *_, last = [stack.enter_context(socket.create_connection(("127.0.0.1", port), 10)) for _ in range(4)]
         with suppress(ConnectionResetError):
             assert first.recv(1) == b""
         last.sendall(HEAD + b"Connection: close\r\n\r\n")

@@ -50,9 +50,7 @@ def test_a_large_photo_says_the_size_that_it_had_and_lies_upright(decoder):
     assert found.image.size == (2000, 3000)
 
 
-@pytest.mark.parametrize(
-    "content", [b"", b"no image", encoded(Image.new("L", (99, 99)), "WEBP")[:60]]
-)
+@pytest.mark.parametrize("content", [b"", b"no image", encoded(Image.new("L", (99, 99)), "WEBP")[:60]])
 def test_what_cannot_be_read_is_refused_in_a_sentence_with_its_name(decoder, content):
     with pytest.raises(DataError, match=r"'touch' .*\."):
         decoder.read(content, "touch")
@@ -82,9 +80,7 @@ def test_a_process_that_dies_while_it_sends_gives_a_sentence(decoder, monkeypatc
     dying = "print('ready', flush=True); input(); print('{\"size\": [99, 99]}'); print('x' * 50)"
 
     def dies():
-        return subprocess.Popen(
-            [sys.executable, "-c", dying], stdin=subprocess.PIPE, stdout=subprocess.PIPE
-        )
+        return subprocess.Popen([sys.executable, "-c", dying], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
 
     monkeypatch.setattr("app.decoder._started", dies)
     with pytest.raises(DataError, match="'slow' could not be read within the time and memory"):
@@ -93,10 +89,7 @@ def test_a_process_that_dies_while_it_sends_gives_a_sentence(decoder, monkeypatc
 
 def test_the_process_ends_by_itself_when_the_server_is_gone():
     process = subprocess.Popen(
-        [sys.executable, "-m", "app.decoder"],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        cwd=ROOT,
+        [sys.executable, "-m", "app.decoder"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, cwd=ROOT
     )
     assert process.stdout.readline() == b"ready\n"
     process.communicate(timeout=10)

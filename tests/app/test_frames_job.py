@@ -95,9 +95,7 @@ def test_the_name_changes_with_the_version_of_the_file_and_the_recipe(source, mo
     assert len(names) == 3
 
 
-@pytest.mark.parametrize(
-    "error", [DataError("No such set."), UnicodeEncodeError("utf-8", "\udc80", 0, 1, "surrogate")]
-)
+@pytest.mark.parametrize("error", [DataError("No such set."), UnicodeEncodeError("utf-8", "\udc80", 0, 1, "surrogate")])
 def test_a_first_failure_is_told_and_then_tried_again(source, jobs, monkeypatch, error):
     def fails(*_):
         raise error
@@ -181,6 +179,4 @@ def test_a_large_set_is_first_shown_by_its_principal_components_alone(source, jo
 
 
 def test_frames_of_a_part_of_a_set_have_a_name_of_their_own(source):
-    assert cache_name(source.head, source.embeddings) != cache_name(
-        source.head, source.embeddings, 20_000
-    )
+    assert cache_name(source.head, source.embeddings) != cache_name(source.head, source.embeddings, 20_000)

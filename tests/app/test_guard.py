@@ -95,10 +95,7 @@ def test_what_the_page_does_not_use_is_not_there(path):
 
 
 def test_there_is_no_websocket():
-    with (
-        pytest.raises(WebSocketDisconnect),
-        client().websocket_connect("ws://127.0.0.1:7860/omnivat/a"),
-    ):
+    with pytest.raises(WebSocketDisconnect), client().websocket_connect("ws://127.0.0.1:7860/omnivat/a"):
         pass
 
 

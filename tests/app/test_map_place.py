@@ -22,15 +22,7 @@ def test_a_pair_of_the_set_is_placed_where_the_map_has_it(with_frames):
 
     frames = read_frames(with_frames.frames.state().file)
     got = explore.place(
-        with_frames,
-        {
-            "vis": "row:7",
-            "tac": "row:7",
-            "order": 0.5,
-            "stage": "f_hat",
-            "map": "pca",
-            "nodes": True,
-        },
+        with_frames, {"vis": "row:7", "tac": "row:7", "order": 0.5, "stage": "f_hat", "map": "pca", "nodes": True}
     )
     drawn = frames.maps["pca/f_hat"]
     where = drawn.places(drawn.orders.index(frames.orders.index(got["order"])))

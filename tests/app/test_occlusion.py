@@ -67,9 +67,7 @@ def test_a_prediction_from_the_upper_right_falls_there_and_nowhere_else(monkeypa
     monkeypatch.setattr("omnivat.encoders.base.for_modality", lambda encoder, name: encoder)
     image = Image.new("RGB", (70, 70), "black")
     image.paste("white", (50, 0, 60, 10))
-    resources = SimpleNamespace(
-        picture=lambda *given: SimpleNamespace(image=image), encoder=Encoder
-    )
+    resources = SimpleNamespace(picture=lambda *given: SimpleNamespace(image=image), encoder=Encoder)
     found = occlusion(resources, b"", modality="vis", other=None, order=None)
     drops = found["drops"]
     assert found["class"] == "bright"
@@ -80,9 +78,7 @@ def test_a_prediction_from_the_upper_right_falls_there_and_nowhere_else(monkeypa
 def test_an_image_of_one_colour_has_nothing_to_hide(resources):
     with BytesIO() as handle:
         Image.new("RGB", (32, 32), "gray").save(handle, "PNG")
-        found = occlusion(
-            resources, handle.getvalue(), modality="tac", other=Ref("row", "3"), order=None
-        )
+        found = occlusion(resources, handle.getvalue(), modality="tac", other=Ref("row", "3"), order=None)
     assert max(abs(drop) for row in found["drops"] for drop in row) < 1e-6
     assert found["class"] in resources.head().settings.classes
 

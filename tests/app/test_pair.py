@@ -52,9 +52,7 @@ def test_touch_only_is_read_with_the_photo_absent(resources):
     pair = predicted(resources, {"vis": "row:3", "tac": "row:3"})
     alone = predicted(resources, {"tac": "row:3"})
     np.testing.assert_allclose(pair["stops"]["tac"], alone["stops"]["fused"], atol=2e-6)
-    np.testing.assert_allclose(
-        pair["exact"]["readings"]["tac"], alone["exact"]["readings"]["fused"], atol=2e-6
-    )
+    np.testing.assert_allclose(pair["exact"]["readings"]["tac"], alone["exact"]["readings"]["fused"], atol=2e-6)
     assert set(alone["exact"]["readings"]) == {"fused", "tac"}
 
 

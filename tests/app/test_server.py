@@ -38,12 +38,7 @@ page.close()
 def loaded() -> list[set[str]]:
     """Return the modules loaded by the first page, and those after importing torch."""
     done = subprocess.run(
-        [sys.executable, "-c", FIRST_PAGE],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=True,
+        [sys.executable, "-c", FIRST_PAGE], cwd=ROOT, capture_output=True, text=True, timeout=120, check=True
     )
     return [set(one.split()[1:]) for one in done.stdout.splitlines() if one.startswith("LOADED")]
 
@@ -103,9 +98,7 @@ def test_no_script_or_style_names_an_outside_address():
 
 def test_only_one_place_catches_everything():
     found = [
-        path.name
-        for path in (ROOT / "app").rglob("*.py")
-        if "except Exception" in path.read_text(encoding="utf-8")
+        path.name for path in (ROOT / "app").rglob("*.py") if "except Exception" in path.read_text(encoding="utf-8")
     ]
     assert found == ["messages.py"]
 
@@ -116,10 +109,7 @@ def test_without_pywebview_the_desktop_window_is_refused_in_a_sentence(monkeypat
     monkeypatch.setitem(sys.modules, "webview", None)
     assert main(["--desktop"]) == 1
     said = capsys.readouterr().err
-    assert (
-        said
-        == "app.py: webview is needed for --desktop. Install it with `pip install pywebview`.\n"
-    )
+    assert said == "app.py: webview is needed for --desktop. Install it with `pip install pywebview`.\n"
 
 
 def test_heads_to_compare_can_be_given_several_times():
@@ -149,12 +139,7 @@ def test_the_desktop_window_shows_the_page_while_it_is_open():
         probe.bind(("127.0.0.1", 0))
         port = str(probe.getsockname()[1])
     done = subprocess.run(
-        [sys.executable, "-c", WINDOW, port],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
+        [sys.executable, "-c", WINDOW, port], cwd=ROOT, capture_output=True, text=True, timeout=120, check=False
     )
     assert done.returncode == 0, done.stderr
     said = [line for line in done.stdout.splitlines() if line.startswith(("SEEN", "STARTED"))]

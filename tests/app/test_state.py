@@ -24,9 +24,7 @@ def test_junk_names_no_image(junk):
         ref_from(junk)
 
 
-@given(
-    st.one_of(st.text(), st.integers(), st.lists(st.text()), st.dictionaries(st.text(), st.text()))
-)
+@given(st.one_of(st.text(), st.integers(), st.lists(st.text()), st.dictionaries(st.text(), st.text())))
 def test_whatever_is_sent_as_a_reference_is_read_or_refused_in_a_sentence(value):
     refused = ""
     try:

@@ -8,16 +8,7 @@ import pytest
 from app.camera import live
 from app.occlusion import occlusion
 from app.state import ForgottenError, Ref
-from app.teaching import (
-    MOST_LESSONS,
-    head_for,
-    head_taught,
-    own_set,
-    save_set,
-    save_taught,
-    taught_name,
-    teach,
-)
+from app.teaching import MOST_LESSONS, head_for, head_taught, own_set, save_set, save_taught, taught_name, teach
 from app.views.pair import predicted
 from omnivat.checkpoint import load_head
 from omnivat.data.store import load_embeddings
@@ -90,10 +81,7 @@ def test_requests_with_an_image_use_the_taught_head_as_the_headline_does(resourc
     given = {"modality": "vis", "other": Ref("row", "40"), "order": None}
     lessons = [{**one, "label": "cork"} for one in LESSONS]
     name = taught_name(resources, {"lessons": lessons})["taught"]
-    plain, own = (
-        of_image(resources, png(), **given),
-        of_image(resources, png(), **given, taught=name),
-    )
+    plain, own = (of_image(resources, png(), **given), of_image(resources, png(), **given, taught=name))
     said = [one.get("class") or one["classes"][-1] for one in (plain, own)]
     assert said[0] != "cork"
     assert said[1] == "cork"

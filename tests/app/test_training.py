@@ -130,9 +130,7 @@ def test_settings_that_cannot_be_are_refused_with_what_is_wanted(resources, wron
         plan_from({**SMALL, **wrong}, resources.embeddings())
 
 
-def test_of_a_large_set_all_of_the_source_and_a_part_of_the_rest_is_looked_at(
-    make_embeddings, monkeypatch
-):
+def test_of_a_large_set_all_of_the_source_and_a_part_of_the_rest_is_looked_at(make_embeddings, monkeypatch):
     embeddings = make_embeddings()
     assert looked_at(embeddings, "TAG-sim") is embeddings
     monkeypatch.setattr("app.training_plan.MOST_LOOKED_AT", 10)

@@ -33,11 +33,7 @@ def test_a_node_that_gives_one_class_to_every_pair_is_found(resources):
     assert got["pairs"] == len(resources.embeddings())
     model, embeddings = resources.head().model, resources.embeddings()
     with torch.inference_mode():
-        out = model(
-            torch.from_numpy(embeddings.vis.copy()),
-            torch.from_numpy(embeddings.tac.copy()),
-            nodes=True,
-        )
+        out = model(torch.from_numpy(embeddings.vis.copy()), torch.from_numpy(embeddings.tac.copy()), nodes=True)
         given = model.classify(out.nodes).argmax(-1)
     for node, vote in enumerate(got["votes"]):
         name = resources.head().settings.classes.index(vote["class"])

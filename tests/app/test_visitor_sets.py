@@ -34,9 +34,7 @@ def send(client: TestClient, files: dict[str, Path]) -> dict[str, str]:
 
 
 def head_files(folder: Path) -> dict[str, Path]:
-    return {
-        name: folder / name for name in ("weights.safetensors", "settings.json", "metrics.json")
-    }
+    return {name: folder / name for name in ("weights.safetensors", "settings.json", "metrics.json")}
 
 
 def test_a_loaded_head_answers_under_its_own_name_and_the_first_stays(client, small_places):
@@ -126,14 +124,10 @@ def load_one(sets, folder, number, beside="", visitor="", compare=False):
     return sets.load(parts, beside=beside, compare=compare, visitor=visitor)
 
 
-def test_ten_heads_are_compared_and_a_load_never_reports_a_set_that_is_gone(
-    resources, small_places, monkeypatch
-):
+def test_ten_heads_are_compared_and_a_load_never_reports_a_set_that_is_gone(resources, small_places, monkeypatch):
     monkeypatch.setattr("app.visitor_sets.KEPT_DESKS", 3)
     sets = VisitorSets(resources)
-    pairs = asyncio.run(
-        sets.keep_part("embeddings.safetensors", blocks(small_places.embeddings.read_bytes(), 1))
-    )
+    pairs = asyncio.run(sets.keep_part("embeddings.safetensors", blocks(small_places.embeddings.read_bytes(), 1)))
     name = sets.load({"embeddings.safetensors": pairs}, beside="", compare=False)
     for number in range(10):
         name = load_one(sets, small_places.head, number, beside=name, compare=True)
@@ -156,9 +150,7 @@ def test_the_visitor_with_most_sets_loses_one_first(resources, small_places, mon
         sets.named(many[0])
 
 
-def test_small_files_of_one_visitor_keep_no_other_out_and_none_of_a_load_is_lost(
-    resources, small_places, monkeypatch
-):
+def test_small_files_of_one_visitor_keep_no_other_out_and_none_of_a_load_is_lost(resources, small_places, monkeypatch):
     monkeypatch.setattr("app.upload_store.OWN_PARTS", 5)
     monkeypatch.setattr("app.upload_store.PARTS_BYTES", 1_200_000 + 9 * 4096)
     sets = VisitorSets(resources)
@@ -192,9 +184,7 @@ def test_a_visitor_is_an_address_or_the_network_that_one_visitor_has(host, visit
     assert visitor_of(Request({"type": "http", "client": (host, 5)})) == visitor
 
 
-def test_the_desk_unused_for_longest_is_forgotten_with_its_files(
-    resources, small_places, monkeypatch
-):
+def test_the_desk_unused_for_longest_is_forgotten_with_its_files(resources, small_places, monkeypatch):
     monkeypatch.setattr("app.visitor_sets.KEPT_DESKS", KEPT_DESKS := 3)
     sets = VisitorSets(resources)
     names = [load_one(sets, small_places.head, number) for number in range(KEPT_DESKS + 1)]

@@ -66,9 +66,7 @@ class FakeSensor:
 
 def _packed(picture: NDArray[np.float64]) -> bytes:
     """Return a picture as planes of Y, Cb and Cr (BT.601, 16 to 235), colours at half size."""
-    planes = np.asarray(
-        Image.fromarray(picture.clip(0, 255).astype(np.uint8)).convert("YCbCr"), float
-    )
+    planes = np.asarray(Image.fromarray(picture.clip(0, 255).astype(np.uint8)).convert("YCbCr"), float)
     bright = 16 + planes[..., 0] * 219 / 255
     colour = 128 + (planes[..., 1:] - 128) * 224 / 255
     halved = colour.reshape(HIGH // 2, 2, WIDE // 2, 2, 2).mean((1, 3))

@@ -33,9 +33,7 @@ def test_map_chart_and_control_of_each_chapter_need_no_scrolling(
     assert page.evaluate(OUTSIDE, [".map", ".readings", ".title"]) == []
 
 
-def test_the_thumb_of_the_slider_stands_under_its_value_on_the_curve(
-    open_page: Callable[..., Any],
-) -> None:
+def test_the_thumb_of_the_slider_stands_under_its_value_on_the_curve(open_page: Callable[..., Any]) -> None:
     page = open_page("?chapter=order")
     page.wait_for_selector(MAP)
     for key in ("Home", "End"):

@@ -75,24 +75,18 @@ def test_the_first_mode_is_a_head_for_each_stop_and_the_other_a_what_if(two_mode
     page.wait_for_function("location.search.includes('mode=moved')")
 
 
-def test_the_learned_p_is_a_stop_of_its_own_and_is_not_taken_for_a_round_one(
-    open_page: Callable[..., Any],
-) -> None:
+def test_the_learned_p_is_a_stop_of_its_own_and_is_not_taken_for_a_round_one(open_page: Callable[..., Any]) -> None:
     learned = read_frames(EXAMPLES / "frames.bin").head["learned_order"]
     page = open_page(f"{MOVED}&map=pca&p=0.5")
     page.wait_for_selector(MAP)
     assert "moved to p = 0.50" in words(page, ".score")
     page.click(".explore .learned")
-    page.wait_for_function(
-        "document.querySelector('.explore .score').textContent.includes('learned')"
-    )
+    page.wait_for_function("document.querySelector('.explore .score').textContent.includes('learned')")
     assert f"at its learned p = {learned:.3f}" in words(page, ".score")
     assert abs(float(page.locator(MAP).get_attribute("data-order")) - learned) < 1e-9
 
 
-def test_every_step_of_the_staircase_has_its_figures_and_opens_its_map(
-    open_page: Callable[..., Any],
-) -> None:
+def test_every_step_of_the_staircase_has_its_figures_and_opens_its_map(open_page: Callable[..., Any]) -> None:
     frames = read_frames(EXAMPLES / "frames.bin")
     page = open_page(f"{MOVED}&p=0.3")
     page.wait_for_selector(MAP)
@@ -114,9 +108,7 @@ def test_there_is_one_accuracy_on_the_screen(two_modes: Any) -> None:
     assert shown.count("62 %") == 1
 
 
-def test_strangers_have_a_bar_each_and_a_cell_of_the_matrix_filters_the_map(
-    open_page: Callable[..., Any],
-) -> None:
+def test_strangers_have_a_bar_each_and_a_cell_of_the_matrix_filters_the_map(open_page: Callable[..., Any]) -> None:
     frames = read_frames(EXAMPLES / "frames.bin")
     page = open_page("?chapter=fooled")
     page.wait_for_selector(".explore .bar-row")
@@ -134,9 +126,7 @@ def test_strangers_have_a_bar_each_and_a_cell_of_the_matrix_filters_the_map(
     page.wait_for_selector(".explore .pictures h4:has-text('look like another class')")
 
 
-def test_on_the_toy_the_transform_keeps_the_distance_and_the_relu_does_not(
-    open_page: Callable[..., Any],
-) -> None:
+def test_on_the_toy_the_transform_keeps_the_distance_and_the_relu_does_not(open_page: Callable[..., Any]) -> None:
     page = open_page(f"{MOVED}&p=0.1")
     page.wait_for_selector(".explore .toy .plane path")
     before = [words(page, f".toy .{name}") for name in ("d-turned", "d-clipped", "g-clipped")]
@@ -148,9 +138,7 @@ def test_on_the_toy_the_transform_keeps_the_distance_and_the_relu_does_not(
     assert after[2] != before[2]
 
 
-def test_pairs_are_found_by_class_and_hidden_points_leave_the_selection(
-    open_page: Callable[..., Any],
-) -> None:
+def test_pairs_are_found_by_class_and_hidden_points_leave_the_selection(open_page: Callable[..., Any]) -> None:
     page = open_page(MOVED)
     page.wait_for_selector(MAP)
     page.wait_for_selector(".explore .histograms svg")
@@ -196,9 +184,7 @@ def test_the_step_names_the_method_of_its_map(open_page: Callable[..., Any]) -> 
     assert "scale have no meaning" in words(page, ".approximate")
 
 
-def test_the_pictures_of_a_pair_are_at_the_pointer_and_on_the_map_far_in(
-    open_page: Callable[..., Any],
-) -> None:
+def test_the_pictures_of_a_pair_are_at_the_pointer_and_on_the_map_far_in(open_page: Callable[..., Any]) -> None:
     page = open_page(MOVED)
     page.wait_for_selector(MAP)
     x, _ = place_of_a_point(page)
@@ -211,9 +197,7 @@ def test_the_pictures_of_a_pair_are_at_the_pointer_and_on_the_map_far_in(
     page.wait_for_selector(".explore .map.pictured")
 
 
-def test_a_link_of_a_forgotten_set_says_so_and_leads_home(
-    new_page: Callable[..., Any], address: str
-) -> None:
+def test_a_link_of_a_forgotten_set_says_so_and_leads_home(new_page: Callable[..., Any], address: str) -> None:
     page = new_page()
     page.goto(f"{address}?set=forgotten", wait_until="commit")
     page.wait_for_selector(".explore .wait.problem")

@@ -54,9 +54,7 @@ def test_a_chapter_opens_with_few_words_and_large_letters(open_page: Callable[..
         assert abs(seen["left"] - seen["right"]) <= 2
 
 
-def test_on_a_phone_no_step_of_the_tour_covers_map_chart_or_slider(
-    new_page: Callable[..., Any], address: str
-) -> None:
+def test_on_a_phone_no_step_of_the_tour_covers_map_chart_or_slider(new_page: Callable[..., Any], address: str) -> None:
     page = new_page(**PHONE)
     page.goto(address, wait_until="commit")
     page.wait_for_selector(MAP)
@@ -70,9 +68,7 @@ def test_on_a_phone_no_step_of_the_tour_covers_map_chart_or_slider(
         page.keyboard.press("Enter")
 
 
-def test_the_saved_page_works_from_disk_with_its_toy_and_tour(
-    chromium: Any, tmp_path: Path
-) -> None:
+def test_the_saved_page_works_from_disk_with_its_toy_and_tour(chromium: Any, tmp_path: Path) -> None:
     from app.export import export_page, where_from
 
     where = where_from(None, None)
@@ -80,9 +76,7 @@ def test_the_saved_page_works_from_disk_with_its_toy_and_tour(
     page = chromium.new_page(viewport={"width": 1440, "height": 900})
     failed: list[str] = []
     page.on("pageerror", lambda error: failed.append(str(error)))
-    page.on(
-        "request", lambda r: None if r.url.startswith(("file:", "data:")) else failed.append(r.url)
-    )
+    page.on("request", lambda r: None if r.url.startswith(("file:", "data:")) else failed.append(r.url))
     page.goto((tmp_path / "page.html").as_uri())
     page.wait_for_selector(MAP)
     page.wait_for_selector(".explore .score b")
@@ -103,9 +97,7 @@ INK = """() => {
 }"""
 
 
-def test_paper_is_light_and_has_the_points_of_the_map_as_shapes(
-    open_page: Callable[..., Any],
-) -> None:
+def test_paper_is_light_and_has_the_points_of_the_map_as_shapes(open_page: Callable[..., Any]) -> None:
     page = open_page("?chapter=failure", color_scheme="dark")
     page.wait_for_selector(MAP)
     page.wait_for_selector("body.dark")

@@ -58,11 +58,7 @@ def test_a_set_without_a_head_opens_with_maps_gaps_neighbours_and_the_command(
     page.wait_for_selector(MAP)
     page.wait_for_function(HEADLESS)
     page.wait_for_selector(".explore .score pre:has-text('omnivat try mine.safetensors')")
-    assert page.locator(".explore .gaps dt").all_inner_texts() == [
-        "Modality gap",
-        "Domain gap",
-        "Cosine margin",
-    ]
+    assert page.locator(".explore .gaps dt").all_inner_texts() == ["Modality gap", "Domain gap", "Cosine margin"]
     assert page.locator(".explore .kinds button").all_inner_texts() == ["PCA", "UMAP"]
     assert not page.locator(".explore .staircase").is_visible()
     assert not page.locator(".explore .order").is_visible()

@@ -34,9 +34,7 @@ def test_raw_stages_do_not_move_and_the_page_says_why(open_page: Callable[..., A
     assert pixels(page) == before
 
 
-def test_a_point_shows_its_pair_and_pins_it_for_the_other_tabs(
-    open_page: Callable[..., Any],
-) -> None:
+def test_a_point_shows_its_pair_and_pins_it_for_the_other_tabs(open_page: Callable[..., Any]) -> None:
     page = open_page(TOOLS)
     page.wait_for_selector(MAP)
     at = place_of_a_point(page)
@@ -103,9 +101,7 @@ def test_the_map_works_by_keyboard_alone(open_page: Callable[..., Any]) -> None:
     assert page.locator(".explore .card .tag").is_visible()
 
 
-def test_the_tour_asks_for_six_predictions_over_both_sets_and_covers_nothing(
-    open_page: Callable[..., Any],
-) -> None:
+def test_the_tour_asks_for_six_predictions_over_both_sets_and_covers_nothing(open_page: Callable[..., Any]) -> None:
     page = open_page("?stage=relu&colour=class")
     page.wait_for_selector(MAP)
     page.click(".tour-start")

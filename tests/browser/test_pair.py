@@ -95,9 +95,7 @@ def test_no_letter_of_the_chart_over_p_is_cut_off(open_page: Callable[..., Any])
     assert cut == []
 
 
-def test_p_is_moved_in_a_section_of_its_own_and_leaves_the_prediction(
-    open_page: Callable[..., Any],
-) -> None:
+def test_p_is_moved_in_a_section_of_its_own_and_leaves_the_prediction(open_page: Callable[..., Any]) -> None:
     page = open_page(PAIR)
     page.wait_for_selector(ANSWERED)
     prediction = said(page, "both")
@@ -107,9 +105,7 @@ def test_p_is_moved_in_a_section_of_its_own_and_leaves_the_prediction(
     page.focus(".pair .order")
     for _ in range(10):
         page.keyboard.press("ArrowLeft")
-    page.wait_for_function(
-        "before => document.querySelector('.pair .at-p').innerText !== before", arg=before
-    )
+    page.wait_for_function("before => document.querySelector('.pair .at-p').innerText !== before", arg=before)
     assert said(page, "both") == prediction
     assert "guessing" in page.locator(".pair .about-p").inner_text()
 
@@ -142,9 +138,7 @@ def test_own_pairs_are_counted_taught_and_saved(open_page: Callable[..., Any]) -
         assert saved.value.path().read_bytes()[:2] == b"PK"
 
 
-def test_a_second_click_while_the_camera_opens_leaves_it_off(
-    open_page: Callable[..., Any],
-) -> None:
+def test_a_second_click_while_the_camera_opens_leaves_it_off(open_page: Callable[..., Any]) -> None:
     page = open_page(PAIR, permissions=["camera"])
     page.wait_for_selector(ANSWERED)
     page.evaluate(
@@ -163,9 +157,7 @@ def test_a_second_click_while_the_camera_opens_leaves_it_off(
         }"""
     )
     page.wait_for_function("window.streams.length === 1")
-    page.wait_for_function(
-        "window.streams.every((one) => one.getTracks().every((t) => t.readyState === 'ended'))"
-    )
+    page.wait_for_function("window.streams.every((one) => one.getTracks().every((t) => t.readyState === 'ended'))")
     assert page.locator(".pair .cameras .start").get_attribute("aria-pressed") == "false"
     page.wait_for_selector(ANSWERED)
 
@@ -179,9 +171,7 @@ def live(open_page: Callable[..., Any], sensor: FakeSensor, presses: Any) -> Cal
         page = open_page(PAIR, permissions=["camera"])
         page.add_init_script(f"{{{CAMERAS}}}")
         for modality, wanted in kept.items():
-            page.add_init_script(
-                f"localStorage['omnivat-live-{modality}'] ??= '{json.dumps(wanted)}'"
-            )
+            page.add_init_script(f"localStorage['omnivat-live-{modality}'] ??= '{json.dumps(wanted)}'")
         page.goto(page.url)
         page.wait_for_selector(ANSWERED)
         page.click(".pair .cameras > summary")
@@ -244,10 +234,7 @@ def shown(body: bytes, pictures: list[Any]) -> int:
     """Return which picture a request shows."""
     with Image.open(BytesIO(body)) as image:
         sent = np.asarray(image.convert("RGB").resize((64, 48)), float)
-    apart = [
-        np.abs(np.asarray(Image.fromarray(p).resize((64, 48)), float) - sent).mean()
-        for p in pictures
-    ]
+    apart = [np.abs(np.asarray(Image.fromarray(p).resize((64, 48)), float) - sent).mean() for p in pictures]
     return int(np.argmin(apart))
 
 
@@ -305,19 +292,14 @@ def test_live_calibrates_and_records_pairs_that_embed_reads(
         archive.extractall(tmp_path)
     table = (tmp_path / "recording" / "pairs.csv").read_text(encoding="utf-8").splitlines()
     assert table[0] == "vis,tac,domain,material,time"
-    assert (
-        main(["embed", str(tmp_path / "recording"), "--out", str(tmp_path / "set.safetensors")])
-        == 0
-    )
+    assert main(["embed", str(tmp_path / "recording"), "--out", str(tmp_path / "set.safetensors")]) == 0
     found = load_embeddings(tmp_path / "set.safetensors")
     assert len(found) == len(table) - 1 >= 4
     assert found.header.domains == ("My sensor",) and len(found.header.classes) == 2
     page.wait_for_selector(ANSWERED)
 
 
-def test_another_crop_drops_the_rest_picture_and_says_so_until_it_is_taken_again(
-    live: Callable[..., Any],
-) -> None:
+def test_another_crop_drops_the_rest_picture_and_says_so_until_it_is_taken_again(live: Callable[..., Any]) -> None:
     page = live(vis={"device": "none"})
     take_rest(page)
     page.wait_for_selector(IDLE)
@@ -351,8 +333,7 @@ def test_where_tells_whether_any_part_matters(open_page: Callable[..., Any]) -> 
     page.click(f"{slot} .where")
     page.wait_for_selector(f"{slot} .what:has-text('Hiding')")
     page.wait_for_function(
-        "slot => !document.querySelector(slot + ' .what').innerText.includes('one part after')",
-        arg=slot,
+        "slot => !document.querySelector(slot + ' .what').innerText.includes('one part after')", arg=slot
     )
     told = page.locator(f"{slot} .what").inner_text()
     shown = page.locator(f"{slot} .picture canvas").count()
@@ -381,9 +362,7 @@ def test_an_upload_takes_the_example_away_and_says_so(open_page: Callable[..., A
     assert page.locator(".pair .reading[data-reading=both] .wrong").count() == 0
 
 
-def test_a_label_waits_until_the_picture_on_its_way_has_settled(
-    open_page: Callable[..., Any],
-) -> None:
+def test_a_label_waits_until_the_picture_on_its_way_has_settled(open_page: Callable[..., Any]) -> None:
     page = open_page("?view=pair")
     page.wait_for_selector(ANSWERED)
     for modality in ("vis", "tac"):
@@ -429,9 +408,7 @@ def test_many_pairs_become_a_table_and_a_csv(open_page: Callable[..., Any]) -> N
     page.wait_for_selector(f"{SLOT.format('tac')} .picture img")
 
 
-def test_a_profile_of_my_sensor_is_followed_and_survives_a_reload(
-    open_page: Callable[..., Any],
-) -> None:
+def test_a_profile_of_my_sensor_is_followed_and_survives_a_reload(open_page: Callable[..., Any]) -> None:
     page = open_page("?view=pair", viewport={"width": 1440, "height": 900})
     page.wait_for_selector(ANSWERED)
     send(page, "tac", 70)
@@ -454,9 +431,7 @@ def test_reading_many_pairs_can_be_cancelled(open_page: Callable[..., Any]) -> N
     page = open_page("?view=pair")
     page.wait_for_selector(ANSWERED)
     page.route("**/omnivat/image?*", lambda route: None)  # the server never replies
-    page.set_input_files(
-        ".pair .pairs input >> nth=0", [named("a_vis.png", 1), named("b_vis.png", 2)]
-    )
+    page.set_input_files(".pair .pairs input >> nth=0", [named("a_vis.png", 1), named("b_vis.png", 2)])
     page.wait_for_selector(".pair .many .stop")
     assert "1 of 2" in page.locator(".pair .many").inner_text()
     page.click(".pair .many .stop")

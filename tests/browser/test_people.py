@@ -20,9 +20,7 @@ def faults(page: Any, options: dict[str, Any] | None = None) -> list[str]:
     """Return the axe audit's findings for the current page."""
     found = page.evaluate("options => axe.run(document, options)", options or {})
     return [
-        f"{fault['id']}: {fault['help']}: {node['target']}"
-        for fault in found["violations"]
-        for node in fault["nodes"]
+        f"{fault['id']}: {fault['help']}: {node['target']}" for fault in found["violations"] for node in fault["nodes"]
     ]
 
 
@@ -110,9 +108,7 @@ def test_the_tab_key_comes_to_everything_and_shows_where_it_is(walked: Any, view
     assert blind == []
 
 
-def test_a_visitor_without_a_mouse_goes_from_tab_to_tab_and_chooses_a_pair(
-    open_page: Callable[..., Any],
-) -> None:
+def test_a_visitor_without_a_mouse_goes_from_tab_to_tab_and_chooses_a_pair(open_page: Callable[..., Any]) -> None:
     page = open_page("?vis=row:0&tac=row:0")
     page.wait_for_selector(MAP)
     page.focus("#view-explore-button")
@@ -122,9 +118,7 @@ def test_a_visitor_without_a_mouse_goes_from_tab_to_tab_and_chooses_a_pair(
     page.focus(".pair .gallery button:nth-child(4)")
     page.keyboard.press("Enter")
     page.wait_for_selector(".pair .gallery button:nth-child(4)[aria-pressed=true]")
-    page.wait_for_function(
-        "!location.search.includes('row%3A0') && !location.search.includes('row:0')"
-    )
+    page.wait_for_function("!location.search.includes('row%3A0') && !location.search.includes('row:0')")
 
 
 def test_where_p_has_come_to_is_said_aloud(open_page: Callable[..., Any]) -> None:
@@ -139,16 +133,11 @@ def test_where_p_has_come_to_is_said_aloud(open_page: Callable[..., Any]) -> Non
     "options",
     [
         {"viewport": {"width": 400, "height": 800}},
-        pytest.param(
-            {"viewport": {"width": 720, "height": 450}, "device_scale_factor": 2},
-            marks=pytest.mark.long,
-        ),
+        pytest.param({"viewport": {"width": 720, "height": 450}, "device_scale_factor": 2}, marks=pytest.mark.long),
     ],
     ids=["a phone", "200 % zoom"],
 )
-def test_a_narrow_page_needs_no_scrolling_sideways(
-    open_page: Callable[..., Any], options: dict[str, Any]
-) -> None:
+def test_a_narrow_page_needs_no_scrolling_sideways(open_page: Callable[..., Any], options: dict[str, Any]) -> None:
     page = open_page(PAIR, **options)
     page.wait_for_selector(MAP)
     wide = options["viewport"]["width"]

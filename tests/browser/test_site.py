@@ -51,9 +51,7 @@ def visit(context: Any) -> tuple[Any, list[str]]:
     return page, problems
 
 
-def test_a_plain_file_server_is_enough_for_p_tree_compare_and_a_pair_by_its_address(
-    desktop: Any, folder: Path
-) -> None:
+def test_a_plain_file_server_is_enough_for_p_tree_compare_and_a_pair_by_its_address(desktop: Any, folder: Path) -> None:
     with site(folder) as address:
         chapters_tree_compare_and_a_pair(desktop, address, folder)
 
@@ -61,9 +59,7 @@ def test_a_plain_file_server_is_enough_for_p_tree_compare_and_a_pair_by_its_addr
 def chapters_tree_compare_and_a_pair(context: Any, address: str, folder: Path) -> None:
     page, problems = visit(context)
     sizes: list[int] = []
-    page.on(
-        "request", lambda r: r.url.startswith((address, "data:", "blob:")) or problems.append(r.url)
-    )
+    page.on("request", lambda r: r.url.startswith((address, "data:", "blob:")) or problems.append(r.url))
     page.on("response", lambda r: sizes.append(int(r.headers.get("content-length") or 0)))
 
     page.goto(address)
@@ -83,9 +79,7 @@ def chapters_tree_compare_and_a_pair(context: Any, address: str, folder: Path) -
     page.click("#view-train-button")
     page.wait_for_selector(".train .problem:has-text('python app.py')")
 
-    picture = next(
-        file for file in files_in(folder) if "-example-" in file.name and "vis" in file.name
-    )
+    picture = next(file for file in files_in(folder) if "-example-" in file.name and "vis" in file.name)
     page.goto(f"{address}?tab=pair&vis=data/{picture.name}&tac=https://else.where/a.png")
     page.wait_for_selector(".pair .reading[data-reading=vis] .said")
     assert "not on this page's host" in page.inner_text(".pair .problem")
@@ -107,8 +101,7 @@ def test_a_browser_that_cannot_run_the_models_gets_a_sentence_and_the_chapters(
     context = chromium.new_context(service_workers="block")
     script = next(folder.glob("web-*/site/worker.js")).read_text(encoding="utf-8")
     context.route(
-        "**/site/worker.js",
-        lambda route: route.fulfill(body=f"{lack}\n{script}", content_type="text/javascript"),
+        "**/site/worker.js", lambda route: route.fulfill(body=f"{lack}\n{script}", content_type="text/javascript")
     )
     with site(folder) as address:
         page, problems = visit(context)
@@ -122,9 +115,7 @@ def test_a_browser_that_cannot_run_the_models_gets_a_sentence_and_the_chapters(
     assert problems == []
 
 
-def test_after_one_visit_the_site_predicts_an_own_pair_without_a_network(
-    chromium: Any, folder: Path
-) -> None:
+def test_after_one_visit_the_site_predicts_an_own_pair_without_a_network(chromium: Any, folder: Path) -> None:
     kept = sum(len(file.relative_to(folder).parts) > 1 for file in files_in(folder))
     pictures = [file for file in files_in(folder) if "-example-" in file.name]
     context = chromium.new_context()

@@ -101,9 +101,7 @@ def test_a_first_own_pair_needs_less_than_30_mb_and_a_site_of_both_sets_less_tha
         return whole_files(resources, lambda _: None)
 
     sensors, chirps = of_set(both.resources), of_set(Resources(shipped_places("chirps")))
-    page = megabytes(
-        files_in(both.folder)
-    )  # scripts, runtime, encoder, and the larger of both sets
+    page = megabytes(files_in(both.folder))  # scripts, runtime, encoder, and the larger of both sets
     seen = [sensors[name] for name in ("/frames", "/thumbnails.webp")]
     assert page + megabytes(seen) < 30
     assert page + megabytes({*sensors.values(), *chirps.values()}) < 55  # and the chirps' models
@@ -117,11 +115,7 @@ def test_every_route_of_try_a_pair_replies_as_the_server_does(both, tmp_path):
     server, browser = ([{m: ref[m][side] for m in ref} for ref in refs] for side in (0, 1))
     half = ({"vis": server[2]["vis"]}, {"vis": browser[2]["vis"]})
 
-    for ours, theirs in (
-        (browser[0], server[0]),
-        half[::-1],
-        ({"vis": "row:7", "tac": "row:7"},) * 2,
-    ):
+    for ours, theirs in ((browser[0], server[0]), half[::-1], ({"vis": "row:7", "tac": "row:7"},) * 2):
         wanted = pair.predicted(resources, theirs | {"order": 0.3})
         found = both.browser("pair", ours | {"order": 0.3})
         spectra = found.pop("spectra"), wanted.pop("spectra")
@@ -164,11 +158,7 @@ def test_every_route_of_try_a_pair_replies_as_the_server_does(both, tmp_path):
     assert own.label.tolist() == [0, 1] * 4 and own.header.domains == ("My pairs",)
     rows = [torch.from_numpy(getattr(own, name)[:1].copy()) for name in ("vis", "tac")]
     (found,) = predict_embeddings(head, *rows)
-    assert (
-        list(found["probabilities"])
-        == taught["classes"]
-        == [*resources.head().settings.classes, "cork"]
-    )
+    assert list(found["probabilities"]) == taught["classes"] == [*resources.head().settings.classes, "cork"]
     near(list(found["probabilities"].values()), taught["pairs"][0]["readings"]["fused"], 0.02)
 
     content = examples[1].file("tac").read_bytes()
@@ -177,6 +167,4 @@ def test_every_route_of_try_a_pair_replies_as_the_server_does(both, tmp_path):
     near(found["readings"], wanted["readings"])
     found = both.browser("occlusion", content, "modality=tac")
     wanted = occlusion.occlusion(resources, content, modality="tac", other=None, order=None)
-    near(
-        {k: found[k] for k in ("class", "drops")}, {k: wanted[k] for k in ("class", "drops")}, 0.01
-    )
+    near({k: found[k] for k in ("class", "drops")}, {k: wanted[k] for k in ("class", "drops")}, 0.01)

@@ -11,9 +11,7 @@ from .gestures import open_tab
 pytestmark = pytest.mark.browser
 
 
-def test_the_tree_follows_p_and_tells_which_nodes_are_constant(
-    open_page: Callable[..., Any],
-) -> None:
+def test_the_tree_follows_p_and_tells_which_nodes_are_constant(open_page: Callable[..., Any]) -> None:
     page = open_page("?view=tree&vis=row:0&tac=row:0")
     page.wait_for_selector(".tree .tree-view")
     assert page.locator(".tree .tree-view .disc").count() == 7
@@ -26,15 +24,11 @@ def test_the_tree_follows_p_and_tells_which_nodes_are_constant(
     page.focus(".tree .order")
     for _ in range(20):
         page.keyboard.press("ArrowRight")
-    page.wait_for_function(
-        "before => document.querySelector('.tree .matrices').textContent !== before", arg=before
-    )
+    page.wait_for_function("before => document.querySelector('.tree .matrices').textContent !== before", arg=before)
     assert "what-if" in page.locator(".tree .whose").inner_text()
 
 
-def test_compare_starts_at_the_learned_p_and_counts_what_changes(
-    open_page: Callable[..., Any],
-) -> None:
+def test_compare_starts_at_the_learned_p_and_counts_what_changes(open_page: Callable[..., Any]) -> None:
     page = open_page("?view=compare")
     page.wait_for_selector(".compare .moved:has-text('predictions change')")
     text = page.locator(".compare .moved").inner_text().replace(",", "")
@@ -51,8 +45,7 @@ def test_compare_links_two_maps(open_page: Callable[..., Any]) -> None:
     page = open_page("?view=compare")
     page.wait_for_selector(".compare .moved:has-text('predictions change')")
     before = [
-        canvas.evaluate("c => c.toDataURL()")
-        for canvas in page.query_selector_all(".compare .map canvas:first-child")
+        canvas.evaluate("c => c.toDataURL()") for canvas in page.query_selector_all(".compare .map canvas:first-child")
     ]
     page.focus(".compare .map canvas + canvas")
     page.keyboard.press("+")
@@ -63,9 +56,7 @@ def test_compare_links_two_maps(open_page: Callable[..., Any]) -> None:
     )
 
 
-def test_scores_from_source_to_target_are_shown_by_two_measures(
-    open_page: Callable[..., Any],
-) -> None:
+def test_scores_from_source_to_target_are_shown_by_two_measures(open_page: Callable[..., Any]) -> None:
     page = open_page("?view=compare")
     page.click(".compare details.every summary")
     page.wait_for_selector(".scores tbody tr")
@@ -100,9 +91,7 @@ def test_a_head_is_trained_scrubbed_used_and_saved(open_page: Callable[..., Any]
     for _ in range(4):
         page.keyboard.press("ArrowLeft")
     assert page.locator(".train .scrubber output").inner_text() == "2 of 6"
-    page.wait_for_function(
-        "last => document.querySelector('.train .map canvas').toDataURL() !== last", arg=last
-    )
+    page.wait_for_function("last => document.querySelector('.train .map canvas').toDataURL() !== last", arg=last)
     with page.expect_download() as saved:
         page.click(".train .save")
     assert saved.value.path().read_bytes()[:2] == b"PK"

@@ -43,16 +43,11 @@ def test_the_tab_of_a_link_opens_even_where_gradio_loses_the_first_clicks(
     page.wait_for_selector(MAP)
 
 
-def test_nothing_but_maps_waits_for_a_map_that_takes_long(
-    new_page: Callable[..., Any], address: str
-) -> None:
+def test_nothing_but_maps_waits_for_a_map_that_takes_long(new_page: Callable[..., Any], address: str) -> None:
     page = new_page()
     ready: list[bool] = []
     step = {"step": {"done": 1, "total": 9, "text": "p = 0.1"}, "ready": False}
-    page.route(
-        "**/omnivat/frames*",
-        lambda route: route.continue_() if ready else route.fulfill(status=202, json=step),
-    )
+    page.route("**/omnivat/frames*", lambda route: route.continue_() if ready else route.fulfill(status=202, json=step))
     page.goto(f"{address}?view=data", wait_until="commit")
     page.wait_for_selector(".data .note")
     assert "Map positions" not in page.locator(".data .exact").inner_text()
@@ -72,14 +67,10 @@ def test_nothing_but_maps_waits_for_a_map_that_takes_long(
     open_tab(page, "tree")
     page.wait_for_selector(".tree .on-map canvas")
     open_tab(page, "data")
-    page.wait_for_function(
-        "document.querySelector('.data .exact').innerText.includes('Map positions')"
-    )
+    page.wait_for_function("document.querySelector('.data .exact').innerText.includes('Map positions')")
 
 
-def test_the_address_of_what_one_visitor_set_draws_the_same_picture_for_another(
-    open_page: Callable[..., Any],
-) -> None:
+def test_the_address_of_what_one_visitor_set_draws_the_same_picture_for_another(open_page: Callable[..., Any]) -> None:
     page = open_page("?mode=moved")
     page.wait_for_selector(MAP)
     plain = pixels(page)
@@ -101,9 +92,7 @@ def test_the_address_of_what_one_visitor_set_draws_the_same_picture_for_another(
 
 
 def test_junk_in_the_address_is_left_out_and_the_page_opens(open_page: Callable[..., Any]) -> None:
-    page = open_page(
-        "?p=abc&stage=%3Cimg%20src=x%3E&colour=constructor&pin=-4&view=nowhere&map=x&class=~~&p2=1e9"
-    )
+    page = open_page("?p=abc&stage=%3Cimg%20src=x%3E&colour=constructor&pin=-4&view=nowhere&map=x&class=~~&p2=1e9")
     page.wait_for_selector(MAP)
     assert 0 <= float(p_shown(page)) <= 1
     before = pixels(page)
@@ -127,9 +116,7 @@ def test_going_back_shows_what_was_left_and_a_drag_leaves_one_step_not_hundreds(
     page.goto(address + "omnivat/about")
     page.go_back(wait_until="commit")
     page.wait_for_selector(MAP)
-    page.wait_for_function(
-        "p => document.querySelector('.explore .order-value')?.textContent === p", arg=left
-    )
+    page.wait_for_function("p => document.querySelector('.explore .order-value')?.textContent === p", arg=left)
     before = pixels(page)
     page.focus(".explore .order")
     page.keyboard.press("ArrowLeft")
@@ -154,15 +141,11 @@ def test_two_visitors_do_not_disturb_one_another(open_page: Callable[..., Any]) 
         page.wait_for_selector(ANSWERED)
     for page, seed in ((one, 12), (two, 11)):
         assert f"{seed}.png" not in page.locator(".pair .slots").inner_text()
-    said = [
-        page.locator(".pair .bars td[data-reading=vis]").all_text_contents() for page in (one, two)
-    ]
+    said = [page.locator(".pair .bars td[data-reading=vis]").all_text_contents() for page in (one, two)]
     assert said[0] != said[1]
 
 
-def test_no_tab_needs_anything_from_outside_this_machine(
-    new_page: Callable[..., Any], address: str
-) -> None:
+def test_no_tab_needs_anything_from_outside_this_machine(new_page: Callable[..., Any], address: str) -> None:
     page = new_page()
     asked: list[str] = []
     page.on("request", lambda request: asked.append(request.url))
@@ -226,9 +209,7 @@ def test_a_killed_server_is_told_of_the_drag_goes_on_and_a_new_server_gets_the_i
     page.close()
 
 
-def test_a_server_started_again_with_another_head_is_told_of_and_not_mixed_in(
-    open_page: Callable[..., Any],
-) -> None:
+def test_a_server_started_again_with_another_head_is_told_of_and_not_mixed_in(open_page: Callable[..., Any]) -> None:
     page = open_page("?view=pair")
     page.wait_for_selector(ANSWERED)
 

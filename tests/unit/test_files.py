@@ -13,14 +13,7 @@ from hypothesis import strategies as st
 from omnivat.cli import main
 from omnivat.data.manifest import COLUMNS, write_manifest
 from omnivat.errors import DataError, OmniVatError, WriteError
-from omnivat.files import (
-    replacing,
-    replacing_folder,
-    require_writable,
-    safe_cell,
-    write_csv,
-    write_text,
-)
+from omnivat.files import replacing, replacing_folder, require_writable, safe_cell, write_csv, write_text
 
 ROW = {name: ["x"] for name in COLUMNS}
 
@@ -102,9 +95,7 @@ def test_a_manifest_replaces_its_own_and_no_other_table(tmp_path):
 
 def test_embedding_a_table_never_replaces_that_table(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    text = (
-        ",".join(COLUMNS) + "\nA,wood,a.png,b.png,,,\n"
-    )  # looks like a manifest, and is the input
+    text = ",".join(COLUMNS) + "\nA,wood,a.png,b.png,,,\n"  # looks like a manifest, and is the input
     (tmp_path / "mine.csv").write_text(text)
     assert main(["embed", "mine.csv", "--out", "mine.safetensors"]) == 1
     assert "would replace 'mine.csv'; choose another name" in capsys.readouterr().err
@@ -124,9 +115,7 @@ def test_embedding_a_table_never_replaces_that_table(tmp_path, monkeypatch, caps
         ["prompts", "--out", "folder"],
     ],
 )
-def test_commands_refuse_an_unwritable_place_before_any_work(
-    arguments, tmp_path, monkeypatch, capsys
-):
+def test_commands_refuse_an_unwritable_place_before_any_work(arguments, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "folder").mkdir()
     (tmp_path / "folder" / "a.csv").write_text("")
@@ -143,8 +132,7 @@ def test_an_error_of_the_system_is_one_sentence(monkeypatch, capsys):
     monkeypatch.setattr("omnivat.cli.evaluate.run", full)
     assert main(["evaluate"]) == 1
     assert capsys.readouterr().err == (
-        "omnivat evaluate: 'x.bin': No space left on device. Check the path, its permissions and the "
-        "free space.\n"
+        "omnivat evaluate: 'x.bin': No space left on device. Check the path, its permissions and the free space.\n"
     )
 
 
@@ -188,11 +176,7 @@ def test_two_embeds_to_one_file_do_not_take_one_anothers_parts(tmp_path):
     from omnivat.embed.parts import Parts
 
     first, second = Parts(tmp_path / "a.safetensors"), Parts(tmp_path / "a.safetensors")
-    with (
-        first.claimed(),
-        pytest.raises(WriteError, match="another embed that is still running"),
-        second.claimed(),
-    ):
+    with first.claimed(), pytest.raises(WriteError, match="another embed that is still running"), second.claimed():
         pass
     with second.claimed():
         pass
@@ -210,9 +194,7 @@ def test_a_pipe_in_place_of_a_table_is_refused_at_once(tmp_path):
         read_text(tmp_path / "table.csv")
 
 
-CELLS = st.one_of(
-    st.text(st.sampled_from("=+-@\t\r\n '\",1e."), max_size=6), st.floats(), st.integers()
-)
+CELLS = st.one_of(st.text(st.sampled_from("=+-@\t\r\n '\",1e."), max_size=6), st.floats(), st.integers())
 
 
 @given(CELLS)
@@ -240,8 +222,7 @@ def test_no_module_writes_a_table_past_the_one_writer():
         str(path.relative_to(root))
         for folder in ("omnivat", "app")
         for path in (root / folder).rglob("*.py")
-        if "csv.writer(" in path.read_text(encoding="utf-8")
-        or "csv.DictWriter(" in path.read_text(encoding="utf-8")
+        if "csv.writer(" in path.read_text(encoding="utf-8") or "csv.DictWriter(" in path.read_text(encoding="utf-8")
     }
     own = {"omnivat/files.py", "omnivat/simulate/build.py", "omnivat/simulate/chirps.py"}
     assert found == own
@@ -251,15 +232,11 @@ COMMAND = [sys.executable, "-m", "omnivat", "gaps", "--stage", "raw", "--embeddi
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("output", "why"), [(">&-", "output is closed"), ("> /dev/full", "No space left")]
-)
+@pytest.mark.parametrize(("output", "why"), [(">&-", "output is closed"), ("> /dev/full", "No space left")])
 def test_a_result_that_cannot_be_written_is_a_sentence_and_an_exit_code(head_folder, output, why):
     file = str(head_folder.parent / "set.safetensors")
     line = f'exec "$@" {output}'
-    done = subprocess.run(
-        ["bash", "-c", line, "-", *COMMAND, file], capture_output=True, text=True, check=False
-    )
+    done = subprocess.run(["bash", "-c", line, "-", *COMMAND, file], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr.count("\n")) == (1, 1)
     assert why in done.stderr
 

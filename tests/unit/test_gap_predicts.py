@@ -24,9 +24,7 @@ def test_an_interval_narrows_with_more_units():
     for count in (20, 500):
         x = random.normal(size=count)
         y = x + random.normal(size=count)
-        mean, low, high = gap_predicts.interval(
-            count, lambda rows, x=x, y=y: gap_predicts.agreement(x[rows], y[rows])
-        )
+        mean, low, high = gap_predicts.interval(count, lambda rows, x=x, y=y: gap_predicts.agreement(x[rows], y[rows]))
         assert low < mean < high
         widths.append(high - low)
     assert widths[1] < widths[0] / 2

@@ -41,11 +41,7 @@ def shifted(make_embeddings):
 @pytest.fixture(scope="module")
 def head(shifted):
     return head_from_pairs(
-        shifted,
-        "TAG-sim",
-        head={"width": 16},
-        training=TrainSettings(epochs=15, lang=False),
-        calibrate=False,
+        shifted, "TAG-sim", head={"width": 16}, training=TrainSettings(epochs=15, lang=False), calibrate=False
     )
 
 

@@ -18,9 +18,7 @@ def two_members(monkeypatch, tmp_path):
 
 
 @pytest.mark.parametrize("one", ["omnivat", "erm_recipe"])
-def test_an_ensemble_predicts_the_mean_of_heads_that_are_trained_once(
-    make_embeddings, two_members, one
-):
+def test_an_ensemble_predicts_the_mean_of_heads_that_are_trained_once(make_embeddings, two_members, one):
     made = make_embeddings(per_class=24, split=True)
     soft = Climb(made, {"omnivat": "omnivat_soft", "erm_recipe": "erm_soft"}[one], 0, 0)
     members = [Climb(made, one, 0, seed).method for seed in range(2)]
@@ -30,9 +28,7 @@ def test_an_ensemble_predicts_the_mean_of_heads_that_are_trained_once(
     assert len(list(two_members.glob("*.pt"))) == 2
 
 
-def test_the_odds_of_a_record_give_the_predictions_of_pairs_as_they_come(
-    make_embeddings, two_members
-):
+def test_the_odds_of_a_record_give_the_predictions_of_pairs_as_they_come(make_embeddings, two_members):
     made = make_embeddings(per_class=24, split=True)
     climb = Climb(made, "distilled", 0, 0)
     answers = climb.rungs()
@@ -41,8 +37,4 @@ def test_the_odds_of_a_record_give_the_predictions_of_pairs_as_they_come(
     for rung, own in (("none", False), ("home", True)):
         here = (made.domain[tested] == 0) == own
         np.testing.assert_array_equal(shares[here].argmax(1), letters(answers[rung])[here])
-    assert sorted(f.name.split("-")[0] for f in two_members.glob("*.pt")) == [
-        "distilled",
-        "omnivat",
-        "omnivat",
-    ]
+    assert sorted(f.name.split("-")[0] for f in two_members.glob("*.pt")) == ["distilled", "omnivat", "omnivat"]

@@ -63,11 +63,7 @@ def test_the_gradient_alone_stays_where_it_starts(chirps):
 @pytest.mark.slow
 def test_the_record_of_a_search_holds_its_curve_and_what_it_cost(found):
     search = found.search
-    coarse = [
-        score
-        for score, kind in zip(search["score"], search["round"], strict=True)
-        if kind == "coarse"
-    ]
+    coarse = [score for score, kind in zip(search["score"], search["round"], strict=True) if kind == "coarse"]
     assert search["orders"][:65] == [k / 64 for k in range(65)] and len(coarse) == 65
     assert len(search["orders"]) == len(search["spread"]) == len(search["score"])
     assert search["orders"][int(np.argmin(coarse))] == pytest.approx(CHIRPS.order, abs=0.02)
@@ -105,9 +101,7 @@ def test_the_order_of_another_programs_chirps_is_found(seed):
 def test_orders_at_both_ends_and_beside_interference_are_found(order):
     near = ((0.0, 1.0) if order == 0.88 else (0.5, 0.6),)
     search = of(Recipe(order=order, near=near))
-    coarse = [
-        p for p, kind in zip(search["orders"], search["round"], strict=True) if kind == "coarse"
-    ]
+    coarse = [p for p, kind in zip(search["orders"], search["round"], strict=True) if kind == "coarse"]
     assert search["start"] == pytest.approx(order, abs=0.015)
     assert (coarse[0], coarse[-1]) == (0.0, 1.0)
 
@@ -183,9 +177,7 @@ def test_the_orders_around_the_best_that_tie_with_it_are_named():
     worse = [scored(p, 0.2, 1.01, 0.2, 1.01) for p in (0.45, 0.55)]
     assert neighbours([best, *same, *worse], best) == (0.48, 0.52)
     assert neighbours([best, *worse], best) == (0.5, 0.5)
-    assert (
-        neighbours([scored(-0.01, 0.1, 0.9), scored(0.0, 0.1, 0.9)], scored(0.0, 0.1, 0.9))[0] == 0
-    )
+    assert neighbours([scored(-0.01, 0.1, 0.9), scored(0.0, 0.1, 0.9)], scored(0.0, 0.1, 0.9))[0] == 0
 
 
 def test_a_classifier_that_is_worse_than_chance_counts_as_chance():
@@ -201,10 +193,7 @@ def test_an_order_beside_interference_at_an_end_is_found(seed):
 
 
 def test_valleys_are_apart_and_as_many_as_are_refined():
-    orders = [
-        scored(p, loss, loss)
-        for p, loss in ((0, 0.3), (0.1, 0.1), (0.12, 0.15), (0.5, 0.2), (1, 0.9))
-    ]
+    orders = [scored(p, loss, loss) for p, loss in ((0, 0.3), (0.1, 0.1), (0.12, 0.15), (0.5, 0.2), (1, 0.9))]
     assert [one.order for one in lowest_valleys(orders, 0.2)] == [0.1, 0.5, 1]
     assert [one.order for one in lowest_valleys(orders, 2.0)] == [0.1, 0.12, 0.5]
 
@@ -215,9 +204,7 @@ def test_a_resumed_training_searches_again_and_ends_at_the_same_weights(chirps, 
     whole = train(source, head(), settings)
     state = tmp_path / "training.safetensors"
     first = []
-    later = Watch(
-        on_step=first.append, cancelled=lambda: len(first) > search_steps(head(), settings) + 10
-    )
+    later = Watch(on_step=first.append, cancelled=lambda: len(first) > search_steps(head(), settings) + 10)
     with pytest.raises(TrainingCancelled):
         train(source, head(), settings, resume=state, watch=later)
     again = []

@@ -15,9 +15,7 @@ from omnivat.train.steps import learn, make_optimiser
 
 
 def head(order=0.3):
-    settings = HeadSettings(
-        classes=("a", "b"), input_width=12, lang_width=5, width=8, order=order, learn_order=False
-    )
+    settings = HeadSettings(classes=("a", "b"), input_width=12, lang_width=5, width=8, order=order, learn_order=False)
     return build_head(settings, seed=1)
 
 
@@ -80,9 +78,7 @@ def test_figures_of_a_square_count_unseen_pairs_alone():
     found = summary(square)
     assert found["one"] == pytest.approx((4 * 50 + 100) / 5)
     assert found["differ by seed"] == 0.0
-    assert found["differ by order"] == pytest.approx(
-        100 * 0.4 * 0.5
-    )  # one row in five, one pair in two
+    assert found["differ by order"] == pytest.approx(100 * 0.4 * 0.5)  # one row in five, one pair in two
     assert "| ridge | order | 64 | 0 | 5 | 1 | 60.00 |" in table([square])
 
 

@@ -16,10 +16,7 @@ TABLE = {
     "TQ-DIGIT": ("outdoor", {"TQ-GelMini": "indoor", "TQ-DuraGel": "indoor", "TQ-T3D": "indoor"}),
     "TQ-GelMini": ("outdoor", {"TQ-DIGIT": "indoor", "TQ-DuraGel": "indoor", "TQ-T3D": "indoor"}),
     "TQ-DuraGel": ("outdoor", {"TQ-DIGIT": "indoor", "TQ-GelMini": "indoor", "TQ-T3D": "indoor"}),
-    "TQ-T3D": (
-        "indoor",
-        {"TQ-DIGIT": "outdoor", "TQ-GelMini": "outdoor", "TQ-DuraGel": "outdoor"},
-    ),
+    "TQ-T3D": ("indoor", {"TQ-DIGIT": "outdoor", "TQ-GelMini": "outdoor", "TQ-DuraGel": "outdoor"}),
 }
 
 
@@ -44,9 +41,7 @@ def test_objectfolder_2_a_and_b_are_never_source_and_target():
 @pytest.fixture
 def eight(make_embeddings):
     """All eight simulated domains with splits; TacQuad's with parts and without ceramic."""
-    pairs = make_embeddings(
-        domains=tuple(f"{name}-sim" for name in SETTINGS), per_class=8, split=True
-    )
+    pairs = make_embeddings(domains=tuple(f"{name}-sim" for name in SETTINGS), per_class=8, split=True)
     domains = np.array(pairs.header.domains)[pairs.domain]
     tacquad = np.char.startswith(domains.astype(str), "TQ")
     ceramic = pairs.label == pairs.header.classes.index("ceramic")

@@ -6,13 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks import (
-    _recompute_numbers,
-    _recompute_order,
-    ladder_check,
-    ladder_table,
-    recompute,
-)
+from benchmarks import _recompute_numbers, _recompute_order, ladder_check, ladder_table, recompute
 from omnivat.data.packing import odds, unodds
 
 
@@ -93,9 +87,7 @@ def test_the_ladder_with_its_intervals_is_what_its_records_give():
 
 
 @pytest.mark.parametrize("kind", ["as it is", "accuracy", "ECE"])
-def test_plain_python_finds_the_ladders_figures_and_a_wrong_one(
-    kind, capsys, monkeypatch, tmp_path
-):
+def test_plain_python_finds_the_ladders_figures_and_a_wrong_one(kind, capsys, monkeypatch, tmp_path):
     text = (recompute.TABLES / "ladder.md").read_text(encoding="utf-8")
     row = next(line for line in text.splitlines() if line.startswith("| one head | OmniVaT"))
     cells = row.split(" | ")

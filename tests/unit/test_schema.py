@@ -44,9 +44,7 @@ def test_what_are_no_texts_under_names_is_refused(value):
         texts(value, "encoder")
 
 
-@pytest.mark.parametrize(
-    "value", ["ab", [1], [""], ["a", "a"], ["x" * 301], {"a": 1}, list("abcd")]
-)
+@pytest.mark.parametrize("value", ["ab", [1], [""], ["a", "a"], ["x" * 301], {"a": 1}, list("abcd")])
 def test_what_is_no_list_of_names_is_refused(value):
     with pytest.raises(DataError, match="different names"):
         name_list(value, "classes", 3)

@@ -12,17 +12,7 @@ from omnivat.checkpoint import load_head, save_head
 from omnivat.cli import main
 from omnivat.data.store import load_embeddings, save_embeddings
 from omnivat.errors import DataError, SettingsError
-from omnivat.teach import (
-    DIRECTIONS,
-    LOGISTIC,
-    MEAN,
-    METHODS,
-    NEIGHBOUR,
-    Lesson,
-    _Work,
-    judged,
-    taught,
-)
+from omnivat.teach import DIRECTIONS, LOGISTIC, MEAN, METHODS, NEIGHBOUR, Lesson, _Work, judged, taught
 
 
 @pytest.fixture(scope="module")
@@ -33,15 +23,10 @@ def head(head_folder):
 
     pairs = load_embeddings(head_folder.parent / "set.safetensors").in_domain("TAG-sim")
     short = load_head(head_folder)
-    settings = HeadSettings(
-        classes=short.settings.classes, input_width=pairs.width, width=16, lang_width=1
-    )
+    settings = HeadSettings(classes=short.settings.classes, input_width=pairs.width, width=16, lang_width=1)
     model = train(pairs, settings, TrainSettings(epochs=15, lang=False)).model
     known = familiarity_of(
-        torch.from_numpy(pairs.vis),
-        torch.from_numpy(pairs.tac),
-        pairs.rows["object"],
-        torch.from_numpy(pairs.label),
+        torch.from_numpy(pairs.vis), torch.from_numpy(pairs.tac), pairs.rows["object"], torch.from_numpy(pairs.label)
     )
     return replace(short, model=model.requires_grad_(False), settings=settings, familiarity=known)
 
@@ -102,9 +87,7 @@ def test_the_nearest_neighbour_is_the_pair_of_largest_cosine(head, lessons):
     """An oracle in plain NumPy: cosines of both images, standardised, with equal weight."""
     after = taught(head, lessons, NEIGHBOUR)
     pairs = [torch.randn(60, head.settings.input_width) * 4 for _ in range(2)]
-    source = [
-        head.familiarity.rows[n] * head.familiarity.lengths[n][:, None] for n in ("vis", "tac")
-    ]
+    source = [head.familiarity.rows[n] * head.familiarity.lengths[n][:, None] for n in ("vis", "tac")]
 
     def rows(vis, tac):
         parts = [head.model._standardised(n, x) for n, x in (("vis", vis), ("tac", tac))]
@@ -141,9 +124,7 @@ def test_a_photo_alone_teaches_and_is_predicted_too(head, lessons):
 def test_no_pair_is_judged_by_a_head_that_learned_from_its_object(head, lessons):
     """Two pictures of one odd object: the second is no evidence for the first."""
     strange = -3 * lessons[0].vis
-    odd = [
-        Lesson(label="cork", vis=strange + shift, tac=strange, object="odd") for shift in (0, 0.01)
-    ]
+    odd = [Lesson(label="cork", vis=strange + shift, tac=strange, object="odd") for shift in (0, 0.01)]
     report = judged(head, [*lessons, *odd])
     apart = judged(head, [*lessons, odd[0], replace(odd[1], object="another")])
     assert all(one.after != "cork" for one in report.judged)
@@ -169,9 +150,7 @@ def test_an_older_head_without_training_labels_is_taught_by_the_lessons_alone(he
 @pytest.mark.parametrize("labels", [["wood"], ["wood", "wood"], ["wood", "wood", "glass"]])
 def test_too_few_labels_are_refused_with_what_is_there(head, lessons, labels):
     few = [replace(lessons[0], label=label) for label in labels]
-    with pytest.raises(
-        DataError, match="two or more classes first, of different objects; there are: wood"
-    ):
+    with pytest.raises(DataError, match="two or more classes first, of different objects; there are: wood"):
         judged(head, few)
     assert taught(head, few).provenance["taught_by"] == LOGISTIC
 
@@ -187,9 +166,7 @@ def test_nothing_to_learn_from_is_refused(head):
         taught(head, [])
 
 
-def test_the_command_says_what_teaching_brings_and_writes_a_head(
-    head, head_folder, tmp_path, capsys
-):
+def test_the_command_says_what_teaching_brings_and_writes_a_head(head, head_folder, tmp_path, capsys):
     own = tmp_path / "own"
     save_head(own, head)
     pairs = load_embeddings(head_folder.parent / "set.safetensors").in_domain("OF Real-sim")

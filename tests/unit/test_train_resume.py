@@ -45,20 +45,10 @@ def test_resumed_training_equals_uninterrupted_training_to_the_bit(source, tmp_p
     state = tmp_path / "training.safetensors"
 
     with pytest.raises(Stop):
-        train(
-            source,
-            head(),
-            settings,
-            bank=load_bank(),
-            seed=3,
-            resume=state,
-            on_step=stopped_after(0.6),
-        )
+        train(source, head(), settings, bank=load_bank(), seed=3, resume=state, on_step=stopped_after(0.6))
     assert state.is_file()
     steps = []
-    resumed = train(
-        source, head(), settings, bank=load_bank(), seed=3, resume=state, on_step=steps.append
-    )
+    resumed = train(source, head(), settings, bank=load_bank(), seed=3, resume=state, on_step=steps.append)
     assert steps[0].done == steps[0].total // 2 + 1  # two of four epochs were not done again
     assert equal_weights(whole.model, resumed.model)
     assert whole.epochs == resumed.epochs
@@ -73,14 +63,7 @@ def test_the_resume_check_can_fail(source, tmp_path, monkeypatch):
     whole = train(source, head(), settings, bank=load_bank())
 
     with pytest.raises(Stop):
-        train(
-            source,
-            head(),
-            settings,
-            bank=load_bank(),
-            resume=state,
-            on_step=stopped_after(0.5),
-        )
+        train(source, head(), settings, bank=load_bank(), resume=state, on_step=stopped_after(0.5))
     resumed = train(source, head(), settings, bank=load_bank(), resume=state)
     assert not equal_weights(whole.model, resumed.model)
 
@@ -89,14 +72,7 @@ def test_the_state_of_another_training_is_refused(source, tmp_path):
     state = tmp_path / "training.safetensors"
 
     with pytest.raises(Stop):
-        train(
-            source,
-            head(),
-            TrainSettings(epochs=2),
-            bank=load_bank(),
-            resume=state,
-            on_step=stopped_after(0.5),
-        )
+        train(source, head(), TrainSettings(epochs=2), bank=load_bank(), resume=state, on_step=stopped_after(0.5))
     with pytest.raises(DataError, match="state of another training"):
         train(source, head(), TrainSettings(epochs=2), bank=load_bank(), seed=9, resume=state)
     state.write_bytes(b"cut short")

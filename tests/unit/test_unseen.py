@@ -27,9 +27,7 @@ def make_head():
         settings = HeadSettings(
             classes=embeddings.header.classes, input_width=embeddings.width, width=16, lang_width=16
         )
-        encoder = dict(
-            zip(("name", "weights_hash", "preprocessing"), embeddings.header.key, strict=True)
-        )
+        encoder = dict(zip(("name", "weights_hash", "preprocessing"), embeddings.header.key, strict=True))
         model = build_head(settings, seed=2).eval()
         return Head(model=model, settings=settings, encoder=encoder, provenance={"source": SOURCE})
 
@@ -39,9 +37,7 @@ def make_head():
 @pytest.fixture(scope="module")
 def found(make_embeddings, make_head):
     embeddings = make_embeddings(domains=(SOURCE, "OF Real-sim", "TQ-sim"), split=True)
-    embeddings.rows["looks_like"][:] = [
-        "steel" if i % 4 == 2 else "" for i in range(len(embeddings))
-    ]
+    embeddings.rows["looks_like"][:] = ["steel" if i % 4 == 2 else "" for i in range(len(embeddings))]
     head = make_head(embeddings)
     return head, embeddings, unseen_summary(head, embeddings)
 

@@ -39,10 +39,7 @@ test("the sentence says what changes, and between whom", () => {
 
 test("two equal sides are told to differ", () => {
   assert.match(sentence(["a", "a"], { all: 1, corrected: 0, broken: 0, wrong: 0 }), /same predictions/);
-  assert.match(
-    sentence(["a", "b"], { all: 0, corrected: 0, broken: 0, wrong: 0 }),
-    /There are no test pairs here/,
-  );
+  assert.match(sentence(["a", "b"], { all: 0, corrected: 0, broken: 0, wrong: 0 }), /There are no test pairs here/);
 });
 
 test("names of heads cannot become markup", () => {

@@ -49,9 +49,7 @@ test("a histogram counts every value once, those at the ends too", () => {
 });
 
 test("another set is opened without pins, filters and pairs of the present one", () => {
-  const address = new URL(
-    addressOf("chirps", "http://x/?set=sensors&pin=3&domain=a&p=0.5&stage=relu&chapter=analyse"),
-  );
+  const address = new URL(addressOf("chirps", "http://x/?set=sensors&pin=3&domain=a&p=0.5&stage=relu&chapter=analyse"));
   assert.deepEqual(Object.fromEntries(address.searchParams), {
     set: "chirps",
     stage: "relu",
@@ -136,8 +134,7 @@ test("no winner is named where two intervals overlap", () => {
     unseen: { "answers/fused": share(0.5, 0.4, 0.6) },
     look_alikes: { pairs: 20, "answers/vis": vis, "answers/tac": tac },
   });
-  const words = (vis, tac) =>
-    chapterNamed("fooled").words({ own: frames(), facts: { unseen: unseen(vis, tac) } });
+  const words = (vis, tac) => chapterNamed("fooled").words({ own: frames(), facts: { unseen: unseen(vis, tac) } });
   assert.match(words(share(0.2, 0.1, 0.3), share(0.5, 0.4, 0.6)).remark, /only touch can tell/);
   assert.match(words(share(0.4, 0.2, 0.6), share(0.5, 0.3, 0.7)).remark, /overlap/);
 });
@@ -147,8 +144,7 @@ test("a confidence is a colour only where it has a temperature, and a number in 
   assert.ok(keys("moved").includes("confidence"));
   for (const kind of ["retrained", "every"]) assert.ok(!keys(kind).includes("confidence"));
   assert.equal(colouring(frames({ kind: "retrained" }), "confidence").label, "Class");
-  const shown = (kind) =>
-    frames({ kind, prediction: [0, 1, 0, 1, 0, 1], confidence: [255, 255, 255, 255, 255, 255] });
+  const shown = (kind) => frames({ kind, prediction: [0, 1, 0, 1, 0, 1], confidence: [255, 255, 255, 255, 255, 255] });
   const frame = {
     points: new Uint16Array(8),
     bounds: [

@@ -16,8 +16,7 @@ const STRANGE = { vis: { guess: true }, tac: { guess: false } };
 test("the list of classes greys the columns of guesses and names them", () => {
   const html = classTable(CLASSES, READINGS, STRANGE);
   const cells = (reading) => html.match(new RegExp(`<td data-reading="${reading}"[^>]*>`, "g"));
-  for (const reading of ["fused", "vis"])
-    assert.ok(cells(reading).every((cell) => cell.includes("of-guess")));
+  for (const reading of ["fused", "vis"]) assert.ok(cells(reading).every((cell) => cell.includes("of-guess")));
   assert.ok(cells("tac").every((cell) => !cell.includes("of-guess")));
   assert.equal(html.match(/\(guess\)/g).length, 2);
   assert.match(html, /Grey: figures for a guess/);

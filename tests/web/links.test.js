@@ -9,8 +9,7 @@ globalThis.location = {
   origin: "http://x",
 };
 globalThis.history = { state: null, replaceState: (_, __, address) => (written = String(address)) };
-globalThis.document.querySelector = (what) =>
-  what.startsWith("meta") ? { getAttribute: () => "explore pair" } : null;
+globalThis.document.querySelector = (what) => (what.startsWith("meta") ? { getAttribute: () => "explore pair" } : null);
 const sent = [];
 globalThis.fetch = async (address, options) => {
   sent.push([String(address), options?.method ?? "GET"]);

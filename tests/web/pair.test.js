@@ -12,16 +12,7 @@ import { recorded } from "../../app/web/pair/live.js";
 import { csv } from "../../app/web/pair/many.js";
 import { aboutP, band } from "../../app/web/pair/orders.js";
 import { named, paired } from "../../app/web/pair/pairing.js";
-import {
-  isOwn,
-  keyOf,
-  lessonsFor,
-  missing,
-  mixed,
-  tally,
-  withoutPair,
-  withPair,
-} from "../../app/web/pair/tally.js";
+import { isOwn, keyOf, lessonsFor, missing, mixed, tally, withoutPair, withPair } from "../../app/web/pair/tally.js";
 import { cards, classTable, judged, madeOf } from "../../app/web/pair/verdict.js";
 import { cells } from "../../app/web/shared/csv.js";
 
@@ -62,11 +53,7 @@ test("an image unlike the training images makes every reading that uses it a gue
 });
 
 test("with one image there is no reading of both", () => {
-  const html = cards(
-    { classes: CLASSES, exact: { readings: { fused: [0.3, 0.7], tac: [0.3, 0.7] } } },
-    null,
-    {},
-  );
+  const html = cards({ classes: CLASSES, exact: { readings: { fused: [0.3, 0.7], tac: [0.3, 0.7] } } }, null, {});
   assert.match(html, /Add the photo to see both together/);
   assert.match(html, /No photo here/);
 });
@@ -86,10 +73,7 @@ test("names from files cannot become markup", () => {
 
 test("familiarity is said in words and as a share of the training images", () => {
   const image = { words: "unlike the training images", quantile: 0.01 };
-  assert.equal(
-    sentence("vis", image),
-    "Unlike the training images: 1 of 100 training photos has a farther neighbour.",
-  );
+  assert.equal(sentence("vis", image), "Unlike the training images: 1 of 100 training photos has a farther neighbour.");
   assert.match(sentence("tac", { words: "familiar", quantile: 0.25 }), /^Familiar: 25 of 100/); // an ordinary rank
   assert.match(sentence("vis", { words: "familiar", quantile: 1, cosine: 1 }), /one of the training photos/);
   assert.match(sentence("tac", {}), /has no record/);
@@ -132,12 +116,8 @@ test("labels at the ends of lines stay inside the chart and apart", () => {
 
 test("a pair of two origins is mixed, and no visitor's pair", () => {
   const [own, other, example, row] = ["image:a", "image:b", "example:x/y/z", "row:3"];
-  assert.ok(
-    mixed({ vis: own, tac: example }) && mixed({ vis: row, tac: own }) && mixed({ vis: row, tac: example }),
-  );
-  assert.ok(
-    !mixed({ vis: own, tac: other }) && !mixed({ vis: row, tac: row }) && !mixed({ vis: own, tac: null }),
-  );
+  assert.ok(mixed({ vis: own, tac: example }) && mixed({ vis: row, tac: own }) && mixed({ vis: row, tac: example }));
+  assert.ok(!mixed({ vis: own, tac: other }) && !mixed({ vis: row, tac: row }) && !mixed({ vis: own, tac: null }));
   assert.ok(isOwn({ vis: own, tac: other }) && isOwn({ vis: null, tac: own }));
   assert.ok(!isOwn({ vis: own, tac: example }) && !isOwn({ vis: null, tac: null }));
 });

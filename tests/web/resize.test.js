@@ -97,7 +97,5 @@ for (const [width, height] of [
     const found = signalOf(one);
     const wanted = pillow(one, "strip");
     assert.equal(found.length, wanted.length);
-    found.forEach((value, at) =>
-      assert.ok(Math.abs(value - wanted[at]) < 1e-5, `${at}: ${value}, ${wanted[at]}`),
-    );
+    found.forEach((value, at) => assert.ok(Math.abs(value - wanted[at]) < 1e-5, `${at}: ${value}, ${wanted[at]}`));
   });

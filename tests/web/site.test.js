@@ -49,17 +49,10 @@ test("a file of numbers is read as it was written, and a damaged one is refused"
 
 test("sizes and kinds are read from the first bytes", () => {
   const bytes = (...parts) =>
-    Uint8Array.from(
-      parts.flatMap((one) => (typeof one === "string" ? [...one].map((c) => c.charCodeAt(0)) : one)),
-    );
+    Uint8Array.from(parts.flatMap((one) => (typeof one === "string" ? [...one].map((c) => c.charCodeAt(0)) : one)));
   const png = bytes("\x89PNG\r\n\x1a\n", [0, 0, 0, 13], "IHDR", [0, 0, 1, 2], [0, 0, 0, 9]);
   assert.deepEqual(headerOf(png), { kind: "PNG", width: 258, height: 9 });
-  const jpeg = bytes(
-    "\xff\xd8",
-    [0xff, 0xe0, 0, 4, 1, 1],
-    [0xff, 0xc2, 0, 11, 8, 0, 20, 1, 0, 1],
-    [0, 0, 0, 0, 0, 0],
-  );
+  const jpeg = bytes("\xff\xd8", [0xff, 0xe0, 0, 4, 1, 1], [0xff, 0xc2, 0, 11, 8, 0, 20, 1, 0, 1], [0, 0, 0, 0, 0, 0]);
   assert.deepEqual(headerOf(jpeg), { kind: "JPEG", width: 256, height: 20 });
   assert.equal(headerOf(bytes("II*\0", [0, 0, 0, 0, 0, 0, 0, 0])).kind, "TIFF");
   assert.equal(headerOf(bytes("this is no picture")), null);
@@ -122,8 +115,5 @@ test("the regression ends where its gradient vanishes, and the basis changes no 
 test("lessons without a label, or of two different pairs, are refused", () => {
   assert.deepEqual(lessonsIn({}), []);
   assert.throws(() => lessonsIn({ lessons: [{ vis: "image:a", label: " " }] }), /1 to 40 letters/);
-  assert.throws(
-    () => lessonsIn({ lessons: [{ vis: "row:1", tac: "row:2", label: "a" }] }),
-    /different pairs/,
-  );
+  assert.throws(() => lessonsIn({ lessons: [{ vis: "row:1", tac: "row:2", label: "a" }] }), /different pairs/);
 });

@@ -64,21 +64,7 @@ test("the tour ends with the title's answer in two or three sentences of the pag
   assert.equal(sentences(plain(figures())).length, 2);
   const text = plain(figures(ladder(0.6, 0.64)));
   assert.equal(sentences(text).length, 3);
-  for (const figure of [
-    "60",
-    "80",
-    "0.05",
-    "0.60",
-    "55",
-    "56",
-    "30",
-    "90",
-    "62",
-    "64",
-    "+4.0",
-    "−1.0",
-    "+8.0",
-  ])
+  for (const figure of ["60", "80", "0.05", "0.60", "55", "56", "30", "90", "62", "64", "+4.0", "−1.0", "+8.0"])
     assert.ok(text.includes(figure), figure);
 });
 

@@ -77,10 +77,7 @@ test("a waiting training tells its place, a running one its epoch", () => {
     standing({ state: "running", place: 0, text: "epoch 3", problem: "" }, { epochs: 3, total: 40 }),
     "Training: epoch 3 of 40.",
   );
-  assert.equal(
-    standing({ state: "failed", place: 0, text: "", problem: "The loss is nan." }, at),
-    "The loss is nan.",
-  );
+  assert.equal(standing({ state: "failed", place: 0, text: "", problem: "The loss is nan." }, at), "The loss is nan.");
 });
 
 test("scrubbing back shows the newest map and measures up to that epoch", () => {
@@ -128,10 +125,7 @@ test("the form shows three controls; the rest is under Advanced", () => {
 test("two runs are compared with the spread of seeds, and one is not compared", () => {
   const runs = [{ share: 0.5 }, { share: 0.512 }];
   assert.match(compared(runs, 0.01), /1\.2 points above.*about 1\.4 points.*may be chance/);
-  assert.match(
-    compared([{ share: 0.6 }, { share: 0.5 }], 0.01),
-    /10\.0 points below.*more than seeds explain/,
-  );
+  assert.match(compared([{ share: 0.6 }, { share: 0.5 }], 0.01), /10\.0 points below.*more than seeds explain/);
   assert.match(compared(runs, null), /other seeds/);
   assert.equal(compared(runs.slice(1), 0.01), "");
 });

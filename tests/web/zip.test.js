@@ -26,8 +26,5 @@ test("another program reads the files back", () => {
     encoding: "utf-8",
     env: { ...process.env, PYTHONIOENCODING: "utf-8" },
   });
-  assert.equal(
-    said.trim(),
-    "[('My pairs/wood/0_vis.png', 3), ('My pairs/grès/1_tac.png', 70000), ('empty.txt', 0)]",
-  );
+  assert.equal(said.trim(), "[('My pairs/wood/0_vis.png', 3), ('My pairs/grès/1_tac.png', 70000), ('empty.txt', 0)]");
 });

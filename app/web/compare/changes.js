@@ -25,8 +25,7 @@ export function sentence(names, { all, corrected, broken, wrong }) {
   const [left, right] = names.map(escaped);
   if (left === right)
     return `Both sides show ${left}, with the same predictions. Choose another head or p for one of them.`;
-  if (!all)
-    return "There are no test pairs here: all are training pairs, or have a class that the head lacks.";
+  if (!all) return "There are no test pairs here: all are training pairs, or have a class that the head lacks.";
   const changed = corrected + broken + wrong;
   return `From ${left} (left) to ${right} (right), <b>${figure(changed)}</b> of ${figure(all)} predictions change: <span class="right">${figure(corrected)} corrected</span>, <span class="wrong">${figure(broken)} broken</span>, ${figure(wrong)} still wrong.`;
 }

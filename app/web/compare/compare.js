@@ -130,11 +130,7 @@ class CompareTab {
   }
 
   lit(pair) {
-    return (
-      !this.selected.size ||
-      this.selected.has(pair) ||
-      (this.apart && this.lassoed.has(this.frames.label[pair]))
-    );
+    return !this.selected.size || this.selected.has(pair) || (this.apart && this.lassoed.has(this.frames.label[pair]));
   }
 
   show() {
@@ -148,8 +144,7 @@ class CompareTab {
     if (this.apart) {
       return `${escaped(state.only2)} and ${escaped(state.only)} share no pairs: a selection in one highlights the same classes in the other.`;
     }
-    if (this.sides.some((side) => side.failed))
-      return "One side has no predictions; its reason is above its map.";
+    if (this.sides.some((side) => side.failed)) return "One side has no predictions; its reason is above its map.";
     if (!this.judged || !this.sides.every((side) => side.ready)) return "Counting…";
     const only = state.only || state.only2;
     const { frames } = this;

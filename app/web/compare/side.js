@@ -194,8 +194,7 @@ export class Side {
   cell(measure) {
     const own = this.value(measure);
     const other = this.board.sides[0];
-    const off =
-      this === other || !other ? "" : difference(own, other.value(measure), measure.name === "accuracy");
+    const off = this === other || !other ? "" : difference(own, other.value(measure), measure.name === "accuracy");
     return `<td title="${escaped(measure.help)}"><span>${measure.title}${measure.name === "accuracy" && !this.chosen.only ? ", unseen" : ""}</span><b>${asText(measure.name, own)}</b> ${off && `<small>${off}</small>`}</td>`;
   }
 }

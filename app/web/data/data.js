@@ -111,8 +111,7 @@ function scores({ domains }) {
 
 function approximations(frames, limits) {
   const error =
-    frames &&
-    Math.max(...Object.keys(frames.meta.maps).map((name) => frames.positions(...name.split("/"), 0).error));
+    frames && Math.max(...Object.keys(frames.meta.maps).map((name) => frames.positions(...name.split("/"), 0).error));
   const ofHead = `<li>Each stop of p is exact; lines between are not.</li>
     <li>Accuracy is on pairs outside the training.</li>
     <li>Probabilities are calibrated on the source, overconfident elsewhere.</li>`;

@@ -3,13 +3,7 @@
 import { ask, Refusal, refused, sendPart } from "../shared/api.js";
 import { held } from "../shared/held.js";
 
-const HEAD = [
-  "weights.safetensors",
-  "settings.json",
-  "metrics.json",
-  "familiarity.safetensors",
-  "profile.safetensors",
-];
+const HEAD = ["weights.safetensors", "settings.json", "metrics.json", "familiarity.safetensors", "profile.safetensors"];
 const inUse = () => new URLSearchParams(location.search).get("set");
 
 export function loading(box) {
@@ -58,13 +52,10 @@ function chosen(box) {
     );
   }
   for (const file of box.querySelector(".set").files) {
-    const ending = [".thumbnails.webp", ".thumbnails.json", ".safetensors"].find((end) =>
-      file.name.endsWith(end),
-    );
+    const ending = [".thumbnails.webp", ".thumbnails.json", ".safetensors"].find((end) => file.name.endsWith(end));
     if (ending) found[`embeddings${ending}`] = file;
   }
-  if (!Object.keys(found).length)
-    throw new Refusal("Choose the folder of a head, an embeddings file, or both.");
+  if (!Object.keys(found).length) throw new Refusal("Choose the folder of a head, an embeddings file, or both.");
   return found;
 }
 

@@ -17,9 +17,7 @@ export function searched(found) {
   const x = (p) => (LEFT + (WIDTH - LEFT - 6) * p).toFixed(1);
   const y = (v) => (HEIGHT - 18 - (HEIGHT - 26) * (v / top)).toFixed(1);
   const line = points.map(([p, v], i) => `${i ? "L" : "M"}${x(p)} ${y(v)}`).join("");
-  const bars = points
-    .map(([p, v, s]) => `<path d="M${x(p)} ${y(Math.max(0, v - s))}V${y(v + s)}"/>`)
-    .join("");
+  const bars = points.map(([p, v, s]) => `<path d="M${x(p)} ${y(Math.max(0, v - s))}V${y(v + s)}"/>`).join("");
   const best = points.reduce((a, b) => (b[1] < a[1] ? b : a));
   const ticks = [0, 0.5, 1].map((p) => `<text x="${x(p)}" y="${HEIGHT - 4}">${p}</text>`).join("");
   return `<figure class="searched"><figcaption>The search for p: error on pairs of the source that were left out</figcaption>

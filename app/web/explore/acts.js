@@ -29,8 +29,7 @@ export class Acts {
     const { scene } = this;
     if (point === scene.hovered) return;
     scene.hovered = point;
-    this.page.maps.now.marks.style.cursor =
-      point >= 0 ? "pointer" : this.page.lassoMode ? "crosshair" : "grab";
+    this.page.maps.now.marks.style.cursor = point >= 0 ? "pointer" : this.page.lassoMode ? "crosshair" : "grab";
     this.page.maps.paintMarks();
     this.page.showCard();
     this.page.peek(point < 0 ? -1 : point % scene.frames.pairs, pointed);
@@ -82,9 +81,7 @@ export class Acts {
     const words = cell && `${classes[cell.truth]} predicted as ${classes[cell.answer]}`;
     scene.only = cell && { pairs: new Set(cell.pairs), words };
     this.page.refilter();
-    this.select(
-      cell ? cell.pairs.flatMap((pair) => [pair, pair + scene.frames.pairs]).filter(scene.shown) : [],
-    );
+    this.select(cell ? cell.pairs.flatMap((pair) => [pair, pair + scene.frames.pairs]).filter(scene.shown) : []);
   }
 
   /** The stage whose neighbours are known: heads trained at each p are not kept. */

@@ -130,8 +130,7 @@ function shifted({ kindOfStops, meta, domains = [] }) {
 
 function fooled({ own, facts: { unseen, fit } }) {
   const title = "When is touch needed?";
-  if (own.headless)
-    return { title: "Who is fooled? That takes a head.", figure: "", remark: headlessHtml(fit) };
+  if (own.headless) return { title: "Who is fooled? That takes a head.", figure: "", remark: headlessHtml(fit) };
   if (!unseen) return { title, figure: "", remark: "" };
   const alike = unseen.look_alikes;
   const pairs = unseen.domains.reduce((sum, one) => sum + (one.is_source ? 0 : one.pairs), 0);

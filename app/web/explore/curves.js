@@ -79,9 +79,7 @@ export class Curves {
   other(ys) {
     if (!this.pale) return "";
     const { orders, share: all, title } = this.pale;
-    const line = all.map(
-      (v, i) => `${i ? "L" : "M"}${this.x(orders[i]).toFixed(1)} ${this.y(v, ys).toFixed(1)}`,
-    );
+    const line = all.map((v, i) => `${i ? "L" : "M"}${this.x(orders[i]).toFixed(1)} ${this.y(v, ys).toFixed(1)}`);
     const low = this.y(1 / this.frames.classes.length, ys);
     return `<path class="pale" d="${line.join("")}"/><text x="${this.x(1) - 2}" y="${this.y(Math.max(...all), ys) - 7}" text-anchor="end">${escaped(title)}</text><text x="${this.x(1) - 2}" y="${low + 17}" text-anchor="end">guessing</text>`;
   }
@@ -99,9 +97,7 @@ export class Curves {
   listen(svg) {
     const moved = (event) => {
       const box = svg.getBoundingClientRect();
-      const at =
-        (((event.clientX - box.left) / box.width) * this.wide - PAD.left) /
-        (this.wide - PAD.left - PAD.right);
+      const at = (((event.clientX - box.left) / box.width) * this.wide - PAD.left) / (this.wide - PAD.left - PAD.right);
       const [a, b] = this.span;
       this.onOrder(a + Math.max(0, Math.min(1, at)) * (b - a));
     };
@@ -155,9 +151,7 @@ export class Curves {
         own && frames.kind === "retrained"
           ? own
               .map((v, i) =>
-                Number.isFinite(v)
-                  ? `<circle cx="${this.x(frames.orders[i])}" cy="${this.y(v, ys)}" r="2"/>`
-                  : "",
+                Number.isFinite(v) ? `<circle cx="${this.x(frames.orders[i])}" cy="${this.y(v, ys)}" r="2"/>` : "",
               )
               .join("")
           : "";

@@ -22,8 +22,7 @@ export const HISTOGRAMS = [
 export function histogram(all, [low, high], wanted = () => true) {
   const counts = new Array(BINS).fill(0);
   all.forEach((v, i) => {
-    if (wanted(i))
-      counts[Math.max(0, Math.min(BINS - 1, Math.floor(((v - low) / (high - low || 1)) * BINS)))] += 1;
+    if (wanted(i)) counts[Math.max(0, Math.min(BINS - 1, Math.floor(((v - low) / (high - low || 1)) * BINS)))] += 1;
   });
   return counts;
 }
@@ -125,9 +124,7 @@ export class Finder {
       const most = Math.max(1, ...all);
       const bars = (counts) =>
         counts
-          .map((n, i) =>
-            n ? `M${i + 0.08} ${HIGH}V${HIGH - (n / most) * (HIGH - 2)}H${i + 0.92}V${HIGH}Z` : "",
-          )
+          .map((n, i) => (n ? `M${i + 0.08} ${HIGH}V${HIGH - (n / most) * (HIGH - 2)}H${i + 0.92}V${HIGH}Z` : ""))
           .join("");
       figure.querySelector(".all").setAttribute("d", bars(all));
       figure.querySelector(".kept").setAttribute("d", bars(histogram(own, this.spans[name], seen)));

@@ -20,11 +20,9 @@ export function listed(scene) {
       points: selected.size,
       pairs: all.filter((p) => selected.has(p) || selected.has(p + frames.pairs)),
     };
-  if (scene.filtering().length)
-    return { pairs: all.filter((p) => scene.shown(p) || scene.shown(p + frames.pairs)) };
+  if (scene.filtering().length) return { pairs: all.filter((p) => scene.shown(p) || scene.shown(p + frames.pairs)) };
   if (state.chapter !== "fooled" || !facts.pairs || !facts.unseen) return { pairs: [] };
-  const strange = (p) =>
-    facts.unseen.pairs.counts[p] && frames.domains[frames.domain[p]] !== facts.unseen.source;
+  const strange = (p) => facts.unseen.pairs.counts[p] && frames.domains[frames.domain[p]] !== facts.unseen.source;
   const alike = all.filter((p) => facts.pairs.looks_like[p] && strange(p));
   const wrong = (p) => frames.prediction[scene.stop * frames.pairs + p] !== frames.label[p];
   return alike.length
@@ -77,8 +75,7 @@ export function showGrid(box, scene, { onPick, onClear, onSave }) {
   const row = `<div class="row">${points ? '<button type="button" class="clear">Clear</button>' : ""}<button type="button" class="csv">Save as CSV</button><label>Tag <input type="text" class="tagging" maxlength="40" placeholder="a word, then Enter"></label></div>`;
   const first = what.why ? LESSON : SHOWN;
   const tiles = pairs.slice(0, first).map((pair) => tile(pair, scene));
-  const more =
-    pairs.length > first ? `<p class="hint">${pairs.length - first} more pairs are in the CSV.</p>` : "";
+  const more = pairs.length > first ? `<p class="hint">${pairs.length - first} more pairs are in the CSV.</p>` : "";
   const parts = [`<div class="tiles">${tiles.join("")}</div>${more}`, row];
   box.innerHTML = heading(what, scene) + (what.why ? parts : parts.reverse()).join(""); // a chapter shows the pictures first
   box.onclick = (event) => {

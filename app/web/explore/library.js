@@ -11,13 +11,11 @@ export function dataOf(set, onWait) {
   if (!sets.has(set))
     sets.set(
       set,
-      Promise.all([theSet(onWait, set), choices(set)]).then(
-        ([{ frames: own, coarse, sprite }, { modes }]) => {
-          own.coarse = coarse;
-          const frames = new Map([["moved", own]]);
-          return { set, own, sprite, coarse, modes, frames, facts: { unseen: null, pairs: null, fit: null } };
-        },
-      ),
+      Promise.all([theSet(onWait, set), choices(set)]).then(([{ frames: own, coarse, sprite }, { modes }]) => {
+        own.coarse = coarse;
+        const frames = new Map([["moved", own]]);
+        return { set, own, sprite, coarse, modes, frames, facts: { unseen: null, pairs: null, fit: null } };
+      }),
     );
   sets.get(set).catch(() => sets.delete(set)); // the next call tries again
   return sets.get(set);

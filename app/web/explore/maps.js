@@ -33,8 +33,7 @@ export class Maps {
       (x, cloud) => state.pin !== null && pairLine(x, cloud, state.pin, "#dc2626"),
       (x, cloud) => {
         const pair = scene.hovered % scene.frames.pairs;
-        if (scene.hovered >= 0 && pair !== state.pin)
-          pairLine(x, cloud, pair, isDark() ? "#38bdf8" : "#1e293b");
+        if (scene.hovered >= 0 && pair !== state.pin) pairLine(x, cloud, pair, isDark() ? "#38bdf8" : "#1e293b");
       },
     ];
     const named = names(frames, scene.shown);
@@ -118,9 +117,7 @@ export class Maps {
     const hides = this.scene.filtering();
     const gap = (measure, words, only) => {
       const value = values(frames, measure, stage, only)?.[stop];
-      return Number.isFinite(value)
-        ? `<span class="gap">${words} <b>${asText(measure, value, 2)}</b></span>`
-        : "";
+      return Number.isFinite(value) ? `<span class="gap">${words} <b>${asText(measure, value, 2)}</b></span>` : "";
     };
     const gaps = domain
       ? gap("modality_gap", `modality gap in ${escaped(domain)}`, domain)
@@ -147,8 +144,7 @@ export function notes(frames, frame, stop, kind) {
     if (isStill(state.stage, frames) && frame.stops === 1 && state.stage !== "raw")
       parts.push("One map for every p: the transform changes no distance.");
     if (frames.kind === "retrained" && state.stage !== "raw") parts.push("Each stop is another head.");
-    if (frames.kind === "moved" && !isStill(state.stage, frames))
-      parts.push("Weights stay fixed while p moves.");
+    if (frames.kind === "moved" && !isStill(state.stage, frames)) parts.push("Weights stay fixed while p moves.");
     if (kind === "umap") parts.push("Distances and scale have no meaning.");
   }
   return parts.join(" ");

@@ -18,12 +18,9 @@ const LABELS = {
 const label = (mode, own) => LABELS[mode === "moved" && own.kind === "every" ? "every" : mode][0];
 
 const trainings = ({ seeds = [], width }) =>
-  [seeds.length > 1 && `${seeds.length} trainings for each stop`, width && `width ${width}`]
-    .filter(Boolean)
-    .join(", ");
+  [seeds.length > 1 && `${seeds.length} trainings for each stop`, width && `width ${width}`].filter(Boolean).join(", ");
 
-const SIGNALS =
-  " Each pair is two recordings of one signal: “photo” stands for the first, “touch” for the second.";
+const SIGNALS = " Each pair is two recordings of one signal: “photo” stands for the first, “touch” for the second.";
 
 /** An explanation of the chosen mode, and of a set of signals, as HTML. */
 export const modeWords = (frames) => ofMode(frames) + (frames.signals ? SIGNALS : "");
@@ -33,8 +30,7 @@ function ofMode(frames) {
     const more = trainings(frames.meta.head);
     return `<b>A head for each stop</b>, trained at that p on ${escaped(frames.source)}${more && ` (${more})`}. Dots are stops${frames.meta.head.seeds?.length > 1 ? "; the pale band is from the lowest to the highest training" : ""}.`;
   }
-  if (frames.kind === "every")
-    return `<b>One head for every p</b>: p was drawn at random in each training step.`;
+  if (frames.kind === "every") return `<b>One head for every p</b>: p was drawn at random in each training step.`;
   const learned = Number.isFinite(frames.learned) ? orderText(+frames.learned.toFixed(3)) : "its own p";
   return `<b>What if only p moved?</b> The weights stay those learned at p = ${learned}. Shaded: the orders this head was trained for. ${elsewhere(frames)}A small gap there means little.`;
 }

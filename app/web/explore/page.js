@@ -58,9 +58,7 @@ export class Page {
     this.bar = orderBar($(".ride"), data.own);
     const toOrder = (p) => change({ p: scene.frames.orders[scene.frames.stop(p)] });
     const tall = () =>
-      isLecture()
-        ? 0.5 * innerHeight
-        : Math.min(560, 0.3 * innerHeight + 0.5 * Math.max(0, innerHeight - 720));
+      isLecture() ? 0.5 * innerHeight : Math.min(560, 0.3 * innerHeight + 0.5 * Math.max(0, innerHeight - 720));
     const high = () => (innerWidth < 820 ? 110 : state.chapter === "order" ? tall() : 0.165 * innerHeight);
     this.ride = new Curves($(".over"), toOrder, { measures: ["accuracy"], high });
     this.curves = new Curves($(".all"), toOrder, { measures: ["modality_gap", "domain_gap", "margin"] });
@@ -131,12 +129,8 @@ export class Page {
     scene.selected = new Set();
     if (state.p === null) openAt(startOf(state.chapter, frames, scene.own));
     if (state.pin !== null && !(state.pin < frames.pairs)) state.pin = null;
-    this.sample = frames.label.findIndex(
-      (label, pair) => frames.headless || label === frames.prediction[pair],
-    );
-    this.ride.pale = this.sets.find(
-      ({ name }) => state.chapter === "order" && scene.set && name !== scene.set,
-    )?.curve;
+    this.sample = frames.label.findIndex((label, pair) => frames.headless || label === frames.prediction[pair]);
+    this.ride.pale = this.sets.find(({ name }) => state.chapter === "order" && scene.set && name !== scene.set)?.curve;
     this.maps.reset();
     this.replace(frames);
     this.acts.selectNamed();
@@ -226,8 +220,7 @@ export class Page {
     const { scene } = this;
     const lesson = chapterNamed(state.chapter);
     const set = (selector, html) => fill(this.$(selector), html);
-    if (!lesson)
-      return set(".score", scene.frames.headless ? featuresHtml(scene) : headOf(scene.frames, scene.stop));
+    if (!lesson) return set(".score", scene.frames.headless ? featuresHtml(scene) : headOf(scene.frames, scene.stop));
     const words = lesson.words(scene);
     for (const name of ["title", "figure", "remark"]) set(`.${name}`, words[name]);
     if (state.chapter === "failure") this.waterfall.show();

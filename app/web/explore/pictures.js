@@ -24,12 +24,7 @@ function sheet(sprite, onLoad) {
 export function inView(cloud, shown, most = MOST) {
   const found = [];
   for (let point = 0; point < cloud.count; point++) {
-    if (
-      cloud.x[point] < 0 ||
-      cloud.y[point] < 0 ||
-      cloud.x[point] > cloud.width ||
-      cloud.y[point] > cloud.height
-    )
+    if (cloud.x[point] < 0 || cloud.y[point] < 0 || cloud.x[point] > cloud.width || cloud.y[point] > cloud.height)
       continue;
     if (!shown(point)) continue;
     if (found.length === most) return null;

@@ -89,11 +89,7 @@ export class Scene {
     const words = state.find.trim().toLowerCase();
     const text = (pair) =>
       `${facts.pairs?.name[pair] ?? ""} ${tagOf(frames, pair)} ${pair} ${frames.classes[frames.label[pair]]} ${frames.domains[frames.domain[pair]]}`.toLowerCase();
-    const ranges = Object.entries(this.ranges).map(([name, [from, to]]) => [
-      facts.unseen?.pairs[name],
-      from,
-      to,
-    ]);
+    const ranges = Object.entries(this.ranges).map(([name, [from, to]]) => [facts.unseen?.pairs[name], from, to]);
     return (pair) =>
       domains[frames.domain[pair]] &&
       classes[frames.label[pair]] &&
@@ -128,8 +124,7 @@ export class Scene {
     if (this.only) lists.push(this.only.words);
     if (state.find.trim()) lists.push(`“${state.find.trim()}”`);
     const ranges = HISTOGRAMS.filter(({ name }) => this.ranges[name]).map(
-      ({ name, title }) =>
-        `${title.toLowerCase()} ${this.ranges[name].map((end) => end.toFixed(2)).join(" to ")}`,
+      ({ name, title }) => `${title.toLowerCase()} ${this.ranges[name].map((end) => end.toFixed(2)).join(" to ")}`,
     );
     return [...lists, ...ranges];
   }

@@ -102,5 +102,4 @@ export function levels(now, [low, high]) {
 }
 
 /** A line of treads, one unit wide each. */
-export const stairs = (heights) =>
-  heights.map((y, i) => `${i ? "V" : "M0 "}${y.toFixed(2)}H${i + 1}`).join("");
+export const stairs = (heights) => heights.map((y, i) => `${i ? "V" : "M0 "}${y.toFixed(2)}H${i + 1}`).join("");

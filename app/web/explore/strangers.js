@@ -77,12 +77,7 @@ export class Strangers {
       `<div class="bar-row ${kind}" data-domain="${escaped(name)}" title="${title}"><span class="who">${escaped(name.replace(/-sim$/, ""))}${kind === "source" ? ' <b class="tag source">source</b>' : ""}</span><span class="scale" style="--chance:${facts.chance}">${whisker(own)}<i class="here" hidden></i></span><output>${own ? percent(own.share) : "–"}</output>${note}</div>`;
     const measured = facts.domains.filter((one) => one.pairs || one[key]);
     const domains = measured.map((one) =>
-      row(
-        one.name,
-        one[key],
-        one.is_source ? "source" : "",
-        `<span class="sr">${one.pairs} test pairs</span>`,
-      ),
+      row(one.name, one[key], one.is_source ? "source" : "", `<span class="sr">${one.pairs} test pairs</span>`),
     );
     const alike = facts.look_alikes;
     const rows = [
@@ -117,9 +112,7 @@ export class Strangers {
     const facts = this.scene.facts.unseen;
     const counts = facts.confusion[state.reading][this.domain];
     const most = times(counts);
-    const head = facts.classes.map(
-      (name) => `<th scope="col" title="${escaped(name)}">${escaped(name)}</th>`,
-    );
+    const head = facts.classes.map((name) => `<th scope="col" title="${escaped(name)}">${escaped(name)}</th>`);
     const rows = counts.map(
       (row, truth) =>
         `<tr><th scope="row">${escaped(facts.classes[truth])}</th>${row.map((n, answer) => this.button(n, n / most, truth, answer)).join("")}</tr>`,
@@ -166,8 +159,7 @@ export class Strangers {
     const domain = frames.domains.indexOf(this.domain);
     const found = [];
     for (let pair = 0; pair < frames.pairs; pair++) {
-      const inDomain =
-        this.domain === UNSEEN ? frames.domain[pair] !== source : frames.domain[pair] === domain;
+      const inDomain = this.domain === UNSEEN ? frames.domain[pair] !== source : frames.domain[pair] === domain;
       if (counts[pair] && inDomain && frames.label[pair] === truth && answers[state.reading][pair] === answer)
         found.push(pair);
     }
@@ -182,9 +174,7 @@ export class Strangers {
       const here = row.querySelector(".here");
       const name = row.classList.contains("mean-row") ? "" : row.dataset.domain;
       const own =
-        there && !row.matches(".alike-row, .retrieval-row")
-          ? values(frames, "accuracy", "f_hat", name)
-          : null;
+        there && !row.matches(".alike-row, .retrieval-row") ? values(frames, "accuracy", "f_hat", name) : null;
       here.hidden = !Number.isFinite(own?.[stop]);
       if (here.hidden) continue;
       const ends = spread(frames, "accuracy", "f_hat", name);

@@ -29,12 +29,7 @@ export function tagPairs(frames, pairs, tag) {
 export const tagsCsv = (frames, names) =>
   csv([
     ["pair", "name", "class", "tag"],
-    ...[...tagsOf(frames)].map(([pair, tag]) => [
-      pair,
-      names?.[pair] ?? "",
-      frames.classes[frames.label[pair]],
-      tag,
-    ]),
+    ...[...tagsOf(frames)].map(([pair, tag]) => [pair, names?.[pair] ?? "", frames.classes[frames.label[pair]], tag]),
   ]);
 
 /** Take the tags of a CSV with the columns pair and tag; returns how many pairs have one now. Throws a Refusal. */
@@ -42,9 +37,7 @@ export function loadTags(frames, text) {
   const [head = [], ...rows] = cells(text);
   const [pair, tag] = ["pair", "tag"].map((name) => head.indexOf(name));
   if (pair < 0 || tag < 0)
-    throw new Refusal(
-      "This file has no columns 'pair' and 'tag'; save tags here to see what they look like.",
-    );
+    throw new Refusal("This file has no columns 'pair' and 'tag'; save tags here to see what they look like.");
   const known = rows.filter((row) => /^\d+$/.test(row[pair]) && +row[pair] < frames.pairs && row[tag]);
   if (!known.length) throw new Refusal("No line of this file has a tag for a pair of this set.");
   for (const row of known) tagPairs(frames, [+row[pair]], row[tag].replace(/^'(?=[=+\-@])/, ""));

@@ -42,10 +42,7 @@ export class Toy {
     this.p = p;
     if (!this.facts) return;
     const { orders, signals, clouds, distances: apart } = this.facts;
-    const i = orders.reduce(
-      (best, order, k) => (Math.abs(order - p) < Math.abs(orders[best] - p) ? k : best),
-      0,
-    );
+    const i = orders.reduce((best, order, k) => (Math.abs(order - p) < Math.abs(orders[best] - p) ? k : best), 0);
     for (const name of ["vis", "tac"]) {
       const { re, im } = signals[name];
       this.set(
@@ -103,12 +100,8 @@ function waves(re, im, colour, act) {
 /** Two clouds in the plane, their means, and the line between the means. */
 function plane(clouds, i, act) {
   const wide = W / 2 - 6;
-  const at = ([x, y]) => [
-    wide / 2 + (act(x) / REACH) * (PLANE / 2),
-    PLANE / 2 - (act(y) / REACH) * (PLANE / 2),
-  ];
-  const middle = (points) =>
-    points.reduce(([a, b], [x, y]) => [a + x / points.length, b + y / points.length], [0, 0]);
+  const at = ([x, y]) => [wide / 2 + (act(x) / REACH) * (PLANE / 2), PLANE / 2 - (act(y) / REACH) * (PLANE / 2)];
+  const middle = (points) => points.reduce(([a, b], [x, y]) => [a + x / points.length, b + y / points.length], [0, 0]);
   const drawn = { vis: clouds.vis[i].map(at), tac: clouds.tac[i].map(at) };
   const dots = {
     vis: ([x, y]) => `M${x - 2} ${y}a2 2 0 1 0 4 0a2 2 0 1 0 -4 0`,

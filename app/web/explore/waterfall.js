@@ -106,8 +106,7 @@ export class Waterfall {
       sources.map((name) => [name, plain(name)]),
       this.source || sources[0],
     );
-    const choice =
-      sources.length > 1 ? `<label class="hint">Learned from <select>${list}</select></label>` : "";
+    const choice = sources.length > 1 ? `<label class="hint">Learned from <select>${list}</select></label>` : "";
     fill(this.box, choice + html + note);
   }
 

@@ -84,7 +84,6 @@ function listenToChapters(page) {
     const { target, key } = event;
     const typing = /** @type {HTMLElement} */ (target).closest?.("input:not([type=range]), select, textarea");
     if (typing || event.ctrlKey || event.metaKey || event.altKey || state.view !== "explore") return;
-    if (key.toLowerCase() === "f" || (key === "Escape" && document.body.classList.contains("lecturing")))
-      lecture();
+    if (key.toLowerCase() === "f" || (key === "Escape" && document.body.classList.contains("lecturing"))) lecture();
   });
 }

@@ -129,8 +129,7 @@ export const STEPS = [
 ];
 
 /** The loaded head's accuracy away from home once 20 pictures of each new sensor give its offset, if computed. */
-const profiled = ({ rungs = [] }) =>
-  rungs.find(({ rung, from }) => rung === "n20" && from === "this head") ?? null;
+const profiled = ({ rungs = [] }) => rungs.find(({ rung, from }) => rung === "n20" && from === "this head") ?? null;
 
 /** What that brings: on this head with its intervals, and on heads from other sensors, from the records. */
 function brings(at) {

@@ -73,9 +73,7 @@ class Tour {
   show() {
     const step = STEPS[this.at];
     openChapter(step.chapter, { rung: "0" });
-    const options = step.options.map(
-      ([key, words]) => `<button type="button" data-option="${key}">${words}</button>`,
-    );
+    const options = step.options.map(([key, words]) => `<button type="button" data-option="${key}">${words}</button>`);
     this.lay(step, `<p>${step.ask}</p>`, `<span class="options">${options.join("")}</span>`);
     this.focus("[data-option]");
   }
@@ -115,8 +113,7 @@ class Tour {
 
   click(target) {
     if (target.dataset.option) return this.reveal(target.dataset.option);
-    if (target.matches(".end") || (target.matches(".next-step") && this.at + 1 === STEPS.length))
-      return this.end();
+    if (target.matches(".end") || (target.matches(".next-step") && this.at + 1 === STEPS.length)) return this.end();
     if (target.matches(".next-step")) this.at += 1;
     else if (target.matches(".back")) this.at -= 1;
     else return undefined;

@@ -16,8 +16,7 @@ const inside = (folder) => {
 
 async function filesOf(entry, path = "") {
   const name = path + entry.name;
-  if (entry.isFile)
-    return [{ path: name, file: await new Promise((resolve, reject) => entry.file(resolve, reject)) }];
+  if (entry.isFile) return [{ path: name, file: await new Promise((resolve, reject) => entry.file(resolve, reject)) }];
   const all = [];
   for (const one of await inside(entry)) all.push(...(await filesOf(one, `${name}/`)));
   return all;
@@ -31,5 +30,4 @@ export async function droppedFiles(transfer) {
 }
 
 /** [{path, file}] of a file field. */
-export const chosenFiles = (files) =>
-  [...files].map((file) => ({ path: file.webkitRelativePath || file.name, file }));
+export const chosenFiles = (files) => [...files].map((file) => ({ path: file.webkitRelativePath || file.name, file }));

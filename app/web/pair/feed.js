@@ -16,10 +16,7 @@ const NOISE = 2; // contact changes a block by more than this many times the mos
 /** Crops: [label, share kept of width and height for a frame of this aspect]. */
 export const CROPS = {
   "": ["whole", () => [1, 1]],
-  "4:3": [
-    "4:3 (DIGIT)",
-    (wide, high) => [Math.min(1, (4 * high) / (3 * wide)), Math.min(1, (3 * wide) / (4 * high))],
-  ],
+  "4:3": ["4:3 (DIGIT)", (wide, high) => [Math.min(1, (4 * high) / (3 * wide)), Math.min(1, (3 * wide) / (4 * high))]],
   border: ["border 0.15 (GelSight Mini)", () => [0.7, 0.7]],
 };
 
@@ -55,8 +52,7 @@ export class Feed {
     this.clip = box.querySelector(".clip");
     this.clip.onchange = () => this.active && this.open().catch((error) => refused(error, tell));
     this.wanted = keptJson(KEPT + this.modality, {});
-    for (const name of ["crop", "turn"])
-      this.select(name).value = this.wanted[name] ?? this.select(name).value;
+    for (const name of ["crop", "turn"]) this.select(name).value = this.wanted[name] ?? this.select(name).value;
   }
 
   select = (name) => this.box.querySelector(`.${name}`);
@@ -78,8 +74,7 @@ export class Feed {
         .join(""),
     );
     const known =
-      devices.find(({ label }) => label === this.wanted.device) ??
-      devices.find(({ deviceId }) => !taken.has(deviceId));
+      devices.find(({ label }) => label === this.wanted.device) ?? devices.find(({ deviceId }) => !taken.has(deviceId));
     device.value = this.wanted.device === "none" ? "" : (known?.deviceId ?? "");
     taken.add(device.value);
     await this.open();

@@ -21,9 +21,7 @@ export class Gallery {
     const none = set.frames
       ? "There are no examples. Upload images, or pin a pair in Explore."
       : "The set’s pairs appear with its map, which is being computed. Your own images work meanwhile.";
-    this.box.innerHTML = offers.length
-      ? offers.map((one) => offer(one, set)).join("")
-      : `<p class="hint">${none}</p>`;
+    this.box.innerHTML = offers.length ? offers.map((one) => offer(one, set)).join("") : `<p class="hint">${none}</p>`;
   }
 
   mark(refs) {
@@ -40,12 +38,10 @@ function offer(one, set) {
 
 function pictures({ path, pair }, { sprite, frames }) {
   if (path === undefined) {
-    return ["photo", "touch"]
-      .map((label, i) => thumbnail(sprite, pair + i * frames.pairs, 48, label))
-      .join("");
+    return ["photo", "touch"].map((label, i) => thumbnail(sprite, pair + i * frames.pairs, 48, label)).join("");
   }
   const coded = path.split("/").map(encodeURIComponent).join("/");
-  return IMAGES.map(
-    (modality) => `<img loading="lazy" alt="" src="${address(`example/${coded}/${modality}`)}">`,
-  ).join("");
+  return IMAGES.map((modality) => `<img loading="lazy" alt="" src="${address(`example/${coded}/${modality}`)}">`).join(
+    "",
+  );
 }

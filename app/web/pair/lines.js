@@ -35,8 +35,7 @@ export class Lines {
     const moved = (event) => {
       const frame = box.querySelector("svg").getBoundingClientRect();
       const p =
-        (((event.clientX - frame.left) / frame.width) * this.wide - PAD.left) /
-        (this.wide - PAD.left - PAD.right);
+        (((event.clientX - frame.left) / frame.width) * this.wide - PAD.left) / (this.wide - PAD.left - PAD.right);
       onOrder(Math.round(100 * Math.max(0, Math.min(1, p))) / 100);
     };
     box.onpointerdown = (event) => {

@@ -32,11 +32,8 @@ async function takeOne(modality) {
 async function fetched(link, what) {
   const url = URL.canParse(link, document.baseURI) ? new URL(link, document.baseURI) : null;
   if (!url || url.origin !== location.origin)
-    throw new Refusal(
-      `The ${what} '${link.slice(0, 80)}' is not on this page's host; open its file here instead.`,
-    );
+    throw new Refusal(`The ${what} '${link.slice(0, 80)}' is not on this page's host; open its file here instead.`);
   const response = await fetch(url).catch(() => null);
-  if (!response?.ok)
-    throw new Refusal(`The ${what} '${link.slice(0, 80)}' cannot be fetched; check its address.`);
+  if (!response?.ok) throw new Refusal(`The ${what} '${link.slice(0, 80)}' cannot be fetched; check its address.`);
   return new File([await response.blob()], decodeURIComponent(url.pathname.split("/").at(-1)) || what);
 }

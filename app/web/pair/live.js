@@ -29,9 +29,7 @@ export class Live {
       <div class="row"><button type="button" class="main start" aria-pressed="false">Start</button><button type="button" class="rest" disabled title="Do not touch: ten frames of the sensor at rest">Rest picture</button><button type="button" class="calibrate" disabled title="Ten frames of different presses make the profile of My sensor">Calibrate</button></div>
       <div class="row"><label>Label <input class="label" maxlength="40" size="8"></label><button type="button" class="record" disabled aria-pressed="false">Record</button></div>
       <p class="hint rate" role="status">Cameras or video files; no picture is kept unless you record.</p>`;
-    this.feeds = [...box.querySelectorAll(".feed")].map(
-      (one) => new Feed(one, (sentence) => this.tell(sentence)),
-    );
+    this.feeds = [...box.querySelectorAll(".feed")].map((one) => new Feed(one, (sentence) => this.tell(sentence)));
     box.onclick = ({ target }) => {
       if (target.matches(".start")) this.run ? this.off() : this.start();
       if (target.matches(".rest")) this.guide(() => this.takeRest());
@@ -79,9 +77,7 @@ export class Live {
       if (this.run !== mine) return this.close();
       if (!this.feeds.some((feed) => feed.on)) {
         this.off();
-        return this.tell(
-          "No source is chosen: choose a camera or a video file for the photo, the touch or both.",
-        );
+        return this.tell("No source is chosen: choose a camera or a video file for the photo, the touch or both.");
       }
       await Promise.all(Array.from({ length: AT_ONCE }, () => this.loop(mine)));
     } catch (error) {
@@ -93,14 +89,10 @@ export class Live {
 
   /** Names of cameras are told only once one was allowed. */
   async offer(mine) {
-    if (
-      this.feeds.every((feed) => ["file", ""].includes(feed.select("device").value) && feed.clip.files.length)
-    )
+    if (this.feeds.every((feed) => ["file", ""].includes(feed.select("device").value) && feed.clip.files.length))
       return;
     const first = await camera();
-    const devices = (await navigator.mediaDevices.enumerateDevices()).filter(
-      ({ kind }) => kind === "videoinput",
-    );
+    const devices = (await navigator.mediaDevices.enumerateDevices()).filter(({ kind }) => kind === "videoinput");
     first.getTracks().forEach((track) => track.stop());
     const taken = new Set();
     for (const feed of this.feeds) {
@@ -228,8 +220,7 @@ const toldOf = ({ ms }, fps, trip, kept) =>
 
 /** The prediction of the newest frames. */
 export function liveHtml({ classes, readings, images, idle }) {
-  if (idle)
-    return '<p><b class="tag">live</b></p><p class="hint">No contact: press the sensor on something.</p>';
+  if (idle) return '<p><b class="tag">live</b></p><p class="hint">No contact: press the sensor on something.</p>';
   const given = imagesOf(readings);
   const parts = READINGS.filter(([reading]) => readings[reading]).map(([reading, title, sign]) => {
     const strange = unlike(reading, given, images);

@@ -148,9 +148,7 @@ function readings({ classes, readings: found, images }) {
 function tableHtml(rows, note) {
   const read = rows.filter((row) => row.readings);
   const labelled = read.filter(({ label }) => label);
-  const guesses = read.filter(
-    (row) => readings(row)[0].guess ?? readings(row).some(({ guess }) => guess),
-  ).length;
+  const guesses = read.filter((row) => readings(row)[0].guess ?? readings(row).some(({ guess }) => guess)).length;
   const right = tally(labelled);
   const scores = READINGS.filter(([reading]) => right[reading]).map(
     ([reading, title]) => `${title.toLowerCase()} ${right[reading].right} of ${right[reading].of}`,

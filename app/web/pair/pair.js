@@ -200,10 +200,7 @@ class PairTab {
     const question = { ...this.pair, ...this.own.lessons(this.pair) };
     this.$(".results").setAttribute("aria-busy", "true");
     this.settle();
-    const slow = setTimeout(
-      () => this.say("Loading the head… the first prediction takes a few seconds."),
-      300,
-    );
+    const slow = setTimeout(() => this.say("Loading the head… the first prediction takes a few seconds."), 300);
     try {
       const answer = await ask("pair", question, mine.signal);
       this.problem(this.unlinked);
@@ -249,9 +246,7 @@ class PairTab {
   showRivals(found) {
     const labelled = found.map((one, i) => ({ ...one, label: headLabel(this.rivals[i]) }));
     this.$(".rivals").hidden = !found.length;
-    this.$(".rivals").innerHTML = found.length
-      ? rivalsHtml(this.answer, labelled, this.familiar?.images)
-      : "";
+    this.$(".rivals").innerHTML = found.length ? rivalsHtml(this.answer, labelled, this.familiar?.images) : "";
   }
 
   showAnswer(question) {
@@ -270,8 +265,7 @@ class PairTab {
     const mix = mixed(this.pair)
       ? '<p class="made-of">Two pictures of different pairs: not counted, not taught.</p>'
       : "";
-    this.$(".verdict").innerHTML =
-      `${taught}${madeOf(truths) || mix}${cards(this.answer, this.familiar, truths)}
+    this.$(".verdict").innerHTML = `${taught}${madeOf(truths) || mix}${cards(this.answer, this.familiar, truths)}
       <details class="all-classes"><summary>Every class</summary><div class="bars">${classTable(this.answer.classes, this.answer.exact.readings, this.familiar?.images)}</div><p class="hint">At the learned p = ${this.answer.learned.toFixed(4)}.</p></details>`;
     this.$(".all-classes").open = this.allClasses ?? false;
     this.$(".all-classes").ontoggle = (event) => (this.allClasses = event.target.open);
@@ -282,8 +276,7 @@ class PairTab {
     if (!this.familiar) return;
     this.$(".familiar").innerHTML = this.familiar.problem
       ? `<p class="hint"></p>`
-      : (this.set.frames?.signals ? "" : swapHtml(this.familiar.images)) +
-        familiarHtml(this.familiar, this.set);
+      : (this.set.frames?.signals ? "" : swapHtml(this.familiar.images)) + familiarHtml(this.familiar, this.set);
     if (this.familiar.problem) this.$(".familiar p").textContent = this.familiar.problem;
   }
 

@@ -69,9 +69,7 @@ function byTable(pictures, [head = [], ...rows]) {
     const wanted = path.replaceAll("\\", "/").replace(/^(\.?\/)+/, "");
     const one =
       wanted &&
-      pictures.find(
-        (p) => p.path === wanted || p.path.endsWith(`/${wanted}`) || p.path === wanted.split("/").at(-1),
-      );
+      pictures.find((p) => p.path === wanted || p.path.endsWith(`/${wanted}`) || p.path === wanted.split("/").at(-1));
     if (one) used.add(one);
     return one ? one.file : null;
   };

@@ -6,9 +6,7 @@ import { best, READINGS, unlike } from "./verdict.js";
 
 /** `images`: familiarity of each image; a reading that is a guess has no figure. All heads share the encoder. */
 export function rivalsHtml(answer, others, images) {
-  const heading = READINGS.map(
-    ([, title, sign]) => `<th scope="col"><span class="sign ${sign}"></span>${title}</th>`,
-  );
+  const heading = READINGS.map(([, title, sign]) => `<th scope="col"><span class="sign ${sign}"></span>${title}</th>`);
   const lines = others.map((one) =>
     one.problem
       ? `<tr><th scope="row">${escaped(one.label)}</th><td colspan="3">${escaped(one.problem)}</td></tr>`

@@ -64,8 +64,7 @@ export class Sensor {
   show() {
     const { counts, box } = this;
     const rest = box.querySelector("select")?.value ?? "tac";
-    const option = (name) =>
-      `<option value="${name}"${rest === name ? " selected" : ""}>${TERMS[name].many}</option>`;
+    const option = (name) => `<option value="${name}"${rest === name ? " selected" : ""}>${TERMS[name].many}</option>`;
     box.innerHTML = `<h3>My sensor</h3><p class="hint">${counts ? `In use: profile of ${madeOf(counts)}. Check it with labelled pairs: it also turns guesses into figures.` : "5 to 50 pictures, no labels."}</p>
       <div class="row"><label class="choose">Pictures<input type="file" multiple></label><label class="choose">Folder<input type="file" webkitdirectory multiple></label>${counts ? '<button type="button" class="save">Save</button><button type="button" class="off">Stop using it</button>' : '<label class="choose">Load<input type="file" class="load" accept=".safetensors"></label>'}</div>
       <details><summary>Names</summary><label>Pictures not named vis or tac are <select>${option("tac")}${option("vis")}</select></label></details>
@@ -91,19 +90,15 @@ export class Sensor {
   /** files: [{path, file}]. The profile in use stays until the new one is complete. */
   async take(files) {
     const mine = (this.stopped = new AbortController());
-    const queue = Object.entries(sorted(files, this.box.querySelector("select").value)).flatMap(
-      ([name, some]) => some.map((file) => [name, file]),
+    const queue = Object.entries(sorted(files, this.box.querySelector("select").value)).flatMap(([name, some]) =>
+      some.map((file) => [name, file]),
     );
     const broken = [];
     let made = null;
     let batch = { vis: [], tac: [] };
     const flush = async () => {
       if (!batch.vis.length && !batch.tac.length) return;
-      made = await ask(
-        "profile",
-        { photos: batch.vis, touches: batch.tac, profile: made?.profile ?? "" },
-        mine.signal,
-      );
+      made = await ask("profile", { photos: batch.vis, touches: batch.tac, profile: made?.profile ?? "" }, mine.signal);
       batch = { vis: [], tac: [] };
     };
     try {
@@ -122,12 +117,8 @@ export class Sensor {
       const failed = broken.length
         ? ` ${plural(broken.length, ["picture was", "pictures were"])} left out: ${broken[0]}`
         : "";
-      if (!made)
-        return this.say(
-          broken[0] ?? "No picture was among these files. Give photos, tactile images or both.",
-        );
-      const few =
-        Math.min(...Object.values(made.counts)) < FEW ? ` Fewer than ${FEW} of a kind change little.` : "";
+      if (!made) return this.say(broken[0] ?? "No picture was among these files. Give photos, tactile images or both.");
+      const few = Math.min(...Object.values(made.counts)) < FEW ? ` Fewer than ${FEW} of a kind change little.` : "";
       this.note = `${few}${failed}`.trim();
       this.use(made.profile, made.counts);
     } catch (error) {

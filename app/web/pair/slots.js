@@ -18,8 +18,7 @@ export function slots(box, on) {
   box.innerHTML = Object.entries(TERMS).map(slotHtml).join("");
   const all = [...box.children].map((element) => new Slot(element, on));
   return (refs, sprite, pairs, describe) => {
-    for (const slot of all)
-      slot.show(refs[slot.modality], refs[OTHER[slot.modality]], sprite, pairs, describe);
+    for (const slot of all) slot.show(refs[slot.modality], refs[OTHER[slot.modality]], sprite, pairs, describe);
   };
 }
 
@@ -110,11 +109,7 @@ class Slot {
     this.$("h3").innerHTML = titleHtml(this.modality);
     this.$(".picture").classList.remove("seen");
     this.$(".picture").innerHTML = picture(this.modality, ref, sprite, pairs);
-    this.$(".what").textContent = ref
-      ? describe(ref)
-      : other
-        ? "Empty: only the other image is used."
-        : "Empty.";
+    this.$(".what").textContent = ref ? describe(ref) : other ? "Empty: only the other image is used." : "Empty.";
     this.$(".clear").disabled = !ref;
     this.$(".where").disabled = !ref || ref.startsWith("row:");
   }

@@ -9,7 +9,6 @@ let last = { lessons: "", taught: "" };
 export async function taughtBy({ lessons }, fresh = true) {
   if (!lessons) return "";
   const key = JSON.stringify(lessons);
-  if (fresh || last.lessons !== key)
-    last = { lessons: key, taught: (await ask("taught", { lessons })).taught };
+  if (fresh || last.lessons !== key) last = { lessons: key, taught: (await ask("taught", { lessons })).taught };
   return last.taught;
 }

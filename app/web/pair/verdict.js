@@ -41,19 +41,15 @@ export function best(classes, row) {
 
 /** Reading -> predicted class; "fused" only where both images are there. */
 export function said(classes, readings) {
-  const there = READINGS.filter(
-    ([name]) => readings[name] && (name !== "fused" || (readings.vis && readings.tac)),
-  );
+  const there = READINGS.filter(([name]) => readings[name] && (name !== "fused" || (readings.vis && readings.tac)));
   return Object.fromEntries(there.map(([name]) => [name, best(classes, readings[name]).label]));
 }
 
 /** The images of a reading, among those present. */
-export const usedBy = (reading, given) =>
-  reading === "fused" ? given : given.filter((name) => name === reading);
+export const usedBy = (reading, given) => (reading === "fused" ? given : given.filter((name) => name === reading));
 
 /** The images of a reading that are unlike the training images, which make it a guess. */
-export const unlike = (reading, given, images) =>
-  usedBy(reading, given).filter((name) => images?.[name]?.guess);
+export const unlike = (reading, given, images) => usedBy(reading, given).filter((name) => images?.[name]?.guess);
 
 /**
  * Three cards. `answer`: the server's predictions; `familiar`: familiarity of the images, null until
@@ -112,9 +108,7 @@ export function classTable(classes, readings, images) {
   const several = shown.length > 2 ? shown : shown.filter(([reading]) => reading !== "fused");
   const winner = best(classes, readings.fused).label;
   const given = imagesOf(readings);
-  const grey = new Set(
-    several.map(([reading]) => reading).filter((reading) => unlike(reading, given, images).length),
-  );
+  const grey = new Set(several.map(([reading]) => reading).filter((reading) => unlike(reading, given, images).length));
   const head = several.map(
     ([reading, title, sign]) =>
       `<th scope="col"><span class="sign ${sign}"></span>${title}${grey.has(reading) ? " <small>(guess)</small>" : ""}</th>`,
@@ -134,7 +128,5 @@ export function spoken(answer, familiar) {
   const { readings } = answer.exact;
   const given = imagesOf(readings);
   const { label, share } = best(answer.classes, readings.fused);
-  return unlike("fused", given, familiar.images).length
-    ? `${label}? This is a guess.`
-    : `${label}, ${percent(share)}`;
+  return unlike("fused", given, familiar.images).length ? `${label}? This is a guess.` : `${label}, ${percent(share)}`;
 }

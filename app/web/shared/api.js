@@ -102,11 +102,7 @@ export async function bytesOf(ref, modality) {
 }
 
 /** Send an image with a request: "occlusion" or "live"; `taught` names a taught head. */
-export async function askOfImage(
-  what,
-  blob,
-  { modality, other = null, order = null, taught = "", split = 0 },
-) {
+export async function askOfImage(what, blob, { modality, other = null, order = null, taught = "", split = 0 }) {
   const query = new URLSearchParams({ modality });
   if (Number.isFinite(order)) query.set("order", order);
   if (other) query.set("other", other);
@@ -118,6 +114,5 @@ export async function askOfImage(
 
 /** Upload one file of a head or set; returns its name for `loadParts`. */
 export async function sendPart(name, file) {
-  return (await (await get(`part?name=${encodeURIComponent(name)}`, { method: "POST", body: file })).json())
-    .part;
+  return (await (await get(`part?name=${encodeURIComponent(name)}`, { method: "POST", body: file })).json()).part;
 }

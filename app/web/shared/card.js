@@ -45,8 +45,7 @@ export function imitation(pairs, pair) {
 export function card(frames, sprite, pair, stop, pinned, sample = -1, pairs = null) {
   if (pair < 0) {
     const example = sample < 0 || !sprite ? "" : thumbnailPair(frames, sprite, sample, 124);
-    const names =
-      sample < 0 || frames.labelled === false ? "" : `: ${escaped(frames.classes[frames.label[sample]])}`;
+    const names = sample < 0 || frames.labelled === false ? "" : `: ${escaped(frames.classes[frames.label[sample]])}`;
     const [title, points] = frames.signals
       ? ["Two recordings of one signal", "● one recording, ▲ the other"]
       : ["A photo and a touch", "● photo, ▲ touch"];

@@ -68,8 +68,6 @@ export const framesOf = (mode, own, set = "") =>
     const { frames } = await fetchFrames(() => {}, { mode, set });
     const same = (k, pair) => frames.classes[k] === own.classes[own.label[pair]];
     if (frames.pairs !== own.pairs || !frames.label.every(same))
-      throw new Refusal(
-        "The frames of this mode belong to other pairs; make them again with `omnivat sweep`.",
-      );
+      throw new Refusal("The frames of this mode belong to other pairs; make them again with `omnivat sweep`.");
     return frames;
   });

@@ -18,9 +18,7 @@ export function showFilters(box, frames, onPoint) {
   const colours = new Map(chosen.groups(frames));
   const legend = ["Correctness", "Confidence"].includes(chosen.label)
     ? `<fieldset class="legend"><legend>${chosen.label}</legend>${[...colours]
-        .map(
-          ([name, colour]) => `<span class="key"><i style="background:${colour}"></i>${escaped(name)}</span>`,
-        )
+        .map(([name, colour]) => `<span class="key"><i style="background:${colour}"></i>${escaped(name)}</span>`)
         .join("")}</fieldset>`
     : "";
   box.innerHTML =

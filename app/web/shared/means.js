@@ -45,8 +45,7 @@ export function means(frames, shown, on = () => state.means === "1") {
       [7, () => edge],
       [3.4, (p) => p.colour ?? ink],
     ])) {
-      for (const place of places)
-        if (place.vis && place.tac) line(context, place.vis, place.tac, width, stroke(place));
+      for (const place of places) if (place.vis && place.tac) line(context, place.vis, place.tac, width, stroke(place));
     }
     const size = cloud.width / cloud.ratio < 260 ? 0.7 * SIZE : SIZE;
     for (const { colour, vis, tac } of places) {
@@ -63,8 +62,7 @@ export function settled(groups, of, cloud, shown) {
   const reach = ((NEAR * Math.max(cloud.width, cloud.height)) / cloud.ratio) ** 2;
   const members = groups.map(() => []);
   for (let point = 0; point < cloud.count; point += step)
-    if (shown(point))
-      members[of(point % pairs)].push([cloud.x[point] / cloud.ratio, cloud.y[point] / cloud.ratio]);
+    if (shown(point)) members[of(point % pairs)].push([cloud.x[point] / cloud.ratio, cloud.y[point] / cloud.ratio]);
   return groups.map((group, i) => {
     const around = (x, y) => members[i].filter((one) => (one[0] - x) ** 2 + (one[1] - y) ** 2 < reach);
     let near = group.both ? around(...group.both) : [];
@@ -85,12 +83,9 @@ export function names(frames, shown) {
     const chosen = colouring(frames(), state.colour);
     const kind = ["domain", "class"].find((one) => COLOURINGS[one] === chosen);
     if (!kind) return legend(context, frames(), cloud.top);
-    const groups = settled(
-      groupsOf(frames(), cloud, shown, kind),
-      COLOURINGS[kind].of(frames()),
-      cloud,
-      shown,
-    ).filter(({ both, name }) => both && name);
+    const groups = settled(groupsOf(frames(), cloud, shown, kind), COLOURINGS[kind].of(frames()), cloud, shown).filter(
+      ({ both, name }) => both && name,
+    );
     const [width, height] = [cloud.width / cloud.ratio, cloud.height / cloud.ratio];
     const letters = isLecture() ? 20 : width < 420 ? 12 : 14;
     const high = Math.round(HIGH * (letters / 14));

@@ -73,8 +73,4 @@ export function axis(frames, name) {
 }
 
 export const asText = (name, value, digits = 3) =>
-  !Number.isFinite(value)
-    ? "–"
-    : name === "accuracy"
-      ? `${(100 * value).toFixed(1)}\u00a0%`
-      : value.toFixed(digits);
+  !Number.isFinite(value) ? "–" : name === "accuracy" ? `${(100 * value).toFixed(1)}\u00a0%` : value.toFixed(digits);

@@ -57,9 +57,7 @@ function stamp({ shape, colour, radius, alpha }) {
     g: Int32Array.from(rows, (r) => Math.round(r[3] * r[5] * 256)),
     b: Int32Array.from(rows, (r) => Math.round(r[4] * r[5] * 256)),
     keep: Int32Array.from(rows, (r) => Math.round(256 * (1 - r[5]))),
-    solid: Uint32Array.from(rows, (r) =>
-      r[5] > 0.995 ? (0xff000000 | (r[4] << 16) | (r[3] << 8) | r[2]) >>> 0 : 0,
-    ),
+    solid: Uint32Array.from(rows, (r) => (r[5] > 0.995 ? (0xff000000 | (r[4] << 16) | (r[3] << 8) | r[2]) >>> 0 : 0)),
   };
   if (stamps.size > 400) stamps.clear();
   stamps.set(key, made);

@@ -55,10 +55,9 @@ function codewords(bytes, version) {
   });
   const tails = own.map((block) => checks(block, count));
   const woven = (rows) => Array.from({ length: short + 1 }, (_, i) => rows.map((row) => row[i])).flat();
-  return [
-    ...woven(own),
-    ...Array.from({ length: count }, (_, i) => tails.map((tail) => tail[i])).flat(),
-  ].filter((byte) => byte !== undefined);
+  return [...woven(own), ...Array.from({ length: count }, (_, i) => tails.map((tail) => tail[i])).flat()].filter(
+    (byte) => byte !== undefined,
+  );
 }
 
 /** Draw what is the same for every text; returns the cells that are taken. */
@@ -89,8 +88,7 @@ function frame(cells, version) {
     square(x, y, 4, [2, 4]);
   const n = alignments(version);
   const step = 2 * Math.ceil((4 * version + 4) / (2 * n - 2));
-  const at =
-    version > 1 ? [6, ...Array.from({ length: n - 1 }, (_, i) => size - 7 - (n - 2 - i) * step)] : [];
+  const at = version > 1 ? [6, ...Array.from({ length: n - 1 }, (_, i) => size - 7 - (n - 2 - i) * step)] : [];
   const corner = (x, y) => (x === 6 || y === 6) && [6, at.at(-1)].includes(x) && [6, at.at(-1)].includes(y);
   for (const x of at) for (const y of at) if (!corner(x, y)) square(x, y, 2, [1]);
   const format = remainder(0b01000, 10, 0x537) ^ 0x5412;
@@ -112,16 +110,13 @@ function frame(cells, version) {
 /** Rows of cells, true for dark; null for a text that is too long. */
 export function qr(text) {
   const bytes = [...new TextEncoder().encode(text)];
-  const room = (version) =>
-    capacity(version) - CHECKS[version - 1] * BLOCKS[version - 1] - (version < 10 ? 2 : 3);
+  const room = (version) => capacity(version) - CHECKS[version - 1] * BLOCKS[version - 1] - (version < 10 ? 2 : 3);
   const version = CHECKS.findIndex((_, i) => room(i + 1) >= bytes.length) + 1;
   if (!version) return null;
   const size = 17 + 4 * version;
   const cells = Array.from({ length: size }, () => new Array(size).fill(false));
   const taken = frame(cells, version);
-  const bits = codewords(bytes, version).flatMap((byte) =>
-    [7, 6, 5, 4, 3, 2, 1, 0].map((k) => (byte >> k) & 1),
-  );
+  const bits = codewords(bytes, version).flatMap((byte) => [7, 6, 5, 4, 3, 2, 1, 0].map((k) => (byte >> k) & 1));
   let next = 0;
   let up = true;
   for (let right = size - 1; right > 0; right -= 2, up = !up) {

@@ -4,9 +4,7 @@ import { COLOURINGS } from "./palette.js";
 import { STAGES } from "./stages.js";
 
 /** The tabs from the server; a saved page has Explore only. */
-const VIEWS = document.querySelector("meta[name=omnivat-views]")?.getAttribute("content").split(" ") ?? [
-  "explore",
-];
+const VIEWS = document.querySelector("meta[name=omnivat-views]")?.getAttribute("content").split(" ") ?? ["explore"];
 
 const DEFAULTS = {
   view: "explore",

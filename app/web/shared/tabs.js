@@ -5,8 +5,7 @@ import { change, followHistory, state } from "./store.js";
 const AGAIN = 100; // ms
 
 const button = (view) =>
-  document.getElementById(`view-${view}-button`) ??
-  document.querySelector(`[role=tab][aria-controls="view-${view}"]`);
+  document.getElementById(`view-${view}-button`) ?? document.querySelector(`[role=tab][aria-controls="view-${view}"]`);
 
 export function openTab(view) {
   button(view)?.click();
@@ -15,8 +14,7 @@ export function openTab(view) {
 /** Open the tab of the address. A click before Gradio has laid out its tabs is lost, so check twice. */
 function openFirst(view, seen = 0) {
   if (state.view !== view || seen > 1) return; // the visitor chose another tab, or this one stays open
-  const open =
-    button(view)?.getAttribute("aria-selected") === "true" && document.getElementById(`view-${view}`);
+  const open = button(view)?.getAttribute("aria-selected") === "true" && document.getElementById(`view-${view}`);
   if (!open) openTab(view);
   setTimeout(openFirst, AGAIN, view, open ? seen + 1 : 0);
 }

@@ -24,8 +24,7 @@ export const bytesOf = (text) => Uint8Array.from(atob(text), (letter) => letter.
 /** Bytes as a base64 text. */
 export function base64(bytes) {
   let text = "";
-  for (let at = 0; at < bytes.length; at += 32768)
-    text += String.fromCharCode(...bytes.subarray(at, at + 32768));
+  for (let at = 0; at < bytes.length; at += 32768) text += String.fromCharCode(...bytes.subarray(at, at + 32768));
   return btoa(text);
 }
 

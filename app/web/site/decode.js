@@ -42,15 +42,11 @@ function sizeOfWebp(bytes, view) {
 export function headerOf(bytes) {
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
   const sized = (kind, size) => ({ kind, width: size?.[0] ?? 0, height: size?.[1] ?? 0 });
-  if (text(bytes, 0, 8) === "\x89PNG\r\n\x1a\n")
-    return sized("PNG", [view.getUint32(16), view.getUint32(20)]);
+  if (text(bytes, 0, 8) === "\x89PNG\r\n\x1a\n") return sized("PNG", [view.getUint32(16), view.getUint32(20)]);
   if (text(bytes, 0, 3) === "\xff\xd8\xff") return sized("JPEG", sizeOfJpeg(view));
-  if (/^GIF8[79]a/.test(text(bytes, 0, 6)))
-    return sized("GIF", [view.getUint16(6, true), view.getUint16(8, true)]);
-  if (text(bytes, 0, 2) === "BM")
-    return sized("BMP", [view.getInt32(18, true), view.getInt32(22, true)].map(Math.abs));
-  if (text(bytes, 0, 4) === "RIFF" && text(bytes, 8, 4) === "WEBP")
-    return sized("WEBP", sizeOfWebp(bytes, view));
+  if (/^GIF8[79]a/.test(text(bytes, 0, 6))) return sized("GIF", [view.getUint16(6, true), view.getUint16(8, true)]);
+  if (text(bytes, 0, 2) === "BM") return sized("BMP", [view.getInt32(18, true), view.getInt32(22, true)].map(Math.abs));
+  if (text(bytes, 0, 4) === "RIFF" && text(bytes, 8, 4) === "WEBP") return sized("WEBP", sizeOfWebp(bytes, view));
   if (/^(II[*+]\0|MM\0[*+])/.test(text(bytes, 0, 4))) return sized("TIFF");
   return null;
 }
@@ -59,8 +55,7 @@ export function headerOf(bytes) {
 export function factor(width, height) {
   const short = Math.min(width, height);
   let found = Math.max(1, Math.floor(short / SHORT_SIDE));
-  while (width * height > REDUCED_PIXELS * found ** 2 && Math.floor(short / (found + 1)) >= LEAST_SIDE)
-    found += 1;
+  while (width * height > REDUCED_PIXELS * found ** 2 && Math.floor(short / (found + 1)) >= LEAST_SIDE) found += 1;
   return found;
 }
 
@@ -107,8 +102,7 @@ export function whole(bytes, kind) {
     return at + 12 <= bytes.length;
   }
   if (kind !== "JPEG") return true;
-  while (at + 4 < bytes.length && bytes[at + 1] !== 0xda)
-    at += bytes[at + 1] === 0xff ? 1 : 2 + view.getUint16(at + 2);
+  while (at + 4 < bytes.length && bytes[at + 1] !== 0xda) at += bytes[at + 1] === 0xff ? 1 : 2 + view.getUint16(at + 2);
   for (at = bytes.indexOf(0xff, at + 2); at >= 0; at = bytes.indexOf(0xff, at + 1))
     if (bytes[at + 1] === 0xd9) return true;
   return false;

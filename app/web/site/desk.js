@@ -84,8 +84,7 @@ export async function sourceProfile(desk) {
 
 /** Both embeddings of a question's pair; null for a missing image. */
 export async function pairOf(desk, question) {
-  if (!question.vis && !question.tac)
-    throw new Refused("Choose a pair first: a VIS image, a TAC image or both.");
+  if (!question.vis && !question.tac) throw new Refused("Choose a pair first: a VIS image, a TAC image or both.");
   const rows = await Promise.all(
     IMAGES.map((name) => (question[name] ? embedding(desk, question[name], name, question) : null)),
   );

@@ -16,9 +16,7 @@ const KEPT = 2; // stages of the whole set
 async function walk(desk, head, numbers, order, wanted, take, at = 0) {
   for (let start = at; start < numbers.length; start += STEP) {
     const some = numbers.slice(start, start + STEP);
-    const rows = await Promise.all(
-      IMAGES.map((name) => Promise.all(some.map((one) => desk.models.row(one, name)))),
-    );
+    const rows = await Promise.all(IMAGES.map((name) => Promise.all(some.map((one) => desk.models.row(one, name)))));
     take(await desk.models.stages(head, { vis: rows[0], tac: rows[1] }, order, wanted), some.length, start);
     await quiet();
   }
@@ -30,12 +28,7 @@ async function single(desk, head, pair, order, stages = []) {
   const alone = there.length === 1 ? `${there[0]}_` : "";
   const any = pair[there[0]];
   const wanted = [...(head.parents.length ? [`${alone}nodes`, `${alone}shares`] : []), ...stages];
-  const out = await desk.models.stages(
-    head,
-    { vis: [pair.vis ?? any], tac: [pair.tac ?? any] },
-    order,
-    wanted,
-  );
+  const out = await desk.models.stages(head, { vis: [pair.vis ?? any], tac: [pair.tac ?? any] }, order, wanted);
   return { there, alone, out, nodes: out[`${alone}nodes`], shares: out[`${alone}shares`] };
 }
 
@@ -119,8 +112,7 @@ async function tree(desk, question) {
     if (!numbers.length) throw new Refused(`The domain '${String(domain).slice(0, 80)}' has no pairs here.`);
     const labels = numbers.map((pair) => head.classes.indexOf(set.classes[set.label[pair]]));
     await walk(desk, head, numbers, order, ["nodes", "shares"], (out, count) => {
-      for (let i = 0; i < count; i++)
-        means.add(rowsOf(out.nodes, i), rowsOf(out.shares, i), labels[means.pairs]);
+      for (let i = 0; i < count; i++) means.add(rowsOf(out.nodes, i), rowsOf(out.shares, i), labels[means.pairs]);
     });
   } else {
     const { nodes, shares } = await single(desk, head, await pairOf(desk, question), order);
@@ -158,8 +150,7 @@ async function featuresOf(desk, head, stage, order, stopped) {
     const wanted = IMAGES.map((name) => `${stage}_${name}`);
     const take = (out, count, start) => {
       if (stopped()) throw new Refused("Another question came first.", 499);
-      for (let i = 0; i < count; i++)
-        wanted.forEach((name, modality) => put(modality, start + i, rowOf(out[name], i)));
+      for (let i = 0; i < count; i++) wanted.forEach((name, modality) => put(modality, start + i, rowOf(out[name], i)));
       begun.at = Math.max(begun.at, start + count);
     };
     await walk(desk, head, numbers, order, wanted, take, begun.at);

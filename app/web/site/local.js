@@ -20,11 +20,7 @@ const coming = new Map(); // what is on its way -> megabytes of it
 function loading({ text, done, total }) {
   const known = total >= done; // a compressed file is longer than its header says
   if (known && done === total) coming.delete(text);
-  else
-    coming.set(
-      text,
-      `${text}, ${(done / 1e6).toFixed(1)}${known ? ` of ${(total / 1e6).toFixed(1)}` : ""} MB`,
-    );
+  else coming.set(text, `${text}, ${(done / 1e6).toFixed(1)}${known ? ` of ${(total / 1e6).toFixed(1)}` : ""} MB`);
   /** @type {HTMLElement | null} */
   let note = document.querySelector(".on-its-way");
   if (!note) {

@@ -114,9 +114,7 @@ export class Models {
     };
     const orders = new Tensor("float64", new Float64Array(count).fill(order), [count]);
     const found = await inTurn(() => session.run({ vis: flat(vis), tac: flat(tac), orders }, wanted));
-    return Object.fromEntries(
-      wanted.map((name) => [name, { shape: found[name].dims, values: found[name].data }]),
-    );
+    return Object.fromEntries(wanted.map((name) => [name, { shape: found[name].dims, values: found[name].data }]));
   }
 
   /** The embedding of a picture {pixels, width, height}. */
@@ -131,8 +129,7 @@ export class Models {
     const input = new Float32Array(3 * plane);
     for (let channel = 0; channel < 3; channel++) {
       const [mean, scale] = [encoder.mean[channel], encoder.std[channel]];
-      for (let i = 0; i < plane; i++)
-        input[channel * plane + i] = (pixels[3 * i + channel] / 255 - mean) / scale;
+      for (let i = 0; i < plane; i++) input[channel * plane + i] = (pixels[3 * i + channel] / 255 - mean) / scale;
     }
     const images = new Tensor("float32", input, [1, 3, SIDE, SIDE]);
     const found = await inTurn(() => session.run({ images }));
@@ -161,9 +158,7 @@ export function signalOf({ pixels, width, height }) {
     const centre = (at + 0.5) * scale;
     const first = Math.max(0, Math.trunc(centre - 0.5 * stretch + 0.5));
     const end = Math.min(width, Math.trunc(centre + 0.5 * stretch + 0.5));
-    const shares = Array.from({ length: end - first }, (_, i) =>
-      FILTERS.box[0]((i + first - centre + 0.5) / stretch),
-    );
+    const shares = Array.from({ length: end - first }, (_, i) => FILTERS.box[0]((i + first - centre + 0.5) / stretch));
     const sum = shares.reduce((a, b) => a + b, 0);
     const band = shares.reduce((total, share, i) => total + (share / sum) * (grey[first + i] / height), 0);
     return (band - 127.5) / 120;

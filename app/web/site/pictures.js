@@ -73,8 +73,7 @@ async function asked(desk, query) {
   if (!head) throw new Refused("The page no longer has the taught head; press Teach again.", 410);
   const profile = query.get("profile") ?? "";
   const rest = OTHER[modality];
-  const other =
-    rest && query.get("other") ? await embedding(desk, query.get("other"), rest, { profile }) : null;
+  const other = rest && query.get("other") ? await embedding(desk, query.get("other"), rest, { profile }) : null;
   return { modality, head, order: orderIn(query.get("order")), profile, rest, other };
 }
 
@@ -126,8 +125,7 @@ async function occlusion(desk, { body, query, stopped }) {
     const copy = pixels.slice();
     const edge = (cell, side) => Math.floor((cell * side) / CELLS);
     for (let y = edge(row, height); y < edge(row + PATCH, height); y++)
-      for (let x = edge(column, width); x < edge(column + PATCH, width); x++)
-        copy.set(mean, 3 * (y * width + x));
+      for (let x = edge(column, width); x < edge(column + PATCH, width); x++) copy.set(mean, 3 * (y * width + x));
     falls.push(first[top] - (await predicted({ pixels: copy, width, height }))[top]);
   }
   return {

@@ -42,7 +42,5 @@ export function between(around, at) {
   const itself = distance.map((one) => Number(one * one < SAME));
   const weight = itself[0] ? itself : excess.map((one) => Math.exp(-one / mean));
   const sum = weight.reduce((a, b) => a + b, 0);
-  return [0, 1].map((axis) =>
-    around.reduce((total, { point }, i) => total + (weight[i] / sum) * at(point)[axis], 0),
-  );
+  return [0, 1].map((axis) => around.reduce((total, { point }, i) => total + (weight[i] / sum) * at(point)[axis], 0));
 }

@@ -33,17 +33,12 @@ export function joined(one, other) {
 
 /** A row of a new sensor with the source's mean and deviation, or `step` of the way; few pictures count less. */
 export function moved(row, target, source, step = 1) {
-  const [share, spread] = [MEAN_PRIOR, VARIANCE_PRIOR].map(
-    (prior) => (step * target.count) / (target.count + prior),
-  );
+  const [share, spread] = [MEAN_PRIOR, VARIANCE_PRIOR].map((prior) => (step * target.count) / (target.count + prior));
   const floor = means(source.variance.map(Math.sqrt)) || 1;
   return Float32Array.from(row, (value, i) => {
     const mean = source.mean[i] + share * (target.mean[i] - source.mean[i]);
     const variance = source.variance[i] + spread * (target.variance[i] - source.variance[i]);
-    return (
-      ((value - mean) * (Math.sqrt(source.variance[i]) + floor)) / (Math.sqrt(variance) + floor) +
-      source.mean[i]
-    );
+    return ((value - mean) * (Math.sqrt(source.variance[i]) + floor)) / (Math.sqrt(variance) + floor) + source.mean[i];
   });
 }
 
@@ -51,8 +46,7 @@ export function moved(row, target, source, step = 1) {
 export function profileFrom(file, key = null) {
   const found = file instanceof ArrayBuffer ? tensors(file, "the profile") : file;
   const about = found.__metadata__ ?? {};
-  if (about.format !== FORMAT)
-    throw new Refused("The file is not a profile of a sensor; save one from this page.");
+  if (about.format !== FORMAT) throw new Refused("The file is not a profile of a sensor; save one from this page.");
   const own = [about.encoder, about.weights_hash, about.preprocessing].join();
   if (key && own !== [key.name, key.weights_hash, key.preprocessing].join())
     throw new Refused(

@@ -52,13 +52,7 @@ function along(pixels, out, table, many, { line, step, outLine, outStep }) {
 
 /** Resize {pixels, width, height} as Image.resize does, bicubic unless `filter` says otherwise.
  * `length`: the part of the width and of the height that counts, if a last pixel is of fewer. */
-export function resized(
-  picture,
-  wide,
-  high,
-  filter = FILTERS.bicubic,
-  length = [picture.width, picture.height],
-) {
+export function resized(picture, wide, high, filter = FILTERS.bicubic, length = [picture.width, picture.height]) {
   const across = (one) => {
     if (wide === one.width && length[0] === wide) return one;
     const pixels = new Uint8ClampedArray(3 * wide * one.height);
@@ -91,11 +85,7 @@ export function reduced({ pixels, width, height }, across, down = across) {
       const share = Math.trunc(Math.fround(2 ** 32 / (256 * count)));
       let [r, g, b] = [0, 0, 0].fill(Math.trunc(count / 2));
       for (let row = y * down; row < bottom; row++) {
-        for (
-          let from = 3 * (row * width + x * across), end = 3 * (row * width + right);
-          from < end;
-          from += 3
-        ) {
+        for (let from = 3 * (row * width + x * across), end = 3 * (row * width + right); from < end; from += 3) {
           r += pixels[from];
           g += pixels[from + 1];
           b += pixels[from + 2];

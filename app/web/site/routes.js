@@ -43,13 +43,9 @@ async function pair(desk, question) {
     orders: STOPS,
     learned: head.learned,
     span: head.span,
-    stops: Object.fromEntries(
-      names.map((name) => [name, each.slice(0, -1).map((one) => rounded(one[name]))]),
-    ),
+    stops: Object.fromEntries(names.map((name) => [name, each.slice(0, -1).map((one) => rounded(one[name]))])),
     exact: { order: exact, readings: roundedAll(each.at(-1)) },
-    spectra: Object.fromEntries(
-      imagesOf(rows).map((name) => [name, spectrum(out[`${name}_size`], STOPS.length)]),
-    ),
+    spectra: Object.fromEntries(imagesOf(rows).map((name) => [name, spectrum(out[`${name}_size`], STOPS.length)])),
   };
 }
 
@@ -81,10 +77,8 @@ async function attention(desk, question) {
   const count = (name) => out[`${name}_attention`].shape.at(-1);
   const off = (name) => Array.from(out[`${name}_attention`].values, (value) => value - 1 / count(name));
   const found = Object.fromEntries(names.map((name) => [name, off(name)]));
-  const scale =
-    Math.max(...names.map((name) => found[name].reduce((a, b) => Math.max(a, Math.abs(b)), 0))) || 1;
-  const coded = (values) =>
-    base64(new Uint8Array(Int8Array.from(values, (v) => Math.round((v / scale) * 127)).buffer));
+  const scale = Math.max(...names.map((name) => found[name].reduce((a, b) => Math.max(a, Math.abs(b)), 0))) || 1;
+  const coded = (values) => base64(new Uint8Array(Int8Array.from(values, (v) => Math.round((v / scale) * 127)).buffer));
   const by = (make) => Object.fromEntries(names.map((name) => [name, make(name)]));
   return {
     tokens: by((n) => head.tokens[n]),
@@ -97,8 +91,7 @@ async function attention(desk, question) {
 
 async function many(desk, question) {
   const { pairs } = question;
-  if (!Array.isArray(pairs))
-    throw new Refused("pairs has to be a list of pairs with a photo, a touch or both.");
+  if (!Array.isArray(pairs)) throw new Refused("pairs has to be a list of pairs with a photo, a touch or both.");
   if (!pairs.length || pairs.length > MOST_PAIRS)
     throw new Refused(`${pairs.length} pairs were sent; send 1 to ${MOST_PAIRS} at a time.`);
   const head = await headFor(desk, question);

@@ -3,13 +3,10 @@
 import { Refused } from "./refusal.js";
 
 // a module whose function has one SIMD instruction
-const SIMD = Uint8Array.from(atob("AGFzbQEAAAABBQFgAAF7AwIBAAoKAQgAQQD9D/1iCw=="), (one) =>
-  one.charCodeAt(0),
-);
+const SIMD = Uint8Array.from(atob("AGFzbQEAAAABBQFgAAF7AwIBAAoKAQgAQQD9D/1iCw=="), (one) => one.charCodeAt(0));
 const MOST_THREADS = 4;
 const ABSENT = "This browser has no WebAssembly, or it is switched off; open the page in another browser.";
-const OLD =
-  "This browser's WebAssembly has no SIMD, which the models need; use a browser from 2023 or later.";
+const OLD = "This browser's WebAssembly has no SIMD, which the models need; use a browser from 2023 or later.";
 export const LOST = "A file of this page did not arrive; check the connection and try again.";
 
 let ort = null;
@@ -23,9 +20,7 @@ async function started(base, bytes) {
     }),
     bytes(new URL("runtime/ort-wasm-simd-threaded.wasm", base), "the program that computes"),
   ]);
-  found.env.wasm.numThreads = self.crossOriginIsolated
-    ? Math.min(MOST_THREADS, navigator.hardwareConcurrency ?? 1)
-    : 1;
+  found.env.wasm.numThreads = self.crossOriginIsolated ? Math.min(MOST_THREADS, navigator.hardwareConcurrency ?? 1) : 1;
   found.env.wasm.wasmBinary = program;
   return found;
 }

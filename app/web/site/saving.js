@@ -21,8 +21,7 @@ const SET_NOTE = (name) => `A set of embeddings made in the OmniVaT page. It hol
 python app.py --embeddings ${name}/embeddings.safetensors
 python -m omnivat train --embeddings ${name}/embeddings.safetensors --source DOMAIN --out my-head
 `;
-const text = (value) =>
-  new TextEncoder().encode(typeof value === "string" ? value : JSON.stringify(value, null, 2));
+const text = (value) => new TextEncoder().encode(typeof value === "string" ? value : JSON.stringify(value, null, 2));
 
 /** One zip of files in a folder. */
 async function archive(name, files) {
@@ -32,8 +31,7 @@ async function archive(name, files) {
 
 async function saveSet(desk, question) {
   const given = lessonsIn(question).filter(({ vis, tac }) => vis && tac);
-  if (!given.length)
-    throw new Refused("A set needs pairs of both images; label at least one photo with its touch.");
+  if (!given.length) throw new Refused("A set needs pairs of both images; label at least one photo with its touch.");
   const { key, width } = await desk.models.about();
   const labels = given.map(({ label }) => label.trim());
   const classes = [...new Set(labels)];

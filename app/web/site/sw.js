@@ -64,15 +64,12 @@ async function keep(files) {
   }
 }
 
-worker.addEventListener("install", (event) =>
-  event.waitUntil(keep(["./", ...first]).then(() => worker.skipWaiting())),
-);
+worker.addEventListener("install", (event) => event.waitUntil(keep(["./", ...first]).then(() => worker.skipWaiting())));
 worker.addEventListener("activate", (event) => event.waitUntil(clear()));
 worker.addEventListener("message", (event) => event.data === "keep" && event.waitUntil(keep(rest)));
 worker.addEventListener("fetch", (event) => {
   const { request } = event;
   if (request.method !== "GET") return;
   if (known.has(request.url)) event.respondWith(kept(request));
-  else if ([scope, `${scope}index.html`].includes(request.url.split(/[?#]/)[0]))
-    event.respondWith(page(request));
+  else if ([scope, `${scope}index.html`].includes(request.url.split(/[?#]/)[0])) event.respondWith(page(request));
 });

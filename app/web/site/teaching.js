@@ -103,9 +103,7 @@ class Work {
 
   async prepared() {
     this.source = await trainingRows(this);
-    this.methods = this.source.length
-      ? [LOGISTIC, MEAN, NEIGHBOUR, DIRECTIONS]
-      : [DIRECTIONS, MEAN, NEIGHBOUR];
+    this.methods = this.source.length ? [LOGISTIC, MEAN, NEIGHBOUR, DIRECTIONS] : [DIRECTIONS, MEAN, NEIGHBOUR];
     this.rows = [];
     this.means = [];
     this.before = [];
@@ -113,9 +111,7 @@ class Work {
       const out = await this.run(pair);
       const there = imagesOf(pair);
       this.rows.push(standing(out, there));
-      const hats = there.map((name) =>
-        unit(rowOf(out[there.length > 1 ? `${name}_f_hat` : `${name}_alone`], 0)),
-      );
+      const hats = there.map((name) => unit(rowOf(out[there.length > 1 ? `${name}_f_hat` : `${name}_alone`], 0)));
       this.means.push(hats[0].map((_, i) => hats.reduce((sum, hat) => sum + hat[i], 0) / hats.length));
       this.before.push(best(said(out, there)));
     }
@@ -127,8 +123,7 @@ class Work {
     const found = Object.fromEntries(this.methods.map((name) => [name, []]));
     for (const out of this.lessons.keys())
       for (const name of this.methods) found[name].push(await this.predicted(name, out));
-    const right = (name, but = -1) =>
-      found[name].filter((label, i) => i !== but && label === this.labels[i]).length;
+    const right = (name, but = -1) => found[name].filter((label, i) => i !== but && label === this.labels[i]).length;
     const after = this.labels.map((_, out) => found[this.best((name) => right(name, out))][out]);
     const judged = this.lessons.map(({ label }, i) => ({
       label,
@@ -172,9 +167,7 @@ class Work {
     const labels = [...this.source.map(({ label }) => label), ...this.labels];
     const each = this.lessons.length / new Set(this.labels).size;
     const times = Math.trunc(Math.min(TOTAL, Math.max(2, Math.floor(TOTAL / each))));
-    const counts = labels.map((_, i) =>
-      i < this.source.length ? 1 : i === this.source.length + out ? 0 : times,
-    );
+    const counts = labels.map((_, i) => (i < this.source.length ? 1 : i === this.source.length + out ? 0 : times));
     const problem = { rows: this.lower, labels, counts, classes: this.classes.length };
     this.start = solved(problem, this.start);
     const wide = this.lower.length + 1;
@@ -216,12 +209,8 @@ class Work {
   directed(out = -1) {
     const { head, classes } = this;
     const wide = this.means[0].length;
-    const own = classes.map((_, k) =>
-      head.directions[k] ? unit(head.directions[k]) : new Float64Array(wide),
-    );
-    this.means.forEach(
-      (mean, i) => i !== out && own[this.labels[i]].forEach((_, at, row) => (row[at] += mean[at])),
-    );
+    const own = classes.map((_, k) => (head.directions[k] ? unit(head.directions[k]) : new Float64Array(wide)));
+    this.means.forEach((mean, i) => i !== out && own[this.labels[i]].forEach((_, at, row) => (row[at] += mean[at])));
     const directions = own.map((row) => Array.from(unit(row), (value) => head.scale * value));
     return { ...head, classes, directions };
   }

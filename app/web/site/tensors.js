@@ -85,9 +85,7 @@ export function file(entries, metadata) {
 /** The bytes of a file of float32 vectors. */
 export const written = (vectors, metadata) =>
   file(
-    Object.fromEntries(
-      Object.entries(vectors).map(([name, values]) => [name, floats(values, [values.length])]),
-    ),
+    Object.fromEntries(Object.entries(vectors).map(([name, values]) => [name, floats(values, [values.length])])),
     metadata,
   );
 

@@ -9,8 +9,7 @@ import { QUESTIONS } from "./routes.js";
 import { promptly } from "./runtime.js";
 import { SAVING } from "./saving.js";
 
-const FAILED =
-  "Something went wrong in this browser; the console has the details. Try again, or choose another pair.";
+const FAILED = "Something went wrong in this browser; the console has the details. Try again, or choose another pair.";
 const desks = new Map();
 const withdrawn = new Set();
 

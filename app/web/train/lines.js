@@ -15,18 +15,7 @@ export function niceTop(value) {
  * series: [{name, colour, points: [[epoch, value]], dashed}]; top: of the axis, computed by default;
  * low: its lower end; wide, tall: in CSS pixels; at: the epoch that is marked; total: epochs in all; unit: "%" shows shares.
  */
-export function chart({
-  title,
-  series,
-  total,
-  at,
-  top = null,
-  low = 0,
-  level = null,
-  unit = "",
-  wide = W,
-  tall = H,
-}) {
+export function chart({ title, series, total, at, top = null, low = 0, level = null, unit = "", wide = W, tall = H }) {
   const values = series.flatMap((one) => one.points.map(([, v]) => v)).filter(Number.isFinite);
   const high = top ?? niceTop(Math.max(0.001, ...values));
   const X = (epoch) => PAD.left + ((epoch - 1) / Math.max(1, total - 1)) * (wide - PAD.left - PAD.right);
@@ -37,9 +26,7 @@ export function chart({
       `<line class="grid" x1="${PAD.left}" x2="${wide - PAD.right}" y1="${Y(v)}" y2="${Y(v)}"/><text x="${PAD.left - 5}" y="${Y(v) + 4}" text-anchor="end">${figure(v)}</text>`,
   );
   const lines = series.map(({ colour, points, dashed }) => {
-    const d = points
-      .map(([epoch, v], i) => `${i ? "L" : "M"}${X(epoch).toFixed(1)} ${Y(v).toFixed(1)}`)
-      .join("");
+    const d = points.map(([epoch, v], i) => `${i ? "L" : "M"}${X(epoch).toFixed(1)} ${Y(v).toFixed(1)}`).join("");
     return `<path d="${d}" style="stroke:${colour}" ${dashed ? 'stroke-dasharray="4 3"' : ""}/>`;
   });
   const chance =

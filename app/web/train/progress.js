@@ -50,7 +50,6 @@ export function compared(runs, std) {
   const said = `The last run is ${points(Math.abs(b - a))} ${b < a ? "below" : "above"} the one before it.`;
   if (std === null) return `${said} Train the same settings with other seeds to see how much is chance.`;
   const chance = Math.SQRT2 * std; // of the difference of two trainings
-  const verdict =
-    Math.abs(b - a) > 2 * chance ? "so this is more than seeds explain" : "so this may be chance";
+  const verdict = Math.abs(b - a) > 2 * chance ? "so this is more than seeds explain" : "so this may be chance";
   return `${said} Two seeds of the same settings differ by about ${points(chance)} (standard deviation), ${verdict}.`;
 }

@@ -7,8 +7,7 @@ const TRAINING = "omnivat-training";
 
 /** A name, so that the server allows one training for each visitor. */
 export function visitor() {
-  const made =
-    read(NAME) ?? [...crypto.getRandomValues(new Uint32Array(4))].map((n) => n.toString(36)).join("");
+  const made = read(NAME) ?? [...crypto.getRandomValues(new Uint32Array(4))].map((n) => n.toString(36)).join("");
   write(NAME, made);
   return made;
 }

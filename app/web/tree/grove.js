@@ -16,8 +16,7 @@ const NOD = {
   tree: "NOD pushes the matrix of cosines of each layer towards the identity: siblings at right angles.",
   series: "NOD pushes the matrix of cosines of all nodes towards the identity.",
   parallel: "NOD pushes the matrix of cosines of the root’s children towards the identity.",
-  interpolation:
-    "These nodes lie on the line from photo to touch. Nothing is learned and NOD does not apply.",
+  interpolation: "These nodes lie on the line from photo to touch. Nothing is learned and NOD does not apply.",
 };
 
 /** one: the server's reply for a head, with `votes` once loaded; several: true if there are more heads. */
@@ -53,8 +52,7 @@ function layers(one) {
 
 function matrix({ nodes, cosines, nod }, level, arrangement) {
   const title = arrangement === "tree" ? `Layer ${level + 1}` : nodes.length === 1 ? "Root" : "Nodes";
-  if (cosines.length === 1)
-    return `<figure><figcaption>${title} <small>the root alone</small></figcaption></figure>`;
+  if (cosines.length === 1) return `<figure><figcaption>${title} <small>the root alone</small></figcaption></figure>`;
   const rows = cosines.map(
     (row, i) => `<tr>${row.map((v, j) => cell(v, nodes[i], nodes[j], cosines.length)).join("")}</tr>`,
   );

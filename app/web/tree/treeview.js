@@ -35,13 +35,9 @@ function drawLine({ classes, nodes, parents, constant }) {
   /** @type {(i: number) => [number, number]} */
   const place = (i) => [((i + 0.5) / nodes.length) * width, 36];
   const edges = parents.map((parent, i) =>
-    parent < 0
-      ? ""
-      : `<path class="edge" d="M${place(parent)[0] + radius(parent)} 36H${place(i)[0] - radius(i)}"/>`,
+    parent < 0 ? "" : `<path class="edge" d="M${place(parent)[0] + radius(parent)} 36H${place(i)[0] - radius(i)}"/>`,
   );
-  const discs = nodes.map((node, i) =>
-    disc(node, i, place(i), radius(i), classes, nodes.length <= 8, constant[i]),
-  );
+  const discs = nodes.map((node, i) => disc(node, i, place(i), radius(i), classes, nodes.length <= 8, constant[i]));
   return `<svg class="tree-view" viewBox="0 0 ${width} 128" ${sized(width, 128)} role="list" aria-label="${nodes.length} nodes in a line">${edges.join("")}${discs.join("")}</svg>`;
 }
 

@@ -12,8 +12,7 @@ export function worth(votes, pairs) {
   if (!votes) return "";
   const fixed = constant(votes).filter(Boolean).length;
   const names = [...new Set(votes.filter(({ share }) => share >= ALIKE).map((one) => one.class))];
-  if (!fixed)
-    return `Each of the ${votes.length} nodes alone predicts different classes for different pairs.`;
+  if (!fixed) return `Each of the ${votes.length} nodes alone predicts different classes for different pairs.`;
   const classes = names.map((name) => `<i>${escaped(name)}</i>`).join(" or ");
   return `<b>${fixed} of ${votes.length} nodes</b> (dashed) alone predict ${classes} for at least ${percent(ALIKE)} of the set’s ${pairs.toLocaleString("en-US")} pairs.`;
 }

@@ -8,14 +8,7 @@ from pathlib import Path
 from omnivat.data.domains import is_simulated
 from omnivat.data.materials import MATERIALS, class_key
 from omnivat.data.pairs import Pair, PairSet, Skipped
-from omnivat.data.readers.names import (
-    folders_in,
-    is_image_name,
-    is_text,
-    leads_upwards,
-    show,
-    visible,
-)
+from omnivat.data.readers.names import folders_in, is_image_name, is_text, leads_upwards, show, visible
 from omnivat.data.rest import REST
 from omnivat.errors import DataError
 
@@ -119,13 +112,9 @@ class _Walk:
         for name, found in halves.items():
             vis, tac = found["vis"], found["tac"]
             if len(vis) == len(tac) == 1:
-                self.pairs.append(
-                    Pair(vis=vis[0], tac=tac[0], domain=domain, material=material, object=thing)
-                )
+                self.pairs.append(Pair(vis=vis[0], tac=tac[0], domain=domain, material=material, object=thing))
             elif not vis or not tac:
-                self.skip(
-                    folder / name, f"no {'_vis' if not vis else '_tac'} image beside the other"
-                )
+                self.skip(folder / name, f"no {'_vis' if not vis else '_tac'} image beside the other")
             else:
                 files = " and ".join(show(path.name) for path in max(vis, tac, key=len))
                 self.skip(folder / name, f"one half is there more than once: {files}")

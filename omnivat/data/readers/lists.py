@@ -65,7 +65,5 @@ def read_names(file: Path, key: str, value: str) -> dict[str, str]:
         cells = dict(zip(header, row, strict=False))
         name, text = cells.get(key, ""), cells.get(value, "")
         if name and named.setdefault(name, text) != text:
-            raise DataError(
-                f"'{show(file)}' gives '{show(name)}' two values for {value}. Keep one."
-            )
+            raise DataError(f"'{show(file)}' gives '{show(name)}' two values for {value}. Keep one.")
     return named

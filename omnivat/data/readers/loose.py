@@ -33,15 +33,11 @@ def read(source: Path, *, strict: bool = False, seed: int = 0) -> PairSet:
     for (folder, _), found in halves.items():
         some = list(found.values())
         if len(some) == 2 or alone:
-            pairs.append(
-                _pair(source, folder, found.get("vis", some[0]), found.get("tac", some[0]))
-            )
+            pairs.append(_pair(source, folder, found.get("vis", some[0]), found.get("tac", some[0])))
         else:
             skipped.append(Skipped(what=show(some[0].relative_to(source)), why="lacks its partner"))
     if not pairs:
-        raise DataError(
-            f"No pairs in '{show(source)}': name pictures NAME_vis.png and NAME_tac.png, in one folder."
-        )
+        raise DataError(f"No pairs in '{show(source)}': name pictures NAME_vis.png and NAME_tac.png, in one folder.")
     return PairSet(
         pairs=tuple(pairs),
         skipped=tuple(skipped),

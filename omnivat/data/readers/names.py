@@ -83,11 +83,6 @@ def frames_in(folder: Path, suffixes: frozenset[str] = IMAGE_SUFFIXES) -> dict[i
     for entry in visible(folder):
         path = folder / entry.name
         number = number_of(path)
-        if (
-            number is not None
-            and path.suffix.lower() in suffixes
-            and is_text(entry.name)
-            and is_file(path)
-        ):
+        if number is not None and path.suffix.lower() in suffixes and is_text(entry.name) and is_file(path):
             frames.setdefault(number, path)
     return dict(sorted(frames.items()))

@@ -34,12 +34,7 @@ def recognises(source: Path) -> bool:
 
 
 def read(
-    source: Path,
-    *,
-    strict: bool = False,
-    seed: int = 0,
-    split: str = "paper",
-    objects: Path | str | None = None,
+    source: Path, *, strict: bool = False, seed: int = 0, split: str = "paper", objects: Path | str | None = None
 ) -> PairSet:
     """Return the pairs of ObjectFolder 2.0, A and B.
 
@@ -54,9 +49,7 @@ def read(
     one number has two materials, if a file is missing, or if there are no pairs.
     """
     if split not in SPLITS:
-        raise SettingsError(
-            f"split is '{split}'; choose {', '.join(SPLITS)}.{suggestion(split, SPLITS)}"
-        )
+        raise SettingsError(f"split is '{split}'; choose {', '.join(SPLITS)}.{suggestion(split, SPLITS)}")
     left_out = Tally()
     raw = materials_of_objects(source, Path(objects) if objects else source / "objects.csv")
     things = _things(source, raw, strict, left_out)
@@ -120,9 +113,7 @@ def _materials(table: Path) -> dict[int, str]:
             f"No table of objects at '{show(table)}'. The release does not name the materials: "
             "copy objects.csv of the ObjectFolder repository there."
         )
-    found = {
-        int(r[0]): class_key(r[3]) for r in read_cells(table) if len(r) > 3 and r[0].isdecimal()
-    }
+    found = {int(r[0]): class_key(r[3]) for r in read_cells(table) if len(r) > 3 and r[0].isdecimal()}
     if not found:
         raise DataError(f"'{show(table)}' has no rows of id,name,scale,Material,url.")
     return found
@@ -194,8 +185,7 @@ def _drawn(pairs: list[Pair], seed: int) -> tuple[list[Pair], tuple[Skipped, ...
     for pair in pairs:
         things[pair.domain, pair.material][pair.object].append(pair)
     rarest = {
-        domain: min(len(members) for (name, _), members in things.items() if name == domain)
-        for domain, _ in things
+        domain: min(len(members) for (name, _), members in things.items() if name == domain) for domain, _ in things
     }
     drawn: list[Pair] = []
     for (domain, material), members in things.items():

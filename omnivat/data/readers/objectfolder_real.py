@@ -54,9 +54,7 @@ def read(
     recording. Raises DataError without a table or without pairs.
     """
     if frames not in CHOICES:
-        raise SettingsError(
-            f"frames is '{frames}'; choose {', '.join(CHOICES)}.{suggestion(frames, CHOICES)}"
-        )
+        raise SettingsError(f"frames is '{frames}'; choose {', '.join(CHOICES)}.{suggestion(frames, CHOICES)}")
     left_out = Tally()
     named = _materials_of(source, materials)
     pairs = [

@@ -230,11 +230,7 @@ def _windows(signal: Signal, window: int, most: int) -> Iterator[tuple[int, Sign
 
 
 def _biotac_files(root: Path) -> Iterator[Path]:
-    for folder in (
-        root,
-        *folders_in(root),
-        *(f for top in folders_in(root) for f in folders_in(top)),
-    ):
+    for folder in (root, *folders_in(root), *(f for top in folders_in(root) for f in folders_in(top))):
         yield from (folder / e.name for e in visible(folder) if BIOTAC.fullmatch(e.name))
 
 
@@ -248,10 +244,7 @@ def _material(file: Path) -> str:
 
 
 def _collected(
-    root: Path,
-    files: list[tuple[str, str, Path]],
-    read: Callable[[Path], NDArray[np.float64]],
-    origin: str,
+    root: Path, files: list[tuple[str, str, Path]], read: Callable[[Path], NDArray[np.float64]], origin: str
 ) -> Recordings:
     """Read (domain, class, file) one by one; a file that fails is left out with the reason."""
     recordings, skipped = [], []

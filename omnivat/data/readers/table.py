@@ -55,9 +55,7 @@ def read(source: Path, *, strict: bool = False, seed: int = 0) -> PairSet:
         skipped.append(Skipped(what=f"row {number}", why=why))
     if not pairs:
         first_reason = f" The first reason, {skipped[0].what}: {skipped[0].why}." if skipped else ""
-        raise DataError(
-            f"No pairs in '{show(file)}': none of its {len(skipped)} rows can be used.{first_reason}"
-        )
+        raise DataError(f"No pairs in '{show(file)}': none of its {len(skipped)} rows can be used.{first_reason}")
     return PairSet(
         pairs=tuple(pairs),
         skipped=tuple(skipped),
@@ -88,9 +86,7 @@ def _text(file: Path) -> str:
     try:
         return read_whole(file, MOST_TEXT, show(file)).decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise DataError(
-            f"'{show(file)}' is not UTF-8 text (byte {error.start}). Save it as 'CSV UTF-8'."
-        ) from error
+        raise DataError(f"'{show(file)}' is not UTF-8 text (byte {error.start}). Save it as 'CSV UTF-8'.") from error
 
 
 def _check_header(file: Path, header: list[str]) -> None:

@@ -26,10 +26,7 @@ from omnivat.seeding import derive_seed
 from omnivat.tables import suggestion
 
 PARTS = ("indoor", "outdoor")
-RENAMED = {
-    "yumaoqiu": "shuttlecock",
-    "yumaoqiu2": "shuttlecock2",
-}  # list -> folder
+RENAMED = {"yumaoqiu": "shuttlecock", "yumaoqiu2": "shuttlecock2"}  # list -> folder
 ARRAYS = frozenset({".npy"})
 TRAIN, TEST = 41, 15  # frames of an item: 779 = 19 * 41, 285 = 19 * 15, 525 = 35 * 15
 T3D_TEST_SHARE = 682 / (1_196 + 682)  # of the paper's counts
@@ -44,11 +41,7 @@ class Sensor:
     column: int
 
 
-SENSORS = (
-    Sensor("TQ-GelMini", "gelsight", 1),
-    Sensor("TQ-DIGIT", "digit", 3),
-    Sensor("TQ-DuraGel", "duragel", 5),
-)
+SENSORS = (Sensor("TQ-GelMini", "gelsight", 1), Sensor("TQ-DIGIT", "digit", 3), Sensor("TQ-DuraGel", "duragel", 5))
 TAC3D = Sensor("TQ-T3D", "tac3d", -1)
 
 
@@ -108,9 +101,7 @@ def read(
     return PairSet(pairs=tuple(pairs), skipped=left_out.skipped(), origin=f"TacQuad, {how}")
 
 
-def _contacts(
-    source: Path, table: Path | str | None, strict: bool, left_out: Tally
-) -> Iterator[Contact]:
+def _contacts(source: Path, table: Path | str | None, strict: bool, left_out: Tally) -> Iterator[Contact]:
     """Yield the rows of both parts whose item exists and has one of the five materials."""
     given = Path(table) if table else source / "materials.csv"
     overrides = _overrides(given, required=table is not None)
@@ -136,9 +127,7 @@ def _overrides(file: Path, *, required: bool) -> dict[str, str]:
         if required:
             raise DataError(f"No table of materials at '{show(file)}'. Check the path.")
         return {}
-    overrides = {
-        item: class_key(name) for item, name in read_names(file, "item", "material").items()
-    }
+    overrides = {item: class_key(name) for item, name in read_names(file, "item", "material").items()}
     for item, material in overrides.items():
         if material and material not in MATERIALS:
             raise DataError(
@@ -148,9 +137,7 @@ def _overrides(file: Path, *, required: bool) -> dict[str, str]:
     return overrides
 
 
-def material_of(
-    item: str, caption: str, overrides: dict[str, str], *, strict: bool = False
-) -> tuple[str, str]:
+def material_of(item: str, caption: str, overrides: dict[str, str], *, strict: bool = False) -> tuple[str, str]:
     """Return an item's material, or "" and the reason.
 
     An override has priority, then the item's name, then the caption. A text with two materials is
@@ -180,14 +167,10 @@ def _touches(contact: Contact, sensor: Sensor, left_out: Tally) -> Iterator[Pair
     inside = [number for number in touch if first <= number <= last]
     if missing := last - first + 1 - len(inside):
         left_out.add(what, "frames of the range that are not there", missing)
-    yield from _paired(
-        contact, sensor, {number: touch[number] for number in inside}, len(touch), left_out
-    )
+    yield from _paired(contact, sensor, {number: touch[number] for number in inside}, len(touch), left_out)
 
 
-def _paired(
-    contact: Contact, sensor: Sensor, touch: dict[int, Path], recorded: int, left_out: Tally
-) -> Iterator[Pair]:
+def _paired(contact: Contact, sensor: Sensor, touch: dict[int, Path], recorded: int, left_out: Tally) -> Iterator[Pair]:
     """Yield touch frames with the image of the same moment.
 
     recorded  number of all touch frames; the number of images may differ slightly, so frame t is
@@ -210,9 +193,7 @@ def _paired(
             )
 
 
-def _with_splits(
-    found: list[Pair], contact: Contact, sensor: Sensor, seed: int, all_frames: bool
-) -> list[Pair]:
+def _with_splits(found: list[Pair], contact: Contact, sensor: Sensor, seed: int, all_frames: bool) -> list[Pair]:
     """Return the training and test frames of an item, in recorded order."""
     outdoor = contact.part == "outdoor"
     wanted = len(found) if all_frames else min(len(found), TEST + TRAIN * outdoor)

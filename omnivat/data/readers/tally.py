@@ -17,9 +17,7 @@ class Tally:
 
     def skipped(self) -> tuple[Skipped, ...]:
         """Return one entry for each item and reason, in order of first appearance."""
-        return tuple(
-            Skipped(what=what, why=why, count=count) for (what, why), count in self._counts.items()
-        )
+        return tuple(Skipped(what=what, why=why, count=count) for (what, why), count in self._counts.items())
 
     def reasons(self, limit: int = 3) -> str:
         """Return the most frequent reasons in a few words, for an error."""

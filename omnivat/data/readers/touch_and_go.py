@@ -131,10 +131,7 @@ def _label_names(places: tuple[Path, ...]) -> dict[str, str]:
 
     Raises DataError if one of the five has another name there.
     """
-    file = next(
-        (p / "category_reference.txt" for p in places if is_file(p / "category_reference.txt")),
-        None,
-    )
+    file = next((p / "category_reference.txt" for p in places if is_file(p / "category_reference.txt")), None)
     names: dict[str, str] = {}
     for line in read_lines(file) if file else ():
         name, _, number = line.rpartition(":")
@@ -183,20 +180,10 @@ def _pairs(frames: list[tuple[Frame, str]], clips: Path, left_out: Tally) -> Ite
     for frame, material in frames:
         if frame.clip not in halves:
             folder = clips / frame.clip
-            halves[frame.clip] = (
-                frames_in(folder / VIS),
-                frames_in(folder / TAC),
-            )
+            halves[frame.clip] = (frames_in(folder / VIS), frames_in(folder / TAC))
         vis, tac = (half.get(frame.number) for half in halves[frame.clip])
         if vis and tac:
-            yield Pair(
-                vis=vis,
-                tac=tac,
-                domain=DOMAIN,
-                material=material,
-                object=frame.clip,
-                split=frame.split,
-            )
+            yield Pair(vis=vis, tac=tac, domain=DOMAIN, material=material, object=frame.clip, split=frame.split)
         else:
             missing = [n for n, half in ((VIS, vis), (TAC, tac)) if not half]
             left_out.add(show(frame.clip), f"no image in {' and '.join(missing)}")

@@ -28,12 +28,7 @@ def is_recording(source: Path) -> bool:
 
 
 def clips_of(
-    source: Path,
-    *,
-    vis: str = "",
-    tac: Sequence[str] = (),
-    domain: str = "",
-    labels: Path | None = None,
+    source: Path, *, vis: str = "", tac: Sequence[str] = (), domain: str = "", labels: Path | None = None
 ) -> list[Clip]:
     """Return the recordings in `source`.
 
@@ -46,9 +41,7 @@ def clips_of(
     if source.is_dir() and (source / INFO).is_file():
         return LeRobot(source).clips(vis, tac, domain, labels)
     if vis or tac or labels:
-        raise SettingsError(
-            "--vis, --tac and --labels are for LeRobot; here the table has names and labels."
-        )
+        raise SettingsError("--vis, --tac and --labels are for LeRobot; here the table has names and labels.")
     return _videos(source / TABLE if source.is_dir() else source, domain)
 
 
@@ -63,9 +56,7 @@ def _videos(file: Path, domain: str) -> list[Clip]:
             try:
                 return float(row[name])
             except ValueError as error:
-                raise DataError(
-                    f"'{show(file)}', row {number}: {name} is no number of seconds."
-                ) from error
+                raise DataError(f"'{show(file)}', row {number}: {name} is no number of seconds.") from error
 
         start, end = seconds("start") or 0.0, seconds("end")
         names = {half: row[half] for half in HALVES if row.get(half)}
@@ -76,8 +67,7 @@ def _videos(file: Path, domain: str) -> list[Clip]:
             Clip(
                 name=f"row {number}",
                 tracks={
-                    half: Track(file=file.parent / name, start=start + delay[half])
-                    for half, name in names.items()
+                    half: Track(file=file.parent / name, start=start + delay[half]) for half, name in names.items()
                 },
                 length=None if end is None else end - start,
                 domain=row.get("domain") or domain or file.absolute().parent.name,

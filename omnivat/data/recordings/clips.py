@@ -40,7 +40,5 @@ def labelled_rows(file: Path, needed: Sequence[str]) -> list[dict[str, str]]:
     header, *cells = read_cells(file) or [[]]
     header = [name.lower() for name in header]
     if missing := [name for name in needed if name not in header]:
-        raise DataError(
-            f"'{show(file)}' has no column '{missing[0]}'; expected {', '.join(needed)}."
-        )
+        raise DataError(f"'{show(file)}' has no column '{missing[0]}'; expected {', '.join(needed)}.")
     return [dict(zip(header, row, strict=False)) for row in cells]

@@ -45,9 +45,7 @@ class LeRobot:
     def _number(self, name: str, other: float = 0) -> float:
         value = self.info.get(name, other)
         if isinstance(value, bool) or not isinstance(value, int | float) or not 0 < value < 1e9:
-            raise DataError(
-                f"'{show(self.root / INFO)}' has {name} {value!r:.20}; it has to be above 0."
-            )
+            raise DataError(f"'{show(self.root / INFO)}' has {name} {value!r:.20}; it has to be above 0.")
         return float(value)
 
     def clips(self, vis: str, tac: Sequence[str], domain: str, labels: Path | None) -> list[Clip]:
@@ -87,14 +85,10 @@ class LeRobot:
         for name in filter(None, (vis, *tac)):
             if name not in self.cameras:
                 raise DataError(f"There is no camera '{show(name)}'; there are {show(there)}.")
-        touches = list(tac) or [
-            name for name in self.cameras if TOUCH.search(name.rpartition(".")[2])
-        ]
+        touches = list(tac) or [name for name in self.cameras if TOUCH.search(name.rpartition(".")[2])]
         others = [name for name in self.cameras if name not in touches]
         if not touches:
-            raise DataError(
-                f"No camera is called tactile; name one with --tac. There are {show(there)}."
-            )
+            raise DataError(f"No camera is called tactile; name one with --tac. There are {show(there)}.")
         if not vis and len(others) > 1:
             raise DataError(f"Name the camera of photos with --vis: {show(', '.join(others))}.")
         return vis or (others[0] if others else ""), touches
@@ -109,13 +103,10 @@ class LeRobot:
             try:
                 rows = [json.loads(line) for line in read_lines(meta / "episodes.jsonl") if line]
             except (ValueError, RecursionError) as error:
-                raise DataError(
-                    f"'{show(meta / 'episodes.jsonl')}' is not JSON ({error})."
-                ) from error
+                raise DataError(f"'{show(meta / 'episodes.jsonl')}' is not JSON ({error}).") from error
         for row in rows:
             if not isinstance(row, dict) or not all(
-                type(row.get(name)) is int and 0 <= row[name] < 10**9
-                for name in ("episode_index", "length")
+                type(row.get(name)) is int and 0 <= row[name] < 10**9 for name in ("episode_index", "length")
             ):
                 raise DataError(f"'{show(meta)}' lists an episode without its number or length.")
             row["task"] = _task(row.get("tasks"))
@@ -142,13 +133,9 @@ class LeRobot:
                 raise ValueError("a number of a hundred digits or more")
             file = self.root / template.format(**names)
         except (LookupError, ValueError, AttributeError, TypeError) as error:
-            raise DataError(
-                f"'{show(self.root / INFO)}' has an odd path '{show(template[:80])}'."
-            ) from error
+            raise DataError(f"'{show(self.root / INFO)}' has an odd path '{show(template[:80])}'.") from error
         if not file.resolve().is_relative_to(self.root.resolve()):
-            raise DataError(
-                f"'{show(self.root / INFO)}' leads out of the data set: '{show(template[:80])}'."
-            )
+            raise DataError(f"'{show(self.root / INFO)}' leads out of the data set: '{show(template[:80])}'.")
         found = Track(file=file, episode=number, fps=self.fps, column="" if film else key)
         start = episode.get(f"{place}/from_timestamp") or 0.0
         if not isinstance(start, int | float) or not 0 <= start < 1e9:

@@ -27,9 +27,7 @@ def _stored(track: Track, times: Sequence[float]) -> Iterator["Image.Image"]:
         k = min(int(moment * track.fps + NEAR), len(rows) - 1)
         content = (rows[k].get(track.column) or {}).get("bytes") if rows else None
         if not content:
-            raise DataError(
-                f"'{show(track.file)}' has no picture '{track.column}' at {moment:.2f} s."
-            )
+            raise DataError(f"'{show(track.file)}' has no picture '{track.column}' at {moment:.2f} s.")
         yield read_image(content, f"{track.file.name}, row {k}")
 
 
@@ -41,9 +39,7 @@ def _opened(file: Path) -> tuple[Any, Any]:
             raise DataError(f"'{show(file)}' holds no video.")
         stream = container.streams.video[0]
     except (av.error.FFmpegError, OSError) as error:
-        raise DataError(
-            f"'{show(file)}' is no video that can be read; export it as MP4."
-        ) from error
+        raise DataError(f"'{show(file)}' is no video that can be read; export it as MP4.") from error
     if stream.width * stream.height > MAX_PIXELS:
         raise DataError(f"'{show(file)}' has pictures over {MAX_PIXELS // 1_000_000} megapixels.")
     return container, stream
@@ -55,9 +51,7 @@ def extent(track: Track) -> tuple[float, float]:
         return 0.0, track.fps
     container, stream = _opened(track.file)
     with container:
-        seconds = (
-            stream.duration * stream.time_base if stream.duration else container.duration / 1e6
-        )
+        seconds = stream.duration * stream.time_base if stream.duration else container.duration / 1e6
         return float(seconds), float(stream.average_rate or 30)
 
 
@@ -86,9 +80,7 @@ def _filmed(track: Track, times: Sequence[float]) -> Iterator["Image.Image"]:
         raise DataError(f"'{show(track.file)}' ends before {waiting[0]:.2f} s.")
 
 
-def parquet_rows(
-    file: Path, columns: list[str] | None = None, filters: Any = None
-) -> list[dict[str, Any]]:
+def parquet_rows(file: Path, columns: list[str] | None = None, filters: Any = None) -> list[dict[str, Any]]:
     """Return rows of a Parquet file; raises DataError if it cannot be read."""
     parquet = need("pyarrow.parquet", purpose="reading LeRobot data sets", install="pyarrow")
     try:

@@ -22,12 +22,7 @@ COLUMNS = ("vis", "tac", "domain", "material", "object", "split")
 
 
 def write_pairs(
-    clips: Sequence[Clip],
-    out: Path,
-    *,
-    frames: int = 5,
-    pick: str = "even",
-    on_step: OnStep = ignore,
+    clips: Sequence[Clip], out: Path, *, frames: int = 5, pick: str = "even", on_step: OnStep = ignore
 ) -> tuple[int, list[Skipped]]:
     """Write pictures of each recording into a new folder that `omnivat embed` and `try` read.
 
@@ -40,9 +35,7 @@ def write_pairs(
     recording can be read.
     """
     if pick not in PICKS or frames < 1:
-        raise SettingsError(
-            f"frames is {frames} and pick is '{pick}'; give 1 or more, and {' or '.join(PICKS)}."
-        )
+        raise SettingsError(f"frames is {frames} and pick is '{pick}'; give 1 or more, and {' or '.join(PICKS)}.")
     if out.exists() and (not out.is_dir() or any(out.iterdir())):
         raise WriteError(f"'{out}' exists; name a new folder.")
     with replacing_folder(out) as work:
@@ -85,9 +78,7 @@ def _times(clip: Clip, frames: int, pick: str) -> list[float]:
     length = clip.length if clip.length is not None else seconds - track.start
     there = int(length * fps + 0.5)
     if there < frames:
-        raise DataError(
-            f"'{show(track.file)}' has {max(0, there)} pictures there, and {frames} were asked for."
-        )
+        raise DataError(f"'{show(track.file)}' has {max(0, there)} pictures there, and {frames} were asked for.")
 
     def even(count: int) -> list[float]:
         return [(k + 0.5) * length / count for k in range(count)]

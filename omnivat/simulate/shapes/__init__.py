@@ -11,18 +11,7 @@ from omnivat.simulate.shapes import flats, tools, vessels
 from omnivat.simulate.shapes.solid import Made, Solid, made_of
 from omnivat.simulate.shapes.spots import Spot, blocked, spot
 
-__all__ = [
-    "KINDS",
-    "OBJECTS",
-    "PARTS",
-    "Made",
-    "Solid",
-    "Spot",
-    "blocked",
-    "kind_of",
-    "made_of",
-    "spot",
-]
+__all__ = ["KINDS", "OBJECTS", "PARTS", "Made", "Solid", "Spot", "blocked", "kind_of", "made_of", "spot"]
 
 KINDS: dict[str, Callable[[np.random.Generator, Made], Solid]] = {
     shape.__name__: shape

@@ -79,15 +79,9 @@ def bench(rng: Rng, made: Made) -> Solid:
     wide, thick, count = rng.uniform(60, 100), rng.uniform(18, 30), int(rng.integers(2, 5))
     long, gap, bevel = rng.uniform(420, 620), rng.uniform(6, 14), made.bevel
     places = (np.arange(count) - (count - 1) / 2) * (wide + gap)
-    planks = [
-        placed(block((long, wide, thick), bevel=bevel, name="plank"), at=(0, y, 200 + thick / 2))
-        for y in places
-    ]
+    planks = [placed(block((long, wide, thick), bevel=bevel, name="plank"), at=(0, y, 200 + thick / 2)) for y in places]
     span = count * (wide + gap)
-    feet = [
-        placed(block((40, span, 200), bevel=3, name="foot"), at=(x, 0, 100))
-        for x in (-0.35 * long, 0.35 * long)
-    ]
+    feet = [placed(block((40, span, 200), bevel=3, name="foot"), at=(x, 0, 100)) for x in (-0.35 * long, 0.35 * long)]
     return grounded(sawn(joined("bench", *planks, *feet)))
 
 

@@ -23,9 +23,7 @@ def outline(corners: Profile) -> Array:
     """
     points = np.array([corner[:2] for corner in corners], dtype=np.float64)
     pieces = [points[:1]]
-    for before, here, after, corner in zip(
-        points, points[1:], points[2:], list(corners)[1:-1], strict=False
-    ):
+    for before, here, after, corner in zip(points, points[1:], points[2:], list(corners)[1:-1], strict=False):
         back, ahead = before - here, after - here
         lengths = np.linalg.norm(back), np.linalg.norm(ahead)
         soft = min(corner[2], 0.49 * float(min(lengths)))
@@ -39,10 +37,7 @@ def _dense(points: Array) -> Array:
     """Return the line with points added where two lie further apart than a step."""
     away = np.linalg.norm(np.diff(points, axis=0), axis=1)
     counts = np.maximum(np.ceil(away / _STEP), 1).astype(int)
-    pieces = [
-        a + (b - a) * np.arange(n)[:, None] / n
-        for a, b, n in zip(points, points[1:], counts, strict=False)
-    ]
+    pieces = [a + (b - a) * np.arange(n)[:, None] / n for a, b, n in zip(points, points[1:], counts, strict=False)]
     return np.concatenate([*pieces, points[-1:]])
 
 
@@ -59,12 +54,7 @@ def turned(profile: Profile, *, name: str, power: float = 2.0, oblong: float = 1
     plan = (np.abs(cos) ** power + np.abs(sin) ** power) ** (-1.0 / power)
     reach = np.maximum(radius, 1e-3)[:, None]
     points = np.stack(
-        [
-            reach * plan * cos * oblong,
-            reach * plan * sin,
-            np.repeat(height[:, None], len(angle), 1),
-        ],
-        axis=-1,
+        [reach * plan * cos * oblong, reach * plan * sin, np.repeat(height[:, None], len(angle), 1)], axis=-1
     )
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
     u = np.repeat((angle * 0.8 * radius.max())[None], len(line), 0)
@@ -106,9 +96,7 @@ def _ends(count: int) -> Array:
     return ends
 
 
-def bar(
-    start: Sequence[float], end: Sequence[float], half: Point, *, name: str, power: float = 4.0
-) -> Solid:
+def bar(start: Sequence[float], end: Sequence[float], half: Point, *, name: str, power: float = 4.0) -> Solid:
     """Return a straight bar with rounded ends; `half` is half of its width and thickness, mm."""
     a, b = np.asarray(start, dtype=np.float64), np.asarray(end, dtype=np.float64)
     length = float(np.linalg.norm(b - a))

@@ -28,9 +28,7 @@ class Made:
 
 def made_of(material: str, rng: np.random.Generator) -> Made:
     """Draw how an object of this material is made."""
-    return Made(
-        wall=float(rng.uniform(*_WALL[material])), bevel=float(rng.uniform(*_BEVEL[material]))
-    )
+    return Made(wall=float(rng.uniform(*_WALL[material])), bevel=float(rng.uniform(*_BEVEL[material])))
 
 
 Faces = NDArray[np.int64]
@@ -59,9 +57,7 @@ class Solid:
         corner = self.vertices[self.faces]
         across = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
         meet = same[self.faces].ravel()
-        total = np.stack(
-            [np.bincount(meet, weights=np.repeat(part, 3)) for part in across.T], axis=1
-        )
+        total = np.stack([np.bincount(meet, weights=np.repeat(part, 3)) for part in across.T], axis=1)
         normal = total[same]
         return np.asarray(normal / np.maximum(np.linalg.norm(normal, axis=1), 1e-12)[:, None])
 

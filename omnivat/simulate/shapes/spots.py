@@ -103,9 +103,7 @@ _BULGE = 0.6  # mm: largest bulge of a curved face over its flat triangle
 _CREASE = 0.7  # cosine of the angle between faces that form an edge
 
 
-def contact_height(
-    solid: Solid, spot: Spot, *, field: float, size: int, turn: float = 0.0
-) -> Array:
+def contact_height(solid: Solid, spot: Spot, *, field: float, size: int, turn: float = 0.0) -> Array:
     """Return the height (size, size) in mm of the solid around the touched spot, along its normal.
 
     field  mm across the square map; x grows to the right and y upwards
@@ -192,9 +190,7 @@ def _shares(corner: Array, face: NDArray[np.int64], x: Array, y: Array) -> Array
     return np.stack([1.0 - second - third, second, third])
 
 
-def _curved(
-    corner: Array, normal: Array, face: NDArray[np.int64], share: Array, x: Array, y: Array
-) -> Array:
+def _curved(corner: Array, normal: Array, face: NDArray[np.int64], share: Array, x: Array, y: Array) -> Array:
     """Return heights (N,): the mean of the flat face and the blended planes of its corners.
 
     This is exact for a parabolic surface.

@@ -46,15 +46,10 @@ def spatula(rng: Rng, made: Made) -> Solid:
     strips = slots + 1 if slots else 1
     each = wide / strips - (5 if slots else 0)
     places = (np.arange(strips) - (strips - 1) / 2) * wide / strips
-    blade = [
-        placed(block((long, each, thick), bevel=thick * 0.4, name="blade"), at=(long / 2, y, 3))
-        for y in places
-    ]
+    blade = [placed(block((long, each, thick), bevel=thick * 0.4, name="blade"), at=(long / 2, y, 3)) for y in places]
     ends = [placed(block((12, wide - 5 * bool(slots), thick), bevel=thick * 0.4, name="end"),
                    at=(x, 0, 3)) for x in (5, long - 5)] if slots else []  # fmt: skip
-    return grounded(
-        sawn(joined("spatula", *blade, *ends, handle(rng, made, rng.uniform(140, 210))))
-    )
+    return grounded(sawn(joined("spatula", *blade, *ends, handle(rng, made, rng.uniform(140, 210)))))
 
 
 def comb(rng: Rng, made: Made) -> Solid:
@@ -82,8 +77,6 @@ def wrench(rng: Rng, made: Made) -> Solid:
         (jaw * 0.55, 0.0, 0.0), (jaw, 0.0, 1.2), (jaw, thick, 1.2), (jaw * 0.55, thick, 1.2),
         (jaw * 0.55, 0.0, 0.0),
     ], name="ring")  # fmt: skip
-    heel = placed(
-        block((jaw * 0.9, jaw * 2.0, thick), bevel=made.bevel, name="heel"), at=(long / 2, 0, 0)
-    )
+    heel = placed(block((jaw * 0.9, jaw * 2.0, thick), bevel=made.bevel, name="heel"), at=(long / 2, 0, 0))
     eye = placed(ring, at=(-long / 2 - jaw * 0.8, 0, -thick / 2))
     return grounded(sawn(joined("wrench", shank, heel, *jaws, eye)))

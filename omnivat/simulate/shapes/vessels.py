@@ -53,9 +53,7 @@ def mug(rng: Rng, made: Made) -> Solid:
     body = turned(wall(foot, waist, rim, height, thick=made.wall), name="mug")
     angle = np.linspace(-0.55 * np.pi, 0.55 * np.pi, 30)
     reach, tall = rng.uniform(20, 30), height * rng.uniform(0.28, 0.36)
-    path = np.stack(
-        [rim - 6 + reach * np.cos(angle), 0 * angle, height * 0.52 + tall * np.sin(angle)], axis=1
-    )
+    path = np.stack([rim - 6 + reach * np.cos(angle), 0 * angle, height * 0.52 + tall * np.sin(angle)], axis=1)
     half = np.repeat([[rng.uniform(4.5, 7), 1.5 + 0.6 * made.wall]], 30, 0)
     return joined("mug", body, swept(path, half, name="handle", power=2.5))
 

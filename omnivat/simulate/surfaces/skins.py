@@ -86,10 +86,7 @@ def steel(rng: np.random.Generator, angle: float) -> Field:
     straight = bool(rng.random() < 0.6)
 
     def relief(x: Array, y: Array) -> Array:
-        if straight:
-            marks = 2.0 * ribs(x, y, angle=angle, pitch=pitch) - 1.0
-        else:
-            marks = arcs(x, y, centre=far, pitch=pitch)
+        marks = 2.0 * ribs(x, y, angle=angle, pitch=pitch) - 1.0 if straight else arcs(x, y, centre=far, pitch=pitch)
         cuts = scratches(x, y, count=count, reach=40.0, width=0.12, seed=seed)
         return np.asarray(depth * marks - 0.05 * cuts)
 

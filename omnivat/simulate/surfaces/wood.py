@@ -41,9 +41,7 @@ class _Grain:
     def rings(self, x: Array, y: Array) -> Array:
         """Return late wood as 1, early wood as 0."""
         _, v = turned(x, y, self.angle)
-        bend = streaks(
-            x, y, angle=self.angle, width=4 * self.pitch, length=60 * self.pitch, seed=self.wave
-        )
+        bend = streaks(x, y, angle=self.angle, width=4 * self.pitch, length=60 * self.pitch, seed=self.wave)
         phase = v / self.pitch + 0.9 * bend
         saw = phase - np.floor(phase)
         return smoothstep(saw, 0.25, 0.9) * (1.0 - smoothstep(saw, 0.93, 1.0))

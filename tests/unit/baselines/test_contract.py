@@ -60,9 +60,7 @@ def clip(clips: Any, tmp_path_factory: pytest.TempPathFactory) -> LiveClip:
     given = ImageInput(side=96, mean=CLIP_MEAN, std=CLIP_STD)
     images = torch.stack([given(painted("seen", row, 0.0)) for row in range(30)])
     prompts = [PROMPT.format(name) for name in CLASSES]
-    texts = clips.tokenizer()(
-        prompts, padding=True, truncation=True, max_length=16, return_tensors="pt"
-    )
+    texts = clips.tokenizer()(prompts, padding=True, truncation=True, max_length=16, return_tensors="pt")
     optimiser = torch.optim.AdamW(model.parameters(), lr=1e-3)
     for _ in range(20):
         logits = model(pixel_values=images, **texts).logits_per_image
@@ -141,12 +139,8 @@ def test_it_overfits_a_small_source(name: str, source: Source, fitted: dict[str,
     assert (answers == source.labels).float().mean() > 0.9
 
 
-@pytest.mark.parametrize(
-    "name", ["spg", *LIVE, "mixup", "sam", "coral", "sitr_supcon", "promptstyler"]
-)
-def test_it_is_deterministic_and_leaves_the_global_stream(
-    name: str, source: Source, fitted: dict[str, Fitted]
-) -> None:
+@pytest.mark.parametrize("name", ["spg", *LIVE, "mixup", "sam", "coral", "sitr_supcon", "promptstyler"])
+def test_it_is_deterministic_and_leaves_the_global_stream(name: str, source: Source, fitted: dict[str, Fitted]) -> None:
     before = torch.random.get_rng_state()
     given = inputs(fitted[name], source)
     again = fit(name, source).predict(*given)["fused"]
@@ -164,11 +158,7 @@ def test_a_source_with_nan_is_refused_before_anything_learns(source: Source) -> 
 @pytest.mark.parametrize("name", METHODS)
 def test_only_methods_of_text_need_text(name: str, source: Source) -> None:
     bare = replace(
-        source.select(torch.arange(0, 30, 2)),
-        lang=None,
-        plain=None,
-        prompts=None,
-        why_no_lang="No LANG bank is used.",
+        source.select(torch.arange(0, 30, 2)), lang=None, plain=None, prompts=None, why_no_lang="No LANG bank is used."
     )
     if name in BY_TEXT:
         with pytest.raises(DataError, match="needs the classes' texts. No LANG bank"):

@@ -40,15 +40,11 @@ def vectors(file, count=24, **columns):
     random = np.random.default_rng(0)
     labels = np.arange(count) % 3
     rows = random.normal(size=(3, 16))[labels] + 0.1 * random.normal(size=(count, 16))
-    np.savez(
-        file, **{"vis": rows, "tac": rows + 1, "material": np.array(list("abc"))[labels]} | columns
-    )
+    np.savez(file, **{"vis": rows, "tac": rows + 1, "material": np.array(list("abc"))[labels]} | columns)
     return file
 
 
-def test_features_of_two_domains_become_a_folder_with_head_profiles_and_figures(
-    make_embeddings, tmp_path, capsys
-):
+def test_features_of_two_domains_become_a_folder_with_head_profiles_and_figures(make_embeddings, tmp_path, capsys):
     save_embeddings(tmp_path / "mine.safetensors", make_embeddings(split=True))
     said = tried(capsys, tmp_path / "mine.safetensors")
     out = tmp_path / "mine-try"
@@ -58,9 +54,7 @@ def test_features_of_two_domains_become_a_folder_with_head_profiles_and_figures(
     home, away = json.loads((out / "figures.json").read_text())
     assert (home["domain"], home["pairs"], home["objects"]) == ("TAG-sim", 40, 20)
     assert (away["domain"], away["profile"]["pictures"]) == ("OF Real-sim", 20)
-    assert {p.channels["vis"].count for p in map(load_profile, (out / "profiles").iterdir())} == {
-        40
-    }
+    assert {p.channels["vis"].count for p in map(load_profile, (out / "profiles").iterdir())} == {40}
     assert "of which nothing was known" in said and "split is not used" in said
     assert all(line in said for line in (out / "summary.txt").read_text().splitlines())
 
@@ -130,13 +124,9 @@ def test_a_class_of_one_object_is_named_and_not_tested(tmp_path, capsys):
     assert (home["pairs"], home["classes"]) == (16, 2)
 
 
-def test_without_classes_there_is_no_head_and_the_page_opens_on_the_features(
-    tmp_path, capsys, monkeypatch
-):
+def test_without_classes_there_is_no_head_and_the_page_opens_on_the_features(tmp_path, capsys, monkeypatch):
     started = []
-    monkeypatch.setattr(
-        try_pairs.subprocess, "Popen", lambda command: started.append(command) or MagicMock()
-    )
+    monkeypatch.setattr(try_pairs.subprocess, "Popen", lambda command: started.append(command) or MagicMock())
     rows = np.random.default_rng(0).normal(size=(6, 16))
     np.savez(tmp_path / "bare.npz", vis=rows, tac=rows + 1)
     assert main(["try", str(tmp_path / "bare.npz")]) == 0
@@ -177,9 +167,7 @@ def test_parquet_and_hdf5_are_tried_like_npz(tmp_path, capsys, ending, write, la
 
 
 def test_pictures_with_names_alone_get_thumbnails(tmp_path, capsys):
-    root = pictures(
-        tmp_path / "p", [f"{k}_{half}.png" for k in range(2) for half in ("vis", "tac")]
-    )
+    root = pictures(tmp_path / "p", [f"{k}_{half}.png" for k in range(2) for half in ("vis", "tac")])
     said = tried(capsys, root)
     assert "no classes" in said and "No thumbnails" not in said
     assert (tmp_path / "p-try" / "set.thumbnails.webp").is_file()
@@ -201,15 +189,10 @@ def test_the_page_opens_on_the_new_head_and_set(tmp_path, monkeypatch):
     assert main(["try", str(vectors(tmp_path / "x.npz")), "--out", str(tmp_path / "out")]) == 0
     (command,) = started
     chosen = parser({}).parse_args(command[3:])
-    assert (chosen.head, chosen.embeddings) == (
-        tmp_path / "out" / "head",
-        tmp_path / "out" / "set.safetensors",
-    )
+    assert (chosen.head, chosen.embeddings) == (tmp_path / "out" / "head", tmp_path / "out" / "set.safetensors")
 
 
-@pytest.mark.parametrize(
-    ("name", "words"), [("none.npz", "no folder or file"), ("x.txt", "ends in '.txt'")]
-)
+@pytest.mark.parametrize(("name", "words"), [("none.npz", "no folder or file"), ("x.txt", "ends in '.txt'")])
 def test_what_cannot_be_read_ends_in_one_sentence(tmp_path, capsys, name, words):
     (tmp_path / "x.txt").write_text("x")
     assert main(["try", str(tmp_path / name), "--no-page"]) == 1

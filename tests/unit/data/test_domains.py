@@ -2,13 +2,7 @@
 
 import pytest
 
-from omnivat.data.domains import (
-    DOMAINS,
-    is_simulated,
-    paper_name,
-    require_domain_names,
-    simulated,
-)
+from omnivat.data.domains import DOMAINS, is_simulated, paper_name, require_domain_names, simulated
 from omnivat.errors import DataError
 
 

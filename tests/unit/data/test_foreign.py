@@ -118,9 +118,7 @@ def test_files_imported_under_one_name_are_of_one_encoder(table: Table, tmp_path
     assert first == second != other
 
 
-def test_the_narrower_vectors_end_in_zeros_and_the_header_says_so(
-    table: Table, tmp_path: Path
-) -> None:
+def test_the_narrower_vectors_end_in_zeros_and_the_header_says_so(table: Table, tmp_path: Path) -> None:
     table["tac"] = table["tac"][:, :3]
     write_npz(table, tmp_path / "a.npz")
     found = import_embeddings(tmp_path / "a.npz", encoder="x")
@@ -157,9 +155,7 @@ Change = Callable[[Table], object]
         (lambda t: t.update(object=np.array([{}] * 6)), "pickled objects"),
     ],
 )
-def test_what_does_not_fit_is_refused_by_name(
-    table: Table, tmp_path: Path, change: Change, match: str
-) -> None:
+def test_what_does_not_fit_is_refused_by_name(table: Table, tmp_path: Path, change: Change, match: str) -> None:
     change(table)
     write_npz(table, tmp_path / "a.npz")
     with pytest.raises(DataError, match=match) as caught:

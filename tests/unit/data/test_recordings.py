@@ -103,9 +103,7 @@ def lerobot(root, version, kind="video", **more):
             ]  # fmt: skip
             name = "file-000" if n is None else f"episode_{n:06d}"
             (root / "data" / "chunk-000").mkdir(parents=True, exist_ok=True)
-            parquet.write_table(
-                pa.Table.from_pylist(stored), root / f"data/chunk-000/{name}.parquet"
-            )
+            parquet.write_table(pa.Table.from_pylist(stored), root / f"data/chunk-000/{name}.parquet")
     return root
 
 
@@ -153,12 +151,7 @@ def test_a_table_of_videos_gives_labels_parts_and_a_delay(tmp_path):
     assert is_recording(tmp_path / "mine.csv")
     assert write_pairs(clips_of(tmp_path / "mine.csv"), tmp_path / "out", frames=1) == (2, [])
     first, second = read_pairs(tmp_path / "out").pairs
-    assert (first.material, first.object, first.split, second.split) == (
-        "wood",
-        "oak",
-        "train",
-        "test",
-    )
+    assert (first.material, first.object, first.split, second.split) == ("wood", "oak", "train", "test")
     assert seen(first.vis) == pytest.approx(115, abs=1.5)
     assert seen(first.tac) == pytest.approx(60, abs=1.5)  # half a second later
     assert seen(second.tac) == pytest.approx(65, abs=1.5)
@@ -172,9 +165,7 @@ def test_one_modality_and_labels_of_episodes_are_enough_for_the_command(tmp_path
     assert main([*line, "--labels", str(tmp_path / "labels.csv")]) == 0
     assert "4 pairs of 2 recordings" in capsys.readouterr().out
     assert read_pairs(tmp_path / "out").domains() == ("A", "B")
-    (tmp_path / "videos.csv").write_text(
-        f"tac,material\n{root}/videos/{TAC}/chunk-000/file-000.mp4,felt\n"
-    )
+    (tmp_path / "videos.csv").write_text(f"tac,material\n{root}/videos/{TAC}/chunk-000/file-000.mp4,felt\n")
     assert main(["import", str(tmp_path / "videos.csv"), "--out", str(tmp_path / "alone")]) == 0
     assert len(read_pairs(tmp_path / "alone", reader="loose").pairs) == 5
 
@@ -239,9 +230,7 @@ def test_an_odd_description_is_refused_in_a_sentence(tmp_path, change, words):
 )  # fmt: skip
 def test_a_task_is_a_text_or_the_first_of_a_list(tmp_path, tasks, material):
     root = lerobot(tmp_path / "press", "v2.1", "image")
-    rows = [
-        {"episode_index": n, "length": LENGTH, "tasks": t} for n, t in enumerate((tasks, ["b"]))
-    ]
+    rows = [{"episode_index": n, "length": LENGTH, "tasks": t} for n, t in enumerate((tasks, ["b"]))]
     (root / "meta" / "episodes.jsonl").write_text("\n".join(map(json.dumps, rows)))
     assert clips_of(root)[0].material == material
     (root / "meta" / "episodes.jsonl").write_text("\n".join([json.dumps(rows[0])] * 2))

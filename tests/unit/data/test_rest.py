@@ -33,9 +33,7 @@ def a_set(root: Path) -> None:
             grey(hash(name) % 256).save(file)
 
 
-def test_the_nearest_rest_picture_above_an_image_is_its_own_and_none_is_a_pair(
-    tmp_path: Path,
-) -> None:
+def test_the_nearest_rest_picture_above_an_image_is_its_own_and_none_is_a_pair(tmp_path: Path) -> None:
     a_set(tmp_path)
     places = [tmp_path / name / "rest.png" for name in ("TAG", "TQ-DIGIT", "TQ-DIGIT/wood/unit 2")]
     for place in places:

@@ -29,9 +29,7 @@ def sound(file, values, width=2, channels=1):
         whole = np.repeat((values * (2 ** (8 * width - 1) - 1)).astype(np.int64), channels)
         whole[1::channels] = 0 if channels > 1 else whole[1::channels]
         whole = whole + (128 if width == 1 else 0)
-        made.writeframes(
-            b"".join(int(v).to_bytes(width, "little", signed=width > 1) for v in whole)
-        )
+        made.writeframes(b"".join(int(v).to_bytes(width, "little", signed=width > 1) for v in whole))
 
 
 def test_rows_of_a_biotac_record_are_laid_end_to_end(tmp_path):
@@ -79,9 +77,7 @@ def test_windows_are_centred_scaled_and_split_by_recording(tmp_path):
     made, skipped = signal_embeddings(tmp_path, most=4)
     assert made.header.encoder == "strip" and made.vis.shape == (40, 64) and not skipped
     np.testing.assert_allclose(np.abs(made.tac).max(1), 1.0)
-    whole = next(
-        one for one in read_signals(tmp_path).recordings if one.name == made.rows["object"][1]
-    )
+    whole = next(one for one in read_signals(tmp_path).recordings if one.name == made.rows["object"][1])
     start = int(made.rows["tac"][1].split("#")[1])
     cut = whole.signal[start : start + 64]
     cut = cut - cut.mean()

@@ -102,9 +102,7 @@ def test_no_pairs_are_refused(tmp_path: Path) -> None:
         embed(PairSet(pairs=(), origin="here"), tmp_path / "set.safetensors")
 
 
-def test_a_photo_shared_by_many_touches_is_encoded_once(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_photo_shared_by_many_touches_is_encoded_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pairs = make_pairs(tmp_path, 6)
     for pair in pairs.pairs:
         pair.vis.write_bytes(png(0))
@@ -175,11 +173,7 @@ def test_settings_are_checked_before_any_work(
     ],
 )
 def test_a_device_that_is_not_there_is_refused(
-    device: str,
-    sentence: str,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    device: str, sentence: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(torch.cuda, "is_available", lambda: False)
     make_pairs(tmp_path / "pairs", 2)

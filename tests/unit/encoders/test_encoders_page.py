@@ -63,12 +63,9 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.mark.parametrize(
-    ("name", "function", "channels"),
-    [("my_touch", "load", 3), ("my_background", "load", 6), ("my_sensor", "digit", 3)],
+    ("name", "function", "channels"), [("my_touch", "load", 3), ("my_background", "load", 6), ("my_sensor", "digit", 3)]
 )
-def test_each_wrapper_of_the_page_is_an_encoder(
-    folder: Path, name: str, function: str, channels: int
-) -> None:
+def test_each_wrapper_of_the_page_is_an_encoder(folder: Path, name: str, function: str, channels: int) -> None:
     encoder = load_encoder(f"{name}.py:{function}", weights=folder / f"{name}.pt")
     pixels = encoder.preprocess(Image.new("RGB", (50, 60), "grey"))
     assert encoder.width == 6 and pixels.shape == (channels, 224, 224)

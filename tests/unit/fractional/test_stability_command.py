@@ -29,8 +29,6 @@ def test_it_exits_with_one_and_names_the_cell_when_a_target_is_missed(
     assert "missed: Cell(check='p between', size=12, dtype='float64'" in capsys.readouterr().err
 
 
-def test_an_error_that_is_no_number_misses_its_target(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_error_that_is_no_number_misses_its_target(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(stability, "relative", lambda found, exact: torch.nan)
     assert stability.main(["--quick", "--out", str(tmp_path)]) == 1

@@ -24,9 +24,7 @@ def test_centred_domains_share_one_mean_and_keep_their_shape(seed):
     for name in domain.unique():
         own = domain == name
         torch.testing.assert_close(moved[own].mean(0), rows.mean(0))
-        torch.testing.assert_close(
-            torch.cdist(moved[own], moved[own]), torch.cdist(rows[own], rows[own])
-        )
+        torch.testing.assert_close(torch.cdist(moved[own], moved[own]), torch.cdist(rows[own], rows[own]))
 
 
 def test_rows_of_one_domain_stay():

@@ -71,9 +71,7 @@ def test_in_single_precision_they_differ_by_less_than_1e_6(make_head, make_pairs
 
 
 @pytest.mark.parametrize("dtype", [torch.float32, torch.float64])
-def test_a_pair_alone_in_a_batch_and_across_chunks_is_predicted_alike(
-    make_head, make_pairs, monkeypatch, dtype
-):
+def test_a_pair_alone_in_a_batch_and_across_chunks_is_predicted_alike(make_head, make_pairs, monkeypatch, dtype):
     monkeypatch.setattr("omnivat.model.head.CHUNK", 16)
     model = make_head(dtype=dtype, width=128, input_width=96, theta="signed")
     vis, tac = make_pairs(37, 96, dtype)
@@ -176,8 +174,6 @@ def test_attention_weights_are_shown_and_agree_with_the_fast_prediction(make_hea
     with torch.no_grad():
         shown, fast = model(*given, attention=True), model(*given)
     assert shown.attention["vis"].shape == (4, 8, 8)
-    torch.testing.assert_close(
-        shown.attention["tac"].sum(-1), torch.ones(4, 8, dtype=torch.float64)
-    )
+    torch.testing.assert_close(shown.attention["tac"].sum(-1), torch.ones(4, 8, dtype=torch.float64))
     assert not fast.attention
     assert largest_difference(by_reference(model, *given), shown) <= 1e-12

@@ -141,9 +141,7 @@ def test_unit_rows_agree_with_finite_differences_and_zero_stays_zero():
 
 
 @pytest.mark.parametrize("kind", ["tokens", "real", "magnitude", "hermitian"])
-def test_the_mean_tokens_of_a_prediction_have_a_real_and_an_imaginary_part(
-    make_head, make_pairs, kind
-):
+def test_the_mean_tokens_of_a_prediction_have_a_real_and_an_imaginary_part(make_head, make_pairs, kind):
     model = make_head(complex_to_real=kind, theta="signed")
     vis, tac = make_pairs(3)
     with torch.no_grad():

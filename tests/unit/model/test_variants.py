@@ -162,8 +162,7 @@ def test_hermitian_attention_is_that_of_complex_numbers():
         return whole @ module.weight.T.to(whole.dtype) + module.bias
 
     asked, keys, values = (
-        layer(module, parts)
-        for module, parts in ((fratt.query, queries), (fratt.key, tokens), (fratt.value, tokens))
+        layer(module, parts) for module, parts in ((fratt.query, queries), (fratt.key, tokens), (fratt.value, tokens))
     )
     weights = torch.softmax((asked @ keys.mH).real / 6**0.5, dim=-1)
     mixed = (weights.to(values.dtype) @ values).mean(1)
@@ -173,9 +172,7 @@ def test_hermitian_attention_is_that_of_complex_numbers():
 
 
 @pytest.mark.parametrize("kind", ["tokens", "hermitian", "magnitude", "real"])
-def test_answers_move_continuously_with_the_order_whatever_becomes_real(
-    make_head, make_pairs, kind
-):
+def test_answers_move_continuously_with_the_order_whatever_becomes_real(make_head, make_pairs, kind):
     model, given = make_head(theta="normal", complex_to_real=kind), make_pairs(6)
     with torch.no_grad():
         for order in (0.0, 0.5, 1.0):

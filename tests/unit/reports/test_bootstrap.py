@@ -2,14 +2,7 @@
 
 import pytest
 
-from omnivat.reports.bootstrap import (
-    _objects,
-    complete_rows,
-    draws_for,
-    percentile,
-    resampled,
-    simultaneous,
-)
+from omnivat.reports.bootstrap import _objects, complete_rows, draws_for, percentile, resampled, simultaneous
 from omnivat.reports.protocol_report import protocol_report
 
 from .made_records import grid

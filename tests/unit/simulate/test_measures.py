@@ -35,14 +35,10 @@ def made(*, ceramic_in_b: bool = True) -> Features:
     ]  # fmt: skip
     swapped = {"wood": 1, "steel": 0, "ceramic": 2}
     place = [MATERIALS.index(row["material"]) for row in rows]
-    felt = [
-        i if r["domain"] == "A" else swapped[r["material"]]
-        for i, r in zip(place, rows, strict=True)
-    ]
+    felt = [i if r["domain"] == "A" else swapped[r["material"]] for i, r in zip(place, rows, strict=True)]
     seen = [MATERIALS.index(row["looks_like"] or row["material"]) for row in rows]
     vis, tac = (
-        (np.eye(5)[index] * 9 + random.normal(size=(len(rows), 5)) * 0.1).astype(np.float32)
-        for index in (seen, felt)
+        (np.eye(5)[index] * 9 + random.normal(size=(len(rows), 5)) * 0.1).astype(np.float32) for index in (seen, felt)
     )
     return Features(vis=vis, tac=tac, rows=rows)
 
@@ -83,9 +79,7 @@ def test_no_training_pair_is_tested_in_its_own_domain() -> None:
 def test_touch_tells_what_looks_alike_and_every_fusion_uses_it() -> None:
     features = made()
     found, alike = judged(features), features.column("looks_like") != ""
-    shares = {
-        name: by_source(matrix(found, features, name, alike), within=True) for name in READINGS
-    }
+    shares = {name: by_source(matrix(found, features, name, alike), within=True) for name in READINGS}
 
     assert shares["VIS"].max() == 0.0
     assert shares["TAC"].min() == 1.0

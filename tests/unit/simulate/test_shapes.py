@@ -32,9 +32,7 @@ def test_a_solid_is_closed(kind: str) -> None:
 
 def test_a_hole_in_a_solid_would_be_seen() -> None:
     solid = made("tile")
-    opened = type(solid)(
-        vertices=solid.vertices, faces=solid.faces[:200], uv=solid.uv, name=solid.name
-    )
+    opened = type(solid)(vertices=solid.vertices, faces=solid.faces[:200], uv=solid.uv, name=solid.name)
     assert borders(opened)
 
 
