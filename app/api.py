@@ -104,24 +104,22 @@ def gaps(resources: Resources, given: Arguments, job: Job[Any]) -> dict[str, Any
 
 def report(resources: Resources, _: Arguments, job: Job[Any]) -> dict[str, Any]:
     """Return the numbers of `omnivat report`; they are computed once for a set."""
-    if (kept := resources.results.get("report")) is None:
-        from omnivat.shift.reading import features_of
-        from omnivat.shift.report import numbers
-        from omnivat.shift.words import methods, notes
+    from omnivat.shift.reading import features_of
+    from omnivat.shift.report import numbers
+    from omnivat.shift.words import methods, notes
 
+    def made() -> dict[str, Any]:
         found = features_of(resources.embeddings())
-        kept = resources.results.keep(
-            "report",
-            {
-                "pairs": len(found.embeddings),
-                "domains": found.domains,
-                "simulated": found.embeddings.header.simulated,
-                "numbers": numbers(found, job.report),
-                "notes": notes(found),
-                "methods": methods(found, 0),
-            },
-        )
-    return kept
+        return {
+            "pairs": len(found.embeddings),
+            "domains": found.domains,
+            "simulated": found.embeddings.header.simulated,
+            "numbers": numbers(found, job.report),
+            "notes": notes(found),
+            "methods": methods(found, 0),
+        }
+
+    return resources.results.once("report", made)
 
 
 WORK: dict[str, Work] = {"about": about, "predict": predict, "gaps": gaps, "report": report}

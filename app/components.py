@@ -1,8 +1,22 @@
-"""The page's components: plain HTML and an ES module each, no build step."""
+"""The page's components, plain HTML and an ES module each, and its look: system fonts and our style sheets."""
 
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 WEB = Path(__file__).parent / "web"
+FONTS = ("system-ui", "-apple-system", "Segoe UI", "Roboto", "DejaVu Sans", "sans-serif")
+MONO = ("ui-monospace", "Menlo", "Consolas", "DejaVu Sans Mono", "monospace")
+STYLES = (
+    "shared/page",
+    "shared/tabs",
+    "explore/explore",
+    "pair/pair",
+    "train/train",
+    "tree/tree",
+    "shared/narrow",
+)  # in this order: later ones override
+EARLY = ("cloud", "store", "frames", "measures", "api")  # scripts that the first tab needs
 
 
 def component(name: str) -> None:
@@ -18,4 +32,28 @@ def component(name: str) -> None:
         ),
         apply_default_css=False,
         elem_id=f"omnivat-{name}",
+    )
+
+
+def head(views: Sequence[str], web: str = "omnivat/web") -> str:
+    """Return the HTML head: styles, early scripts, and the names of the tabs.
+
+    web  where the scripts and styles are, relative to the page
+    """
+    early = ("explore/explore.js", *(f"shared/{part}.js" for part in EARLY))
+    return "\n".join(
+        [
+            *(f'<link rel="stylesheet" href="{web}/{name}.css">' for name in STYLES),
+            *(f'<link rel="modulepreload" href="{web}/{name}">' for name in early),
+            f'<meta name="omnivat-views" content="{" ".join(views)}">',
+        ]
+    )
+
+
+def theme() -> Any:
+    """Return the theme. It uses system fonts only."""
+    import gradio as gr
+
+    return gr.themes.Base(
+        primary_hue=gr.themes.colors.blue, neutral_hue=gr.themes.colors.slate, font=list(FONTS), font_mono=list(MONO)
     )

@@ -9,12 +9,11 @@ from pathlib import Path
 from posixpath import normpath
 from typing import Any
 
-from app.components import WEB
+from app.components import STYLES, WEB
 from app.modes import fitting_files, modes
 from app.places import Places, places
 from app.resources import Resources
 from app.routes import sheet
-from app.theme import STYLES
 from app.views import data, explore
 from omnivat.errors import DataError
 from omnivat.files import write_text

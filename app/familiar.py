@@ -139,11 +139,11 @@ def _nearest(
 
     if not len(index):
         raise DataError("The set has no pairs to compare with.")
-    key = f"training {name}"
-    rows = resources.features.get(key)
-    if rows is None:
-        vectors = torch.from_numpy(copied(getattr(resources.embeddings(), name)[index]))
-        rows = resources.features.keep(key, unit(vectors).numpy())
+
+    def training() -> "Index":
+        return unit(torch.from_numpy(copied(getattr(resources.embeddings(), name)[index]))).numpy()
+
+    rows = resources.features.once(f"training {name}", training)
     query = unit(raw.float())
     found = nearest(torch.from_numpy(rows), min(NEAREST + 1, len(rows)), queries=query)
     near = [

@@ -1,11 +1,13 @@
 """Locations of the files that the page shows: the project's own, given ones, or a visitor's."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from app.limits import DRAWN_PAIRS
 from omnivat.heads import EXAMPLES, default_embeddings, default_head, shipped_sets
+
+ENDINGS = (".png", ".webp", ".jpg", ".jpeg")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -23,27 +25,38 @@ class Places:
     drawn: int = DRAWN_PAIRS  # of a larger set so many pairs are drawn at random
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Example:
+    """One example: a pair of image files."""
+
+    domain: str
+    material: str
+    vis: Path
+    tac: Path
+
+    def file(self, modality: str) -> Path:
+        """Return the file of "vis" or "tac"."""
+        return self.vis if modality == "vis" else self.tac
+
+
 def places(head: Path | None = None, embeddings: Path | None = None, compare: Sequence[Path] = ()) -> Places:
     """Return the locations of the project's own files or of given ones."""
-    own = head is None and embeddings is None
-    frames = EXAMPLES / "frames.bin"
-    sheet = (embeddings or default_embeddings()).with_suffix(".thumbnails.webp")
-    return Places(
-        head=head or default_head(),
-        embeddings=embeddings or default_embeddings(),
-        frames=frames if own and frames.is_file() else None,
-        sprite=sheet if sheet.is_file() else None,
-        pairs=EXAMPLES / "pairs" if embeddings is None else None,
-        compare=tuple(compare),
-    )
+    found = _places(EXAMPLES, head or default_head(), embeddings or default_embeddings())
+    if head or embeddings:
+        found = replace(found, frames=None, pairs=None if embeddings else found.pairs)
+    return replace(found, compare=tuple(compare))
 
 
 def shipped_places(name: str) -> Places:
     """Return the locations of a set of the project; `omnivat.heads.shipped_sets` lists them."""
     folder, embeddings = shipped_sets()[name]
+    return _places(folder, folder / "head", embeddings)
+
+
+def _places(folder: Path, head: Path, embeddings: Path) -> Places:
     frames, sheet = folder / "frames.bin", embeddings.with_suffix(".thumbnails.webp")
     return Places(
-        head=folder / "head",
+        head=head,
         embeddings=embeddings,
         frames=frames if frames.is_file() else None,
         sprite=sheet if sheet.is_file() else None,
@@ -60,3 +73,20 @@ def head_names(where: Places) -> dict[str, Path]:
             name += "'"
         names[name] = folder
     return names
+
+
+def find_examples(folder: Path) -> dict[str, Example]:
+    """Return the complete pairs `<domain>/<class>/<stem>_{vis,tac}.*` under `folder` by their unique names.
+
+    A missing folder has none.
+    """
+    found = {}
+    for vis in sorted(folder.glob("*/*/*_vis.*")):
+        stem = vis.stem.removesuffix("_vis")
+        tacs = [p for p in vis.parent.glob(f"{stem}_tac.*") if p.suffix.lower() in ENDINGS]
+        if tacs and vis.suffix.lower() in ENDINGS:
+            material, domain = vis.parent, vis.parent.parent
+            found[f"{domain.name}/{material.name}/{stem}"] = Example(
+                domain=domain.name, material=material.name, vis=vis, tac=tacs[0]
+            )
+    return found

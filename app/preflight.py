@@ -1,48 +1,93 @@
-"""Checks before the server starts, so that a wrong argument gives one sentence."""
+"""The arguments of `python app.py`, and their check before the server starts: one sentence for a wrong one.
+
+A hosting service sets address, host names and framing by the environment.
+"""
 
 import argparse
 import errno
+import os
 import socket
-from collections.abc import Sequence
+from collections.abc import Mapping
 from pathlib import Path
 
+from app.limits import DRAWN_PAIRS
 from omnivat.errors import DataError, SettingsError
 
 PORTS = range(7860, 7960)  # tried in turn by default
 MOST_PAIRS = 50_000  # 100,000 points: what the map draws smoothly
+NAME, PORT = "GRADIO_SERVER_NAME", "GRADIO_SERVER_PORT"  # variables of the environment
+CALLED = ("SPACE_HOST", "OMNIVAT_ALLOW_HOST")  # allowed host names, comma-separated
+FRAMED = "SPACE_ID"  # set by a service that frames the page
+
+
+def parser(environ: Mapping[str, str] = os.environ) -> argparse.ArgumentParser:
+    """Return the command line of `python app.py`; a hosting service sets defaults by `environ`."""
+    parser = argparse.ArgumentParser(prog="app.py", description="Open the OmniVaT page.")
+    add = parser.add_argument
+    add("--head", type=Path, help="folder of a trained head")
+    add("--embeddings", type=Path, help="embeddings file to show")
+    add("--profile", type=Path, metavar="FILE", help="profile of your sensor (`omnivat profile`)")
+    text = f"draw N pairs of a set that has more; {DRAWN_PAIRS:,} if left out"
+    add("--sample", type=pair_count, default=DRAWN_PAIRS, metavar="N", help=text)
+    text = "a head to compare with the first; can be given several times"
+    add("--compare", type=Path, action="append", default=[], metavar="DIR", help=text)
+    text = f"address to listen on; ${NAME}, or this machine alone"
+    add("--host", default=environ.get(NAME) or "127.0.0.1", help=text)
+    text = f"port; ${PORT}, or the first free one from {PORTS[0]}"
+    add("--port", type=port_number, default=environ.get(PORT) or None, help=text)
+    listed = ",".join(environ.get(key, "") for key in CALLED)
+    names = [name.strip() for name in listed.split(",") if name.strip()]
+    text = "an additional allowed host name; can be given several times"
+    add("--allow-host", action="append", default=names, metavar="NAME", help=text)
+    text = "let other pages show this one in a frame, for notebooks and hosted demos"
+    add("--allow-framing", action="store_true", default=FRAMED in environ, help=text)
+    add("--api", action="store_true", help="open the API for programs, over HTTP and MCP (docs/api.md)")
+    add("--no-browser", action="store_true", default=is_hosted(environ), help="do not open a browser")
+    add("--desktop", action="store_true", help="open a separate window (needs pywebview)")
+    return parser
+
+
+def is_hosted(environ: Mapping[str, str]) -> bool:
+    """True if a hosting service starts the page."""
+    return bool(environ.get(NAME) or environ.get(FRAMED))
+
+
+def keeps_nothing(environ: Mapping[str, str]) -> bool:
+    """True if maps go to the temporary folder: a service's disk may be read-only."""
+    return is_hosted(environ) and not environ.get("OMNIVAT_CACHE")
 
 
 def port_number(text: str) -> int:
     """Return a port from the command line; raises ArgumentTypeError for anything else."""
-    if not text.isascii() or not text.isdigit() or not 1 <= int(text[:6]) <= 65535:
-        raise argparse.ArgumentTypeError(f"'{text:.20}' is not a port; give a number from 1 to 65535")
-    return int(text)
+    return _whole(text, 65535, "'{:.20}' is not a port; give a number from 1 to {}")
 
 
 def pair_count(text: str) -> int:
     """Return a number of pairs from the command line; raises ArgumentTypeError for anything else."""
-    if not text.isascii() or not text.isdigit() or not 1 <= int(text[:9]) <= MOST_PAIRS:
-        raise argparse.ArgumentTypeError(f"'{text:.20}' is not a number of pairs; give one from 1 to {MOST_PAIRS:,}")
+    return _whole(text, MOST_PAIRS, "'{:.20}' is not a number of pairs; give one from 1 to {:,}")
+
+
+def _whole(text: str, most: int, wrong: str) -> int:
+    if not (text.isascii() and text.isdigit() and len(text) < 10 and 1 <= int(text) <= most):
+        raise argparse.ArgumentTypeError(wrong.format(text, most))
     return int(text)
 
 
-def require_files(
-    head: Path | None, embeddings: Path | None, compare: Sequence[Path], profile: Path | None = None
-) -> None:
+def require_files(chosen: argparse.Namespace) -> None:
     """Raise DataError for a named head or set that does not exist, or a profile that does not load."""
-    if profile is not None:
+    if chosen.profile is not None:
         from omnivat.data.profile_file import load_profile
 
-        load_profile(profile)
-    for folder in filter(None, (head, *compare)):
+        load_profile(chosen.profile)
+    for folder in filter(None, (chosen.head, *chosen.compare)):
         if not (folder / "settings.json").is_file():
             raise DataError(
                 f"No head at '{folder}'. Train one with `python -m omnivat train --out {folder}`, or "
                 "name the folder of another."
             )
-    if embeddings is not None and not embeddings.is_file():
+    if chosen.embeddings is not None and not chosen.embeddings.is_file():
         raise DataError(
-            f"No embeddings file at '{embeddings}'. Make one with `python -m omnivat embed`, or name another."
+            f"No embeddings file at '{chosen.embeddings}'. Make one with `python -m omnivat embed`, or name another."
         )
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from starlette.requests import Request
 
-from app.limits import BODY_S, IDLE_S
+from app.limits import BODY_S, IDLE_S, MAX_QUESTION_BYTES
 from omnivat.errors import DataError
 
 if TYPE_CHECKING:
@@ -85,19 +85,14 @@ async def blocks(request: Request, limit: int, what: str) -> AsyncIterator[bytes
         yield block
 
 
-async def body(request: Request, limit: int, what: str) -> bytes:
-    """Return the request's bytes, at most `limit`; raises the errors of `blocks`."""
-    content = bytearray()
-    async for block in blocks(request, limit, what):
-        content += block
-    return bytes(content)
+async def question_of(request: Request) -> Mapping[str, Any]:
+    """Return the JSON object of a request; raises the errors of `blocks` and `question_from`."""
+    content = [block async for block in blocks(request, MAX_QUESTION_BYTES, "The question")]
+    return question_from(b"".join(content))
 
 
 def question_from(content: bytes) -> Mapping[str, Any]:
-    """Return the JSON object in `content`.
-
-    Raises DataError if it is anything else.
-    """
+    """Return the JSON object in `content`. Raises DataError if it is anything else."""
     try:
         question = json.loads(content)
     except (ValueError, RecursionError) as error:

@@ -7,15 +7,16 @@ import logging
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
+from threading import Lock
 from typing import TYPE_CHECKING, Any
 
-from app.examples import Example, example_named, find_examples
+from app.decoder import Decoder
 from app.frames_job import FramesJob, Source
-from app.lazy import Lazy
+from app.jobs import Jobs
 from app.limits import MAPPED_BYTES
-from app.places import Places, head_names
-from app.shared import Shared
-from app.state import ForgottenError, Recent, Ref, content_name
+from app.places import Example, Places, find_examples, head_names
+from app.scratch import Scratch
+from app.state import ForgottenError, Lazy, Recent, Ref, content_name
 from omnivat.errors import DataError
 
 if TYPE_CHECKING:
@@ -34,6 +35,32 @@ KEPT_PROFILES = 200  # 20 kB each
 KEPT_FEATURES = 6  # the whole set at one stage and order; some MB each
 
 
+class Shared:
+    """Shared by all heads and sets of a server: jobs, decoder, encoders. Making it loads nothing heavy."""
+
+    def __init__(self) -> None:
+        self.jobs, self.decoder, self.scratch = Jobs(), Decoder(), Scratch()
+        self._encoders: dict[str, Lazy[Encoder]] = {}
+        self._lock = Lock()
+
+    def encoder(self, name: str, weights_hash: str = "") -> "Encoder":
+        """Return the encoder with that name and weights, loaded once for all.
+
+        Its weights are read from their last known location; nothing is downloaded.
+        """
+        from omnivat.encoders.base import load_encoder
+
+        load = partial(load_encoder, name, weights_hash=weights_hash, download="no")
+        with self._lock:
+            lazy = self._encoders.setdefault(f"{name} {weights_hash}", Lazy(load))
+        return lazy()
+
+    def close(self) -> None:
+        """Stop all jobs and processes."""
+        self.jobs.close()
+        self.decoder.close()
+
+
 class Resources:
     """The loaded parts, shared by all visitors; it holds no data of single visitors."""
 
@@ -50,7 +77,7 @@ class Resources:
         self.embeddings: Lazy[Embeddings] = Lazy(partial(_load_embeddings, where))
         self.drawn: Lazy[bool] = Lazy(lambda: _pairs_in(where.embeddings) > where.drawn)
         self.encoder: Lazy[Encoder] = Lazy(self._load_encoder)
-        self.examples: Lazy[dict[str, Example]] = Lazy(self._find_examples)
+        self.examples: Lazy[dict[str, Example]] = Lazy(lambda: find_examples(where.pairs) if where.pairs else {})
         self.frame_jobs = {
             name: FramesJob(
                 Source(
@@ -116,11 +143,13 @@ class Resources:
         if ref.kind == "row":
             return self._from_set(self._row(ref.name), modality)
         if ref.kind == "example":
-            example = example_named(self.examples(), ref.name)
+            file = self.example(ref.name).file(modality)
             row = self._row_of().get(f"{ref.name}/{modality}")
             if row is not None:
                 return self._from_set(row, modality)
-            return _of(self._encoded(example.file(modality), example.name), modality)
+            key = content_name(file.read_bytes())
+            found = self._shown.once(key, lambda: self._embedded(self.picture(file, ref.name)))
+            return _of(found, modality)
         kept = self._sent.get(ref.name)
         if kept is None:
             raise ForgottenError("The server no longer has this image; send it again.")
@@ -140,20 +169,10 @@ class Resources:
         """
         key = content_name(source if isinstance(source, bytes) else source.read_bytes())
         found = self.picture(source, name, check)
-        self._embedded(key, found, self._sent)
+        self._sent.once(key, lambda: self._embedded(found))
         return Ref("image", key), found
 
-    def _encoded(self, source: Path, name: str) -> "np.ndarray[Any, Any]":
-        key = content_name(source.read_bytes())
-        kept = self._shown.get(key)
-        if kept is None:
-            kept = self._embedded(key, self.picture(source, name), self._shown)
-        return kept
-
-    def _embedded(self, key: str, found: "Picture", into: "Recent[np.ndarray[Any, Any]]") -> "np.ndarray[Any, Any]":
-        kept = into.get(key)
-        if kept is not None:
-            return kept
+    def _embedded(self, found: "Picture") -> "np.ndarray[Any, Any]":
         import numpy as np
 
         from omnivat.encoders.base import for_modality
@@ -161,7 +180,7 @@ class Resources:
         # One vector, or VIS and TAC if each modality has its own encoder.
         encoders = dict.fromkeys(for_modality(self.encoder(), name) for name in ("vis", "tac"))
         rows = [one.embed(one.preprocess(found.image)[None])[0].numpy() for one in encoders]
-        return into.keep(key, rows[0] if len(rows) == 1 else np.stack(rows))
+        return rows[0] if len(rows) == 1 else np.stack(rows)
 
     def _from_set(self, row: int, modality: str) -> "np.ndarray[Any, Any]":
         import numpy as np
@@ -177,6 +196,12 @@ class Resources:
         if not name.isascii() or not name.isdigit() or int(name) >= count:
             raise DataError(f"No pair has the number '{name:.20}'; there are 0 to {count - 1}.")
         return int(name)
+
+    def example(self, name: str) -> Example:
+        """Return the example called `name`. Raises DataError if there is none."""
+        if name not in self.examples():
+            raise DataError(f"No example is called '{name:.80}'; pick one of the gallery.")
+        return self.examples()[name]
 
     def example_rows(self) -> dict[str, int]:
         """Return example -> row of the set, for the examples that are in it; nothing is encoded."""
@@ -198,9 +223,6 @@ class Resources:
                 found["/".join([*parts[:-1], stem, modality])] = row
         return found
 
-    def _find_examples(self) -> dict[str, Example]:
-        return find_examples(self.where.pairs) if self.where.pairs else {}
-
     def _load_encoder(self) -> "Encoder":
         wanted = self.head().encoder
         encoder = self.shared.encoder(wanted["name"], wanted["weights_hash"])
@@ -211,7 +233,7 @@ class Resources:
 
 
 def require_name(name: Any, known: Mapping[str, Any]) -> None:
-    """Raise an error for a head that is not loaded; None and "" are the first one."""
+    """Raise DataError for a head that is not loaded; None and "" are the first one."""
     if name is not None and (not isinstance(name, str) or name not in known):
         others = ", ".join(f"'{other}'" for other in known if other) or "none beside the first"
         raise DataError(f"No head is called {name!r:.40}; there are {others}.")

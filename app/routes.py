@@ -17,18 +17,16 @@ from starlette.routing import Route
 from app import sensor, teaching
 from app.api import api_routes
 from app.components import WEB
-from app.examples import example_named, listed
 from app.familiar import familiar, first
-from app.limits import MAX_QUESTION_BYTES
 from app.mcp import mcp
 from app.measuring import measured
 from app.messages import Handler, in_sentences, refusal
 from app.modes import mode_files, modes
 from app.request_work import done
-from app.requests import body, desk_name, question_from
+from app.requests import desk_name, question_of
 from app.resources import Resources, require_name
 from app.saving import save_figure
-from app.training_routes import training_routes
+from app.training import Trainings
 from app.uploads import upload_routes
 from app.views import compare, data, explore, pair, tree
 from app.visitor_sets import VisitorSets
@@ -68,7 +66,7 @@ FACTS: dict[str, Callable[[Resources], Any]] = {
     "unseen": explore.unseen,
     "centred/pca": partial(explore.centred, method="pca"),
     "centred/umap": partial(explore.centred, method="umap"),
-    "examples": lambda resources: listed(resources.examples()),
+    "examples": pair.gallery,
 }
 TYPES = {".js": "text/javascript", ".css": "text/css"}
 HOLDS = "X-Holds"  # a page that was opened on another head or set shows a notice
@@ -81,6 +79,7 @@ def routes(first: Resources, *, api: bool = False) -> list[Route]:
     api  True opens the API for programs (app/api.py)
     """
     sets = VisitorSets(first)
+    trainings = Trainings(sets)
     gets: dict[str, Handler] = {
         "/omnivat/web/{name:path}": web_file,
         "/omnivat/frames": partial(frames, sets),
@@ -88,12 +87,15 @@ def routes(first: Resources, *, api: bool = False) -> list[Route]:
         "/omnivat/example/{name:path}": partial(example_image, sets),
         **{f"/omnivat/{name}": partial(facts, sets, found) for name, found in FACTS.items()},
     }
+    questions = {**QUESTIONS, "trainings": trainings.offers, "train": trainings.start}
     posts: dict[str, Handler] = {
-        f"/omnivat/{name}": partial(compute, sets, computed) for name, computed in QUESTIONS.items()
+        **{f"/omnivat/{name}": partial(compute, sets, computed) for name, computed in questions.items()},
+        **{f"/omnivat/{name}": partial(download, sets, made) for name, made in DOWNLOADS.items()},
+        "/omnivat/training": partial(look, trainings.state),
+        "/omnivat/training/cancel": partial(look, trainings.cancel),
+        "/omnivat/save/trained": partial(saved, sets, trainings),
+        **upload_routes(sets),
     }
-    posts |= {f"/omnivat/{name}": partial(download, sets, made) for name, made in DOWNLOADS.items()}
-    posts |= upload_routes(sets)
-    posts |= training_routes(sets)
     return [
         *(Route(path, in_sentences(handler)) for path, handler in gets.items()),
         *(Route(path, in_sentences(handler), methods=["POST"]) for path, handler in posts.items()),
@@ -120,18 +122,14 @@ def web_files() -> dict[str, Path]:
     return {p.relative_to(WEB).as_posix(): p for p in WEB.rglob("*") if p.suffix in TYPES}
 
 
-def file_response(request: Request, file: Path, headers: Mapping[str, str] | None = None, **options: Any) -> Response:
-    """Serve a file, or 304 if the browser has the current version.
-
-    headers  of either response
-    """
-    sent = FileResponse(file, stat_result=file.stat(), headers={**FRESH, **(headers or {})}, **options)
+def file_response(request: Request, file: Path, headers: Mapping[str, str] = FRESH, **options: Any) -> Response:
+    """Serve a file with `headers`, or 304 if the browser has the current version."""
+    headers = {**FRESH, **headers}
+    sent = FileResponse(file, stat_result=file.stat(), headers=headers, **options)
     tag = sent.headers["etag"]
     if tag not in request.headers.get("if-none-match", ""):
         return sent
-    return Response(
-        status_code=304, headers={**FRESH, **(headers or {}), "ETag": tag}, background=options.get("background")
-    )
+    return Response(status_code=304, headers={**headers, "ETag": tag}, background=options.get("background"))
 
 
 async def frames(sets: VisitorSets, request: Request) -> Response:
@@ -142,45 +140,33 @@ async def frames(sets: VisitorSets, request: Request) -> Response:
     """
     resources = set_of(sets, request)
     mode = request.query_params.get("mode", "")
-    if mode:
-        return mode_frames(request, resources, mode)
+    if mode:  # another one than the loaded head's
+        file = mode_files(resources.where).get(mode)
+        if file is None:
+            return refusal(f"There are no frames of the kind '{mode:.20}' beside this set.", 404)
+        return frames_response(request, resources, file, {"X-Frames": "fine"})
     name = request.query_params.get("head", "")
     require_name(name, resources.frame_jobs)
     state = resources.frame_jobs[name].state()
-    step = (
-        {
+    if state.problem:
+        return refusal(state.problem, 404)
+    if state.file is None or "progress" in request.query_params:
+        step = state.step and {
             "done": state.step.done,
             "total": state.step.total,
             "text": ", ".join(filter(None, (state.step.text, state.step.left))),
         }
-        if state.step
-        else None
-    )
-    if state.problem:
-        return refusal(state.problem, 404)
-    if state.file is None or "progress" in request.query_params:
         return JSONResponse({"step": step, "ready": state.file is not None}, status_code=202)
-    return file_response(
-        request,
-        state.file,
-        headers={
-            HOLDS: resources.holds,
-            "X-Frames": "coarse" if step else "fine",
-            "X-Thumbnails": "sheet" if sheet(resources) else "none",
-        },
-        media_type="application/octet-stream",
-        background=BackgroundTask(resources.warm),
-    )
+    headers = {"X-Frames": "coarse" if state.step else "fine", "X-Thumbnails": "sheet" if sheet(resources) else "none"}
+    return frames_response(request, resources, state.file, headers, background=BackgroundTask(resources.warm))
 
 
-def mode_frames(request: Request, resources: Resources, mode: str) -> Response:
-    """Serve the frames of another mode than the loaded head's."""
-    file = mode_files(resources.where).get(mode)
-    if file is None:
-        return refusal(f"There are no frames of the kind '{mode:.20}' beside this set.", 404)
-    return file_response(
-        request, file, headers={HOLDS: resources.holds, "X-Frames": "fine"}, media_type="application/octet-stream"
-    )
+def frames_response(
+    request: Request, resources: Resources, file: Path, headers: Mapping[str, str], **options: Any
+) -> Response:
+    """Serve frames under the name of head and set."""
+    headers = {HOLDS: resources.holds, **headers}
+    return file_response(request, file, headers, media_type="application/octet-stream", **options)
 
 
 async def thumbnails(sets: VisitorSets, request: Request) -> Response:
@@ -205,7 +191,7 @@ async def example_image(sets: VisitorSets, request: Request) -> Response:
     name, _, modality = request.path_params["name"].rpartition("/")
     if modality not in ("vis", "tac"):
         return refusal("An example's image is its name and then /vis or /tac.", 404)
-    file = example_named(set_of(sets, request).examples(), name).file(modality)
+    file = set_of(sets, request).example(name).file(modality)
     if not file.is_file():
         return refusal("This example's image is no longer there; reload the page.", 404)
     return file_response(request, file)
@@ -222,23 +208,31 @@ def in_json(value: Any, resources: Resources) -> Response:
 async def facts(sets: VisitorSets, found: Callable[[Resources], Any], request: Request) -> Response:
     """Return facts about the loaded head and set."""
     resources = set_of(sets, request)
-    known = await done(request, sets.shared.jobs, lambda _: found(resources))
-    return in_json(known, resources)
+    return in_json(await done(request, sets.shared.jobs, lambda _: found(resources)), resources)
 
 
 async def compute(sets: VisitorSets, computed: Computed, request: Request) -> Response:
     """Run one JSON request as a job."""
-    resources = set_of(sets, request)
-    question = question_from(await body(request, MAX_QUESTION_BYTES, "The question"))
-    found = await done(request, sets.shared.jobs, lambda _: computed(resources, question))
-    return in_json(found, resources)
+    resources, question = set_of(sets, request), await question_of(request)
+    return in_json(await done(request, sets.shared.jobs, lambda _: computed(resources, question)), resources)
 
 
 async def download(
     sets: VisitorSets, made: Callable[[Resources, Mapping[str, Any]], bytes], request: Request
 ) -> Response:
     """Return a file for one JSON request: a zip, or a page of figures."""
-    resources = set_of(sets, request)
-    question = question_from(await body(request, MAX_QUESTION_BYTES, "The question"))
+    resources, question = set_of(sets, request), await question_of(request)
     content = await done(request, sets.shared.jobs, lambda _: made(resources, question))
     return Response(content, media_type="text/html" if made is save_figure else "application/zip")
+
+
+async def look(state: Callable[[Mapping[str, Any]], dict[str, Any]], request: Request) -> Response:
+    """Return the state of a training, at once."""
+    return JSONResponse(state(await question_of(request)))
+
+
+async def saved(sets: VisitorSets, trainings: Trainings, request: Request) -> Response:
+    """Return a finished head as a zip, even if the set of the address is gone."""
+    question = await question_of(request)
+    content = await done(request, sets.shared.jobs, lambda _: trainings.saved(question))
+    return Response(content, media_type="application/zip")

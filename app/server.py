@@ -1,81 +1,71 @@
-"""Start the page: read the arguments, lay out the tabs, serve."""
+"""Start the page: lay out the tabs, serve, with a log that visitors cannot fill."""
 
 import argparse
 import logging
 import os
 import signal
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from importlib import import_module
-from pathlib import Path
+from threading import Lock
+from time import monotonic
+from traceback import walk_tb
 from typing import Any
 
-from app import hosted, logs
+from app.components import WEB, component, head, theme
 from app.guard import Guard, alone, rules, warning
 from app.light import light_imports
-from app.limits import DRAWN_PAIRS
-from app.preflight import free_port, pair_count, port_number, require_files
+from app.preflight import free_port, keeps_nothing, parser, require_files
 from app.scratch import sweep
 from app.views import VIEWS
-from omnivat.errors import MissingPackageError, OmniVatError
+from omnivat.errors import MissingPackageError, OmniVatError, printable
 from omnivat.tables import need
 
 log = logging.getLogger(__name__)
-ICON = Path(__file__).parent / "web" / "shared" / "icon.svg"
+LINES, LONGEST, TRACEBACKS = 60, 300, 50  # a minute; characters of a line; of one process
 
 
-def parser(environ: Mapping[str, str] = os.environ) -> argparse.ArgumentParser:
-    """Return the command line of `python app.py`; a hosting service sets defaults by `environ`."""
-    parser = argparse.ArgumentParser(prog="app.py", description="Open the OmniVaT page.")
-    parser.add_argument("--head", type=Path, help="folder of a trained head")
-    parser.add_argument("--embeddings", type=Path, help="embeddings file to show")
-    parser.add_argument("--profile", type=Path, metavar="FILE", help="profile of your sensor (`omnivat profile`)")
-    parser.add_argument(
-        "--sample",
-        type=pair_count,
-        default=DRAWN_PAIRS,
-        metavar="N",
-        help=f"draw N pairs of a set that has more; {DRAWN_PAIRS:,} if left out",
-    )
-    parser.add_argument(
-        "--compare",
-        type=Path,
-        action="append",
-        default=[],
-        metavar="DIR",
-        help="a head to compare with the first; can be given several times",
-    )
-    parser.add_argument(
-        "--host",
-        default=environ.get(hosted.NAME) or "127.0.0.1",
-        help=f"address to listen on; ${hosted.NAME}, or this machine alone",
-    )
-    parser.add_argument(
-        "--port",
-        type=port_number,
-        default=environ.get(hosted.PORT) or None,
-        help=f"port; ${hosted.PORT}, or the first free one from 7860",
-    )
-    parser.add_argument(
-        "--allow-host",
-        action="append",
-        default=hosted.names(environ),
-        metavar="NAME",
-        help="an additional allowed host name; can be given several times",
-    )
-    parser.add_argument(
-        "--allow-framing",
-        action="store_true",
-        default=hosted.FRAMED in environ,
-        help="let other pages show this one in a frame, for notebooks and hosted demos",
-    )
-    parser.add_argument("--api", action="store_true", help="open the API for programs, over HTTP and MCP (docs/api.md)")
-    parser.add_argument(
-        "--no-browser", action="store_true", default=hosted.is_hosted(environ), help="do not open a browser"
-    )
-    parser.add_argument("--desktop", action="store_true", help="open a separate window (needs pywebview)")
-    return parser
+class Bounded(logging.Filter):
+    """Lets LINES lines a minute through, and the traceback of one place once."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._lock = Lock()
+        self._minute, self._lines = -1, 0
+        self._seen: set[tuple[str, int]] = set()
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        """Shorten a record; False if the minute has had its lines."""
+        minute = int(monotonic() // 60)
+        with self._lock:
+            self._lines = self._lines + 1 if minute == self._minute else 1
+            self._minute = minute
+            if self._lines > LINES:
+                return False
+            if self._lines == LINES:
+                record.msg, record.args = "the log leaves out the rest of this minute", ()
+            self._once(record)
+        record.msg, record.args = printable(record.getMessage())[:LONGEST], ()
+        return True
+
+    def _once(self, record: logging.LogRecord) -> None:
+        trace = record.exc_info[2] if record.exc_info else None
+        *_, place = [("", 0), *((frame.f_code.co_filename, line) for frame, line in walk_tb(trace))]
+        if place in self._seen or len(self._seen) >= TRACEBACKS:
+            record.exc_info = record.exc_text = None
+        self._seen.add(place)
+
+
+def start_log() -> None:
+    """Write the log of this process to standard error, bounded: its own lines and the server's."""
+    bounded, handler = Bounded(), logging.StreamHandler()
+    handler.addFilter(bounded)
+    form = "%(levelname)s %(name)s: %(message)s"
+    logging.basicConfig(level=logging.INFO, format=form, handlers=[handler])
+    logging.getLogger("httpx").setLevel(logging.WARNING)
+    logging.getLogger("uvicorn.error").addFilter(bounded)  # it has another handler
 
 
 def build() -> Any:
@@ -84,14 +74,12 @@ def build() -> Any:
         import gradio as gr
 
     with gr.Blocks(title="OmniVaT", fill_width=True, delete_cache=(3600, 3600)) as page:
-        from app.components import component
-
         component("header")
         with gr.Tabs(elem_id="views"):
             for name in VIEWS:
                 view = import_module(f"app.views.{name}")
                 with gr.Tab(view.TITLE, id=name, elem_id=f"view-{name}"):
-                    view.build()
+                    getattr(view, "build", partial(component, name))()
     return page
 
 
@@ -101,12 +89,9 @@ def launch(page: Any, resources: Any, arguments: argparse.Namespace, **more: Any
 
     from app.connections import install
     from app.routes import routes
-    from app.theme import head, theme
 
     install()
-
-    names, framed = arguments.allow_host, arguments.allow_framing
-    guarded = rules(arguments.host, names, framed=framed)
+    guarded = rules(arguments.host, arguments.allow_host, framed=arguments.allow_framing)
     return page.launch(
         server_name=arguments.host,
         server_port=arguments.port,
@@ -120,7 +105,7 @@ def launch(page: Any, resources: Any, arguments: argparse.Namespace, **more: Any
         },
         theme=theme(),
         head=head(VIEWS),
-        favicon_path=ICON,
+        favicon_path=WEB / "shared" / "icon.svg",
         footer_links=[],
         run_history=False,
         max_file_size="1mb",  # Gradio's uploads are not used; images use our route
@@ -133,13 +118,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the page until it is stopped."""
     chosen = parser().parse_args(arguments)
     os.environ["GRADIO_ANALYTICS_ENABLED"] = "False"
-    logs.start()
+    start_log()
     from app.places import places
-    from app.resources import Resources
-    from app.shared import Shared
+    from app.resources import Resources, Shared
 
     try:
-        require_files(chosen.head, chosen.embeddings, chosen.compare, chosen.profile)
+        require_files(chosen)
         chosen.port = free_port(chosen.host, chosen.port)
     except OmniVatError as error:
         print(f"app.py: {error}", file=sys.stderr)
@@ -151,7 +135,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     sweep()
     shared, where = Shared(), places(chosen.head, chosen.embeddings, chosen.compare)
     where = replace(where, drawn=chosen.sample, profile=chosen.profile)
-    if hosted.keeps_nothing(os.environ):
+    if keeps_nothing(os.environ):
         where = replace(where, computed=shared.scratch.folder("maps"))
     resources = Resources(where, shared)
     try:
@@ -161,7 +145,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:  # before the server took over
         log.info("stopped")
     finally:
-        resources.shared.close()
+        shared.close()
     return 0
 
 

@@ -14,7 +14,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from app.components import WEB
+from app.components import WEB, head
 from app.export import document, frames_file, html_of, set_files
 from app.messages import without_places
 from app.modes import modes
@@ -23,7 +23,6 @@ from app.resources import Resources
 from app.routes import FACTS, QUESTIONS, web_files
 from app.site_models import files_in, write_models
 from app.state import content_name
-from app.theme import head
 from app.views import VIEWS, compare, explore
 from app.visitor_sets import VisitorSets
 from omnivat.errors import DataError, SettingsError, WriteError

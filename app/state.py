@@ -1,10 +1,11 @@
-"""References in requests: a pair of the set, an example, or an uploaded image.
+"""References in requests (a pair of the set, an example, or an uploaded image), and what the server keeps.
 
 Of uploaded images, the server keeps only embeddings, named by a hash of their content. A visitor
 finds only what came from its own address.
 """
 
 from collections import Counter, OrderedDict
+from collections.abc import Callable
 from contextvars import ContextVar
 from dataclasses import dataclass
 from hashlib import blake2b
@@ -69,35 +70,68 @@ def content_name(content: bytes) -> str:
     return blake2b(content, digest_size=16).hexdigest()
 
 
+class Lazy(Generic[V]):
+    """Holds the result of `make`, computed on first use by any thread. After a failure, the next use tries again."""
+
+    def __init__(self, make: Callable[[], V]) -> None:
+        self._make, self._lock = make, Lock()
+        self._made: list[V] = []
+
+    def __call__(self) -> V:
+        if not self._made:
+            with self._lock:
+                if not self._made:
+                    self._made.append(self._make())
+        return self._made[0]
+
+
 class Recent(Generic[V]):
     """The most recently used values, at most `limit` of them; safe between threads.
 
-    own  a visitor finds only its own values, and beyond the limit, the visitor with most loses one
+    own   a visitor finds only its own values
+    room  the most bytes of all values; the newest may be above
+
+    With either, the visitor with the largest share loses a value first.
     """
 
-    def __init__(self, limit: int, *, own: bool = False) -> None:
-        self._limit, self._own = limit, own
-        self._values: OrderedDict[tuple[str, str], V] = OrderedDict()
+    def __init__(self, limit: int, *, own: bool = False, room: int = 0) -> None:
+        self._limit, self._own, self._room = limit, own, room
+        self._values: OrderedDict[tuple[str, str], tuple[V, str, int]] = OrderedDict()  # value, visitor, bytes
         self._lock = Lock()
 
     def get(self, name: str) -> V | None:
         """Return the value called `name`, or None if it is not kept."""
         key = self._key(name)
         with self._lock:
-            if key in self._values:
-                self._values.move_to_end(key)
-            return self._values.get(key)
-
-    def keep(self, name: str, value: V) -> V:
-        """Keep `value`; drop the least recently used one beyond the limit."""
-        key = self._key(name)
-        with self._lock:
-            self._values[key] = value
+            if key not in self._values:
+                return None
             self._values.move_to_end(key)
-            while len(self._values) > self._limit:
-                shares = Counter(visitor for visitor, _ in self._values)
-                self._values.pop(min(self._values, key=lambda one: -shares[one[0]]))  # the first
-        return value
+            return self._values[key][0]
+
+    def keep(self, name: str, value: V, size: int = 0) -> list[V]:
+        """Keep `value` of `size` bytes; return the values that are dropped for it."""
+        dropped: list[V] = []
+        key, visitor = self._key(name), VISITOR.get() if self._own or self._room else ""
+        with self._lock:
+            self._values[key] = value, visitor, size
+            self._values.move_to_end(key)
+            while len(self._values) > 1 and (len(self._values) > self._limit or 0 < self._room < self._bytes()):
+                shares: Counter[str] = Counter()
+                for _, one, its in self._values.values():
+                    shares[one] += its + max(1, self._room // self._limit)
+                old = min([*self._values][:-1], key=lambda name: -shares[self._values[name][1]])  # the first of equals
+                dropped.append(self._values.pop(old)[0])
+        return dropped
+
+    def once(self, name: str, make: Callable[[], V]) -> V:
+        """Return the value called `name`; make and keep it if it is not kept."""
+        kept = self.get(name)
+        if kept is None:
+            self.keep(name, kept := make())
+        return kept
+
+    def _bytes(self) -> int:
+        return sum(size for _, _, size in self._values.values())
 
     def _key(self, name: str) -> tuple[str, str]:
         return VISITOR.get() if self._own else "", name

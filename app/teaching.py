@@ -55,13 +55,9 @@ def head_for(resources: Resources, question: Mapping[str, Any]) -> "Head":
     given = lessons_in(question)
     if not given:
         return head
-    key = _name(question)
-    kept = resources.taught.get(key)
-    if kept is None:
-        from omnivat.teach import taught
+    from omnivat.teach import taught
 
-        kept = resources.taught.keep(key, taught(head, _lessons(resources, given, question)))
-    return kept
+    return resources.taught.once(_name(question), lambda: taught(head, _lessons(resources, given, question)))
 
 
 def taught_name(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:

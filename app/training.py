@@ -13,8 +13,8 @@ from app.jobs import Job
 from app.messages import BusyError
 from app.resources import Resources
 from app.saving import head_zip
-from app.state import ForgottenError, Recent
-from app.training_plan import Plan, looked_at, offers, plan_from
+from app.state import VISITOR, ForgottenError, Recent
+from app.training_plan import Plan, looked_at, offers, plan_from, thinned
 from app.visitor_sets import VisitorSets
 from omnivat.errors import DataError
 from omnivat.progress import Step
@@ -43,34 +43,31 @@ class Run:
     plan: Plan
     address: str  # of the visitor
     rows: "np.ndarray[Any, Any]"  # pairs on the maps
-    job: Job[None] | None = None
+    job: Job[None] = field(init=False)
     epochs: list[dict[str, Any]] = field(default_factory=list)
     head: "Head | None" = None
     loaded: str = ""  # name of the visitor set with the finished head
     looked: float = field(default_factory=monotonic)  # when its visitor last requested its state
-    lock: Lock = field(default_factory=Lock)
 
-    @property
-    def abandoned(self) -> bool:
-        """True if its visitor has left."""
-        return monotonic() - self.looked > ABANDONED_S
-
-    @property
-    def active(self) -> bool:
-        """True if it waits or runs."""
-        return self.job is not None and not self.job.status().ended
+    def require_visitor(self) -> None:
+        """Cancel the training of a visitor who has left, so that the next one starts."""
+        if monotonic() - self.looked > ABANDONED_S:
+            self.job.cancel()
+            self.job.check()
 
     def take(self, report: Any) -> None:
-        """Store the results of one epoch: losses, measures and a map."""
-        record = {
-            "epoch": int(report.epoch),
-            "order": round(float(report.order), 4),
-            **{name: _number(value) for name, value in report.losses.items()},
-            "measures": {name: _number(value) for name, value in report.measures.items()},
-            "map": None if report.map is None else coded_map(report.map, self.rows),
-        }
-        with self.lock:
-            self.epochs.append(record)
+        """Store the results of one epoch, losses, measures and a map; report it."""
+        self.epochs.append(
+            {
+                "epoch": int(report.epoch),
+                "order": round(float(report.order), 4),
+                **{name: _number(value) for name, value in report.losses.items()},
+                "measures": {name: _number(value) for name, value in report.measures.items()},
+                "map": None if report.map is None else coded_map(report.map, self.rows),
+            }
+        )
+        self.require_visitor()
+        self.job.report(Step(done=int(report.epoch), total=self.plan.epochs, text=f"epoch {report.epoch}"))
 
 
 class Trainings:
@@ -82,37 +79,34 @@ class Trainings:
         self._lock = Lock()
         self._active: dict[tuple[str, str], Run] = {}  # by address and visitor: one at a time each
 
-    def offers(self, resources: Resources) -> dict[str, Any]:
-        """Return the choices and the defaults."""
+    def offers(self, resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the choices and the defaults; nothing of the question counts."""
         return offers(resources.embeddings(), resources.head().source)
 
-    def start(
-        self, resources: Resources, question: Mapping[str, Any], beside: str, address: str = ""
-    ) -> dict[str, Any]:
-        """Queue a training; return its name and the pairs on its maps.
+    def start(self, resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
+        """Queue a training on a set; return its name and the pairs on its maps.
 
         question  {"visitor": name, "source", "width", …}: see `app.training_plan`
-        beside    the set, as named in the page's address
-        address   of the visitor: addresses take turns, and the one with most places makes way
 
-        It is cancelled if its state is not requested for ABANDONED_S seconds.
+        Addresses (`VISITOR`) take turns, and the one with most places makes way. A training is
+        cancelled if its state is not requested for ABANDONED_S seconds.
 
         Raises DataError for invalid settings, or if the visitor already has one in the queue;
         BusyError if the queue is full.
         """
+        address = VISITOR.get()
         visitor = address, _visitor(question)
         plan = plan_from(question, resources.embeddings())
         embeddings = looked_at(resources.embeddings(), plan.source)
-        run = Run(plan=plan, address=address, rows=_thinned(len(embeddings)))
+        run = Run(plan=plan, address=address, rows=thinned(len(embeddings), MAP_PAIRS))
         with self._lock:
-            before = self._active.get(visitor)
-            if before is not None and before.active:
+            self._active = {name: one for name, one in self._active.items() if not one.job.status().ended}
+            if visitor in self._active:
                 raise DataError("Your training before this one still runs or waits; cancel it first.")
-            self._active = {name: one for name, one in self._active.items() if one.active}
             if len(self._active) >= MOST_RUNS:
                 self._make_way(address)
             run.job = self._sets.shared.jobs.start(
-                lambda job: self._work(job, run, embeddings, beside),
+                lambda job: self._work(job, run, embeddings, resources.owner),
                 lane="long",
                 visitor=address,
                 priority=PRIORITY,
@@ -127,7 +121,7 @@ class Trainings:
         """End the last waiting training of the address with most. Raises BusyError if that is `address`."""
         held = Counter(run.address for run in self._active.values())
         most = max(held, key=lambda one: held[one])
-        theirs = [run.job for run in self._active.values() if run.address == most and run.job]
+        theirs = [run.job for run in self._active.values() if run.address == most]
         waiting = [job for job in theirs if job.status().state == "waiting"]
         if held[most] <= held[address] + 1 or not waiting:
             raise BusyError(f"{MOST_RUNS} trainings run or wait here already; try again in a few minutes.")
@@ -141,11 +135,7 @@ class Trainings:
         if type(since) is not int or since < 0:
             raise DataError(f"since is {since!r:.20}; give the number of epochs you have.")
         run.looked = monotonic()
-        with run.lock:
-            epochs = run.epochs[since:]
-        status = run.job.status() if run.job else None
-        if status is None:
-            raise DataError("This training has not begun.")
+        status = run.job.status()
         step = status.step
         return {
             "state": status.state,
@@ -153,15 +143,13 @@ class Trainings:
             "problem": status.problem if status.state == "failed" else "",
             "text": step.text if step else "",
             "left": step.left if step else "",
-            "epochs": epochs,
+            "epochs": run.epochs[since:],
             "set": run.loaded,
         }
 
     def cancel(self, question: Mapping[str, Any]) -> dict[str, Any]:
         """Stop a training."""
-        run = self._run(question)
-        if run.job is not None:
-            run.job.cancel()
+        self._run(question).job.cancel()
         return self.state(question)
 
     def saved(self, question: Mapping[str, Any]) -> bytes:
@@ -177,27 +165,16 @@ class Trainings:
             raise ForgottenError("The server no longer has this training; start it again.")
         return run
 
-    def _require_visitor(self, job: Job[None], run: Run) -> None:
-        """Cancel the training of a visitor who has left, so that the next one starts."""
-        if run.abandoned:
-            job.cancel()
-            job.check()
-
     def _work(self, job: Job[None], run: Run, embeddings: "Embeddings", beside: str) -> None:
         from omnivat.from_pairs import head_from_pairs
         from omnivat.train import TrainingCancelled
-
-        def told(report: Any) -> None:
-            run.take(report)
-            self._require_visitor(job, run)
-            done = int(report.epoch)
-            job.report(Step(done=done, total=run.plan.epochs, text=f"epoch {done}"))
 
         def stopped() -> bool:  # called before each step
             job.give_way()
             return job.cancelled
 
-        self._require_visitor(job, run)
+        run.job = job
+        run.require_visitor()
         job.report(Step(done=0, total=run.plan.epochs, text=run.plan.first))
         try:
             run.head = head_from_pairs(
@@ -206,7 +183,7 @@ class Trainings:
                 head=run.plan.head,
                 training=run.plan.training,
                 seed=run.plan.seed,
-                on_epoch=told,
+                on_epoch=run.take,
                 cancelled=stopped,
                 measure_every=MEASURE_EVERY,
                 snapshot=True,
@@ -214,7 +191,7 @@ class Trainings:
         except TrainingCancelled:
             job.check()  # ends the job as cancelled
             raise
-        run.loaded = self._sets.adopt(run.head, beside=beside, visitor=run.address)
+        run.loaded = self._sets.adopt(run.head, beside=beside)
 
 
 def coded_map(flat: "np.ndarray[Any, Any]", rows: "np.ndarray[Any, Any]") -> str:
@@ -225,12 +202,6 @@ def coded_map(flat: "np.ndarray[Any, Any]", rows: "np.ndarray[Any, Any]") -> str
     chosen = flat[np.concatenate([rows, rows + pairs])]
     scaled = np.rint((np.clip(chosen, -REACH, REACH) + REACH) / (2 * REACH) * 65535)
     return base64.b64encode(scaled.astype("<u2").tobytes()).decode()
-
-
-def _thinned(count: int) -> "np.ndarray[Any, Any]":
-    import numpy as np
-
-    return np.unique(np.linspace(0, count - 1, min(count, MAP_PAIRS)).astype(np.int64))
 
 
 def _drawn_pairs(embeddings: "Embeddings", rows: "np.ndarray[Any, Any]") -> dict[str, Any]:

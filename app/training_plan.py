@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 from omnivat.errors import DataError
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from omnivat.data.store import Embeddings
     from omnivat.train import TrainSettings
 
@@ -120,8 +122,15 @@ def looked_at(embeddings: "Embeddings", source: str) -> "Embeddings":
     others = np.flatnonzero(~own)
     if len(others) <= MOST_LOOKED_AT:
         return embeddings
-    thinned = others[np.linspace(0, len(others) - 1, MOST_LOOKED_AT).astype(np.int64)]
-    return embeddings.select(np.sort(np.concatenate([np.flatnonzero(own), thinned])))
+    some = others[thinned(len(others), MOST_LOOKED_AT)]
+    return embeddings.select(np.sort(np.concatenate([np.flatnonzero(own), some])))
+
+
+def thinned(count: int, most: int) -> "np.ndarray[Any, Any]":
+    """Return the numbers of at most `most` of `count` pairs, evenly spaced."""
+    import numpy as np
+
+    return np.unique(np.linspace(0, count - 1, min(count, most)).astype(np.int64))
 
 
 def _one_of(name: str, value: Any, known: Sequence[Any]) -> Any:

@@ -9,11 +9,11 @@ from starlette.responses import JSONResponse, Response
 
 from app.camera import live
 from app.jobs import Job
-from app.limits import MAX_IMAGE_BYTES, MAX_QUESTION_BYTES, PARTS
+from app.limits import MAX_IMAGE_BYTES, PARTS
 from app.messages import Handler, refusal
 from app.occlusion import occlusion
 from app.request_work import done, received
-from app.requests import blocks, body, desk_name, file_name, number_from, preview, question_from, visitor_of
+from app.requests import blocks, desk_name, file_name, number_from, preview, question_of, visitor_of
 from app.sensor import load_sensor
 from app.state import order_from, ref_from
 from app.visitor_sets import VisitorSets
@@ -87,15 +87,14 @@ async def take_part(sets: VisitorSets, request: Request) -> Response:
 
 async def load(sets: VisitorSets, request: Request) -> Response:
     """Make a visitor set of the uploaded files: `{"parts": {file: part}, "compare": false}`."""
-    question = question_from(await body(request, MAX_QUESTION_BYTES, "The question"))
+    question = await question_of(request)
     parts = question.get("parts")
     if not isinstance(parts, dict) or not all(isinstance(part, str) for part in parts.values()):
         return refusal("parts has to name the files that were sent; choose them again.")
     compare = question.get("compare") is True
 
     def loaded(job: Job[str]) -> str:
-        beside, visitor = desk_name(request), visitor_of(request)
-        return sets.load(parts, beside=beside, compare=compare, check=job.check, visitor=visitor)
+        return sets.load(parts, beside=desk_name(request), compare=compare, check=job.check)
 
     name = await done(request, sets.shared.jobs, loaded, priority=LOADED)
     return JSONResponse({"set": name})

@@ -8,9 +8,8 @@ and cancels its unfinished jobs.
 
 import os
 import shutil
-from collections import Counter, OrderedDict
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from hashlib import blake2b
 from pathlib import Path
 from threading import Lock
@@ -19,7 +18,7 @@ from typing import TYPE_CHECKING
 from app.limits import DESKS_BYTES, KEPT_DESKS
 from app.places import Places, shipped_places
 from app.resources import Resources
-from app.state import ForgottenError
+from app.state import ForgottenError, Recent
 from app.upload_store import UploadStore, linked
 from omnivat.errors import DataError
 from omnivat.heads import shipped_sets
@@ -35,23 +34,13 @@ SET = "embeddings.safetensors"
 SHEET = ("embeddings.thumbnails.webp", "embeddings.thumbnails.json")
 
 
-@dataclass(frozen=True, slots=True)
-class Loaded:
-    """A loaded set, its folder and the size of that, and the address of its visitor."""
-
-    resources: Resources
-    folder: Path
-    size: int
-    visitor: str
-
-
 class VisitorSets:
     """The first visitor set, and the most recently loaded others."""
 
     def __init__(self, first: Resources) -> None:
         self.first, self.shared = first, first.shared
         self._lock = Lock()
-        self._loaded: OrderedDict[str, Loaded] = OrderedDict()  # least recently used first
+        self._loaded: Recent[Resources] = Recent(KEPT_DESKS, room=DESKS_BYTES)
         self._shipped: dict[str, Resources] = {}
         self._parts = UploadStore(self.shared.scratch)
 
@@ -64,10 +53,8 @@ class VisitorSets:
             return self.first
         if name in shipped_sets():
             return self._shipped_named(name)
-        with self._lock:
-            if name in self._loaded:
-                self._loaded.move_to_end(name)
-                return self._loaded[name].resources
+        if (loaded := self._loaded.get(name)) is not None:
+            return loaded
         raise ForgottenError(
             "The server no longer has the head or set of this address. Load it again in "
             "Data & limits, or go back to the page without `set` in its address."
@@ -91,39 +78,30 @@ class VisitorSets:
         return await self._parts.keep(name, content, visitor)
 
     def load(
-        self,
-        parts: Mapping[str, str],
-        *,
-        beside: str,
-        compare: bool,
-        check: Callable[[], None] = lambda: None,
-        visitor: str = "",
+        self, parts: Mapping[str, str], *, beside: str, compare: bool, check: Callable[[], None] = lambda: None
     ) -> str:
-        """Make a visitor set from uploaded files; return its name.
+        """Make a visitor set from uploaded files; return its name. It counts to the share of `VISITOR`.
 
         parts    file name -> its name from `keep_part`
         beside   the visitor set that provides what is not among the parts
         compare  True adds the head for comparison instead of replacing its own
         check    called between steps; an error it raises ends the work
-        visitor  the address of the visitor, whose share of loaded sets it is
 
         Two equal loads at the same time make one visitor set. Raises DataError, one sentence, if the files
         are not a head or set, or do not fit together.
         """
         base = self.named(beside)
         key = _key(parts, beside, compare)
-        with self._lock:
-            if key in self._loaded:
-                self._loaded.move_to_end(key)
-                return key
+        if self._loaded.get(key) is not None:
+            return key
 
         def placed(folder: Path) -> Places:
             return self._placed(folder, parts, base.where, compare=compare)
 
         fits = any(name in parts for name in HEAD)  # a set alone may be of another encoder
-        return self._made(key, placed, check, visitor, fits=fits)
+        return self._made(key, placed, check, fits=fits)
 
-    def adopt(self, head: "Head", *, beside: str, visitor: str = "") -> str:
+    def adopt(self, head: "Head", *, beside: str) -> str:
         """Make a visitor set from a head trained on the server; return its name.
 
         beside  the visitor set that provides the set
@@ -137,11 +115,9 @@ class VisitorSets:
             saved = save_head(folder / "head", head)
             return self._alone(replace(base, head=saved, computed=folder, frames=None), folder)
 
-        return self._made(os.urandom(12).hex(), placed, lambda: None, visitor)
+        return self._made(os.urandom(12).hex(), placed, lambda: None)
 
-    def _made(
-        self, key: str, placed: Callable[[Path], Places], check: Callable[[], None], visitor: str, *, fits: bool = True
-    ) -> str:
+    def _made(self, key: str, placed: Callable[[Path], Places], check: Callable[[], None], *, fits: bool = True) -> str:
         """Fill a new folder, check its content, and add it as a visitor set.
 
         fits  False: its heads may be of another encoder than its set
@@ -161,38 +137,13 @@ class VisitorSets:
             shutil.rmtree(folder, ignore_errors=True)
             raise
         size = sum(file.stat().st_size for file in folder.rglob("*") if file.is_file())
-        with self._lock:
-            if first := key not in self._loaded:  # no other request made the same visitor set
-                self._loaded[key] = Loaded(made, folder, size, visitor)
-            self._loaded.move_to_end(key)
-            dropped = self._too_many()
-        for owner, old in dropped.items():
-            self.shared.jobs.cancel_owner(owner)
-            shutil.rmtree(old.folder, ignore_errors=True)
-        if not first:
-            shutil.rmtree(folder, ignore_errors=True)
+        with self._lock:  # another request may have made the same visitor set
+            dropped = [made] if self._loaded.get(key) else self._loaded.keep(key, made, size)
+        for old in dropped:
+            if old is not made:
+                self.shared.jobs.cancel_owner(old.owner)
+            shutil.rmtree(old.where.computed or folder, ignore_errors=True)
         return key
-
-    def _too_many(self) -> dict[str, Loaded]:
-        """Remove and return the sets beyond the limits; never the newest.
-
-        The visitor with the largest share loses the set that was used least recently.
-        """
-        dropped: dict[str, Loaded] = {}
-        newest = next(reversed(self._loaded))
-        while len(self._loaded) > 1:
-            shares: Counter[str] = Counter()
-            for one in self._loaded.values():
-                shares[one.visitor] += one.size + DESKS_BYTES // KEPT_DESKS
-            bytes_held = sum(one.size for one in self._loaded.values())
-            if len(self._loaded) <= KEPT_DESKS and bytes_held <= DESKS_BYTES:
-                break
-            old = min(
-                (name for name in self._loaded if name != newest),
-                key=lambda name: -shares[self._loaded[name].visitor],  # the first of equals
-            )
-            dropped[old] = self._loaded.pop(old)
-        return dropped
 
     def _placed(self, folder: Path, parts: Mapping[str, str], base: Places, *, compare: bool) -> Places:
         """Move the parts to their places under `folder`."""

@@ -1,3 +1,3 @@
-"""The tabs, one in each file: results are functions, `build` is layout."""
+"""The tabs, one in each file: results are functions. A `build` lays out more than the tab's component."""
 
 VIEWS = ("explore", "pair", "train", "tree", "compare", "data")  # in their order on the page

@@ -4,7 +4,6 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from app.components import component
 from app.resources import Resources
 from omnivat.data.domains import paper_name
 from omnivat.errors import DataError
@@ -67,8 +66,7 @@ def predictions(resources: Resources, question: Mapping[str, Any]) -> dict[str, 
     method = question.get("method")
     if not isinstance(method, str) or method not in METHODS:
         raise DataError(f"No method is called {method!r:.40}; there are {', '.join(METHODS)}.")
-    kept = resources.results.get(method)
-    return resources.results.keep(method, kept or _fitted(resources, method))
+    return resources.results.once(method, lambda: _fitted(resources, method))
 
 
 def _fitted(resources: Resources, method: str) -> dict[str, Any]:
@@ -134,8 +132,7 @@ def matrix(resources: Resources) -> dict[str, Any]:
             `origin`: "protocol" or "heads"; `paper`: method -> source -> [ACC, F1] in percent;
             `why`: why the paper's are not comparable, "" if they are
     """
-    kept = resources.results.get("matrix")
-    return kept or resources.results.keep("matrix", _matrix(resources))
+    return resources.results.once("matrix", lambda: _matrix(resources))
 
 
 def _matrix(resources: Resources) -> dict[str, Any]:
@@ -254,8 +251,3 @@ def mean_cells(runs: Sequence[Mapping[str, Any]]) -> dict[str, list[float]]:
         scores = [run["targets"][target]["scores"]["fused"] for run in runs if target in run["targets"]]
         cells[target] = [sum(score[metric] for score in scores) / len(scores) for metric in METRICS]
     return cells
-
-
-def build() -> None:
-    """Lay the tab out. Its maps are in the frames; the browser draws them."""
-    component("compare")

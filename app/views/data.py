@@ -5,7 +5,6 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from app.components import component
 from app.limits import MAX_IMAGE_BYTES, MAX_PIXELS
 from app.messages import without_places
 from app.resources import Resources
@@ -116,8 +115,3 @@ def _or_problem(facts: Any) -> dict[str, Any]:
         return dict(facts())
     except DataError as error:
         return {"problem": without_places(str(error))}
-
-
-def build() -> None:
-    """Lay the tab out."""
-    component("data")

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app import map_place
-from app.components import component
 from app.limits import CENTRED_PAIRS
 from app.resources import Resources
 from app.state import order_from
@@ -61,10 +60,7 @@ def kept_features(resources: Resources, stage: str, order: float | None) -> "Arr
         order = model.order if order is None else order
     # unitary stages: their cosines do not depend on the order
     key = stage if stage in STILL else f"{stage} {order:.6f}"
-    features = resources.features.get(key)
-    if features is None:
-        features = resources.features.keep(key, staged(model, embeddings, stage, order or 0.0))
-    return features
+    return resources.features.once(key, lambda: staged(model, embeddings, stage, order or 0.0))
 
 
 def nearest(features: "Array", point: int, count: int) -> list[dict[str, Any]]:
@@ -103,21 +99,18 @@ def unseen(resources: Resources) -> dict[str, Any]:
     """
     from omnivat.unseen import unseen_summary
 
-    kept = resources.results.get("unseen")
-    if kept is None:
+    def made() -> dict[str, Any]:
         found = unseen_summary(resources.head(), resources.embeddings())
-        known = found["pairs"]
-        found["pairs"] = {
+        known, width = found["pairs"], "u1" if len(found["classes"]) <= 256 else "u2"
+        pairs = {
             "counts": packed(known["counts"], "u1"),
-            "answers": {
-                name: packed(labels, "u1" if len(found["classes"]) <= 256 else "u2")
-                for name, labels in known["answers"].items()
-            },
+            "answers": {name: packed(labels, width) for name, labels in known["answers"].items()},
             "confidence": packed(known["confidence"], "u2", STEPS),
             "cosine": packed(known["cosine"], "i2", STEPS),
         }
-        kept = resources.results.keep("unseen", found)
-    return kept
+        return {**found, "pairs": pairs}
+
+    return resources.results.once("unseen", made)
 
 
 def ladder(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
@@ -132,16 +125,15 @@ def ladder(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     source, domains = question.get("source"), embeddings.header.domains
     if not isinstance(source, str) or (source and source not in domains):
         raise DataError(f"The set has no domain {source!r:.40}; there are {', '.join(domains)}.")
-    kept = resources.results.get(f"ladder {source}")
-    if kept is None:
+
+    def climbed() -> dict[str, Any]:
+        from omnivat.ladder import ladder
+
         where = resources.where
         kept = None if source or resources.drawn() else kept_ladder(where.head, where.embeddings)
-        if kept is None:
-            from omnivat.ladder import ladder as climbed
+        return kept or ladder(resources.head(), embeddings, source=source)
 
-            kept = climbed(resources.head(), embeddings, source=source)
-        resources.results.keep(f"ladder {source}", kept)
-    return kept
+    return resources.results.once(f"ladder {source}", climbed)
 
 
 def centred(resources: Resources, method: str) -> dict[str, Any]:
@@ -154,14 +146,13 @@ def centred(resources: Resources, method: str) -> dict[str, Any]:
     """
     from omnivat.frames.centred import centred_reply, kept_reply
 
-    kept = resources.results.get(f"centred {method}")
-    if kept is None:
+    def made() -> dict[str, Any]:
         embeddings = resources.embeddings()
         if len(embeddings) > CENTRED_PAIRS:
             raise DataError(f"Domains are centred in sets of at most {CENTRED_PAIRS:,} pairs.")
-        found = kept_reply(resources.where.embeddings, embeddings, method)
-        kept = resources.results.keep(f"centred {method}", found or centred_reply(embeddings, method))
-    return kept
+        return kept_reply(resources.where.embeddings, embeddings, method) or centred_reply(embeddings, method)
+
+    return resources.results.once(f"centred {method}", made)
 
 
 def pairs(resources: Resources) -> dict[str, list[str]]:
@@ -191,8 +182,3 @@ def mechanism(resources: Resources) -> dict[str, Any]:
 def place(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     """Return the positions of a pair and its tree nodes on a map; see `app.map_place`."""
     return map_place.place(resources, question, kept_features)
-
-
-def build() -> None:
-    """Lay the tab out."""
-    component("explore")

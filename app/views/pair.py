@@ -4,12 +4,12 @@ import base64
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from app.components import component
 from app.familiar import predict_one
 from app.pair_input import embedded, refs_from, rounded
 from app.resources import Resources
 from app.state import order_from
 from app.teaching import head_for
+from omnivat.data.domains import is_simulated
 from omnivat.errors import DataError
 
 if TYPE_CHECKING:
@@ -24,6 +24,14 @@ READINGS = ("fused", "vis", "tac")  # both, photo only, touch only
 STOPS = tuple(k / 100 for k in range(101))
 MOST_AT_ONCE = 25  # pairs of one request; a page with more sends several
 COLUMNS = 256  # columns of the spectrum; each shows the maximum of its entries
+
+
+def gallery(resources: Resources) -> list[dict[str, Any]]:
+    """Return the examples to choose from."""
+    return [
+        {"name": name, "domain": one.domain, "class": one.material, "simulated": is_simulated(one.domain)}
+        for name, one in resources.examples().items()
+    ]
 
 
 def predicted(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
@@ -169,8 +177,3 @@ def spectrum(magnitudes: "np.ndarray[Any, Any]") -> dict[str, Any]:
         "top": top,
         "pixels": base64.b64encode(pixels.tobytes()).decode(),
     }
-
-
-def build() -> None:
-    """Lay the tab out."""
-    component("pair")

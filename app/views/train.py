@@ -1,10 +1,3 @@
-"""Train here: choose settings, watch a head learn, use it."""
-
-from app.components import component
+"""Train here: choose settings, watch a head learn, use it. `app.training` does the work."""
 
 TITLE = "Train here"
-
-
-def build() -> None:
-    """Lay the tab out. `app.training` does the work."""
-    component("train")

@@ -3,10 +3,10 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from app.components import component
 from app.pair_input import embedded, refs_from, rounded
 from app.resources import Resources
 from app.state import order_from
+from app.training_plan import thinned
 from omnivat.errors import DataError
 
 if TYPE_CHECKING:
@@ -63,22 +63,18 @@ def votes(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     question  {"head": name of a comparison head, the first one if left out}
     return    {"votes": [{"class", "share"}, …], "pairs": number of pairs}
     """
-    import numpy as np
-
     from omnivat.nodes import node_votes
 
     name = question.get("head") or ""
     head, embeddings = resources.head_named(name), resources.embeddings()
-    key = f"votes {name}"
-    kept = resources.results.get(key)
-    if kept is None:
-        if len(embeddings) > MOST_PAIRS:
-            places = np.linspace(0, len(embeddings) - 1, MOST_PAIRS).astype(np.int64)
-            embeddings = embeddings.select(places)
-        found = node_votes(head, embeddings)
-        records = [{"class": one.label, "share": round(one.share, 4)} for one in found]
-        kept = resources.results.keep(key, {"votes": records, "pairs": len(embeddings)})
-    return kept
+
+    def counted() -> dict[str, Any]:
+        few = len(embeddings) <= MOST_PAIRS
+        some = embeddings if few else embeddings.select(thinned(len(embeddings), MOST_PAIRS))
+        votes = [{"class": one.label, "share": round(one.share, 4)} for one in node_votes(head, some)]
+        return {"votes": votes, "pairs": len(some)}
+
+    return resources.results.once(f"votes {name}", counted)
 
 
 def _pairs(
@@ -124,8 +120,3 @@ def layer_records(facts: "TreeFacts") -> list[dict[str, Any]]:
         {"nodes": list(level.nodes), "cosines": rounded(level.cosines.numpy()), "nod": round(level.nod, 5)}
         for level in facts.levels
     ]
-
-
-def build() -> None:
-    """Lay the tab out."""
-    component("tree")

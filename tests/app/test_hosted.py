@@ -13,8 +13,7 @@ from urllib.request import Request, urlopen
 
 import pytest
 
-from app import hosted
-from app.server import parser
+from app.preflight import keeps_nothing, parser
 
 ROOT = Path(__file__).resolve().parents[2]
 SPACE = {
@@ -53,7 +52,7 @@ def test_a_service_says_where_to_listen_and_by_which_name_it_calls():
     assert chosen.allow_host == ["me-demo.example"]
     assert chosen.allow_framing
     assert chosen.no_browser
-    assert hosted.keeps_nothing(SPACE)
+    assert keeps_nothing(SPACE)
 
 
 def test_arguments_are_above_the_environment():
@@ -65,8 +64,8 @@ def test_arguments_are_above_the_environment():
 def test_without_a_service_nothing_is_open():
     chosen = parser({}).parse_args([])
     assert (chosen.host, chosen.port, chosen.allow_host) == ("127.0.0.1", None, [])
-    assert not (chosen.allow_framing or chosen.no_browser or hosted.keeps_nothing({}))
-    assert not hosted.keeps_nothing({**SPACE, "OMNIVAT_CACHE": "/data"})
+    assert not (chosen.allow_framing or chosen.no_browser or keeps_nothing({}))
+    assert not keeps_nothing({**SPACE, "OMNIVAT_CACHE": "/data"})
 
 
 def test_a_port_that_is_none_is_refused(capsys):

@@ -10,7 +10,8 @@ from urllib.request import urlopen
 
 import pytest
 
-from app.server import main, parser
+from app.preflight import parser
+from app.server import main
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from app.server import parser
+from app.preflight import parser
 from app.views import VIEWS
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -15,9 +15,10 @@ ROOT = Path(__file__).resolve().parents[2]
 FIRST_PAGE = """
 import os, sys, urllib.request
 os.environ["GRADIO_ANALYTICS_ENABLED"] = "False"
-from app.server import build, launch, parser
 from app.places import places
+from app.preflight import parser
 from app.resources import Resources
+from app.server import build, launch
 resources = Resources(places())
 page = build()
 _, address, _ = launch(page, resources, parser().parse_args(["--no-browser"]), prevent_thread_lock=True, quiet=True)

@@ -38,7 +38,7 @@ def until_ended(trainings, run, seconds=60):
 
 def test_a_training_is_watched_to_its_end_and_its_head_is_loaded_and_saved(sets, tmp_path):
     trainings = Trainings(sets)
-    started = trainings.start(sets.first, SMALL, "")
+    started = trainings.start(sets.first, SMALL)
     assert started["total"] == 5
     assert len(started["domain"]) == len(started["label"]) == 80
     state = until_ended(trainings, started["run"])
@@ -58,29 +58,29 @@ def test_a_training_is_watched_to_its_end_and_its_head_is_loaded_and_saved(sets,
 def test_every_step_of_a_training_gives_way_to_requests(sets, monkeypatch):
     ways = []
     monkeypatch.setattr("app.jobs.Job.give_way", lambda job: ways.append(job))
-    until_ended(trainings := Trainings(sets), trainings.start(sets.first, SMALL, "")["run"])
+    until_ended(trainings := Trainings(sets), trainings.start(sets.first, SMALL)["run"])
     assert len(ways) >= SMALL["epochs"]
 
 
 def test_only_new_epochs_are_sent(sets):
     trainings = Trainings(sets)
-    run = trainings.start(sets.first, SMALL, "")["run"]
+    run = trainings.start(sets.first, SMALL)["run"]
     until_ended(trainings, run)
     assert [one["epoch"] for one in trainings.state({"run": run, "since": 3})["epochs"]] == [4, 5]
 
 
 def test_one_training_runs_and_the_next_visitor_is_told_the_place(sets):
     trainings = Trainings(sets)
-    first = trainings.start(sets.first, {**SMALL, "epochs": 100}, "")["run"]
-    second = trainings.start(sets.first, {**SMALL, "visitor": "bob"}, "")["run"]
+    first = trainings.start(sets.first, {**SMALL, "epochs": 100})["run"]
+    second = trainings.start(sets.first, {**SMALL, "visitor": "bob"})["run"]
     state = trainings.state({"run": second})
     assert (state["state"], state["place"]) == ("waiting", 1)
     with pytest.raises(DataError, match="still runs or waits; cancel it first"):
-        trainings.start(sets.first, SMALL, "")
+        trainings.start(sets.first, SMALL)
     trainings.cancel({"run": first})
     assert until_ended(trainings, first)["state"] == "cancelled"
     assert until_ended(trainings, second)["state"] == "done"
-    again = trainings.start(sets.first, SMALL, "")["run"]
+    again = trainings.start(sets.first, SMALL)["run"]
     assert until_ended(trainings, again)["state"] == "done"
 
 
@@ -143,7 +143,7 @@ def test_a_training_that_is_not_there_is_told_so(sets):
     with pytest.raises(ForgottenError, match="no longer has this training"):
         trainings.state({"run": "nothing"})
     with pytest.raises(DataError, match="visitor has to be a short name"):
-        trainings.start(sets.first, {**SMALL, "visitor": None}, "")
+        trainings.start(sets.first, {**SMALL, "visitor": None})
 
 
 def test_a_map_keeps_its_places_within_a_step_of_its_grid():

@@ -6,6 +6,7 @@ import pytest
 
 from app import training
 from app.messages import BusyError
+from app.state import VISITOR
 from app.training import Trainings
 from app.visitor_sets import VisitorSets
 from omnivat.errors import DataError
@@ -20,9 +21,11 @@ def queue(resources):
     trainings = Trainings(sets)
 
     def start(name, address=""):
-        return trainings.start(sets.first, {**LONG, "visitor": name}, "", address)["run"]
+        VISITOR.set(address)
+        return trainings.start(sets.first, {**LONG, "visitor": name})["run"]
 
     yield trainings, start
+    VISITOR.set("")
     sets.shared.close()
 
 

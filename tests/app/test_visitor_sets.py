@@ -14,7 +14,7 @@ from app.limits import PARTS
 from app.messages import BusyError
 from app.requests import visitor_of
 from app.routes import routes
-from app.state import ForgottenError
+from app.state import VISITOR, ForgottenError
 from app.visitor_sets import VisitorSets
 from omnivat.data.store import load_embeddings, save_embeddings
 from omnivat.errors import DataError
@@ -121,7 +121,11 @@ def load_one(sets, folder, number, beside="", visitor="", compare=False):
     for name, file in head_files(folder).items():
         content = file.read_bytes() + b" " * (number if name == "metrics.json" else 0)
         parts[name] = asyncio.run(sets.keep_part(name, blocks(content, 1), visitor))
-    return sets.load(parts, beside=beside, compare=compare, visitor=visitor)
+    VISITOR.set(visitor)
+    try:
+        return sets.load(parts, beside=beside, compare=compare)
+    finally:
+        VISITOR.set("")
 
 
 def test_ten_heads_are_compared_and_a_load_never_reports_a_set_that_is_gone(resources, small_places, monkeypatch):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from app.examples import find_examples
+from app.places import find_examples
 from benchmarks.simulated_sheet import GAP, LEFT, TILE, TOP, sheet, two_of
 from omnivat.data.domains import DOMAINS, simulated
 from omnivat.data.pairs import Pair, PairSet
