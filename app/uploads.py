@@ -7,13 +7,13 @@ from typing import Any
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 
-from app.camera import live
 from app.jobs import Job
 from app.limits import MAX_IMAGE_BYTES, PARTS
 from app.messages import Handler, refusal
-from app.occlusion import occlusion
+from app.pictures import Sent, live, occlusion
 from app.request_work import done, received
 from app.requests import blocks, desk_name, file_name, number_from, preview, question_of, visitor_of
+from app.resources import Resources
 from app.sensor import load_sensor
 from app.state import order_from, ref_from
 from app.visitor_sets import VisitorSets
@@ -46,7 +46,9 @@ async def take_image(sets: VisitorSets, request: Request) -> Response:
         return JSONResponse(await done(request, sets.shared.jobs, taken, priority=SENT))
 
 
-async def of_image(work: Callable[..., dict[str, Any]], priority: int, sets: VisitorSets, request: Request) -> Response:
+async def of_image(
+    work: Callable[[Resources, Sent], dict[str, Any]], priority: int, sets: VisitorSets, request: Request
+) -> Response:
     """Run `work` on an uploaded image that is not kept, with the parameters of the address."""
     query = request.query_params
     resources = sets.named(desk_name(request))
@@ -63,7 +65,7 @@ async def of_image(work: Callable[..., dict[str, Any]], priority: int, sets: Vis
     async with received(request, sets.shared.scratch, MAX_IMAGE_BYTES, "The image") as file:
 
         def computed(job: Job[dict[str, Any]]) -> dict[str, Any]:
-            return work(resources, file, check=job.check, **known)
+            return work(resources, Sent(content=file, check=job.check, **known))
 
         jobs = sets.shared.jobs
         return JSONResponse(await done(request, jobs, computed, priority=priority))

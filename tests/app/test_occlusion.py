@@ -8,7 +8,7 @@ import pytest
 import torch
 from PIL import Image
 
-from app.occlusion import CELLS, PATCH, hidden, occlusion, over_cells
+from app.pictures import CELLS, PATCH, Sent, hidden, occlusion, over_cells
 from app.state import Ref
 from omnivat.errors import DataError
 
@@ -63,12 +63,12 @@ def test_a_prediction_from_the_upper_right_falls_there_and_nowhere_else(monkeypa
 
     settings = SimpleNamespace(classes=("bright", "dark"))
     head = SimpleNamespace(model=model, settings=settings)
-    monkeypatch.setattr("app.occlusion.head_taught", lambda resources, taught: head)
+    monkeypatch.setattr("app.pictures.head_taught", lambda resources, taught: head)
     monkeypatch.setattr("omnivat.encoders.base.for_modality", lambda encoder, name: encoder)
     image = Image.new("RGB", (70, 70), "black")
     image.paste("white", (50, 0, 60, 10))
     resources = SimpleNamespace(picture=lambda *given: SimpleNamespace(image=image), encoder=Encoder)
-    found = occlusion(resources, b"", modality="vis", other=None, order=None)
+    found = occlusion(resources, Sent(content=b"", modality="vis"))
     drops = found["drops"]
     assert found["class"] == "bright"
     assert drops[0][5] == max(max(row) for row in drops) > 0.4
@@ -78,16 +78,16 @@ def test_a_prediction_from_the_upper_right_falls_there_and_nowhere_else(monkeypa
 def test_an_image_of_one_colour_has_nothing_to_hide(resources):
     with BytesIO() as handle:
         Image.new("RGB", (32, 32), "gray").save(handle, "PNG")
-        found = occlusion(resources, handle.getvalue(), modality="tac", other=Ref("row", "3"), order=None)
+        found = occlusion(resources, Sent(content=handle.getvalue(), modality="tac", other=Ref("row", "3")))
     assert max(abs(drop) for row in found["drops"] for drop in row) < 1e-6
     assert found["class"] in resources.head().settings.classes
 
 
 def test_hiding_parts_of_a_varied_image_changes_the_answer(resources, png):
-    found = occlusion(resources, png(), modality="vis", other=None, order=0.5)
+    found = occlusion(resources, Sent(content=png(), modality="vis", order=0.5))
     assert max(abs(drop) for row in found["drops"] for drop in row) > 1e-5
 
 
 def test_another_modality_is_refused(resources, png):
     with pytest.raises(DataError, match="it is vis or tac"):
-        occlusion(resources, png(), modality="lang", other=None, order=None)
+        occlusion(resources, Sent(content=png(), modality="lang"))

@@ -2,11 +2,11 @@
 
 import io
 import zipfile
+from dataclasses import replace
 
 import pytest
 
-from app.camera import live
-from app.occlusion import occlusion
+from app.pictures import Sent, live, occlusion
 from app.state import ForgottenError, Ref
 from app.teaching import MOST_LESSONS, head_for, head_taught, own_set, save_set, save_taught, taught_name, teach
 from app.views.pair import predicted
@@ -78,10 +78,10 @@ def test_nothing_is_saved_where_there_is_nothing(resources):
 
 @pytest.mark.parametrize("of_image", [occlusion, live])
 def test_requests_with_an_image_use_the_taught_head_as_the_headline_does(resources, png, of_image):
-    given = {"modality": "vis", "other": Ref("row", "40"), "order": None}
+    sent = Sent(content=png(), modality="vis", other=Ref("row", "40"))
     lessons = [{**one, "label": "cork"} for one in LESSONS]
     name = taught_name(resources, {"lessons": lessons})["taught"]
-    plain, own = (of_image(resources, png(), **given), of_image(resources, png(), **given, taught=name))
+    plain, own = (of_image(resources, one) for one in (sent, replace(sent, taught=name)))
     said = [one.get("class") or one["classes"][-1] for one in (plain, own)]
     assert said[0] != "cork"
     assert said[1] == "cork"

@@ -11,7 +11,8 @@ import torch
 pytest.importorskip("onnx", reason="the extra [onnx] is not installed")
 pytest.importorskip("onnxscript", reason="the extra [onnx] is not installed")
 
-from app import camera, familiar, occlusion, sensor, teaching
+from app import familiar, sensor, teaching
+from app.pictures import Sent, live, occlusion
 from app.places import places, shipped_places
 from app.resources import Resources
 from app.site import whole_files
@@ -163,8 +164,8 @@ def test_every_route_of_try_a_pair_replies_as_the_server_does(both, tmp_path):
 
     content = examples[1].file("tac").read_bytes()
     found = both.browser("live", content, "modality=tac")
-    wanted = camera.live(resources, content, modality="tac", other=None, order=None)
+    wanted = live(resources, Sent(content=content, modality="tac"))
     near(found["readings"], wanted["readings"])
     found = both.browser("occlusion", content, "modality=tac")
-    wanted = occlusion.occlusion(resources, content, modality="tac", other=None, order=None)
+    wanted = occlusion(resources, Sent(content=content, modality="tac"))
     near({k: found[k] for k in ("class", "drops")}, {k: wanted[k] for k in ("class", "drops")}, 0.01)
