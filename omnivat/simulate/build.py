@@ -2,8 +2,6 @@
 
 A few pairs of a set can be copied as small examples."""
 
-import csv
-import io
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from functools import partial
@@ -18,12 +16,12 @@ from omnivat.data.images import read_image
 from omnivat.data.pairs import Pair, PairSet
 from omnivat.data.rest import REST
 from omnivat.errors import DataError
-from omnivat.files import replacing, write_text
+from omnivat.files import replacing
 from omnivat.progress import OnStep, Step, ignore
 from omnivat.simulate.domains import NUMBERS, SIMULATED, SimulatedDomain
 from omnivat.simulate.drawing import resting
 from omnivat.simulate.noise import Array
-from omnivat.simulate.plan import PAIRS, Planned, classes, planned
+from omnivat.simulate.plan import PAIRS, Planned, classes, planned, write_table
 from omnivat.tables import load, unknown
 from omnivat.threads import in_processes
 
@@ -70,8 +68,6 @@ def spread(things: list[Pair], count: int) -> list[Pair]:
     return [things[(2 * index + 1) * len(things) // (2 * count)] for index in range(count)]
 
 
-_NAMES = ("object", "split", "part", "looks_like", "feels_like")
-COLUMNS = ("vis", "tac", "domain", "material", *_NAMES)
 RENDERERS = {"mitsuba": "omnivat.simulate.vision:rendered", "plain": "omnivat.simulate.photograph:plain"}
 
 
@@ -107,7 +103,8 @@ def simulate(
         raise DataError(f"Images of {size} pixels are too small to show a touch; ask for 32 or more.")
     # Alternate between classes, so that an interrupted build has a mixed sample.
     todo = sorted(
-        (pair for pair in plan if not _is_done(out, pair, size)), key=lambda pair: int(pair.object.rsplit("-", 1)[1])
+        (pair for pair in plan if not all(_is_whole(_path(out, pair, kind), size) for kind in ("vis", "tac"))),
+        key=lambda pair: int(pair.object.rsplit("-", 1)[1]),
     )
     done = len(plan) - len(todo)
     on_step(Step(done=done, total=len(plan), text="already there"))
@@ -118,12 +115,9 @@ def simulate(
         on_step(Step(done=done, total=len(plan), text=f"{pair.folder()}/{pair.stem}"))
     for name, made in {pair.domain: pair.made for pair in plan}.items():
         _write(out / simulated(name) / REST, resting(made.sensor, size=size))
-    write_text(out / "pairs.csv", _table(plan))
-    return PairSet(
-        pairs=tuple(_pair(out, pair) for pair in plan),
-        origin=f"simulated by omnivat, seed {seed}, {renderer} renderer",
-        simulated=True,
-    )
+    pairs = tuple(_pair(out, pair) for pair in plan)
+    write_table(out, pairs)
+    return PairSet(pairs=pairs, origin=f"simulated by omnivat, seed {seed}, {renderer} renderer", simulated=True)
 
 
 def draw_to(pair: Planned, *, out: Path, seed: int, size: int, renderer: str) -> Planned:
@@ -157,10 +151,6 @@ def _path(out: Path, pair: Planned, kind: str) -> Path:
     return out / pair.folder() / f"{pair.stem}_{kind}.png"
 
 
-def _is_done(out: Path, pair: Planned, size: int) -> bool:
-    return all(_is_whole(_path(out, pair, kind), size) for kind in ("vis", "tac"))
-
-
 def _is_whole(path: Path, size: int) -> bool:
     """True if a file decodes to an image of the right size."""
     try:
@@ -183,18 +173,5 @@ def _pair(out: Path, pair: Planned) -> Pair:
         tac=_path(out, pair, "tac"),
         domain=simulated(pair.domain),
         material=pair.material,
-        **{name: getattr(pair, name) for name in _NAMES},
+        **{name: getattr(pair, name) for name in ("object", "split", "part", "looks_like", "feels_like")},
     )
-
-
-def _table(plan: Sequence[Planned]) -> str:
-    """Return the text of pairs.csv, with paths relative to the set."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(COLUMNS)
-    for pair in plan:
-        stem = f"{pair.folder()}/{pair.stem}"
-        names = [getattr(pair, name) for name in _NAMES]
-        place = (f"{stem}_vis.png", f"{stem}_tac.png", simulated(pair.domain), pair.material)
-        writer.writerow((*place, *names))
-    return text.getvalue()

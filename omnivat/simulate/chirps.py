@@ -3,8 +3,6 @@
 A class is a spike at order p*, interference is spikes at other orders. On disk, a set is two
 pictures of stripes for each pair, and pairs.csv."""
 
-import csv
-import io
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
@@ -21,10 +19,11 @@ from omnivat.data.pairs import Pair, PairSet
 from omnivat.data.store import ROW_NAMES
 from omnivat.data.strips import ENCODER, PREPROCESSING, READER, STRIPES, strip_picture
 from omnivat.errors import SettingsError
-from omnivat.files import replacing, require_writable, write_text
+from omnivat.files import replacing, require_writable
 from omnivat.fractional import dfrft
 from omnivat.progress import OnStep, Step, ignore
 from omnivat.seeding import derive_seed
+from omnivat.simulate.plan import write_table
 from omnivat.stages import IMAGES
 
 MOST_DOMAINS = 8
@@ -218,30 +217,12 @@ def write_chirps(out: Path, settings: ChirpSettings, *, pictures: bool = True, o
     made = chirp_embeddings(settings)
     for row in range(len(made)):
         for name in IMAGES:
-            _write(out / made.rows[name][row], getattr(made, name)[row])
+            with replacing(out / made.rows[name][row]) as temporary:
+                strip_picture(getattr(made, name)[row]).save(temporary, format="PNG")
         on_step(Step(done=row + 1, total=len(made), text=made.rows["object"][row]))
-    write_text(out / "pairs.csv", pairs_table(made))
-    return PairSet(
-        pairs=tuple(_pair(out, made, row) for row in range(len(made))), origin=origin(settings), simulated=True
-    )
-
-
-def pairs_table(made: Embeddings) -> str:
-    """Return pairs.csv of a set: paths relative to its folder."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(COLUMNS)
-    for row in range(len(made)):
-        names = {name: column[row] for name, column in made.rows.items()}
-        names["domain"] = made.header.domains[made.domain[row]]
-        names["material"] = made.header.classes[made.label[row]]
-        writer.writerow([names[column] for column in COLUMNS])
-    return text.getvalue()
-
-
-def _write(path: Path, signal: "np.ndarray[tuple[int], np.dtype[np.float32]]") -> None:
-    with replacing(path) as temporary:
-        strip_picture(signal).save(temporary, format="PNG")
+    pairs = tuple(_pair(out, made, row) for row in range(len(made)))
+    write_table(out, pairs, COLUMNS)
+    return PairSet(pairs=pairs, origin=origin(settings), simulated=True)
 
 
 def _pair(out: Path, made: Embeddings, row: int) -> Pair:

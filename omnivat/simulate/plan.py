@@ -1,11 +1,18 @@
-"""The plan of a simulated set: names, objects, splits and imitations."""
+"""The plan of a simulated set: names, objects, splits and imitations; and the table of its pairs."""
 
+import csv
+import io
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 from omnivat.data.domains import simulated
 from omnivat.data.materials import MATERIALS
+from omnivat.data.pairs import Pair
+from omnivat.files import write_text
 from omnivat.simulate.domains import SimulatedDomain
 
+COLUMNS = ("vis", "tac", "domain", "material", "object", "split", "part", "looks_like", "feels_like")
 PAIRS = 60  # of each class of each domain in the shipped set
 TEST_EVERY = 3  # one object of three is a test object
 LOOK_ALIKES = 0.25  # of the objects imitate another class by sight
@@ -51,24 +58,28 @@ def planned(domain: SimulatedDomain, material: str, *, pairs: int) -> list[Plann
         for index in range(pairs)
     ]
     numbers = {place: domain.seed_base + rank for rank, place in enumerate(sorted(places))}
-    return [_pair(domain, material, place, numbers[place]) for place in places]
+    return [_planned(domain, material, place, numbers[place]) for place in places]
 
 
-def _pair(domain: SimulatedDomain, material: str, place: tuple[str, str, int], number: int) -> Planned:
+def _planned(domain: SimulatedDomain, material: str, place: tuple[str, str, int], number: int) -> Planned:
     split, part, index = place
     name = f"{material}-{index:02d}"
-    looks_like, feels_like = imitated(domain, material, number)
+    looks, feels = imitated(domain, material, number)
     return Planned(
-        made=domain,
-        material=material,
-        object=f"{simulated(domain.name)}/{name}",
-        number=number,
-        split=split,
-        part=part,
-        stem=name,
-        looks_like=looks_like,
-        feels_like=feels_like,
-    )
+        made=domain, material=material, object=f"{simulated(domain.name)}/{name}", number=number, split=split,
+        part=part, stem=name, looks_like=looks, feels_like=feels,
+    )  # fmt: skip
+
+
+def write_table(out: Path, pairs: Iterable[Pair], columns: Sequence[str] = COLUMNS) -> None:
+    """Write `<out>/pairs.csv`, with paths relative to the set."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    for pair in pairs:
+        files = {name: getattr(pair, name).relative_to(out).as_posix() for name in ("vis", "tac")}
+        writer.writerow(files.get(name) or getattr(pair, name) for name in columns)
+    write_text(out / "pairs.csv", text.getvalue())
 
 
 def imitated(domain: SimulatedDomain, material: str, number: int) -> tuple[str, str]:

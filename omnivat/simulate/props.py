@@ -94,9 +94,7 @@ def _ball(
     matrix = np.eye(4)
     matrix[:3, :3] = np.stack([way * long for way, long in (one, two, three)], axis=1)
     matrix[:3, 3] = middle
-    return {
-        "type": "sphere", "to_world": mi.ScalarTransform4f(matrix), "bsdf": _plastic(colour),
-    }  # fmt: skip
+    return {"type": "sphere", "to_world": mi.ScalarTransform4f(matrix), "bsdf": _plastic(colour)}
 
 
 def _plastic(colour: Colour) -> dict[str, Any]:

@@ -96,8 +96,7 @@ def material(mi: Any, thing: Thing, texture: Texture) -> dict[str, Any]:
     along, across = (float(np.clip(np.hypot(sight.roughness, slope), 0.015, 0.6)) for slope in texture.slopes)
     if sight.gloss == "glass":
         alpha = (along + across) / 2
-        kind = {"type": "dielectric"} if alpha < 0.03 else {
-            "type": "roughdielectric", "alpha": alpha}  # fmt: skip
+        kind = {"type": "dielectric"} if alpha < 0.03 else {"type": "roughdielectric", "alpha": alpha}
         clear = bitmap(mi, np.sqrt(texture.colour))  # two walls, two faces each
         return kind | {"int_ior": 1.5, "specular_transmittance": clear}
     colour = bitmap(mi, texture.colour)

@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from omnivat.seeding import derive_seed
-from omnivat.simulate.noise import Array
 from omnivat.simulate.plan import EMBOSSED, OTHER_SHAPE, Planned
 from omnivat.simulate.shapes import KINDS, OBJECTS, PARTS, Solid, Spot, kind_of, made_of, spot
 from omnivat.simulate.shapes.spots import contact_height
@@ -27,9 +26,9 @@ def touch_surface(pair: Planned, *, seed: int) -> Surface:
     rng = np.random.default_rng(derive_seed(seed, "skin", pair.material, pair.number))
     if pair.feels_like:
         maker = SMOOTH[pair.feels_like][0]
-        smooth = maker(rng)
+        own = maker(rng)
         spend(pair.feels_like, rng)
-        return skinned(smooth, pair.feels_like, maker, rng)
+        return skinned(own, pair.feels_like, maker, rng)
     maker = recipe(pair.material, pair.number, seed=seed)
     own = surface(pair.material, pair.number, seed=seed)
     return skinned(own, pair.material, maker, rng)
@@ -81,16 +80,13 @@ class Thing:
 def thing(pair: Planned, *, seed: int) -> Thing:
     """Return the object of a planned pair; the same seed and pair give the same object."""
     rng = np.random.default_rng(derive_seed(seed, "thing", pair.domain, pair.material, pair.number))
-    own = surface(pair.material, pair.number, seed=seed)
-    seen = own
-    if pair.looks_like:
-        seen = printed(surface(pair.looks_like, pair.number + _IMITATOR, seed=seed))
-    solid = _shape(pair, rng)
+    seen = surface(pair.looks_like or pair.material, pair.number + _IMITATOR * bool(pair.looks_like), seed=seed)
+    kind, solid = _shape(pair, rng)
     return Thing(
         solid=solid,
-        sight=seen,
+        sight=printed(seen) if pair.looks_like else seen,
         touch=touch_surface(pair, seed=seed),
-        spot=touched_spot(solid, rng, edges=solid.name not in _WIDE),
+        spot=touched_spot(solid, rng, edges=kind not in _WIDE),
         material=pair.material,
         looks_like=pair.looks_like,
         feels_like=pair.feels_like,
@@ -99,20 +95,17 @@ def thing(pair: Planned, *, seed: int) -> Thing:
 
 def printed(original: Surface) -> Surface:
     """Return a surface as a print or a coat: the same picture, with less relief."""
-
-    def relief(x: Array, y: Array) -> Array:
-        return EMBOSSED * original.relief(x, y)
-
-    return replace(original, relief=relief)
+    return replace(original, relief=EMBOSSED * original.relief)
 
 
-def _shape(pair: Planned, rng: np.random.Generator) -> Solid:
-    """Return the solid: mostly of the class that the object looks like."""
+def _shape(pair: Planned, rng: np.random.Generator) -> tuple[str, Solid]:
+    """Return the name of the shape and the solid: mostly of the class that the object looks like."""
     imitates = bool(pair.looks_like) and rng.random() < OTHER_SHAPE
     material = pair.looks_like if imitates else pair.material
     outside = rng.random() < pair.made.scene.parts
     weights = (PARTS if outside else OBJECTS)[material]
-    return KINDS[kind_of(weights, rng)](rng, made_of(pair.material, rng))
+    kind = kind_of(weights, rng)
+    return kind, KINDS[kind](rng, made_of(pair.material, rng))
 
 
 def is_outdoors(pair: Planned, rng: np.random.Generator) -> bool:

@@ -73,12 +73,9 @@ def _camera(mi: Any, framing: Framing, size: int, samples: int) -> dict[str, Any
         "type": "perspective",
         "fov": float(np.rad2deg(framing.lens)),
         "to_world": view,
-        "film": {
-            "type": "hdrfilm", "width": size, "height": size, "pixel_format": "rgb",
-            "rfilter": {"type": "box"},
-        },
+        "film": {"type": "hdrfilm", "width": size, "height": size, "pixel_format": "rgb", "rfilter": {"type": "box"}},
         "sampler": {"type": "independent", "sample_count": samples},
-    }  # fmt: skip
+    }
 
 
 def _light(mi: Any, framing: Framing, *, clear: bool) -> dict[str, Any]:

@@ -51,7 +51,7 @@ PARTS: dict[str, dict[str, float]] = {  # what is met indoors and outdoors, by w
     "plastic": {"panel": 2, "seat": 3, "box": 2, "bench": 1, "post": 1, "floor": 1, "bottle": 1, "tray": 2},
     "ceramic": {"floor": 3, "panel": 2, "brick": 2, "vase": 3, "tile": 2, "plate": 1, "bowl": 1},
     "glass": {"panel": 4, "floor": 1, "bottle": 2, "vase": 2, "bowl": 1, "tumbler": 1},
-}  # fmt: skip
+}
 
 
 def kind_of(weights: dict[str, float], rng: np.random.Generator) -> str:

@@ -41,7 +41,7 @@ def _dense(points: Array) -> Array:
     return np.concatenate([*pieces, points[-1:]])
 
 
-def turned(profile: Profile, *, name: str, power: float = 2.0, oblong: float = 1.0) -> Solid:
+def turned(profile: Profile, *, power: float = 2.0, oblong: float = 1.0) -> Solid:
     """Return a solid of revolution; the profile runs from the axis below to the axis above.
 
     power   2 gives a round plan; 8 almost a square
@@ -59,10 +59,10 @@ def turned(profile: Profile, *, name: str, power: float = 2.0, oblong: float = 1
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
     u = np.repeat((angle * 0.8 * radius.max())[None], len(line), 0)
     v = np.repeat(along[:, None], len(angle), 1)
-    return grid(points, np.stack([u, v], axis=-1), name=name)
+    return grid(points, np.stack([u, v], axis=-1))
 
 
-def swept(path: Array, half: Array, *, name: str, power: float = 2.0) -> Solid:
+def swept(path: Array, half: Array, *, power: float = 2.0) -> Solid:
     """Return a closed bar along a path.
 
     path   (N, 3) mm
@@ -85,7 +85,7 @@ def swept(path: Array, half: Array, *, name: str, power: float = 2.0) -> Solid:
     points = path[:, None] + across + thick[..., None] * (plan * sin)[None, :, None] * up[:, None]
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
     v = angle[None] * np.maximum(half.mean(1), 0.5)[:, None]
-    return grid(points, np.stack([np.repeat(along[:, None], 33, 1), v], axis=-1), name=name)
+    return grid(points, np.stack([np.repeat(along[:, None], 33, 1), v], axis=-1))
 
 
 def _ends(count: int) -> Array:
@@ -96,17 +96,17 @@ def _ends(count: int) -> Array:
     return ends
 
 
-def bar(start: Sequence[float], end: Sequence[float], half: Point, *, name: str, power: float = 4.0) -> Solid:
+def bar(start: Sequence[float], end: Sequence[float], half: Point, *, power: float = 4.0) -> Solid:
     """Return a straight bar with rounded ends; `half` is half of its width and thickness, mm."""
     a, b = np.asarray(start, dtype=np.float64), np.asarray(end, dtype=np.float64)
     length = float(np.linalg.norm(b - a))
     step = min(0.3 * min(half), 0.2 * length) / length
     t = np.concatenate([[0.0, step], np.linspace(2.5 * step, 1 - 2.5 * step, 12), [1 - step, 1.0]])
     path = a + t[:, None] * (b - a)
-    return swept(path, np.repeat([half], len(t), 0), name=name, power=power)
+    return swept(path, np.repeat([half], len(t), 0), power=power)
 
 
-def block(size: Sequence[float], *, bevel: float, name: str) -> Solid:
+def block(size: Sequence[float], *, bevel: float) -> Solid:
     """Return a box of `size` (length, width, height) mm whose edges are rounded by `bevel` mm."""
     half = np.asarray(size, dtype=np.float64) / 2
     bevel = min(bevel, 0.45 * 2 * float(half.min()))
@@ -130,13 +130,13 @@ def block(size: Sequence[float], *, bevel: float, name: str) -> Solid:
         axis=-1,
     )
     points = signs * (half - bevel) + bevel * way
-    hull = grid(points, np.zeros((*points.shape[:2], 2)), name=name)
-    return sawn(joined(name, hull, _lid(points[-1], name), _lid(points[0][::-1], name)))
+    hull = grid(points, np.zeros((*points.shape[:2], 2)))
+    return sawn(joined(hull, _lid(points[-1]), _lid(points[0][::-1])))
 
 
-def _lid(rim: Array, name: str) -> Solid:
+def _lid(rim: Array) -> Solid:
     """Return the flat face inside a closed rim (N, 3) that runs anticlockwise seen from outside."""
     vertices = np.concatenate([rim, rim.mean(0, keepdims=True)])
     index = np.arange(len(rim))
     faces = np.stack([index, np.roll(index, -1), np.full(len(rim), len(rim))], axis=1)
-    return Solid(vertices=vertices, faces=faces, uv=np.zeros((len(vertices), 2)), name=name)
+    return Solid(vertices=vertices, faces=faces, uv=np.zeros((len(vertices), 2)))

@@ -1,7 +1,7 @@
 """Solids: their walls and edges by material, and ways to make, move and join them."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,7 +47,6 @@ class Solid:
     vertices: Array
     faces: Faces
     uv: Array
-    name: str
 
     def normals(self) -> Array:
         """Return unit normals (V, 3), outwards: the mean of the faces that meet, by area."""
@@ -62,31 +61,22 @@ class Solid:
         return np.asarray(normal / np.maximum(np.linalg.norm(normal, axis=1), 1e-12)[:, None])
 
 
-def joined(name: str, *parts: Solid) -> Solid:
+def joined(*parts: Solid) -> Solid:
     """Return several solids as one; each keeps its coordinates on the pattern."""
     starts = np.cumsum([0, *(len(part.vertices) for part in parts)])
     return Solid(
         vertices=np.concatenate([part.vertices for part in parts]),
         faces=np.concatenate([p.faces + s for p, s in zip(parts, starts, strict=False)]),
         uv=np.concatenate([part.uv for part in parts]),
-        name=name,
     )
 
 
-def placed(
-    solid: Solid,
-    *,
-    at: Sequence[float] = (0.0, 0.0, 0.0),
-    stretch: Sequence[float] = (1.0, 1.0, 1.0),
-    turn: float = 0.0,
-    roll: float = 0.0,
-) -> Solid:
-    """Return the solid stretched, rolled about x, turned about z (rad), then moved by `at` mm."""
-    x, y, z = (solid.vertices * np.asarray(stretch)).T
+def placed(solid: Solid, *, at: Sequence[float] = (0.0, 0.0, 0.0), turn: float = 0.0, roll: float = 0.0) -> Solid:
+    """Return the solid rolled about x, turned about z (rad), then moved by `at` mm."""
+    x, y, z = solid.vertices.T
     y, z = y * np.cos(roll) - z * np.sin(roll), y * np.sin(roll) + z * np.cos(roll)
     x, y = x * np.cos(turn) - y * np.sin(turn), x * np.sin(turn) + y * np.cos(turn)
-    vertices = np.stack([x, y, z], axis=1) + np.asarray(at)
-    return Solid(vertices=vertices, faces=solid.faces, uv=solid.uv, name=solid.name)
+    return replace(solid, vertices=np.stack([x, y, z], axis=1) + np.asarray(at))
 
 
 def grounded(solid: Solid) -> Solid:
@@ -98,15 +88,13 @@ def grounded(solid: Solid) -> Solid:
 def sawn(solid: Solid) -> Solid:
     """Return the solid with the pattern of a block that it is cut from, not wrapped round it."""
     x, y, z = solid.vertices.T
-    uv = np.stack([x + _SHEAR * z, y + _SHEAR * z], axis=1)
-    return Solid(vertices=solid.vertices, faces=solid.faces, uv=uv, name=solid.name)
+    return replace(solid, uv=np.stack([x + _SHEAR * z, y + _SHEAR * z], axis=1))
 
 
-def grid(points: Array, uv: Array, *, name: str) -> Solid:
+def grid(points: Array, uv: Array) -> Solid:
     """Return the mesh of points (rows, columns, 3); normals point along columns x rows."""
     rows, columns = points.shape[:2]
     index = np.arange(rows * columns).reshape(rows, columns)
-    a, b, c, d = (part.ravel() for part in (
-        index[:-1, :-1], index[:-1, 1:], index[1:, :-1], index[1:, 1:]))  # fmt: skip
+    a, b, c, d = (part.ravel() for part in (index[:-1, :-1], index[:-1, 1:], index[1:, :-1], index[1:, 1:]))
     faces = np.concatenate([np.stack([a, b, d], 1), np.stack([a, d, c], 1)])
-    return Solid(vertices=points.reshape(-1, 3), faces=faces, uv=uv.reshape(-1, 2), name=name)
+    return Solid(vertices=points.reshape(-1, 3), faces=faces, uv=uv.reshape(-1, 2))

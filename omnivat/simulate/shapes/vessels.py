@@ -9,17 +9,15 @@ Rng = np.random.Generator
 
 
 def wall(
-    foot: float, waist: tuple[float, float], rim: float, height: float, *, thick: float,
-    ring: float = 0.0,
-) -> Profile:  # fmt: skip
+    foot: float, waist: tuple[float, float], rim: float, height: float, *, thick: float, ring: float = 0.0
+) -> Profile:
     """Return the profile of an open vessel: up outside, over the rim, down inside. All in mm.
 
     waist  radius and height of the corner between foot and rim
     ring   height of a foot ring; 0 has none
     """
     soft, soft_rim = 0.8 * height, 0.5 * thick
-    under = [(0.0, ring, 0.0), (foot * 0.82, ring, 0.8), (foot * 0.86, 0.0, 0.8)] if ring else [
-        (0.0, 0.0, 0.0)]  # fmt: skip
+    under = [(0.0, ring, 0.0), (foot * 0.82, ring, 0.8), (foot * 0.86, 0.0, 0.8)] if ring else [(0.0, 0.0, 0.0)]
     base = max(foot - thick, 2.0)
     return [
         *under, (foot, 0.0, 1.5), (waist[0], waist[1], soft), (rim, height, 0.5 * thick),
@@ -34,7 +32,7 @@ def bowl(rng: Rng, made: Made) -> Solid:
     height, foot = rim * rng.uniform(0.55, 0.9), rim * rng.uniform(0.4, 0.6)
     waist = (rim * rng.uniform(0.82, 1.0), height * rng.uniform(0.12, 0.35))
     ring = float(rng.choice([0.0, 3.0]))
-    return turned(wall(foot, waist, rim, height, thick=made.wall, ring=ring), name="bowl")
+    return turned(wall(foot, waist, rim, height, thick=made.wall, ring=ring))
 
 
 def cup(rng: Rng, made: Made) -> Solid:
@@ -42,7 +40,7 @@ def cup(rng: Rng, made: Made) -> Solid:
     rim, height = rng.uniform(33, 44), rng.uniform(65, 95)
     foot = rim * rng.uniform(0.65, 0.95)
     waist = (rim * rng.uniform(0.85, 1.02), height * rng.uniform(0.2, 0.5))
-    return turned(wall(foot, waist, rim, height, thick=made.wall), name="cup")
+    return turned(wall(foot, waist, rim, height, thick=made.wall))
 
 
 def mug(rng: Rng, made: Made) -> Solid:
@@ -50,12 +48,12 @@ def mug(rng: Rng, made: Made) -> Solid:
     rim, height = rng.uniform(36, 46), rng.uniform(80, 105)
     foot = rim * rng.uniform(0.8, 1.0)
     waist = (rim * rng.uniform(0.97, 1.1), height * rng.uniform(0.2, 0.5))
-    body = turned(wall(foot, waist, rim, height, thick=made.wall), name="mug")
+    body = turned(wall(foot, waist, rim, height, thick=made.wall))
     angle = np.linspace(-0.55 * np.pi, 0.55 * np.pi, 30)
     reach, tall = rng.uniform(20, 30), height * rng.uniform(0.28, 0.36)
     path = np.stack([rim - 6 + reach * np.cos(angle), 0 * angle, height * 0.52 + tall * np.sin(angle)], axis=1)
     half = np.repeat([[rng.uniform(4.5, 7), 1.5 + 0.6 * made.wall]], 30, 0)
-    return joined("mug", body, swept(path, half, name="handle", power=2.5))
+    return joined(body, swept(path, half, power=2.5))
 
 
 def tumbler(rng: Rng, made: Made) -> Solid:
@@ -64,7 +62,7 @@ def tumbler(rng: Rng, made: Made) -> Solid:
     foot = rim * rng.uniform(0.72, 0.95)
     waist = ((foot + rim) / 2, height * 0.5)
     power = float(rng.choice([2.0, 2.0, 3.0]))
-    return turned(wall(foot, waist, rim, height, thick=made.wall), name="tumbler", power=power)
+    return turned(wall(foot, waist, rim, height, thick=made.wall), power=power)
 
 
 def plate(rng: Rng, made: Made) -> Solid:
@@ -77,7 +75,7 @@ def plate(rng: Rng, made: Made) -> Solid:
         (rim * 0.84, rise * 0.7 + thick, 8.0), (well * 0.97, thick + 2.0, 9.0),
         (0.0, thick + 2.0, 0.0),
     ]  # fmt: skip
-    return sawn(turned(line, name="plate"))
+    return sawn(turned(line))
 
 
 def vase(rng: Rng, made: Made) -> Solid:
@@ -91,7 +89,7 @@ def vase(rng: Rng, made: Made) -> Solid:
         (0.0, 0.0, 0.0), (foot, 0.0, 2.0), (belly * 1.15, low, s), (neck, high, s),
         (lip, height, t / 2), (lip - t, height, t / 2), (neck - t, high, s),
         (belly * 1.15 - t, low, s), (foot - t, t, 2.0), (0.0, t, 0.0),
-    ], name="vase")  # fmt: skip
+    ])  # fmt: skip
 
 
 def bottle(rng: Rng, made: Made) -> Solid:
@@ -106,7 +104,7 @@ def bottle(rng: Rng, made: Made) -> Solid:
         (neck + 2.2, height - 8, 1.0), (neck + 2.2, height, 1.2), (neck - t, height, 1.2),
         (neck - t, throat, 14.0), (body - t, shoulder, 18.0), (body - t, 5.0, 4.0),
         (0.0, 6.0, 0.0),
-    ], name="bottle")  # fmt: skip
+    ])  # fmt: skip
 
 
 def can(rng: Rng, made: Made) -> Solid:
@@ -118,7 +116,7 @@ def can(rng: Rng, made: Made) -> Solid:
         line += [(r - 1.0 + 0.8 * (k % 2), float(z), 1.5) for k, z in enumerate(beads)]
     line += [(r - 1.0, 4.0, 0.8)] if len(line) == 5 else []
     line += [(r - 1.0, h - 4, 0.8), (r, h - 3, 0.8), (r, h, 1.0), (r - 2.5, h, 1.0)]
-    return turned([*line, (r - 4, h - 3, 1.0), (0.0, h - 3, 0.0)], name="can")
+    return turned([*line, (r - 4, h - 3, 1.0), (0.0, h - 3, 0.0)])
 
 
 def candlestick(rng: Rng, made: Made) -> Solid:
@@ -130,5 +128,4 @@ def candlestick(rng: Rng, made: Made) -> Solid:
         z, bulge = share * height, stem * rng.uniform(1.3, 2.3)
         line += [(stem, z - 9, 5.0), (bulge, z, 6.0), (stem, z + 9, 5.0)]
     line += [(socket, height * 0.86, 4.0), (socket, height, 1.2), (socket - 3, height, 1.0)]
-    return turned([*line, (socket - 4, height * 0.9, 1.0), (0.0, height * 0.9, 0.0)],
-                  name="candlestick")  # fmt: skip
+    return turned([*line, (socket - 4, height * 0.9, 1.0), (0.0, height * 0.9, 0.0)])

@@ -1,25 +1,24 @@
-"""A surface: relief, colour and reflection as functions of position; reliefs that materials share."""
+"""A surface: relief, colour and reflection as functions of place."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from typing import Literal
 
 import numpy as np
 
-from omnivat.simulate.noise import Array, cells, noise, octaves, smoothstep, turned
+from omnivat.simulate.fields import Field
 
-Field = Callable[[Array, Array], Array]  # (x, y) in mm -> (...) heights in mm, or (..., 3) colours
-Gloss = Literal["matte", "coated", "metal", "glass"]
+Colour = tuple[float, float, float]  # linear, 0 to 1
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Surface:
     """One object's surface. The same one is photographed and pressed."""
 
     recipe: str  # such as "brushed"
     relief: Field  # mm
     colour: Field  # linear reflectance (or transmittance of glass), 0 to 1
-    gloss: Gloss
+    _: KW_ONLY
+    gloss: Literal["matte", "coated", "metal", "glass"]
     roughness: float  # microfacet width alpha of the shiny layer, 0.01 mirror to 0.6 dull
     brushing: float = 0.0  # 0 to 1: how much wider highlights are across `angle`
     angle: float = 0.0  # rad, direction of grain or brushing
@@ -38,121 +37,3 @@ def pick_log(rng: np.random.Generator, low: float, high: float) -> float:
 def stream(rng: np.random.Generator) -> int:
     """Draw a seed for one field."""
     return int(rng.integers(2**31))
-
-
-def tinted(colour: tuple[float, float, float], amount: Array) -> Array:
-    """Return `colour` times (1 + amount), (..., 3), kept within 0.01 to 0.98."""
-    return np.clip(np.asarray(colour) * (1.0 + amount[..., None]), 0.01, 0.98)
-
-
-def mixed(one: Array, other: Array, weight: Array) -> Array:
-    """Return `one` where weight is 0 and `other` where it is 1; colours (..., 3)."""
-    return one + (other - one) * weight[..., None]
-
-
-def streaks(x: Array, y: Array, *, angle: float, width: float, length: float, seed: int) -> Array:
-    """Return unit-spread noise drawn out along `angle`: brushing, wood grain, extrusion lines."""
-    u, v = turned(x, y, angle)
-    stretch = width / length
-    total = np.zeros(np.broadcast(x, y).shape)
-    for step, (scale, weight) in enumerate(((1.0, 1.0), (0.5, 0.7), (0.25, 0.5))):
-        total += weight * _unturned(u * stretch, v, wavelength=width * scale, seed=seed + step)
-    return total / 1.32
-
-
-def _unturned(u: Array, v: Array, *, wavelength: float, seed: int) -> Array:
-    """Return noise whose lattice keeps to the given axes by undoing its random turn."""
-    angle = 2 * np.pi * np.random.default_rng(seed).uniform(0.0, 1.0, 3)[2]
-    return noise(*turned(u, v, -angle), wavelength=wavelength, seed=seed)
-
-
-def ribs(x: Array, y: Array, *, angle: float, pitch: float, sharpness: float = 1.0) -> Array:
-    """Return parallel ribs from 0 to 1, `pitch` mm apart; sharpness above 1 narrows them."""
-    _, v = turned(x, y, angle)
-    return np.asarray((0.5 + 0.5 * np.cos(2 * np.pi * v / pitch)) ** sharpness)
-
-
-def arcs(x: Array, y: Array, *, centre: tuple[float, float], pitch: float) -> Array:
-    """Return round grooves about `centre`, from -1 to 1: turning, milling, throwing, rings."""
-    radius = np.hypot(x - centre[0], y - centre[1])
-    return np.asarray(np.sin(2 * np.pi * radius / pitch))
-
-
-def dots(x: Array, y: Array, *, pitch: float, radius: float, angle: float, edge: float) -> Array:
-    """Return round pads from 0 to 1 on a square lattice; `edge` mm is how soft their rim is."""
-    u, v = turned(x, y, angle)
-    du, dv = (u / pitch - np.round(u / pitch)) * pitch, (v / pitch - np.round(v / pitch)) * pitch
-    return 1.0 - smoothstep(np.hypot(du, dv), radius - edge, radius + edge)
-
-
-def diamonds(x: Array, y: Array, *, pitch: float, angle: float) -> Array:
-    """Return pyramids from 0 to 1 between two crossing families of V grooves: knurl, cut glass."""
-    one = _triangle(turned(x, y, angle)[1] / pitch)
-    other = _triangle(turned(x, y, angle + np.pi / 3)[1] / pitch)
-    return np.minimum(one, other)
-
-
-def _triangle(t: Array) -> Array:
-    return np.asarray(2.0 * np.abs(t - np.round(t)))
-
-
-def treads(x: Array, y: Array, *, pitch: float, angle: float) -> Array:
-    """Return the lens-shaped bars of chequer plate, 0 to 1, turned by turns."""
-    u, v = turned(x, y, angle)
-    column, row = np.round(u / pitch), np.round(v / pitch)
-    du, dv = u - column * pitch, v - row * pitch
-    flip = np.where((column + row) % 2 == 0, 1.0, -1.0)
-    long, short = (du + flip * dv) / np.sqrt(2), (dv - flip * du) / np.sqrt(2)
-    lens = 1.0 - (long / (0.55 * pitch)) ** 2 - (short / (0.16 * pitch)) ** 2
-    return smoothstep(lens, 0.0, 0.8)
-
-
-def tiles(x: Array, y: Array, *, pitch: float, joint: float, angle: float) -> Array:
-    """Return 1 on square tiles and 0 in joints `joint` mm wide, with rounded rims."""
-    u, v = turned(x, y, angle)
-    away = np.minimum(
-        np.abs(u - (np.floor(u / pitch) + 0.5) * pitch) * -1.0 + pitch / 2,
-        np.abs(v - (np.floor(v / pitch) + 0.5) * pitch) * -1.0 + pitch / 2,
-    )
-    return smoothstep(away, joint / 2, joint / 2 + 0.6)
-
-
-def cracks(x: Array, y: Array, *, size: float, width: float, seed: int) -> Array:
-    """Return 1 on a net of fine cracks and 0 between them: crazed glaze, old paint."""
-    wander = 0.18 * size
-    bent_x = x + wander * noise(x, y, wavelength=size * 0.7, seed=seed + 1)
-    bent_y = y + wander * noise(x, y, wavelength=size * 0.7, seed=seed + 2)
-    _, border = cells(bent_x, bent_y, size=size, seed=seed)
-    return 1.0 - smoothstep(border, 0.2 * width, width)
-
-
-def scratches(x: Array, y: Array, *, count: int, reach: float, width: float, seed: int) -> Array:
-    """Return 1 in `count` straight scratches within `reach` mm of the middle, 0 elsewhere."""
-    rng = np.random.default_rng(seed)
-    deepest = np.zeros(np.broadcast(x, y).shape)
-    for _ in range(count):
-        px, py = rng.uniform(-reach, reach, 2)
-        u, v = turned(x - px, y - py, rng.uniform(0, np.pi))
-        length = rng.uniform(0.1, 0.5) * reach
-        inside = np.exp(-((v / width) ** 2)) * smoothstep(length - np.abs(u), 0.0, 0.3 * length)
-        deepest = np.maximum(deepest, rng.uniform(0.3, 1.0) * inside)
-    return deepest
-
-
-def pits(x: Array, y: Array, *, size: float, radius: float, share: float, seed: int) -> Array:
-    """Return 1 in scattered round pits (or specks) and 0 elsewhere; `share` of cells have one."""
-    near, _ = cells(x, y, size=size, seed=seed, jitter=0.8)
-    off = (1.0 - share) - 0.5
-    least = 2.6 * off + 1.2 * off**3  # near the normal quantile
-    chosen = noise(x, y, wavelength=size * 1.5, seed=seed + 1) > least
-    return (1.0 - smoothstep(near, 0.5 * radius, radius)) * chosen
-
-
-def grain(x: Array, y: Array, *, coarsest: float, finest: float, seed: int) -> Array:
-    """Return unit-spread roughness without direction: blasting, casting, spark erosion, clay."""
-    return octaves(x, y, wavelength=coarsest, finest=finest, seed=seed, roughness=0.75)
-
-
-def orange_peel(x: Array, y: Array, *, size: float, seed: int) -> Array:
-    """Return the soft waviness of paint, glaze and moulded gloss, unit spread."""
-    return octaves(x, y, wavelength=size, finest=size / 2, seed=seed, roughness=0.5)

@@ -2,113 +2,77 @@
 
 import numpy as np
 
+from omnivat.simulate.fields import Field, diamonds, dots, field, grain, orange_peel, ribs, scratches, tinted
 from omnivat.simulate.noise import Array, cells
-from omnivat.simulate.surfaces.base import (
-    Field,
-    Surface,
-    diamonds,
-    dots,
-    grain,
-    orange_peel,
-    pick,
-    pick_log,
-    ribs,
-    scratches,
-    stream,
-    tinted,
-)
+from omnivat.simulate.surfaces.base import Surface, pick, pick_log, stream
 
 _TINTS = (
-    (0.93, 0.96, 0.95),
-    (0.95, 0.96, 0.96),
-    (0.62, 0.86, 0.70),
-    (0.80, 0.52, 0.20),
-    (0.45, 0.66, 0.88),
+    (0.93, 0.96, 0.95), (0.95, 0.96, 0.96), (0.62, 0.86, 0.70), (0.80, 0.52, 0.20), (0.45, 0.66, 0.88),
     (0.88, 0.93, 0.91),
-)
+)  # fmt: skip
 
 
 def _glass(
-    rng: np.random.Generator, recipe: str, relief: Field, *, vessel: bool = False,
-    dull: tuple[float, float] | None = None,
-) -> Surface:  # fmt: skip
-    """Return glass of one tint with this relief; `dull` bounds the roughness of its skin."""
+    rng: np.random.Generator, recipe: str, relief: Field, *, vessel: bool = False, dull: bool = False
+) -> Surface:
+    """Return glass of one tint with this relief."""
     rng.random(2 + (rng.random() >= 0.6) if vessel else 1)  # once a curvature; keeps shipped bytes
-    skin = pick(rng, *dull) if dull else 0.02
+    skin = pick(rng, 0.25, 0.4) if dull else 0.02
     tint, seed = _TINTS[rng.integers(len(_TINTS))], stream(rng)
-    return Surface(
-        recipe=recipe, relief=relief,
-        colour=lambda x, y: tinted(tint, 0.01 * orange_peel(x, y, size=30.0, seed=seed)),
-        gloss="glass", roughness=skin,
-    )  # fmt: skip
+    colour = tinted(tint, 0.01 * orange_peel(size=30.0, seed=seed))
+    return Surface(recipe, relief, colour, gloss="glass", roughness=skin)
 
 
 def float_glass(rng: np.random.Generator) -> Surface:
     """Return a pane or a smooth vessel: nothing to feel but a scratch or two."""
     seed, count = stream(rng), int(rng.integers(0, 5))
-
-    def relief(x: Array, y: Array) -> Array:
-        used = scratches(x, y, count=count, reach=30.0, width=0.05, seed=seed)
-        return 0.0012 * orange_peel(x, y, size=8.0, seed=seed + 1) - 0.01 * used
-
+    used = scratches(count=count, reach=30.0, width=0.05, seed=seed)
+    relief = 0.0012 * orange_peel(size=8.0, seed=seed + 1) - 0.01 * used
     return _glass(rng, "float", relief, vessel=rng.random() >= 0.7)
 
 
 def rippled(rng: np.random.Generator) -> Surface:
     """Return old or rippled glass: smooth, long, gentle waves."""
     seed, size, rise = stream(rng), pick(rng, 4.0, 9.0), pick(rng, 0.06, 0.18)
-    return _glass(rng, "rippled", lambda x, y: rise * orange_peel(x, y, size=size, seed=seed))
+    return _glass(rng, "rippled", rise * orange_peel(size=size, seed=seed))
 
 
 def reeded(rng: np.random.Generator) -> Surface:
     """Return fluted glass: exact, smooth ribs, which plastic has too."""
     angle, pitch, rise = pick(rng, 0, np.pi), pick(rng, 3.0, 7.0), pick(rng, 0.25, 0.5)
-    return _glass(
-        rng, "reeded",
-        lambda x, y: rise * ribs(x, y, angle=angle, pitch=pitch, sharpness=0.6),
-        vessel=rng.random() >= 0.5,
-    )  # fmt: skip
+    return _glass(rng, "reeded", rise * ribs(angle=angle, pitch=pitch, sharpness=0.6), vessel=rng.random() >= 0.5)
 
 
 def pebbled(rng: np.random.Generator) -> Surface:
     """Return hammered glass: round smooth cushions, close together."""
     seed, size, rise = stream(rng), pick(rng, 3.0, 6.0), pick(rng, 0.10, 0.28)
 
-    def relief(x: Array, y: Array) -> Array:
+    @field
+    def cushions(x: Array, y: Array) -> Array:
         near, _ = cells(x, y, size=size, seed=seed, jitter=0.7)
         return -rise * (near / size) ** 2 * 2.0
 
-    return _glass(rng, "pebbled", relief)
+    return _glass(rng, "pebbled", cushions())
 
 
 def frosted(rng: np.random.Generator) -> Surface:
     """Return acid-etched or blasted glass: very fine tooth, milky look."""
     seed, depth = stream(rng), pick_log(rng, 0.003, 0.009)
-    return _glass(
-        rng, "frosted", lambda x, y: depth * grain(x, y, coarsest=0.5, finest=0.15, seed=seed),
-        vessel=rng.random() < 0.4, dull=(0.25, 0.4),
-    )  # fmt: skip
+    relief = depth * grain(coarsest=0.5, finest=0.15, seed=seed)
+    return _glass(rng, "frosted", relief, vessel=rng.random() < 0.4, dull=True)
 
 
 def cut(rng: np.random.Generator) -> Surface:
     """Return cut crystal: crossing V grooves, sharp and smooth."""
     angle, pitch, rise = pick(rng, 0, np.pi), pick(rng, 4.0, 8.0), pick(rng, 0.5, 0.9)
-    return _glass(
-        rng, "cut", lambda x, y: rise * diamonds(x, y, pitch=pitch, angle=angle),
-        vessel=rng.random() < 0.5,
-    )  # fmt: skip
+    return _glass(rng, "cut", rise * diamonds(pitch=pitch, angle=angle), vessel=rng.random() < 0.5)
 
 
 def pressed(rng: np.random.Generator) -> Surface:
     """Return pressed glass: smooth hobnails in rows."""
     angle, pitch, rise = pick(rng, 0, np.pi), pick(rng, 4.5, 9.0), pick(rng, 0.3, 0.6)
-    return _glass(
-        rng, "pressed",
-        lambda x, y: rise * dots(x, y, pitch=pitch, radius=0.3 * pitch, angle=angle, edge=0.22 * pitch),
-        vessel=rng.random() < 0.5,
-    )  # fmt: skip
+    relief = rise * dots(pitch=pitch, radius=0.3 * pitch, angle=angle, edge=0.22 * pitch)
+    return _glass(rng, "pressed", relief, vessel=rng.random() < 0.5)
 
 
-RECIPES = {
-    float_glass: 2.0, rippled: 1.7, reeded: 0.5, pebbled: 1.5, frosted: 0.5, cut: 0.7, pressed: 0.7,
-}  # fmt: skip
+RECIPES = {float_glass: 2.0, rippled: 1.7, reeded: 0.5, pebbled: 1.5, frosted: 0.5, cut: 0.7, pressed: 0.7}

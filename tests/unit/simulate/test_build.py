@@ -11,8 +11,9 @@ from omnivat.data.readers import read_pairs
 from omnivat.data.rest import with_rest
 from omnivat.errors import DataError, MissingNameError
 from omnivat.progress import Step
-from omnivat.simulate.build import COLUMNS, simulate
+from omnivat.simulate.build import simulate
 from omnivat.simulate.domains import SimulatedDomain
+from omnivat.simulate.plan import COLUMNS
 from omnivat.simulate.scenes import SCENES
 from omnivat.simulate.sensors import GELS
 

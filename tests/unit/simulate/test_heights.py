@@ -19,7 +19,7 @@ def cylinder_spot() -> Spot:
 
 
 def cylinder():
-    return turned([(0, 0, 0), (RADIUS, 0, 0.5), (RADIUS, 60, 0.5), (0, 60, 0)], name="cylinder")
+    return turned([(0, 0, 0), (RADIUS, 0, 0.5), (RADIUS, 60, 0.5), (0, 60, 0)])
 
 
 def test_a_cylinder_has_no_facets() -> None:
@@ -38,7 +38,7 @@ def test_turning_the_sensor_by_a_quarter_turns_the_map() -> None:
 
 
 def test_an_edge_stays_sharp_and_nothing_lies_beyond_it() -> None:
-    box = block((60.0, 60.0, 20.0), bevel=0.5, name="box")
+    box = block((60.0, 60.0, 20.0), bevel=0.5)
     edge = Spot(
         point=np.array([27.0, 0.0, 10.0]), normal=np.array([0.0, 0.0, 1.0]),
         tangent=np.array([1.0, 0.0, 0.0]), uv=np.zeros(2),

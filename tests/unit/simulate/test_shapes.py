@@ -32,7 +32,7 @@ def test_a_solid_is_closed(kind: str) -> None:
 
 def test_a_hole_in_a_solid_would_be_seen() -> None:
     solid = made("tile")
-    opened = type(solid)(vertices=solid.vertices, faces=solid.faces[:200], uv=solid.uv, name=solid.name)
+    opened = type(solid)(vertices=solid.vertices, faces=solid.faces[:200], uv=solid.uv)
     assert borders(opened)
 
 
@@ -62,7 +62,7 @@ def test_a_wall_is_as_thick_as_its_material_makes_it() -> None:
 
 
 def test_the_corners_of_a_block_are_rounded_by_its_bevel() -> None:
-    solid = block((40.0, 30.0, 20.0), bevel=4.0, name="block")
+    solid = block((40.0, 30.0, 20.0), bevel=4.0)
     corner = np.array([20.0, 15.0, 10.0])
     nearest = np.linalg.norm(solid.vertices - corner, axis=1).min()
 
@@ -70,7 +70,7 @@ def test_the_corners_of_a_block_are_rounded_by_its_bevel() -> None:
 
 
 def test_the_pattern_of_a_turned_solid_keeps_millimetres_up_its_wall() -> None:
-    solid = turned([(0, 0, 0), (30, 0, 0), (30, 100, 0), (0, 100, 0)], name="can")
+    solid = turned([(0, 0, 0), (30, 0, 0), (30, 100, 0), (0, 100, 0)])
 
     assert np.ptp(solid.uv[:, 1]) == pytest.approx(30 + 100 + 30)
 
@@ -97,7 +97,7 @@ def test_a_touched_place_lies_on_the_solid_and_has_room_for_a_sensor() -> None:
 
 
 def test_what_lies_behind_a_wall_is_blocked() -> None:
-    wall = block((2.0, 50.0, 50.0), bevel=0.5, name="wall")
+    wall = block((2.0, 50.0, 50.0), bevel=0.5)
 
     assert blocked(wall, np.array([-10.0, 1.0, 2.0]), np.array([10.0, 1.0, 2.0]))
     assert not blocked(wall, np.array([-10.0, 1.0, 2.0]), np.array([-5.0, 1.0, 2.0]))

@@ -25,7 +25,7 @@ def slab(material: str, number: int) -> Thing:
         point=np.array([0.0, 0.0, 10.0]), normal=np.array([0.0, 0.0, 1.0]),
         tangent=np.array([1.0, 0.0, 0.0]), uv=np.array([1.0, 2.0]),
     )  # fmt: skip
-    solid = block((60.0, 60.0, 20.0), bevel=1.0, name="slab")
+    solid = block((60.0, 60.0, 20.0), bevel=1.0)
     return Thing(solid=solid, sight=own, touch=own, spot=spot, material=material)
 
 
