@@ -6,7 +6,7 @@ python -m omnivat ablate --embeddings FILE --out DIR [--only components,order] [
 import argparse
 from typing import TYPE_CHECKING, Any
 
-from omnivat.cli.arguments import listed, numbers, split_settings
+from omnivat.cli.arguments import listed, numbers, shared, split_settings
 from omnivat.cli.protocol import RUNS, add_running, work
 from omnivat.files import require_writable
 
@@ -18,11 +18,8 @@ if TYPE_CHECKING:
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     add_running(parser)
-    parser.add_argument("--only", default="", metavar="a,b,c", help="some of the ablations")
     parser.add_argument("--sources", default="", metavar="A,B", help="instead of the paper's")
-    parser.add_argument(
-        "--set", action="append", default=[], metavar="key=value", help="a base setting of all rows, such as width=64"
-    )
+    shared(parser, "only", set="a base setting of all rows, such as width=64")
 
 
 def run(options: argparse.Namespace) -> None:

@@ -4,13 +4,14 @@ import argparse
 import json
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from omnivat.config import field_names, parse_assignments
 from omnivat.devices import named
+from omnivat.encoders.base import DEFAULT_ENCODER
 from omnivat.errors import SettingsError
 from omnivat.files import require_writable
 from omnivat.heads import default_embeddings, default_head
@@ -23,31 +24,15 @@ if TYPE_CHECKING:
     from omnivat.data.store import Embeddings
 
 
-def add_device(parser: argparse.ArgumentParser) -> None:
-    """Declare --device; see `omnivat.devices.device_from`."""
-    parser.add_argument(
-        "--device",
-        default=named(),
-        help="cpu (default), cuda, cuda:1, or auto: a GPU if there is one; $OMNIVAT_DEVICE holds "
-        "where this is left out",
-    )
-
-
-def add_download(parser: argparse.ArgumentParser) -> None:
-    """Declare --download and --offline, for weights that are not on this machine."""
-    group = parser.add_mutually_exclusive_group()
-    group.add_argument(
-        "--download",
-        action="store_const",
-        const="yes",
-        default="ask",
-        help="fetch missing weights from the hub without asking",
-    )
-    group.add_argument(
-        "--offline", action="store_const", const="no", dest="download", default="ask", help="never fetch weights"
-    )
-
-
+DEVICE = "cpu (default), cuda, cuda:1, or auto: a GPU if there is one; $OMNIVAT_DEVICE holds where this is left out"
+EMBEDDINGS = "embeddings file; default: the project's simulated domains"
+HEAD = "folder of a trained head; default: the project's own"
+ORDER = "fractional order p, -4 to 4 quarter turns; default: the learned one"
+PROFILE = "profile of a sensor (`omnivat profile`); once or for several domains"
+REST = (
+    "picture of the untouched sensor, subtracted from each tactile image; auto: the nearest rest.png above each image, "
+    "but not for gels with markers; all: for those, too"
+)
 EVERY_S = 2.0  # seconds between two lines of a log, at least: short work writes none
 AT_MOST_S = 60.0  # seconds after which a line comes before the next tenth
 
@@ -96,49 +81,65 @@ class _Lines:
         print(f"{self.title}: {text}", file=sys.stderr, flush=True)
 
 
-def add_head(parser: argparse.ArgumentParser, *, note: str = "") -> None:
-    """Declare --head, a folder from `omnivat train`."""
-    text = "folder of a trained head; default: the project's own"
-    parser.add_argument("--head", type=Path, default=default_head(), help=text + note)
+def shared(parser: argparse.ArgumentParser, *names: str, **helps: str) -> None:
+    """Declare options that several commands have, by name; `name="text"` gives another help text."""
+    options: dict[str, dict[str, Any]] = {
+        "device": {"default": named(), "help": DEVICE},
+        "embeddings": {"type": Path, "default": default_embeddings(), "help": EMBEDDINGS},
+        "encoder": {"default": DEFAULT_ENCODER, "help": "named as for `embed`"},
+        "head": {"type": Path, "default": default_head(), "help": HEAD},
+        "jobs": {"type": whole(1), "default": 1, "help": "parallel processes"},
+        "json": {"action": "store_true", "help": "print JSON"},
+        "lang": {"type": Path, "help": "LANG bank; default: the project's own"},
+        "only": {"default": "", "metavar": "a,b,c", "help": "some of the ablations"},
+        "order": {"type": order, "metavar": "P", "help": ORDER},
+        "out": {"type": Path, "required": True, "help": "the .safetensors file to write"},
+        "profile": {"type": Path, "action": "append", "default": [], "metavar": "FILE", "help": PROFILE},
+        "seed": {"type": int, "default": 0, "help": "seed of all random choices; default: 0"},
+        "seeds": {"default": "0,1,2", "metavar": "0,1,2", "help": "one run for each seed"},
+        "set": {"action": "append", "default": [], "metavar": "key=value"},
+        "tac_rest": {"metavar": "FILE|auto|all|none", "help": REST},
+        "weights": {"type": Path, "help": "checkpoint of the encoder"},
+        "workers": {"type": whole(1), "help": "threads; default: all cores"},
+    }
+    for name in (*names, *helps):
+        text = {"help": helps[name]} if name in helps else {}
+        parser.add_argument(f"--{name.replace('_', '-')}", **options[name] | text)
 
 
-def add_embeddings(parser: argparse.ArgumentParser) -> None:
-    """Declare --embeddings, a file from `omnivat embed`."""
-    parser.add_argument(
-        "--embeddings",
-        type=Path,
-        default=default_embeddings(),
-        help="embeddings file; default: the project's simulated domains",
-    )
+def choice(
+    parser: argparse.ArgumentParser, name: str, choices: Sequence[Any], text: str = "", first: Any = None
+) -> None:
+    """Declare an option that is one of `choices`; the default is `first`, or the first of them."""
+    default = choices[0] if first is None else first
+    told = f"{text}; default: {default}".removeprefix("; ")
+    parser.add_argument(name, type=type(default), choices=choices, default=default, help=told)
 
 
-def add_order(parser: argparse.ArgumentParser) -> None:
-    """Declare --order, from -4 to 4."""
-    parser.add_argument(
-        "--order", type=order, metavar="P", help="fractional order p, -4 to 4 quarter turns; default: the learned one"
-    )
+def download(parser: argparse.ArgumentParser) -> None:
+    """Declare --download and --offline, for weights that are not on this machine."""
+    group = parser.add_mutually_exclusive_group()
+    for name, value, text in (
+        ("--download", "yes", "fetch missing weights from the hub without asking"),
+        ("--offline", "no", "never fetch weights"),
+    ):
+        group.add_argument(name, action="store_const", const=value, dest="download", default="ask", help=text)
 
 
-def add_rest(parser: argparse.ArgumentParser) -> None:
-    """Declare --tac-rest: a picture of the untouched sensor."""
-    parser.add_argument(
-        "--tac-rest",
-        metavar="FILE|auto|all|none",
-        help="picture of the untouched sensor, subtracted from each tactile image; auto: the "
-        "nearest rest.png above each image, but not for gels with markers; all: for those, too",
-    )
+def figure(parser: argparse.ArgumentParser, of: str) -> None:
+    """Declare --figure, the file of an interactive figure; --html is another name for it."""
+    text = f"also draw {of}: .html (interactive, opens offline), .svg, .png or .json (Plotly)"
+    parser.add_argument("--figure", "--html", type=Path, metavar="FILE", help=text)
 
 
-def add_profile(parser: argparse.ArgumentParser) -> None:
-    """Declare --profile, files from `omnivat profile`."""
-    parser.add_argument(
-        "--profile",
-        type=Path,
-        action="append",
-        default=[],
-        metavar="FILE",
-        help="profile of a sensor (`omnivat profile`); once or for several domains",
-    )
+def head_and_set(options: argparse.Namespace, *, sample: int = 0) -> "tuple[Head, Embeddings]":
+    """Return the head and the embeddings that fit it, `sample` of its pairs or all, as the options name them."""
+    from omnivat.checkpoint import load_head
+    from omnivat.data.store import load_embeddings
+
+    head, embeddings = load_head(options.head), load_embeddings(options.embeddings).sampled(sample)
+    head.require_embeddings(embeddings)
+    return head, embeddings
 
 
 def with_profiles(head: "Head | None", embeddings: "Embeddings", files: list[Path]) -> "Embeddings":
@@ -152,30 +153,9 @@ def with_profiles(head: "Head | None", embeddings: "Embeddings", files: list[Pat
     return head.profiled(embeddings, [load_profile(file) for file in files])
 
 
-def add_seed(parser: argparse.ArgumentParser, *, of: str = "all random choices") -> None:
-    """Declare --seed."""
-    parser.add_argument("--seed", type=int, default=0, help=f"seed of {of}; default: 0")
-
-
-def add_json(parser: argparse.ArgumentParser) -> None:
-    """Declare --json."""
-    parser.add_argument("--json", action="store_true", help="print JSON")
-
-
 def print_json(value: Any) -> None:
     """Print a value as JSON."""
     print(json.dumps(value, indent=2, ensure_ascii=False))
-
-
-def add_figure(parser: argparse.ArgumentParser, *, of: str) -> None:
-    """Declare --figure, the file of an interactive figure; --html is another name for it."""
-    parser.add_argument(
-        "--figure",
-        "--html",
-        type=Path,
-        metavar="FILE",
-        help=f"also draw {of}: .html (interactive, opens offline), .svg, .png or .json (Plotly)",
-    )
 
 
 def check_figure(options: argparse.Namespace) -> None:

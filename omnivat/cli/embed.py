@@ -8,9 +8,9 @@ import argparse
 from os.path import realpath
 from pathlib import Path
 
-from omnivat.cli.arguments import add_device, add_download, add_rest, progress_bar, whole
+from omnivat.cli.arguments import choice, download, progress_bar, shared
 from omnivat.data.readers import READERS
-from omnivat.encoders.base import DEFAULT_ENCODER, ENCODERS, JOINED
+from omnivat.encoders.base import ENCODERS, JOINED
 from omnivat.errors import SettingsError
 from omnivat.files import require_writable
 
@@ -18,53 +18,32 @@ from omnivat.files import require_writable
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("pairs", type=Path, help="a folder or CSV of pairs, or a data set's root")
-    parser.add_argument(
-        "--encoder",
-        default=DEFAULT_ENCODER,
-        metavar="NAME",
-        help=f"image encoder: {', '.join(ENCODERS)}; hf:NAME_OR_FOLDER for a vision model of "
-        "transformers; module:function or file.py:function for your own (docs/encoders.md)",
+    text = (
+        f"image encoder: {', '.join(ENCODERS)}; hf:NAME_OR_FOLDER for a vision model of transformers; module:function or "
+        "file.py:function for your own (docs/encoders.md)"
     )
-    parser.add_argument("--out", type=Path, required=True, help="the .safetensors file to write")
-    parser.add_argument("--weights", type=Path, help="checkpoint of the encoder")
+    shared(
+        parser,
+        "out",
+        "weights",
+        "tac_rest",
+        "workers",
+        "device",
+        encoder=text,
+        seed="of balanced subsampling",
+        set="an option of the reader, such as by_folder=true (docs/data.md lists them)",
+    )
     parser.add_argument("--tac-encoder", metavar="NAME", help="another encoder for tactile images; named as above")
     parser.add_argument("--tac-weights", type=Path, help="checkpoint of --tac-encoder")
-    parser.add_argument(
-        "--reader",
-        choices=["auto", *READERS],
-        default="auto",
-        help="layout of PAIRS; default: recognised from the files",
-    )
+    text = "layout of PAIRS; default: recognised from the files"
+    parser.add_argument("--reader", choices=["auto", *READERS], default="auto", help=text)
     parser.add_argument("--strict", action="store_true", help="no merged or unknown materials")
-    parser.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="key=value",
-        help="an option of the reader, such as by_folder=true (docs/data.md lists them)",
-    )
-    parser.add_argument("--seed", type=int, default=0, help="of balanced subsampling")
-    parser.add_argument(
-        "--precision",
-        choices=["fp32", "bf16", "fp32-onnx"],
-        default="fp32",
-        help="precision of the encoder; default: fp32",
-    )
-    add_device(parser)
-    add_download(parser)
-    parser.add_argument(
-        "--dtype",
-        choices=["float32", "float16"],
-        default="float32",
-        help="type of the stored vectors; default: float32",
-    )
-    parser.add_argument("--engine", choices=["local", "ray"], default="local", help="this machine, or a Ray cluster")
-    parser.add_argument(
-        "--manifest", choices=["csv", "parquet"], default="csv", help="kind of the table next to the embeddings"
-    )
-    add_rest(parser)
+    choice(parser, "--precision", ("fp32", "bf16", "fp32-onnx"), "precision of the encoder")
+    choice(parser, "--dtype", ("float32", "float16"), "type of the stored vectors")
+    choice(parser, "--engine", ("local", "ray"), "this machine, or a Ray cluster")
+    choice(parser, "--manifest", ("csv", "parquet"), "kind of the table next to the embeddings")
     parser.add_argument("--no-flips", action="store_true", help="leave out the mirrored copies")
-    parser.add_argument("--workers", type=whole(1), help="threads; default: all cores")
+    download(parser)
 
 
 def run(options: argparse.Namespace) -> None:

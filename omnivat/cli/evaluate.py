@@ -12,17 +12,12 @@ from statistics import pstdev
 from typing import TYPE_CHECKING, Any
 
 from omnivat.cli.arguments import (
-    add_device,
-    add_embeddings,
-    add_figure,
-    add_head,
-    add_json,
-    add_order,
-    add_profile,
-    add_seed,
     check_figure,
+    figure,
+    head_and_set,
     print_json,
     progress_bar,
+    shared,
     whole,
     with_profiles,
 )
@@ -33,50 +28,27 @@ if TYPE_CHECKING:
     from omnivat.data.store import Embeddings
 
 
-DRAWS = 10
-
-
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    add_head(parser)
-    add_embeddings(parser)
-    add_order(parser)
-    add_profile(parser)
-    parser.add_argument(
-        "--unlabelled",
-        type=whole(0),
-        metavar="N",
-        help="draw N training pairs of each target domain, profile them without their labels, and predict the rest",
+    shared(parser, "head", "embeddings", "order", "profile", "device", "json", seed="seed of --unlabelled; default: 0")
+    text = "draw N training pairs of each target domain, profile them without their labels, and predict the rest"
+    parser.add_argument("--unlabelled", type=whole(0), metavar="N", help=text)
+    text = (
+        "draws of --unlabelled to average over, with seeds SEED, SEED + 1, ... (default: %(default)s): figures of one draw "
+        "of few pairs vary by a point or two"
     )
-    parser.add_argument(
-        "--draws",
-        type=whole(1),
-        default=DRAWS,
-        metavar="K",
-        help="draws of --unlabelled to average over, with seeds SEED, SEED + 1, ... (default: %(default)s): "
-        "figures of one draw of few pairs vary by a point or two",
-    )
-    parser.add_argument(
-        "--ladder",
-        action="store_true",
-        help="write what each step of knowledge about a new sensor brings, next to the embeddings; "
-        "the page then shows it at once",
-    )
-    add_seed(parser, of="--unlabelled")
-    add_device(parser)
-    add_json(parser)
-    add_figure(parser, of="accuracy in each domain with 95 %% intervals")
+    parser.add_argument("--draws", type=whole(1), default=10, metavar="K", help=text)
+    text = "write what each step of knowledge about a new sensor brings, next to the embeddings; the page then shows it at once"
+    parser.add_argument("--ladder", action="store_true", help=text)
+    figure(parser, "accuracy in each domain with 95 %% intervals")
 
 
 def run(options: argparse.Namespace) -> None:
     """Load both, score every domain, print a table."""
     check_figure(options)
-    from omnivat.checkpoint import load_head
-    from omnivat.data.store import load_embeddings
     from omnivat.evaluate import evaluate
 
-    head, embeddings = load_head(options.head), load_embeddings(options.embeddings)
-    head.require_embeddings(embeddings)
+    head, embeddings = head_and_set(options)
     if options.ladder:
         from omnivat.ladder import write_ladder
 

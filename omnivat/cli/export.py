@@ -8,43 +8,30 @@ import argparse
 from dataclasses import replace
 from pathlib import Path
 
-from omnivat.cli.arguments import order, progress_bar
+from omnivat.cli.arguments import choice, progress_bar, shared
 from omnivat.errors import SettingsError
 from omnivat.stages import STAGES
-
-COLOURS = ("domain", "class", "modality", "correctness", "confidence")
 
 
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument(
-        "--what", choices=("map", "curves", "page"), default="map", help="the picture to write; default: the map"
-    )
     target = parser.add_mutually_exclusive_group(required=True)
     target.add_argument("--site", type=Path, help="folder for the whole page, to be served by any file server")
+    text = ".html (interactive), .svg, .png or .json (Plotly); .html for the page"
+    target.add_argument("--out", type=Path, help=text)
     parser.add_argument("--sets", nargs="+", metavar="NAME", help="sets of the project in the site; default: all")
-    parser.add_argument(
-        "--runtime",
-        type=Path,
-        metavar="DIR",
-        help="folder of the npm package onnxruntime-web for the site; default: npm fetches it",
-    )
-    parser.add_argument(
-        "--no-models",
-        dest="models",
-        action="store_false",
-        help="leave out of the site what the browser computes with: own pictures, trees",
-    )
-    target.add_argument(
-        "--out", type=Path, help=".html (interactive), .svg, .png or .json (Plotly); .html for the page"
-    )
+    text = "folder of the npm package onnxruntime-web for the site; default: npm fetches it"
+    parser.add_argument("--runtime", type=Path, metavar="DIR", help=text)
+    text = "leave out of the site what the browser computes with: own pictures, trees"
+    parser.add_argument("--no-models", dest="models", action="store_false", help=text)
     parser.add_argument("--head", type=Path, help="head folder; default: the project's own")
     parser.add_argument("--embeddings", type=Path, help="embeddings file; default: the project's own")
     parser.add_argument("--frames", type=Path, help="frames from `sweep`, instead of computing them")
-    parser.add_argument("--order", type=order, help="p, -4 to 4 quarter turns; default: the learned one")
-    parser.add_argument("--stage", choices=STAGES, default="f_hat", help="stage of the head to draw; default: f_hat")
-    parser.add_argument("--map", choices=("pca", "umap"), default="pca", help="projection of the map; default: pca")
-    parser.add_argument("--colour", choices=COLOURS, default="domain", help="meaning of colours; default: domain")
+    shared(parser, "order")
+    choice(parser, "--what", ("map", "curves", "page"), "the picture to write")
+    choice(parser, "--stage", STAGES, "stage of the head to draw", "f_hat")
+    choice(parser, "--map", ("pca", "umap"), "projection of the map")
+    choice(parser, "--colour", ("domain", "class", "modality", "correctness", "confidence"), "meaning of colours")
 
 
 def write_site(options: argparse.Namespace) -> None:

@@ -6,15 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from omnivat.cli.arguments import (
-    add_device,
-    add_embeddings,
-    add_head,
-    add_order,
-    add_profile,
-    progress_bar,
-    with_profiles,
-)
+from omnivat.cli.arguments import HEAD, head_and_set, progress_bar, shared, with_profiles
 from omnivat.errors import SettingsError
 from omnivat.progress import Step
 from omnivat.stages import STAGES
@@ -77,17 +69,9 @@ class StageFeatures:
 
 def add_stage(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments that select features."""
-    add_head(parser, note="; not read at stage raw")
-    add_embeddings(parser)
-    parser.add_argument(
-        "--stage",
-        choices=STAGES,
-        default="f_hat",
-        help="raw embedding, raw DFrFT, F after ReLU, after FrATT, after DTG (default)",
-    )
-    add_order(parser)
-    add_profile(parser)
-    add_device(parser)
+    shared(parser, "embeddings", "order", "profile", "device", head=f"{HEAD}; not read at stage raw")
+    text = "raw embedding, raw DFrFT, F after ReLU, after FrATT, after DTG (default)"
+    parser.add_argument("--stage", choices=STAGES, default="f_hat", help=text)
     parser.add_argument("--sample", type=int, default=0, metavar="N", help="use N random pairs; default: all")
 
 
@@ -112,13 +96,10 @@ def stage_features(options: argparse.Namespace) -> StageFeatures:
 
     if options.sample < 0:
         raise SettingsError(f"--sample is {options.sample}; give a number of pairs, or 0 for all.")
-    embeddings = load_embeddings(options.embeddings).sampled(options.sample)
-    head, order = None, None
-    if options.stage != "raw":
-        from omnivat.checkpoint import load_head
-
-        head = load_head(options.head)
-        head.require_embeddings(embeddings)
+    if options.stage == "raw":
+        head, order, embeddings = None, None, load_embeddings(options.embeddings).sampled(options.sample)
+    else:
+        head, embeddings = head_and_set(options, sample=options.sample)
         order = head.model.order if options.order is None else options.order
     embeddings = with_profiles(head, embeddings, options.profile)
     return StageFeatures(embeddings=embeddings, head=head, order=order, stage=options.stage)

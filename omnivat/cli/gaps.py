@@ -9,7 +9,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from omnivat.cli.arguments import add_figure, add_json, check_figure, print_json
+from omnivat.cli.arguments import check_figure, choice, figure, print_json, shared
 from omnivat.cli.features import LARGE, StageFeatures, add_stage, stage_features
 from omnivat.gaps import GAPS
 
@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     add_stage(parser)
-    parser.add_argument("--measure", choices=list(GAPS), default="centroid", help="default: centroid")
-    add_json(parser)
-    add_figure(parser, of="the gaps between domains")
+    choice(parser, "--measure", list(GAPS), first="centroid")
+    shared(parser, "json")
+    figure(parser, "the gaps between domains")
 
 
 def run(options: argparse.Namespace) -> None:

@@ -10,7 +10,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from omnivat.cli.arguments import progress_bar, whole
+from omnivat.cli.arguments import choice, listed, progress_bar, shared, whole
 from omnivat.errors import SettingsError
 from omnivat.files import require_writable
 
@@ -23,54 +23,34 @@ if TYPE_CHECKING:
 
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument(
-        "file",
-        type=Path,
-        help=".npz, .parquet, .h5 or .csv (docs/encoders.md), a folder of signals, a LeRobot data set, or a "
-        "table of videos (docs/data.md)",
+    text = (
+        ".npz, .parquet, .h5 or .csv (docs/encoders.md), a folder of signals, a LeRobot data set, or a table of videos "
+        "(docs/data.md)"
     )
-    parser.add_argument(
-        "--out", type=Path, required=True, help="the .safetensors file to write; of recordings, a new folder of pairs"
-    )
-    parser.add_argument(
-        "--encoder", default="", metavar="NAME", help="name of the vectors' encoder; recordings need none"
-    )
+    parser.add_argument("file", type=Path, help=text)
+    shared(parser, out="the .safetensors file to write; of recordings, a new folder of pairs")
+    text = "name of the vectors' encoder; recordings need none"
+    parser.add_argument("--encoder", default="", metavar="NAME", help=text)
     add_foreign(parser)
     parser.add_argument("--preprocessing", default="", help="preprocessing of the images")
     parser.add_argument("--origin", default="", help="one line on the file's origin")
     parser.add_argument("--window", type=int, default=64, help="samples of each row, for a folder of signals")
     parser.add_argument("--frames", type=whole(1), default=5, metavar="N", help="pairs of each recording; default: 5")
-    parser.add_argument(
-        "--pick",
-        choices=["even", "contact"],
-        default="even",
-        help="moments: evenly spaced, or where the touch differs most",
-    )
+    choice(parser, "--pick", ("even", "contact"), "moments: evenly spaced, or where the touch differs most")
     parser.add_argument("--vis", default="", metavar="CAMERA", help="LeRobot: camera of the photos")
-    parser.add_argument(
-        "--tac",
-        action="append",
-        default=[],
-        metavar="CAMERA",
-        help="LeRobot: tactile camera; can be given several times",
-    )
-    parser.add_argument(
-        "--labels", type=Path, metavar="CSV", help="LeRobot: columns episode, material, perhaps domain, object, split"
-    )
-    parser.add_argument("--dtype", choices=["float32", "float16"], default="float32", help="of the written file")
+    text = "LeRobot: tactile camera; can be given several times"
+    parser.add_argument("--tac", action="append", default=[], metavar="CAMERA", help=text)
+    text = "LeRobot: columns episode, material, perhaps domain, object, split"
+    parser.add_argument("--labels", type=Path, metavar="CSV", help=text)
+    choice(parser, "--dtype", ("float32", "float16"), "of the written file")
 
 
 def add_foreign(parser: argparse.ArgumentParser) -> None:
     """Declare what a file of another program may lack."""
     parser.add_argument("--domain", default="", help="of all pairs, if the file has none")
     parser.add_argument("--classes", default="", help="names of numbered materials, with commas")
-    parser.add_argument(
-        "--column",
-        action="append",
-        default=[],
-        metavar="OURS=THEIRS",
-        help="another name of a column, such as material=label; can be given several times",
-    )
+    text = "another name of a column, such as material=label; can be given several times"
+    parser.add_argument("--column", action="append", default=[], metavar="OURS=THEIRS", help=text)
     parser.add_argument("--simulated", action="store_true", help="the pairs are simulated")
 
 
@@ -135,7 +115,7 @@ def _vectors(options: argparse.Namespace) -> "Embeddings":
         options.file,
         encoder=options.encoder,
         domain=options.domain,
-        classes=[name.strip() for name in options.classes.split(",") if name.strip()],
+        classes=listed(options.classes),
         columns=columns_of(options.column),
         preprocessing=options.preprocessing,
         origin=options.origin,

@@ -12,16 +12,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from omnivat.cli.arguments import (
-    add_device,
-    add_download,
-    add_head,
-    add_json,
-    add_order,
-    add_rest,
-    print_json,
-    progress_bar,
-)
+from omnivat.cli.arguments import download, print_json, progress_bar, shared
 from omnivat.errors import DataError, SettingsError
 from omnivat.progress import Step
 
@@ -31,23 +22,14 @@ WORDS = {"vis": "photo only", "tac": "touch only"}
 
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument(
-        "images",
-        nargs="*",
-        metavar="VIS TAC",
-        help="a photo and a tactile image, once or many times; '-' for one that is missing",
-    )
+    text = "a photo and a tactile image, once or many times; '-' for one that is missing"
+    parser.add_argument("images", nargs="*", metavar="VIS TAC", help=text)
     parser.add_argument("--pairs", help="a folder or CSV of pairs, instead of single images")
-    add_head(parser)
-    add_order(parser)
-    add_rest(parser)
+    shared(parser, "head", "order", "tac_rest", "weights", "device", "json")
     parser.add_argument("--profile", type=Path, metavar="FILE", help="profile of the sensor (`omnivat profile`)")
-    parser.add_argument("--weights", type=Path, help="checkpoint of the encoder")
     parser.add_argument("--tac-weights", type=Path, help="checkpoint of the encoder of tactile images, if another")
-    add_device(parser)
-    add_download(parser)
-    add_json(parser)
     parser.add_argument("--no-cache", action="store_true", help="encode anew")
+    download(parser)
 
 
 def run(options: argparse.Namespace) -> None:

@@ -8,8 +8,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from omnivat.cli.arguments import add_device, add_download, add_rest, progress_bar
-from omnivat.encoders.base import DEFAULT_ENCODER
+from omnivat.cli.arguments import download, progress_bar, shared
 from omnivat.errors import SettingsError
 from omnivat.files import require_writable
 
@@ -21,22 +20,16 @@ EMBEDDINGS = ".safetensors"
 
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument(
-        "pictures",
-        nargs="?",
-        type=Path,
-        help="an embeddings file, or a folder of pictures: pairs in any layout of `embed`, or files "
-        "named *_vis.* and *_tac.*, or folders named vis and tac",
+    text = (
+        "an embeddings file, or a folder of pictures: pairs in any layout of `embed`, or files named *_vis.* and *_tac.*, "
+        "or folders named vis and tac"
     )
+    parser.add_argument("pictures", nargs="?", type=Path, help=text)
     parser.add_argument("--vis", type=Path, metavar="DIR", help="a folder of photos alone")
     parser.add_argument("--tac", type=Path, metavar="DIR", help="a folder of tactile images alone")
-    parser.add_argument("--out", type=Path, required=True, help="the .safetensors file to write")
     parser.add_argument("--domain", default="", help="name of the domain; of a set: the one to take")
-    parser.add_argument("--encoder", default=DEFAULT_ENCODER, help="image encoder, named as for `embed`")
-    parser.add_argument("--weights", type=Path, help="checkpoint of the encoder")
-    add_rest(parser)
-    add_device(parser)
-    add_download(parser)
+    shared(parser, "out", "weights", "tac_rest", "device", encoder="image encoder, named as for `embed`")
+    download(parser)
 
 
 def run(options: argparse.Namespace) -> None:

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from omnivat.cli.arguments import add_figure, add_seed, check_figure
+from omnivat.cli.arguments import check_figure, choice, figure, shared
 from omnivat.cli.features import StageFeatures, add_stage, stage_features
 from omnivat.errors import SettingsError
 from omnivat.files import require_writable, write_csv
@@ -28,17 +28,16 @@ LEAST = 2 * NEIGHBOURS + 1  # fewest points for a faithfulness value
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     add_stage(parser)
-    parser.add_argument("--method", choices=list(PROJECTIONS), default="umap", help="method of the map; default: umap")
-    add_seed(parser, of="the layout")
+    choice(parser, "--method", list(PROJECTIONS), "method of the map", "umap")
     parser.add_argument("--out", type=Path, help="the CSV to write")
-    parser.add_argument("--dimensions", type=int, choices=(2, 3), default=2, help="of the map; default: 2")
-    parser.add_argument(
-        "--centred",
-        action="store_true",
-        help="write the page's maps of the touches, as they come and with each domain centred, next to "
-        "the embeddings, and nothing else",
+    choice(parser, "--dimensions", (2, 3), "of the map")
+    text = (
+        "write the page's maps of the touches, as they come and with each domain centred, next to the embeddings, and "
+        "nothing else"
     )
-    add_figure(parser, of="the map")
+    parser.add_argument("--centred", action="store_true", help=text)
+    shared(parser, seed="seed of the layout; default: 0")
+    figure(parser, "the map")
 
 
 def run(options: argparse.Namespace) -> None:

@@ -5,10 +5,9 @@ python -m omnivat prompts --out FILE --encoder clip-vit-b16 --method promptstyle
 """
 
 import argparse
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from omnivat.cli.arguments import add_device, add_download
+from omnivat.cli.arguments import choice, download, listed, progress_bar, shared
 from omnivat.data.materials import MATERIALS
 from omnivat.errors import SettingsError
 from omnivat.files import require_writable
@@ -17,43 +16,27 @@ if TYPE_CHECKING:
     from omnivat.encoders.clip_text import ClipText
     from omnivat.lang.bank import LangBank
 
-TEXT_ENCODERS = (
-    "minilm",
-    "clip-vit-b32",
-    "clip-vit-b16",
-    "clip-vit-l14",
-    "clip-vit-l14-336",
-    "clip-rn50",
-    "clip-rn101",
-    "clip",
-)
+CLIPS = ("clip-vit-b32", "clip-vit-b16", "clip-vit-l14", "clip-vit-l14-336", "clip-rn50", "clip-rn101", "clip")
+TEXT_ENCODERS = ("minilm", *CLIPS)
 METHODS = ("phrases", "promptstyler")
 
 
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("--out", type=Path, required=True, help="the .safetensors file to write")
     parser.add_argument("--classes", default=",".join(MATERIALS), help="names, with commas")
-    parser.add_argument("--encoder", choices=TEXT_ENCODERS, default="minilm", help="text encoder; default: minilm")
-    parser.add_argument("--weights", type=Path, help="checkpoint of a CLIP encoder")
-    add_device(parser)
-    add_download(parser)
-    parser.add_argument(
-        "--method",
-        choices=METHODS,
-        default="phrases",
-        help="eighty fixed style phrases, or styles learned as word vectors (CLIP only)",
-    )
+    choice(parser, "--encoder", TEXT_ENCODERS, "text encoder")
+    shared(parser, "out", "device", weights="checkpoint of a CLIP encoder", seed="of the learned styles")
+    download(parser)
+    choice(parser, "--method", METHODS, "eighty fixed style phrases, or styles learned as word vectors (CLIP only)")
     parser.add_argument("--styles", type=int, default=80, help="number of styles for promptstyler")
     parser.add_argument("--steps", type=int, default=100, help="steps for each learned style")
-    parser.add_argument("--seed", type=int, default=0, help="of the learned styles")
 
 
 def run(options: argparse.Namespace) -> None:
     """Embed one prompt for each class and style, write the bank."""
     from omnivat.lang.bank import save_bank
 
-    classes = tuple(name.strip() for name in options.classes.split(",") if name.strip())
+    classes = listed(options.classes)
     if len(classes) < 2 or len(set(classes)) < len(classes):
         raise SettingsError(f"--classes is '{options.classes}'; give two or more different names.")
     require_writable(options.out)
@@ -91,7 +74,6 @@ def _learned(options: argparse.Namespace, classes: tuple[str, ...]) -> "LangBank
         )
     if options.styles < 1 or options.steps < 1:
         raise SettingsError("--styles and --steps must be 1 or more.")
-    from omnivat.cli.arguments import progress_bar
     from omnivat.lang.clip_prompts import ClipWords
     from omnivat.lang.promptstyler import learn_styles, styled_bank
 

@@ -7,7 +7,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from omnivat.cli.arguments import add_device, add_embeddings, listed, numbers, progress_bar, split_settings, whole
+from omnivat.cli.arguments import choice, listed, numbers, progress_bar, shared, split_settings, whole
 from omnivat.errors import DataError, SettingsError
 from omnivat.files import require_writable
 
@@ -23,51 +23,27 @@ def add(parser: argparse.ArgumentParser) -> None:
     add_running(parser)
     parser.add_argument("--methods", default="", metavar="a,b,c", help="methods by name; default: all fast ones")
     parser.add_argument("--sources", default="", metavar="A,B", help="domains to train on; default: all in the set")
-    parser.add_argument(
-        "--folds",
-        type=whole(0),
-        default=0,
-        help="source-side evidence instead: this many folds of held-out objects, no target",
+    text = "source-side evidence instead: this many folds of held-out objects, no target"
+    parser.add_argument("--folds", type=whole(0), default=0, help=text)
+    shared(parser, set="a setting of the head or of its training, such as width=64 or selection=source-val")
+    text = (
+        "the folder or table of pairs that was embedded, for methods that learn inside CLIP; noted by `omnivat embed` "
+        "on this machine"
     )
-    parser.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="key=value",
-        help="a setting of the head or of its training, such as width=64 or selection=source-val",
+    parser.add_argument("--images", type=Path, metavar="PAIRS", help=text)
+    text = "also fit temperatures and a learned fusion to held-out objects; twice the time"
+    parser.add_argument("--calibrate", action="store_true", help=text)
+    text = (
+        "settings of the head to choose among, for each source on its held-out objects; give two or more, '' for the "
+        "settings as they are"
     )
-
-    parser.add_argument(
-        "--images",
-        type=Path,
-        metavar="PAIRS",
-        help="the folder or table of pairs that was embedded, for methods that learn inside CLIP; noted "
-        "by `omnivat embed` on this machine",
-    )
-    parser.add_argument(
-        "--calibrate",
-        action="store_true",
-        help="also fit temperatures and a learned fusion to held-out objects; twice the time",
-    )
-    parser.add_argument(
-        "--candidate",
-        action="append",
-        default=[],
-        metavar="key=value,...",
-        help="settings of the head to choose among, for each source on its held-out objects; give "
-        "two or more, '' for the settings as they are",
-    )
+    parser.add_argument("--candidate", action="append", default=[], metavar="key=value,...", help=text)
 
 
 def add_running(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments shared by `protocol` and `ablate`."""
-    add_embeddings(parser)
-    parser.add_argument("--lang", type=Path, help="LANG bank; default: the project's own")
-    parser.add_argument("--out", type=Path, required=True, help="folder for records and tables")
-    parser.add_argument("--seeds", default="0,1,2", metavar="0,1,2", help="one run for each seed")
-    parser.add_argument("--jobs", type=whole(1), default=1, help="parallel processes")
-    add_device(parser)
-    parser.add_argument("--engine", default="local", choices=("local", "ray"), help="this machine, or a Ray cluster")
+    shared(parser, "embeddings", "lang", "seeds", "jobs", "device", out="folder for records and tables")
+    choice(parser, "--engine", ("local", "ray"), "this machine, or a Ray cluster")
     parser.add_argument("--tables-only", action="store_true", help="rebuild tables, run nothing")
 
 

@@ -6,7 +6,7 @@ python -m omnivat report FEATURES --out DIR [--encoder NAME] [--column vis=THEIR
 import argparse
 from pathlib import Path
 
-from omnivat.cli.arguments import add_seed, listed, progress_bar
+from omnivat.cli.arguments import listed, progress_bar, shared
 from omnivat.cli.imports import add_foreign, columns_of
 from omnivat.errors import SettingsError
 from omnivat.files import require_writable
@@ -14,17 +14,14 @@ from omnivat.files import require_writable
 
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument(
-        "features",
-        type=Path,
-        metavar="FEATURES",
-        help="embeddings .safetensors, or .npz, .parquet, .h5 or .csv as `omnivat import` reads them; "
-        "one modality, one domain and no classes are accepted",
+    text = (
+        "embeddings .safetensors, or .npz, .parquet, .h5 or .csv as `omnivat import` reads them; one modality, one domain "
+        "and no classes are accepted"
     )
-    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder to write")
+    parser.add_argument("features", type=Path, metavar="FEATURES", help=text)
     parser.add_argument("--encoder", default="", metavar="NAME", help="name of the vectors' encoder")
     add_foreign(parser)
-    add_seed(parser, of="maps and the random part of a large set")
+    shared(parser, out="folder to write", seed="seed of maps and the random part of a large set; default: 0")
 
 
 def run(options: argparse.Namespace) -> None:

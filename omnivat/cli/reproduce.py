@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from omnivat.cli import ablate, prompts, protocol
-from omnivat.cli.arguments import add_device, add_download, progress_bar, whole
+from omnivat.cli.arguments import download, progress_bar, shared, whole
 from omnivat.errors import DataError
 from omnivat.files import write_json, write_text
 
@@ -26,20 +26,23 @@ TIMED = 8  # pairs for timing the encoder
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("--data", type=Path, required=True, help="folder of the data sets")
-    parser.add_argument("--out", type=Path, required=True, help="output folder")
-    parser.add_argument("--weights", type=Path, help="checkpoint of CLIP, of any layout and size")
     parser.add_argument("--encoder", default="", metavar="NAME", help="clip with --weights, else clip-vit-b16")
-    parser.add_argument("--seeds", default="0,1,2", metavar="0,1,2", help="one run for each seed")
-    parser.add_argument("--jobs", type=whole(1), default=1, help="parallel processes")
-    parser.add_argument("--workers", type=whole(1), help="threads for embedding; default: all cores")
     parser.add_argument("--methods", default="", metavar="a,b,c", help="of the comparison")
-    parser.add_argument("--only", default="", metavar="a,b,c", help="some of the ablations")
     parser.add_argument("--no-ablations", action="store_true", help="skip the ablations")
     parser.add_argument("--styles", type=whole(1), default=80, help="styles of PromptStyler")
     parser.add_argument("--steps", type=whole(1), default=100, help="steps for each style")
-    parser.add_argument("--set", action="append", default=[], metavar="key=value", help="a setting of the head")
-    add_device(parser)
-    add_download(parser)
+    shared(
+        parser,
+        "seeds",
+        "jobs",
+        "workers",
+        "only",
+        "device",
+        out="output folder",
+        set="a setting of the head",
+        weights="checkpoint of CLIP, of any layout and size",
+    )
+    download(parser)
 
 
 def run(options: argparse.Namespace) -> None:

@@ -10,7 +10,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from omnivat.cli.arguments import add_seed, progress_bar, whole
+from omnivat.cli.arguments import choice, progress_bar, shared, whole
 from omnivat.errors import SettingsError
 from omnivat.files import require_writable
 
@@ -23,22 +23,13 @@ SENSOR_OPTIONS = ("domains", "workers")
 
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("--out", type=Path, required=True, help="folder for the pairs")
-    parser.add_argument(
-        "--set", choices=["sensors", "chirps"], default="sensors", help="the set to make; default: sensors"
-    )
+    choice(parser, "--set", ("sensors", "chirps"), "the set to make")
     parser.add_argument("--domains", help="only these, separated by commas")
     parser.add_argument("--pairs-per-class", type=int, help="60 for sensors, 40 for chirps")
-    add_seed(parser)
     parser.add_argument("--examples", type=Path, help="copy a few test pairs here, as JPEG")
-    parser.add_argument(
-        "--examples-per-class",
-        type=whole(1),
-        default=2,
-        metavar="N",
-        help="pairs of each class and domain to copy to --examples",
-    )
-    parser.add_argument("--workers", type=whole(1), help="processes; default: all cores")
+    text = "pairs of each class and domain to copy to --examples"
+    parser.add_argument("--examples-per-class", type=whole(1), default=2, metavar="N", help=text)
+    shared(parser, "seed", out="folder for the pairs", workers="processes; default: all cores")
     parser.add_argument("--order", type=float, help="chirps: p*, the order of the signal; 0.35")
     parser.add_argument("--strength", type=float, help="chirps: interference over signal; 2")
     parser.add_argument("--shift", type=float, help="chirps: difference between domains, 0 to 1")

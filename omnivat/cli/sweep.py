@@ -10,23 +10,26 @@ an interrupted run are used again.
 """
 
 import argparse
+import shutil
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from itertools import pairwise
 from os.path import realpath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from omnivat.cli.arguments import (
-    add_device,
-    add_embeddings,
-    add_figure,
-    add_head,
-    add_profile,
     check_figure,
+    choice,
+    figure,
+    head_and_set,
+    numbers,
     progress_bar,
+    shared,
+    split_settings,
+    whole,
     with_profiles,
 )
-from omnivat.cli.sweep_retrain import add_retrain, check_retrain, retrained
 from omnivat.errors import SettingsError
 from omnivat.files import require_writable
 from omnivat.stages import checked_order
@@ -37,33 +40,35 @@ if TYPE_CHECKING:
 
 ALL = "all"
 MOST_STOPS = 1001
+ONLY_RETRAIN = ("source", "seeds", "jobs", "keep", "lang", "set")
+Stops = Sequence[float]
+Values = Mapping[str, Sequence[float | None]]
+Wanted = Mapping[str, Sequence[str]]  # "stages" and "measures"
 
 
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    add_head(parser)
-    add_embeddings(parser)
-    add_profile(parser)
+    shared(parser, "head", "embeddings", "profile", "device")
     parser.add_argument("--out", type=Path, help="the frames file for the page, with maps")
     parser.add_argument("--json", type=Path, help="the curves over p as JSON")
     parser.add_argument("--csv", type=Path, help="the curves over p as a table, one column each")
     parser.add_argument("--stops", type=int, help="number of orders from 0 to 1; default: 101")
-    add_device(parser)
     parser.add_argument("--orders", help="these orders instead, such as 0,0.25,1.5")
-    parser.add_argument(
-        "--stages",
-        default=ALL,
-        help="of raw, frft, relu, f_bar, f_hat, separated by commas; default: all, for the page",
-    )
+    text = "of raw, frft, relu, f_bar, f_hat, separated by commas; default: all, for the page"
+    parser.add_argument("--stages", default=ALL, help=text)
     parser.add_argument("--measures", help="of docs/gaps.md, separated by commas, or 'all'; default: the fast ones")
-    parser.add_argument(
-        "--engine",
-        default="local",
-        choices=("local", "ray"),
-        help="this machine, or a Ray cluster (curves alone: --json or --csv)",
-    )
-    add_retrain(parser)
-    add_figure(parser, of="the curves against p")
+    text = "this machine, or a Ray cluster (curves alone: --json or --csv)"
+    choice(parser, "--engine", ("local", "ray"), text)
+    group = parser.add_argument_group("a head at each order")
+    group.add_argument("--retrain", type=whole(2, 1001), metavar="N", help="train a head at each of N orders")
+    group.add_argument("--source", help="domain to train on; default: that of --head")
+    group.add_argument("--seeds", help="such as 0,1,2 (default); maps show the first one's heads")
+    group.add_argument("--jobs", type=whole(1, 256), help="processes; default: all cores")
+    group.add_argument("--keep", type=Path, help="folder of the heads; keeps them")
+    group.add_argument("--lang", type=Path, help="LANG bank; default: the project's own")
+    text = "a setting of the head or of training that differs from --head's, such as epochs=30"
+    group.add_argument("--set", action="append", metavar="key=value", help=text)
+    figure(parser, "the curves against p")
 
 
 def run(options: argparse.Namespace) -> None:
@@ -71,26 +76,24 @@ def run(options: argparse.Namespace) -> None:
     outputs = [p for p in (options.out, options.json, options.csv, options.figure) if p]
     require_outputs(outputs)
     check_figure(options)
-    check_retrain(options)
+    _check_retrain(options)
     if options.profile and (options.engine == "ray" or options.retrain is not None):
         raise SettingsError("--profile goes with one head on this machine: no --retrain, no ray.")
     if options.engine == "ray" and (options.out or options.retrain is not None):
         raise SettingsError("--engine ray computes curves; give --json or --csv, without --out.")
     stops = options.retrain if options.retrain is not None else options.stops
     orders = orders_of(options.orders, stops)
-    from omnivat.checkpoint import head_hash, load_head
-    from omnivat.data.store import load_embeddings
+    from omnivat.checkpoint import head_hash
     from omnivat.frames import write_frames
     from omnivat.frames.records import kind_of, with_learned
     from omnivat.gaps.measures import PREDICTION_MEASURES, STAGE_MEASURES
     from omnivat.sweep import MEASURES, STAGES
     from omnivat.sweep.curves import write_curves_csv, write_curves_json
 
-    stages = names_of(options.stages, STAGES, "stage")
-    known = (*STAGE_MEASURES, *PREDICTION_MEASURES)
-    measures = names_of(options.measures, known, "measure") if options.measures else MEASURES
-    head, embeddings = load_head(options.head), load_embeddings(options.embeddings)
-    head.require_embeddings(embeddings)
+    wanted: Wanted = {"stages": names_of(options.stages, STAGES, "stage"), "measures": MEASURES}
+    if options.measures:
+        wanted = {**wanted, "measures": names_of(options.measures, (*STAGE_MEASURES, *PREDICTION_MEASURES), "measure")}
+    head, embeddings = head_and_set(options)
     embeddings = with_profiles(head, embeddings, options.profile)
     provenance = {
         "hash": head_hash(options.head),
@@ -101,17 +104,14 @@ def run(options: argparse.Namespace) -> None:
     }
     frames: Any = None
     if options.retrain is not None:
-        frames = retrained(options, head, embeddings, orders, stages, measures)
-        write_frames(options.out, frames)
-        curves: Mapping[str, Sequence[float | None]] = frames.curves
+        frames = _retrained(options, head, embeddings, orders, wanted)
     elif options.out:
         if options.orders is None and options.stops is None:
             orders = list(with_learned(orders, head.model.order))
-        frames = _frames(head, embeddings, orders, stages, measures, provenance)
+        frames = _frames(head, embeddings, orders, wanted, provenance)
+    if frames is not None:
         write_frames(options.out, frames)
-        curves = frames.curves
-    else:
-        curves = _curves(options, head, embeddings, orders, stages, measures)
+    curves: Values = frames.curves if frames else _curves(options, head, embeddings, orders, wanted)
     if options.json:
         write_curves_json(options.json, orders, curves, provenance)
     if options.csv:
@@ -123,7 +123,7 @@ def run(options: argparse.Namespace) -> None:
     print(f"{len(orders)} stops of {len(embeddings)} pairs written to {written}")
 
 
-def _draw(file: Path, orders: Sequence[float], curves: Mapping[str, Sequence[float | None]], frames: Any) -> None:
+def _draw(file: Path, orders: Stops, curves: Values, frames: Any) -> None:
     """Draw the page's four charts, or without frames every curve of the whole set."""
     from omnivat.figures import gap_curves, lines, write
     from omnivat.stages import STAGES
@@ -133,8 +133,20 @@ def _draw(file: Path, orders: Sequence[float], curves: Mapping[str, Sequence[flo
         return
     whole = (*STAGES, "all", "unseen")
     series = {n: (orders, v) for n, v in curves.items() if n.partition("/")[2] in whole}
-    title = "Measures against p"
-    write(file, lines(series, title=title, across="order p", up="gap, margin or share"))
+    write(file, lines(series, title="Measures against p", across="order p", up="gap, margin or share"))
+
+
+def _check_retrain(options: argparse.Namespace) -> None:
+    """Raise SettingsError for contradictory arguments."""
+    if options.retrain is None:
+        for name in ONLY_RETRAIN:
+            if getattr(options, name) is not None:
+                raise SettingsError(f"--{name} applies to --retrain N only; leave it out.")
+        return
+    if options.out is None:
+        raise SettingsError("--retrain needs --out, the frames file to write.")
+    if options.stops is not None or options.orders is not None:
+        raise SettingsError("--retrain N sets the orders; leave out --stops and --orders.")
 
 
 def require_outputs(paths: Sequence[Path]) -> None:
@@ -147,40 +159,56 @@ def require_outputs(paths: Sequence[Path]) -> None:
         require_writable(path)
 
 
-def _frames(
-    head: "Head",
-    embeddings: "Embeddings",
-    orders: Sequence[float],
-    stages: Sequence[str],
-    measures: Sequence[str],
-    provenance: Mapping[str, Any],
+def _retrained(
+    options: argparse.Namespace, head: "Head", embeddings: "Embeddings", orders: Stops, wanted: Wanted
 ) -> Any:
+    """Train the missing heads, and return the frames of all."""
+    from omnivat.embed.pairs import usable_cores
+    from omnivat.frames.retrained import MAPS, retrained_frames
+    from omnivat.from_pairs import plan_like
+    from omnivat.from_pairs.at_stops import heads_at_stops
+    from omnivat.model.settings import HeadSettings
+    from omnivat.train import TrainSettings
+
+    seeds = numbers(options.seeds or "0,1,2")
+    plan = plan_like(head, embeddings, source=options.source or "", bank=options.lang)
+    changes = split_settings(options.set or [], HeadSettings, TrainSettings)
+    plan = replace(plan, settings=replace(plan.settings, **changes[0]), training=replace(plan.training, **changes[1]))
+    folder = options.keep or options.out.with_name(options.out.name + ".heads")
+    with progress_bar("train a head at each order") as show:
+        heads_at_stops(plan, orders, folder, seeds=seeds, jobs=options.jobs or usable_cores(), on_step=show)
+    with progress_bar("map each head") as show:
+        frames = retrained_frames(
+            plan, orders, folder, seeds=seeds, maps=_of(MAPS, wanted), measures=wanted["measures"], on_step=show
+        )
+    if options.keep is None:
+        shutil.rmtree(folder, ignore_errors=True)
+    return frames
+
+
+def _frames(head: "Head", embeddings: "Embeddings", orders: Stops, wanted: Wanted, known: Mapping[str, Any]) -> Any:
     from omnivat.frames import build_frames
     from omnivat.frames.builder import DEFAULT_MAPS
 
-    maps = {name: stops for name, stops in DEFAULT_MAPS.items() if name.split("/")[1] in stages}
+    more: dict[str, Any] = {"maps": _of(DEFAULT_MAPS, wanted), "measures": wanted["measures"], "provenance": known}
     with progress_bar("sweep") as show:
-        return build_frames(
-            head.model, embeddings, orders=orders, maps=maps, measures=measures, provenance=provenance, on_step=show
-        )
+        return build_frames(head.model, embeddings, orders=orders, on_step=show, **more)
+
+
+def _of(maps: Mapping[str, int], wanted: Wanted) -> dict[str, int]:
+    """Return the maps of the wanted stages."""
+    return {name: stops for name, stops in maps.items() if name.split("/")[1] in wanted["stages"]}
 
 
 def _curves(
-    options: argparse.Namespace,
-    head: "Head",
-    embeddings: "Embeddings",
-    orders: Sequence[float],
-    stages: Sequence[str],
-    measures: Sequence[str],
+    options: argparse.Namespace, head: "Head", embeddings: "Embeddings", orders: Stops, wanted: Wanted
 ) -> dict[str, list[float | None]]:
     from omnivat.sweep import sweep
     from omnivat.sweep.cluster import curves_on_ray
 
-    wanted: dict[str, Any] = {"stages": stages, "measures": measures}
     with progress_bar("sweep") as show:
         if options.engine == "ray":
-            files = options.head, options.embeddings
-            found = curves_on_ray(*files, orders, on_step=show, **wanted)
+            found = curves_on_ray(options.head, options.embeddings, orders, on_step=show, **wanted)
         else:
             found = sweep(head.model, embeddings, orders, on_step=show, **wanted).curves
     return {name: values.tolist() for name, values in found.items()}
@@ -223,7 +251,7 @@ def names_of(text: str, known: Sequence[str], kind: str) -> tuple[str, ...]:
     return tuple(name for name in known if name in names)
 
 
-def table(orders: Sequence[float], curves: Mapping[str, Sequence[float | None]]) -> str:
+def table(orders: Stops, curves: Values) -> str:
     """Return each curve's first, middle and last value as aligned text."""
     places = sorted({0, len(orders) // 2, len(orders) - 1})
     width = max((len(name) for name in curves), default=5)

@@ -7,7 +7,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from omnivat.cli.arguments import add_head, add_json, add_profile, print_json, progress_bar, with_profiles
+from omnivat.cli.arguments import head_and_set, print_json, progress_bar, shared, with_profiles
 from omnivat.errors import DataError
 
 if TYPE_CHECKING:
@@ -19,21 +19,16 @@ def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("--embeddings", type=Path, required=True, help="labelled pairs, from `omnivat embed`")
     parser.add_argument("--domain", help="only the pairs of this domain")
-    parser.add_argument("--out", type=Path, required=True, help="folder for the taught head")
-    add_head(parser)
-    add_profile(parser)
-    add_json(parser)
+    shared(parser, "head", "profile", "json", out="folder for the taught head")
 
 
 def run(options: argparse.Namespace) -> None:
     """Teach, test with each object left out, save, print."""
-    from omnivat.checkpoint import load_head, require_head_folder, save_head
-    from omnivat.data.store import load_embeddings
+    from omnivat.checkpoint import require_head_folder, save_head
     from omnivat.teach import judged, taught
 
     require_head_folder(options.out)
-    head, embeddings = load_head(options.head), load_embeddings(options.embeddings)
-    head.require_embeddings(embeddings)
+    head, embeddings = head_and_set(options)
     embeddings = with_profiles(head, embeddings, options.profile)
     if options.domain:
         embeddings = embeddings.in_domain(options.domain)

@@ -7,7 +7,7 @@ import argparse
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from omnivat.cli.arguments import add_embeddings, progress_bar
+from omnivat.cli.arguments import progress_bar, shared
 from omnivat.errors import DataError, SettingsError
 from omnivat.files import require_writable
 
@@ -15,7 +15,7 @@ from omnivat.files import require_writable
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("pairs", type=Path, help="the embedded folder or CSV of pairs")
-    add_embeddings(parser)
+    shared(parser, "embeddings")
     parser.add_argument("--out", type=Path, help="a .webp; default: next to the embeddings")
     parser.add_argument("--tile", type=int, default=64, help="side of one thumbnail in pixels")
 

@@ -8,35 +8,28 @@ the temperatures to the last quarter; --no-calibration skips it.
 """
 
 import argparse
-from pathlib import Path
 
-from omnivat.cli.arguments import add_device, add_embeddings, add_seed, numbers, progress_bar, split_settings
+from omnivat.cli.arguments import numbers, progress_bar, shared, split_settings
 
 
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    add_embeddings(parser)
     parser.add_argument("--source", required=True, help="the source domain")
     parser.add_argument("--part", default="", help="only this part of it, such as outdoor")
-    parser.add_argument("--out", type=Path, required=True, help="folder for the head")
-    parser.add_argument("--lang", type=Path, help="LANG bank; default: the project's own")
-    add_seed(parser, of="weights and batches")
-    add_device(parser)
-    parser.add_argument(
-        "--repeat",
-        default="",
-        metavar="1,2",
-        help="train again with these seeds, for the spread of the scores; the saved head uses --seed",
+    text = "a setting of the head or of training, such as width=64 or lr=0.02"
+    shared(
+        parser,
+        "embeddings",
+        "lang",
+        "device",
+        out="folder for the head",
+        set=text,
+        seed="seed of weights and batches; default: 0",
     )
+    text = "train again with these seeds, for the spread of the scores; the saved head uses --seed"
+    parser.add_argument("--repeat", default="", metavar="1,2", help=text)
     parser.add_argument("--no-calibration", action="store_true", help="keep temperature 1: half the time")
     parser.add_argument("--resume", action="store_true", help="resume a stopped training of --out")
-    parser.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="key=value",
-        help="a setting of the head or of training, such as width=64 or lr=0.02",
-    )
 
 
 def run(options: argparse.Namespace) -> None:

@@ -14,7 +14,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from omnivat.cli.arguments import add_device, add_download, add_rest, add_seed, listed, progress_bar
+from omnivat.cli.arguments import download, listed, progress_bar, shared
 from omnivat.cli.imports import add_foreign, columns_of
 from omnivat.encoders.base import DEFAULT_ENCODER
 from omnivat.errors import DataError, SettingsError, printable
@@ -33,13 +33,10 @@ def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("pairs", type=Path, metavar="PAIRS", help="a folder, a CSV, embeddings, NPZ or Parquet")
     parser.add_argument("--out", type=Path, metavar="DIR", help="folder to write; default: beside PAIRS")
     parser.add_argument("--source", default="", help="domain to train on; default: the largest")
-    parser.add_argument("--encoder", default=DEFAULT_ENCODER, help="named as for `embed`")
     parser.add_argument("--no-page", action="store_true", help="write the folder, open no page")
-    add_rest(parser)
     add_foreign(parser)
-    add_seed(parser)
-    add_device(parser)
-    add_download(parser)
+    shared(parser, "encoder", "tac_rest", "seed", "device")
+    download(parser)
 
 
 def run(options: argparse.Namespace) -> None:

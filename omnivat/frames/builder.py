@@ -55,10 +55,7 @@ NAMES = {"fused": "accuracy/unseen", "vis": "accuracy:vis/unseen", "tac": "accur
 
 
 class UnseenAccuracy:
-    """Mean accuracy over unseen domains, by curve name.
-
-    `omnivat.unseen.counted` chooses the pairs; training pairs never count.
-    """
+    """Mean accuracy over unseen domains, by curve name, of the pairs that `omnivat.unseen.counted` chooses."""
 
     def __init__(self, embeddings: Embeddings, classes: tuple[str, ...], source: str) -> None:
         self._embeddings, self._source = embeddings, source
@@ -72,16 +69,10 @@ class UnseenAccuracy:
         """
         if self._source not in self._embeddings.header.domains:
             return {}
-        return {
-            curve: mean_over_domains(
-                probabilities[reading].argmax(1).cpu().numpy() == self._label,
-                self._embeddings,
-                self._source,
-                self._keep,
-            )
-            for reading, curve in NAMES.items()
-            if reading in probabilities
+        found = {
+            NAMES[n]: shares.argmax(1).cpu().numpy() == self._label for n, shares in probabilities.items() if n in NAMES
         }
+        return {n: mean_over_domains(right, self._embeddings, self._source, self._keep) for n, right in found.items()}
 
 
 class FrameBuilder:
@@ -141,7 +132,7 @@ class FrameBuilder:
     def finish(self, head: Mapping[str, Any]) -> FrameSet:
         """Return the frames. head: facts about the head."""
         if "frft" in self.unitary:
-            self.curves |= _renamed(self.curves, "raw", "frft")
+            self.curves |= _with_frft(self.curves)
         frames = {track: track.frames() for track in set(self.tracks.values())}
         header = self.embeddings.header
         return FrameSet(
@@ -155,12 +146,7 @@ class FrameBuilder:
             maps={name: frames[track] for name, track in self.tracks.items()},
             curves=self.curves,
             head=dict(head),
-            embeddings={
-                "encoder": header.encoder,
-                "weights_hash": header.weights_hash,
-                "simulated": header.simulated,
-                "origin": header.origin,
-            },
+            embeddings={n: getattr(header, n) for n in ("encoder", "weights_hash", "simulated", "origin")},
         )
 
 
@@ -202,14 +188,10 @@ def _tracks(maps: Mapping[str, int], count: int, *, projects: bool, still: Seque
     return tracks
 
 
-def _renamed(curves: Mapping[str, list[float | None]], of: str, to: str) -> dict[str, list[float | None]]:
-    """Return the curves of stage `of`, renamed to stage `to`."""
-    split = {name: name.split("/") for name in curves}
-    return {
-        "/".join([parts[0], to, *parts[2:]]): list(curves[name])
-        for name, parts in split.items()
-        if parts[1] == of and parts[0].split(":")[0] in STAGE_MEASURES
-    }
+def _with_frft(curves: Mapping[str, list[float | None]]) -> dict[str, list[float | None]]:
+    """Return the curves of the raw embedding as those of the raw DFrFT."""
+    raw = {name: name.split("/") for name in curves if name.split(":")[0].split("/")[0] in STAGE_MEASURES}
+    return {"/".join([n, "frft", *rest]): list(curves[name]) for name, (n, at, *rest) in raw.items() if at == "raw"}
 
 
 def _require(orders: Sequence[float], maps: Mapping[str, int], embeddings: Embeddings) -> None:
@@ -272,11 +254,9 @@ def build_frames(
         still=STILL,
         seed=seed,
     )
-    predictions = model is not None
-    for found in walk(model, embeddings, orders, stages=builder.stages, predictions=predictions):
+    for found in walk(model, embeddings, orders, stages=builder.stages, predictions=model is not None):
         builder.add(found)
-        text = f"map at order {found.order:.2f}"
-        on_step(Step(done=found.index + 1, total=len(orders), text=text))
+        on_step(Step(done=found.index + 1, total=len(orders), text=f"map at order {found.order:.2f}"))
     if model is None:
         return builder.finish({"kind": FEATURES, **known})
     known = {"fits": list(fitting(model.order, model.settings.width))} | known

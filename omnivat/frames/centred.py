@@ -13,7 +13,7 @@ from omnivat.data.packing import packed
 from omnivat.data.store import Embeddings
 from omnivat.files import write_json
 from omnivat.frames.builder import next_map
-from omnivat.frames.records import MapFrames, quantised
+from omnivat.frames.records import quantised
 from omnivat.gaps.domain import domain_gap
 from omnivat.gaps.unit import unit
 from omnivat.projection import pca
@@ -31,14 +31,15 @@ def centred(rows: Tensor, domain: Tensor) -> Tensor:
     return moved
 
 
-def centred_map(
-    embeddings: Embeddings, method: str, *, seed: int = 0
-) -> tuple[MapFrames, dict[str, list[float | None]]]:
-    """Return a map of the touches in two frames by "pca" or "umap", and the curve of their domain gap.
+def centred_reply(embeddings: Embeddings, method: str, *, seed: int = 0) -> dict[str, Any]:
+    """Return a map of the touches in two frames by "pca" or "umap", and the curve of their domain gap, for a browser.
 
-    Frame 0 shows the unit rows as they come, frame 1 with each domain centred; points are (2, N, 2).
-    PCA has one basis for both frames, so that a domain moves by its offset. The two UMAPs are
-    independent: one that starts from the other keeps its islands. A gap is None for one domain.
+    return  {"points": packed (2, N, 2), "bounds", "trust": [2], "curves": "domain_gap/raw" -> [as
+            it comes, centred]}
+
+    Frame 0 shows the unit rows as they come, frame 1 with each domain centred. PCA has one basis for both frames, so
+    that a domain moves by its offset. The two UMAPs are independent: one that starts from the other keeps its islands.
+    A gap is None for one domain.
     """
     rows = unit(torch.from_numpy(copied(embeddings.tac)))
     domain = torch.as_tensor(embeddings.domain[:])
@@ -52,21 +53,11 @@ def centred_map(
     gaps = [domain_gap(state, domain) for state in states]
     known = [float(gap) if gap.isfinite() else None for gap in gaps]
     made = quantised([flat.double().numpy() for flat in flats], (0, 1), scores)
-    return made, {"domain_gap/raw": known}
-
-
-def centred_reply(embeddings: Embeddings, method: str) -> dict[str, Any]:
-    """Return `centred_map` for a browser.
-
-    return  {"points": packed (2, N, 2), "bounds", "trust": [2], "curves": "domain_gap/raw" -> [as
-            it comes, centred]}
-    """
-    made, curves = centred_map(embeddings, method)
     return {
         "points": packed(made.points.ravel(), "u2"),
         "bounds": [list(made.low), list(made.high)],
         "trust": list(made.trust),
-        "curves": curves,
+        "curves": {"domain_gap/raw": known},
     }
 
 

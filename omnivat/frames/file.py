@@ -76,10 +76,8 @@ def read_frames(path: str | Path) -> FrameSet:
     Raises DataError with the file name if the file is missing, truncated or of another kind.
     """
     file = Path(path)
-    if not file.is_file():
-        raise DataError(f"No frames file at '{file}'. Build one with `python -m omnivat sweep`.")
+    record, start = _header(file)
     content = file.read_bytes()
-    record, start = _record(file, content)
     try:
         arrays = {name: _array(file, content, start, name, entry) for name, entry in record["arrays"].items()}
         frames = FrameSet(
@@ -105,29 +103,24 @@ def read_frames(path: str | Path) -> FrameSet:
 
 
 def frames_header(path: str | Path) -> dict[str, Any]:
-    """Return the JSON of a frames file without reading its arrays.
+    """Return the JSON of a frames file without reading its arrays; raises as `read_frames` does."""
+    return _header(Path(path))[0]
 
-    Raises DataError with the file name if the file is missing or of another kind.
-    """
-    file = Path(path)
+
+def _header(file: Path) -> tuple[dict[str, Any], int]:
+    """Return the JSON, and the place of the first array."""
     if not file.is_file():
         raise DataError(f"No frames file at '{file}'. Build one with `python -m omnivat sweep`.")
     with file.open("rb") as handle:
-        start = handle.read(len(MAGIC) + 4)
-        length = int.from_bytes(start[len(MAGIC) :], "little")
-        if length > file.stat().st_size:
-            raise DataError(f"'{file}' is cut short or damaged; build it again.")
-        return _record(file, start + handle.read(length))[0]
-
-
-def _record(file: Path, content: bytes) -> tuple[dict[str, Any], int]:
-    if content[: len(MAGIC)] != MAGIC:
-        raise DataError(f"'{file}' is not a frames file: it does not start with OVFRAMES.")
-    start = len(MAGIC) + 4 + int.from_bytes(content[len(MAGIC) : len(MAGIC) + 4], "little")
+        if handle.read(len(MAGIC)) != MAGIC:
+            raise DataError(f"'{file}' is not a frames file: it does not start with OVFRAMES.")
+        length = int.from_bytes(handle.read(4), "little")
+        text = handle.read(length) if length <= file.stat().st_size else b""
     try:
-        record = json.loads(content[len(MAGIC) + 4 : start])
+        record = json.loads(text)
     except ValueError as error:
         raise DataError(f"'{file}' is cut short or damaged; build it again.") from error
+    start = len(MAGIC) + 4 + length
     version = record.get("version") if isinstance(record, dict) else None
     if version != VERSION or start % ALIGN:
         raise DataError(f"'{file}' has frames of version {version}, expected {VERSION}; build it again.")

@@ -27,7 +27,6 @@ def retrained_frames(
     seeds: Sequence[int] = (0,),
     maps: Mapping[str, int] = MAPS,
     measures: Sequence[str] = MEASURES,
-    seed: int = 0,
     on_step: OnStep = ignore,
 ) -> FrameSet:
     """Return the frames of the heads that `heads_at_stops` wrote to `folder`.
@@ -38,14 +37,7 @@ def retrained_frames(
     Raises DataError if a head is missing.
     """
     builder = FrameBuilder(
-        plan.settings,
-        plan.embeddings,
-        orders=orders,
-        maps=maps,
-        measures=measures,
-        source=plan.source,
-        still=STILL,
-        seed=seed,
+        plan.settings, plan.embeddings, orders=orders, maps=maps, measures=measures, source=plan.source, still=STILL
     )
     over_seeds: dict[str, list[float | None]] = {}
     for index, order in enumerate(orders):
@@ -57,27 +49,17 @@ def retrained_frames(
             over_seeds.setdefault(name, [None] * len(orders))[index] = value
         on_step(Step(done=index + 1, total=len(orders), text=f"map of the head at {order:.2f}"))
     builder.curves |= over_seeds
-    return builder.finish(
-        {
-            "kind": "retrained",
-            "learned_order": None,
-            "source": plan.source,
-            "width": plan.settings.width,
-            "epochs": plan.training.epochs,
-            "seeds": list(seeds),
-            "simulated": plan.embeddings.header.simulated,
-        }
-    )
+    of = {"source": plan.source, "width": plan.settings.width, "epochs": plan.training.epochs, "seeds": list(seeds)}
+    simulated = plan.embeddings.header.simulated
+    return builder.finish({"kind": "retrained", "learned_order": None, **of, "simulated": simulated})
 
 
 def _spread(heads: Sequence[Head]) -> dict[str, float | None]:
     """Return "seeds:NAME/mean" and so on for every score of heads that differ only in the seed."""
     each = [_scores(head) for head in heads]
     found: dict[str, float | None] = {}
-    for name in each[0]:
-        values = [scores[name] for scores in each if name in scores]
-        if len(values) < len(each):
-            continue
+    for name in (name for name in each[0] if all(name in scores for scores in each)):
+        values = [scores[name] for scores in each]
         found |= {
             f"seeds:{name}/mean": fmean(values),
             f"seeds:{name}/std": stdev(values) if len(values) > 1 else None,
