@@ -15,6 +15,7 @@ from starlette.routing import Route
 from app.api_schema import TOOLS, document
 from app.jobs import Job
 from app.limits import MAX_API_BYTES, REPORT_S
+from app.map_place import kept_features
 from app.messages import Handler, in_sentences, refusal
 from app.pair_input import embedded, refs_from
 from app.request_work import done, received
@@ -22,7 +23,6 @@ from app.requests import question_from
 from app.resources import Resources
 from app.state import order_from
 from app.views.data import without_nan
-from app.views.explore import kept_features
 from app.visitor_sets import VisitorSets
 from omnivat.errors import DataError
 

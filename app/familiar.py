@@ -11,7 +11,6 @@ if TYPE_CHECKING:
     import numpy as np
     import torch
 
-    from app.state import Ref
     from omnivat.checkpoint import Head
 
     Index = np.ndarray[Any, Any]
@@ -25,37 +24,38 @@ def familiar(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any
     """Return the familiarity of each image of a pair.
 
     question  {"vis", "tac": references}
-    return    `images`: modality -> `nearest`, the nearest training pairs of the loaded set and
-              their cosines in E; and, if the head's folder has the training embeddings, `cosine`,
-              `quantile` (share of the training images with a less similar nearest neighbour),
-              `words` and `guess`; `strays`: true if an uploaded image is nearer to the training
-              images of the other modality; `of`: the set of the `nearest` pairs
+    return    `images`: modality -> `nearest`, the nearest training pairs of the loaded set and their
+              cosines in E, and what `looked_at` has; `strays`: true if an uploaded image is nearer to
+              the training images of the other modality; `of`: the set of the `nearest` pairs
 
     Raises DataError if the set has another encoder.
     """
+    import torch
+
     head, embeddings = resources.head(), resources.embeddings()
     head.require_embeddings(embeddings)
     refs = refs_from(question)
     pair = embedded(resources, refs, question)
     index, of = training_pairs(resources)
+    looked = looked_at(head, pair["vis"], pair["tac"])
     images: dict[str, dict[str, Any]] = {}
-    for name, raw in pair.items():
-        if raw is not None:
-            own = refs[name]
-            row = int(own.name) if own is not None and own.kind == "row" else -1
-            near = _nearest(resources, name, raw, index, row)
-            images[name] = {"nearest": near}
-            if own is not None and own.kind == "image" and not question.get("profile"):
-                images[name]["strays"] = _strays(resources, own, name, near[0]["cosine"], index)
-    for name, looked in looked_at(head, pair["vis"], pair["tac"]).items():
-        images[name] |= looked
+    for name, ref in refs.items():
+        raw = pair[name]
+        if ref is None or raw is None:
+            continue
+        near = _nearest(resources, name, raw, index, int(ref.name) if ref.kind == "row" else -1)
+        images[name] = {"nearest": near, **looked.get(name, {})}
+        if ref.kind == "image" and not question.get("profile"):
+            raw = torch.from_numpy(resources.embedding(ref, OTHER[name]).copy())[None]
+            images[name]["strays"] = _nearest(resources, OTHER[name], raw, index)[0]["cosine"] > near[0]["cosine"]
     return {"images": images, "of": of}
 
 
 def looked_at(head: "Head", vis: "torch.Tensor | None", tac: "torch.Tensor | None") -> dict[str, dict[str, Any]]:
     """Return modality -> cosine, quantile, words and guess of one pair's raw embeddings (1, D).
 
-    Empty if the head's folder lacks the training embeddings.
+    The quantile is the share of the training images with a less similar nearest neighbour. Empty if
+    the head's folder lacks the training embeddings.
     """
     from omnivat.calibration.familiarity import UNLIKE
 
@@ -66,10 +66,7 @@ def looked_at(head: "Head", vis: "torch.Tensor | None", tac: "torch.Tensor | Non
 
 
 def predict_one(head: "Head", pair: "Mapping[str, torch.Tensor | None]", order: float | None = None) -> dict[str, Any]:
-    """Return `readings`, the class probabilities, and `images`, the familiarity, of one pair.
-
-    order  p in quarter turns; None: the learned one
-    """
+    """Return `readings`, the class probabilities, and `images`, the familiarity, of one pair."""
     out = head.model(pair["vis"], pair["tac"], order=order)
     readings = {name: rounded(values.numpy())[0] for name, values in out.readings.items()}
     return {"readings": readings, "images": looked_at(head, pair["vis"], pair["tac"])}
@@ -104,10 +101,7 @@ def first(resources: Resources) -> dict[str, Any]:
 
 
 def training_pairs(resources: Resources) -> "tuple[Index, str]":
-    """Return the training rows of the set, and their description.
-
-    If the set lacks the head's source, all rows.
-    """
+    """Return the training rows of the set, or all if it lacks the head's source, and their description."""
     import numpy as np
 
     embeddings, source = resources.embeddings(), resources.head().source
@@ -119,16 +113,8 @@ def training_pairs(resources: Resources) -> "tuple[Index, str]":
     return np.flatnonzero(keep if keep.any() else own), f"the training pairs of {source}"
 
 
-def _strays(resources: Resources, ref: "Ref", name: str, own: float, index: "Index") -> bool:
-    """True if the image, embedded as the other modality, has a nearer training image there."""
-    import torch
-
-    raw = torch.from_numpy(resources.embedding(ref, OTHER[name]).copy())[None]
-    return bool(_nearest(resources, OTHER[name], raw, index, -1)[0]["cosine"] > own)
-
-
 def _nearest(
-    resources: Resources, name: str, raw: "torch.Tensor", index: "Index", own_row: int
+    resources: Resources, name: str, raw: "torch.Tensor", index: "Index", own_row: int = -1
 ) -> list[dict[str, Any]]:
     """Return the training pairs whose image is nearest by cosine in E, except the pair itself."""
     import torch

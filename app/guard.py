@@ -6,10 +6,9 @@ its API would cost a connection each, for as long as a visitor likes. The page i
 from other hosts.
 """
 
-import json
 import re
 from base64 import b64encode
-from collections.abc import AsyncIterator, Awaitable, Callable, Iterable, MutableMapping
+from collections.abc import AsyncIterator, Iterable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from hashlib import sha256
@@ -18,10 +17,9 @@ from socket import gethostname
 from typing import Any
 from urllib.parse import urlsplit
 
-Scope = MutableMapping[str, Any]
-Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
-Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
-App = Callable[[Scope, Receive, Send], Awaitable[None]]
+from starlette.datastructures import Headers, MutableHeaders
+from starlette.responses import JSONResponse
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 LOOPBACK = frozenset({"localhost", "127.0.0.1", "::1"})
 SAFE = ("GET", "HEAD")
@@ -47,10 +45,9 @@ def rules(host: str, names: Iterable[str] = (), *, framed: bool = False) -> Rule
     Beyond loopback, the machine's own name and numeric addresses are allowed, because no other site
     can bind them to this machine.
     """
-    own = {host.strip("[]").lower(), *(name.strip("[]").lower() for name in names)}
-    if is_loopback(host):
-        return Rules(names=LOOPBACK | own, framed=framed)
-    return Rules(names=LOOPBACK | own | {gethostname().lower()}, addresses=True, framed=framed)
+    local = is_loopback(host)
+    own = {name.strip("[]").lower() for name in (host, *names)} | (set() if local else {gethostname().lower()})
+    return Rules(names=LOOPBACK | own, addresses=not local, framed=framed)
 
 
 def is_loopback(host: str) -> bool:
@@ -64,34 +61,34 @@ def is_loopback(host: str) -> bool:
 class Guard:
     """An ASGI application wrapped in the rules."""
 
-    def __init__(self, app: App, rules: Rules) -> None:
+    def __init__(self, app: ASGIApp, rules: Rules) -> None:
         self._app, self._rules = app, rules
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Serve a request, or refuse it with a sentence."""
-        if scope["type"] not in ("http", "websocket"):
+        """Serve a request, or refuse it with a sentence; the page has no WebSocket."""
+        if scope["type"] == "websocket":
+            await send({"type": "websocket.close", "code": 1008})
+        elif scope["type"] != "http":
             await self._app(scope, receive, send)
-            return
-        if problem := refused(scope, self._rules):
-            await _refuse(scope, send, problem, 403)
-            return
-        if not is_open(scope):
-            await _refuse(scope, send, "The page has no such address; open it at '/'.", 404)
-            return
-        await self._app(scope, receive, self._guarded(send))
+        elif problem := refused(scope, self._rules):
+            await JSONResponse({"error": problem}, 403)(scope, receive, send)
+        elif not is_open(scope):
+            missing = {"error": "The page has no such address; open it at '/'."}
+            await JSONResponse(missing, 404)(scope, receive, send)
+        else:
+            await self._app(scope, receive, self._guarded(send))
 
     def _guarded(self, send: Send) -> Send:
         """Return a `send` that adds the headers; a page is buffered until it is complete."""
-        held: list[MutableMapping[str, Any]] = []
+        held: list[Message] = []
 
-        async def guarded(message: MutableMapping[str, Any]) -> None:
+        async def guarded(message: Message) -> None:
             if message["type"] == "http.response.start":
-                page = _header(message["headers"], b"content-type").startswith(b"text/html")
-                packed = _header(message["headers"], b"content-encoding")
-                if page and not packed:
+                sent = MutableHeaders(scope=message)
+                if sent.get("content-type", "").startswith("text/html") and "content-encoding" not in sent:
                     held.append(message)
                     return
-                message["headers"] = [*message["headers"], *headers(b"", self._rules)]
+                sent.update(headers(b"", self._rules))
             elif held:
                 held.append(message)
                 if message.get("more_body"):
@@ -99,7 +96,7 @@ class Guard:
                 start, *parts = held
                 body = b"".join(part.get("body", b"") for part in parts)
                 held.clear()
-                start["headers"] = [*start["headers"], *headers(body, self._rules)]
+                MutableHeaders(scope=start).update(headers(body, self._rules))
                 await send(start)
                 message = {"type": "http.response.body", "body": body}
             await send(message)
@@ -109,26 +106,21 @@ class Guard:
 
 def refused(scope: Scope, rules: Rules) -> str:
     """Return the reason for refusing a request, one sentence; "" if it is served."""
-    host = _header(scope["headers"], b"host").decode("latin-1")
+    sent = Headers(scope=scope)
+    host, origin = sent.get("host", ""), sent.get("origin", "")
     if not _known(_name(host), rules):
         return f"This server is not called '{host:.80}'. Start it with --allow-host NAME to serve that name, too."
-    site = _header(scope["headers"], b"sec-fetch-site")
-    mode = _header(scope["headers"], b"sec-fetch-mode")
-    origin = _header(scope["headers"], b"origin").decode("latin-1")
-    foreign = "A page of another site may not use this server; open the page itself."
-    if origin and _place(origin) != _place(f"http://{host}"):  # browsers send it with any method
-        return foreign
-    if site in (b"cross-site", b"same-site"):
-        opened = mode == b"navigate" and scope.get("method") in SAFE
-        if not opened:
-            return foreign
+    opened = sent.get("sec-fetch-mode") == "navigate" and scope.get("method") in SAFE
+    foreign = sent.get("sec-fetch-site") in ("cross-site", "same-site") and not opened
+    if foreign or (origin and _place(origin) != _place(f"http://{host}")):  # browsers send it with any method
+        return "A page of another site may not use this server; open the page itself."
     return ""
 
 
 def is_open(scope: Scope) -> bool:
-    """True for the addresses of the page; it has no WebSocket."""
+    """True for the addresses of the page."""
     path = scope["path"].removeprefix(scope.get("root_path", ""))
-    return scope["type"] == "http" and (path in PAGE or path.startswith(OPEN))
+    return path in PAGE or path.startswith(OPEN)
 
 
 @asynccontextmanager
@@ -142,13 +134,10 @@ async def alone(app: Any) -> AsyncIterator[None]:
 
 
 def _known(name: str, rules: Rules) -> bool:
-    if name in rules.names:
-        return True
     try:
-        ip_address(name)
+        return name in rules.names or (rules.addresses and bool(ip_address(name)))
     except ValueError:
         return False
-    return rules.addresses
 
 
 def _name(host: str) -> str:
@@ -169,7 +158,7 @@ def _place(origin: str) -> tuple[str, int | None]:
     return (parts.hostname or origin).lower(), None if port in (80, 443) else port
 
 
-def headers(page: bytes, rules: Rules) -> list[tuple[bytes, bytes]]:
+def headers(page: bytes, rules: Rules) -> dict[str, str]:
     """Return the response headers; they allow only the inline scripts of `page`."""
     hashes = " ".join(f"'sha256-{b64encode(sha256(script).digest()).decode()}'" for script in INLINE.findall(page))
     policy = "; ".join(
@@ -189,30 +178,14 @@ def headers(page: bytes, rules: Rules) -> list[tuple[bytes, bytes]]:
             f"frame-ancestors {'*' if rules.framed else chr(39) + 'none' + chr(39)}",
         ]
     )
-    headers = {
+    found = {
         "content-security-policy": policy,
         "x-content-type-options": "nosniff",
         "referrer-policy": "same-origin",
         "cross-origin-opener-policy": "same-origin",
         "cross-origin-resource-policy": "cross-origin" if rules.framed else "same-origin",
     }
-    if not rules.framed:
-        headers["x-frame-options"] = "DENY"
-    return [(name.encode(), value.encode()) for name, value in headers.items()]
-
-
-def _header(headers: Iterable[tuple[bytes, bytes]], name: bytes) -> bytes:
-    return next((value for key, value in headers if key.lower() == name), b"")
-
-
-async def _refuse(scope: Scope, send: Send, problem: str, status: int) -> None:
-    if scope["type"] == "websocket":
-        await send({"type": "websocket.close", "code": 1008})
-        return
-    body = json.dumps({"error": problem}).encode()
-    headers = [(b"content-type", b"application/json"), (b"content-length", str(len(body)).encode())]
-    await send({"type": "http.response.start", "status": status, "headers": headers})
-    await send({"type": "http.response.body", "body": body})
+    return found if rules.framed else {**found, "x-frame-options": "DENY"}
 
 
 def warning(host: str, port: int) -> str:

@@ -1,6 +1,6 @@
-"""Positions of a pair and its tree nodes on a map of the set."""
+"""Positions of a pair and its tree nodes on a map of the set, and the set's features at a stage."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -13,9 +13,10 @@ if TYPE_CHECKING:
     import numpy as np
     from torch import Tensor
 
-    Array = np.ndarray[Any, Any]
+    from omnivat.data.store import Embeddings
+    from omnivat.model.head import OmniVaT
 
-Rows = Callable[[Resources, str, float], "Array"]  # (resources, stage, order) -> (2N, W) unit rows
+    Array = np.ndarray[Any, Any]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -27,7 +28,7 @@ class Drawn:
     flat: "Array"
 
 
-def place(resources: Resources, question: Mapping[str, Any], features: Rows) -> dict[str, Any]:
+def place(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     """Place a pair, and optionally the nodes of its tree, on one map of the first head.
 
     question  {"vis", "tac": references, "order": p, "stage": …, "map": "pca" or "umap",
@@ -43,15 +44,19 @@ def place(resources: Resources, question: Mapping[str, Any], features: Rows) -> 
     from omnivat.gaps.unit import unit
     from omnivat.projection.neighbours import placed
 
-    drawn = _drawn(resources, question)
-    refs = refs_from(question)
+    drawn, refs = _drawn(resources, question), refs_from(question)
     own, nodes = _features(resources, refs, drawn, question)
-    queries = torch.cat([*own.values(), *([] if nodes is None else [nodes])])
-    rows = torch.from_numpy(features(resources, drawn.stage, drawn.order))
+    queries = torch.cat([*own.values(), *nodes])
+    rows = torch.from_numpy(kept_features(resources, drawn.stage, drawn.order))
     found = placed(unit(queries), rows, torch.from_numpy(drawn.flat))
     at = found.places.tolist()
     points = dict(zip(own, at, strict=False))
-    of_set = _of_set(refs, drawn, points)
+    half = len(drawn.flat) // 2
+    of_set = {
+        name: drawn.flat[int(ref.name) + (half if name == "tac" else 0)].tolist()
+        for name, ref in refs.items()
+        if ref is not None and ref.kind == "row" and name in points
+    }
     return {
         "points": {**points, **of_set},
         "nodes": at[len(own) :],
@@ -82,10 +87,10 @@ def _drawn(resources: Resources, question: Mapping[str, Any]) -> Drawn:
 
 def _features(
     resources: Resources, refs: Mapping[str, Ref | None], drawn: Drawn, question: Mapping[str, Any]
-) -> "tuple[dict[str, Tensor], Tensor | None]":
-    """Return the pair's rows (1, W) at the map's stage by modality, and its nodes (M, W).
+) -> "tuple[dict[str, Tensor], list[Tensor]]":
+    """Return the pair's rows (1, W) at the map's stage by modality, and its nodes [(M, W)].
 
-    Nodes have the head's width; None if not requested or if the stage has another width.
+    Nodes have the head's width; none if not requested or if the stage has another width.
     """
     import torch
 
@@ -99,16 +104,32 @@ def _features(
         else:
             own = dict(stage_features(out, drawn.stage))
     width = next(iter(own.values())).shape[1]
-    if out.nodes is None or out.nodes.shape[-1] != width:
-        return own, None
-    return own, out.nodes[0]
+    return own, [] if out.nodes is None or out.nodes.shape[-1] != width else [out.nodes[0]]
 
 
-def _of_set(refs: Mapping[str, Ref | None], drawn: Drawn, points: Mapping[str, Any]) -> dict[str, list[float]]:
-    """Return the map positions of the images that are rows of the set."""
-    half = len(drawn.flat) // 2
-    return {
-        name: drawn.flat[int(ref.name) + (half if name == "tac" else 0)].tolist()
-        for name, ref in refs.items()
-        if ref is not None and ref.kind == "row" and name in points
-    }
+def kept_features(resources: Resources, stage: str, order: float | None) -> "Array":
+    """Return the features of the first head at a stage and order (None: the learned one); "raw" needs no head."""
+    from omnivat.sweep import STILL
+
+    embeddings, model = resources.embeddings(), None
+    if stage != "raw":
+        resources.head().require_embeddings(embeddings)
+        model = resources.head().model
+        order = model.order if order is None else order
+    # unitary stages: their cosines do not depend on the order
+    key = stage if stage in STILL else f"{stage} {order:.6f}"
+    return resources.features.once(key, lambda: staged(model, embeddings, stage, order or 0.0))
+
+
+def staged(model: "OmniVaT | None", embeddings: "Embeddings", stage: str, order: float) -> "Array":
+    """Return the unit features (2N, W) of a stage at one order, VIS first; no model at "raw"."""
+    import torch
+
+    from omnivat.gaps.unit import unit
+    from omnivat.sweep import walk
+
+    with torch.inference_mode():
+        found = next(walk(model, embeddings, [order], stages=[stage], predictions=False))
+        rows = found.features[stage]
+        features: Array = torch.cat([unit(rows["vis"]), unit(rows["tac"])]).numpy()
+    return features

@@ -63,13 +63,17 @@ def transform_rows(x: "Tensor") -> list[dict[str, Any]]:
     kept = coefficients(x)
     fourier = torch.fft.fft(wide, norm="ortho")
     near = dfrft(wide, 1 - 2**-48)  # order 1 itself is computed by the FFT
+    single = "relative, of single against double precision"
+    double = "relative, just below p = 1, against the fast Fourier transform"
     return [
-        row("DFrFT of each VIS embedding, in full", lambda: dfrft(x, ORDER))
-        | error(dfrft(x, ORDER), exact, "relative, of single against double precision"),
-        row("DFrFT from kept coefficients, as p moves", lambda: synthesise(kept, ORDER))
-        | error(synthesise(kept, ORDER), exact, "relative, of single against double precision"),
-        row("DFrFT in double precision", lambda: dfrft(wide, ORDER))
-        | error(near, fourier, "relative, just below p = 1, against the fast Fourier transform"),
+        row("DFrFT of each VIS embedding, in full", lambda: dfrft(x, ORDER), error(dfrft(x, ORDER), exact), single),
+        row(
+            "DFrFT from kept coefficients, as p moves",
+            lambda: synthesise(kept, ORDER),
+            error(synthesise(kept, ORDER), exact),
+            single,
+        ),
+        row("DFrFT in double precision", lambda: dfrft(wide, ORDER), error(near, fourier), double),
     ]
 
 
@@ -78,10 +82,8 @@ def head_row(model: Any, exact: Any, vis: "Tensor", tac: "Tensor") -> dict[str, 
     kept = model.coefficients(vis, tac)
     wanted = exact(vis.double(), tac.double(), order=ORDER).probabilities
     found = model.from_coefficients(kept, ORDER).probabilities
-    return row("whole head on all pairs, as p moves", lambda: model.from_coefficients(kept, ORDER)) | {
-        "error": float((found - wanted).abs().max()),
-        "of": "largest difference of a probability from double precision",
-    }
+    difference, of = float((found - wanted).abs().max()), "largest difference of a probability from double precision"
+    return row("whole head on all pairs, as p moves", lambda: model.from_coefficients(kept, ORDER), difference, of)
 
 
 def stops_row(model: Any, vis: "Tensor", tac: "Tensor") -> dict[str, Any]:
@@ -96,14 +98,15 @@ def stops_row(model: Any, vis: "Tensor", tac: "Tensor") -> dict[str, Any]:
         return probabilities
 
     single = torch.cat([model(vis, tac, order=float(p)).probabilities for p in stops[::10]])
-    return row("one pair at 101 stops of p, in one batch", at_once) | {
-        "error": float((at_once()[::10] - single).abs().max()),
-        "of": "largest difference of a probability from single stops",
-    }
+    difference, of = (
+        float((at_once()[::10] - single).abs().max()),
+        "largest difference of a probability from single stops",
+    )
+    return row("one pair at 101 stops of p, in one batch", at_once, difference, of)
 
 
-def row(what: str, work: Callable[[], Any]) -> dict[str, Any]:
-    """Return `what` and the milliseconds of `work`: median, minimum and maximum."""
+def row(what: str, work: Callable[[], Any], error: float, of: str) -> dict[str, Any]:
+    """Return `what`, the milliseconds of `work` (median, minimum and maximum), and its error of the kind `of`."""
     work()  # the first call may build a basis
     times = []
     for _ in range(REPEATS):
@@ -112,10 +115,9 @@ def row(what: str, work: Callable[[], Any]) -> dict[str, Any]:
         times.append(1000 * (perf_counter() - began))
     times.sort()
     ms = {"median": times[len(times) // 2], "least": times[0], "most": times[-1]}
-    return {"what": what, "ms": {name: float(f"{value:.3g}") for name, value in ms.items()}}
+    return {"what": what, "ms": {name: float(f"{value:.3g}") for name, value in ms.items()}, "error": error, "of": of}
 
 
-def error(found: "Tensor", exact: "Tensor", of: str) -> dict[str, Any]:
+def error(found: "Tensor", exact: "Tensor") -> float:
     """Return the relative error of a tensor against an exact one."""
-    difference = (found.to(exact.dtype) - exact).norm() / exact.norm()
-    return {"error": float(difference), "of": of}
+    return float((found.to(exact.dtype) - exact).norm() / exact.norm())

@@ -79,12 +79,9 @@ def in_sentences(handler: Handler) -> Handler:
         except ClientDisconnect:
             log.info("%s: the visitor went", request.url.path)
             return refusal("The request was not finished.", 499)
-        except OSError as error:
-            if error.errno not in FULL:
-                log.exception("%s failed", request.url.path)
-                return refusal(UNEXPECTED, 500)
-            return refusal("The server has no room for this now; try again in a minute.", 503)
-        except Exception:
+        except Exception as error:
+            if isinstance(error, OSError) and error.errno in FULL:
+                return refusal("The server has no room for this now; try again in a minute.", 503)
             log.exception("%s failed", request.url.path)
             return refusal(UNEXPECTED, 500)
 

@@ -30,28 +30,20 @@ def fitting_files(resources: Resources) -> dict[str, Path]:
     """Return the frames files that match the pairs and encoder of the set; log the others."""
     from omnivat.frames.file import frames_header
 
-    found = mode_files(resources.where)
-    if not found:
-        return {}
-    embeddings = resources.embeddings()
-    header = embeddings.header
     fitting = {}
-    for mode, file in found.items():
+    for mode, file in mode_files(resources.where).items():
+        embeddings = resources.embeddings()
+        header = embeddings.header
+        wanted = (len(embeddings), header.domains, header.weights_hash, header.origin)
         try:
             record = frames_header(file)
             made = record["embeddings"]
-            same = (record["pairs"], tuple(record["domains"]), made["weights_hash"]) == (
-                len(embeddings),
-                header.domains,
-                header.weights_hash,
-            )
+            if (record["pairs"], tuple(record["domains"]), made["weights_hash"], made.get("origin", "")) == wanted:
+                fitting[mode] = file
+            else:
+                log.warning("'%s' is of another set and is left out.", file.name)
         except (DataError, KeyError, TypeError) as error:
             log.warning("frames left out: %s", error)
-            continue
-        if same and made.get("origin", "") == header.origin:
-            fitting[mode] = file
-        else:
-            log.warning("'%s' is of another set and is left out.", file.name)
     return fitting
 
 
@@ -66,18 +58,13 @@ def modes(resources: Resources) -> dict[str, Any]:
     except DataError as error:
         log.warning("%s", error)
         fitting = {}
-    listed = [mode for mode in ("trained", MOVED, "every") if mode == MOVED or mode in fitting]
     shown = resources.where.embeddings.resolve()
-    sets = [
-        {
-            "name": name,
-            "title": SETS.get(name, name),
-            "shown": embeddings.resolve() == shown,
-            "curve": _curve(folder / FILES["trained"], SETS.get(name, name)),
-        }
-        for name, (folder, embeddings) in shipped_sets().items()
-    ]
-    return {"modes": listed, "sets": sets}
+    sets = []
+    for name, (folder, embeddings) in shipped_sets().items():
+        title = SETS.get(name, name)
+        curve = _curve(folder / FILES["trained"], title)
+        sets.append({"name": name, "title": title, "shown": embeddings.resolve() == shown, "curve": curve})
+    return {"modes": [mode for mode in ("trained", MOVED, "every") if mode in {MOVED, *fitting}], "sets": sets}
 
 
 def _curve(file: Path, title: str) -> dict[str, Any] | None:

@@ -18,6 +18,7 @@ from app import sensor, teaching
 from app.api import api_routes
 from app.components import WEB
 from app.familiar import familiar, first
+from app.map_place import place
 from app.mcp import mcp
 from app.measuring import measured
 from app.messages import Handler, in_sentences, refusal
@@ -40,7 +41,7 @@ QUESTIONS: dict[str, Computed] = {
     "votes": tree.votes,
     "neighbours": explore.neighbours,
     "ladder": explore.ladder,
-    "place": explore.place,
+    "place": place,
     "predictions": compare.predictions,
     "measure": measured,
     "familiar": familiar,

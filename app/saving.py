@@ -1,7 +1,7 @@
 """What the page saves: heads and sets as zip files, the open view as an interactive figure."""
 
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from io import BytesIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -32,20 +32,14 @@ def head_zip(head: "Head", name: str) -> bytes:
     """Return a zip of the head's folder, called `name`."""
     from omnivat.checkpoint import save_head
 
-    with TemporaryDirectory(prefix="omnivat-save-") as folder:
-        place = save_head(Path(folder) / name, head)
-        return _zipped(place, name, HEAD_NOTE)
+    return _zipped(lambda folder: save_head(folder, head), name, HEAD_NOTE)
 
 
 def set_zip(embeddings: "Embeddings", name: str) -> bytes:
     """Return a zip of an embeddings file and its manifest, in a folder called `name`."""
     from omnivat.data.store import save_embeddings
 
-    with TemporaryDirectory(prefix="omnivat-save-") as folder:
-        place = Path(folder) / name
-        place.mkdir()
-        save_embeddings(place / "embeddings.safetensors", embeddings)
-        return _zipped(place, name, SET_NOTE)
+    return _zipped(lambda folder: save_embeddings(folder / "embeddings.safetensors", embeddings), name, SET_NOTE)
 
 
 def save_figure(resources: Resources, question: Mapping[str, Any]) -> bytes:
@@ -80,11 +74,14 @@ def save_figure(resources: Resources, question: Mapping[str, Any]) -> bytes:
     return whole.encode()
 
 
-def _zipped(folder: Path, name: str, note: str) -> bytes:
-    with BytesIO() as out:
+def _zipped(save: Callable[[Path], Any], name: str, note: str) -> bytes:
+    """Return a zip of the folder `name` that `save` writes, with a note."""
+    with TemporaryDirectory(prefix="omnivat-save-") as home, BytesIO() as out:
+        folder = Path(home) / name
+        save(folder)
         with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
             for file in sorted(folder.rglob("*")):
                 if file.is_file():
-                    archive.write(file, f"{name}/{file.relative_to(folder)}")
+                    archive.write(file, file.relative_to(home))
             archive.writestr(f"{name}/README.txt", note.format(name=name))
         return out.getvalue()

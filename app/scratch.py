@@ -52,12 +52,9 @@ def sweep() -> int:
     """Remove the folders of ended processes; return their number."""
     swept = 0
     for folder in Path(gettempdir()).glob(f"{PREFIX}*"):
-        if fcntl is None or folder.is_symlink() or not (folder / LOCK).is_file():
-            continue
-        held = _locked(folder / LOCK)
-        if held is not None:
-            shutil.rmtree(folder, ignore_errors=True)
-            held.close()
+        mine = fcntl is not None and not folder.is_symlink() and (folder / LOCK).is_file()
+        if mine and (held := _locked(folder / LOCK)) is not None:
+            _removed(folder, held)
             swept += 1
     return swept
 
@@ -71,7 +68,7 @@ def _locked(file: Path) -> IO[Any] | None:
     try:
         if fcntl is not None:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        return handle
     except OSError:
         handle.close()
         return None
-    return handle

@@ -27,7 +27,8 @@ def profile(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]
     question  {"photos", "touches": references, at most MOST_AT_ONCE; "profile": one to add to}
     return    `profile`, its name, and `counts` of pictures by modality
 
-    Raises DataError for no images or too many, or a head without its source's profile; ForgottenError for one that is not kept.
+    Raises DataError for no images or too many, or a head without its source's profile; ForgottenError
+    for an image that is not kept.
     """
     import numpy as np
 
@@ -42,10 +43,9 @@ def profile(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]
         raise DataError(f"Send 1 to {MOST_AT_ONCE} pictures of your sensor at a time.")
     channels = dict(before.channels) if before else {}
     for name, some in given.items():
-        refs = [ref for one in some if (ref := ref_from(one)) is not None]
-        if refs:
-            rows = np.stack([resources.embedding(ref, name) for ref in refs])
-            found = channels_of(rows)
+        rows = [resources.embedding(ref, name) for one in some if (ref := ref_from(one)) is not None]
+        if rows:
+            found = channels_of(np.stack(rows))
             channels[name] = joined(channels[name], found) if name in channels else found
     return _kept(resources, Profile(channels=channels, key=source.key, domain=DOMAIN))
 
@@ -56,15 +56,12 @@ def joined(one: "Channels", other: "Channels") -> "Channels":
 
     from omnivat.data.profile import Channels
 
-    count = one.count + other.count
-    shares = [part.count / count for part in (one, other)]
-    means = [part.mean.astype(np.float64) for part in (one, other)]
-    mean = shares[0] * means[0] + shares[1] * means[1]
-    variance = sum(
-        share * (part.variance + (own - mean) ** 2)
-        for share, own, part in zip(shares, means, (one, other), strict=True)
-    )
-    return Channels(mean=mean.astype(np.float32), variance=np.asarray(variance, np.float32), count=count)
+    counts = [one.count, other.count]
+    means = np.stack([one.mean, other.mean]).astype(np.float64)
+    mean = np.average(means, axis=0, weights=counts)
+    spread = np.stack([one.variance, other.variance]) + (means - mean) ** 2
+    variance = np.average(spread, axis=0, weights=counts).astype(np.float32)
+    return Channels(mean=mean.astype(np.float32), variance=variance, count=sum(counts))
 
 
 def save_sensor(resources: Resources, question: Mapping[str, Any]) -> bytes:
@@ -93,8 +90,7 @@ def load_sensor(resources: Resources, file: Path) -> dict[str, Any]:
 
 def from_the_start(resources: Resources) -> dict[str, Any]:
     """Return the profile of --profile as `load_sensor` does; {} without one."""
-    file = resources.where.profile
-    return load_sensor(resources, file) if file else {}
+    return load_sensor(resources, resources.where.profile) if resources.where.profile else {}
 
 
 def _kept(resources: Resources, found: "Profile") -> dict[str, Any]:

@@ -2,13 +2,12 @@
 
 import json
 from collections.abc import Mapping, Sequence
-from hashlib import blake2b
 from typing import TYPE_CHECKING, Any
 
 from app.pair_input import embedded, mixed, refs_from
 from app.resources import Resources
 from app.saving import head_zip, set_zip
-from app.state import ForgottenError
+from app.state import ForgottenError, content_name
 from omnivat.errors import DataError
 
 if TYPE_CHECKING:
@@ -22,10 +21,7 @@ DOMAIN = "My pairs"
 
 
 def lessons_in(question: Mapping[str, Any]) -> list[Mapping[str, Any]]:
-    """Return the labelled pairs in a request: [{"vis", "tac", "label"}, …].
-
-    Raises DataError for anything else, or for too many.
-    """
+    """Return the labelled pairs in a request: [{"vis", "tac", "label"}, …]; raises DataError for anything else."""
     given = question.get("lessons") or []
     if not isinstance(given, list) or not all(isinstance(one, dict) for one in given):
         raise DataError("lessons has to be a list of pairs with a label each.")
@@ -47,12 +43,8 @@ def lessons_in(question: Mapping[str, Any]) -> list[Mapping[str, Any]]:
 
 
 def head_for(resources: Resources, question: Mapping[str, Any]) -> "Head":
-    """Return the head named in a request, taught from the request's lessons if there are any.
-
-    Raises DataError for a head that is not loaded or invalid lessons.
-    """
-    head = resources.head_named(question.get("head"))
-    given = lessons_in(question)
+    """Return the head named in a request, taught from the request's lessons if there are any."""
+    head, given = resources.head_named(question.get("head")), lessons_in(question)
     if not given:
         return head
     from omnivat.teach import taught
@@ -61,13 +53,7 @@ def head_for(resources: Resources, question: Mapping[str, Any]) -> "Head":
 
 
 def taught_name(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
-    """Teach a head and return its name, for requests whose body is an image.
-
-    question  {"lessons": […]}
-    return    `taught`: the name for `head_taught`
-
-    Raises DataError without lessons.
-    """
+    """Teach a head and return its name for `head_taught`, for requests whose body is an image."""
     if not lessons_in(question):
         raise DataError("No pair is labelled yet, so no head can be taught. Label two or more.")
     head_for(resources, question)
@@ -75,13 +61,8 @@ def taught_name(resources: Resources, question: Mapping[str, Any]) -> dict[str, 
 
 
 def head_taught(resources: Resources, name: str) -> "Head":
-    """Return the head of a name from `taught_name`; the first head for "".
-
-    Raises ForgottenError if the server no longer has it.
-    """
-    if not name:
-        return resources.head()
-    head = resources.taught.get(name)
+    """Return the head of a name from `taught_name`; the first head for "". Raises ForgottenError if it is not kept."""
+    head = resources.taught.get(name) if name else resources.head()
     if head is None:
         raise ForgottenError("The server no longer has the taught head; press Teach again.")
     return head
@@ -100,8 +81,7 @@ def teach(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     """
     from omnivat.teach import judged
 
-    given = lessons_in(question)
-    found = judged(resources.head(), _lessons(resources, given, question))
+    found = judged(resources.head(), _lessons(resources, lessons_in(question), question))
     return {
         "judged": [{"label": j.label, "before": j.before, "after": j.after} for j in found.judged],
         "right": {"before": found.before, "after": found.after},
@@ -112,10 +92,7 @@ def teach(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def own_set(resources: Resources, question: Mapping[str, Any]) -> "Embeddings":
-    """Return the visitor's labelled pairs as a set of embeddings, one domain.
-
-    Pairs with one image are left out. Raises DataError if no complete pair remains.
-    """
+    """Return the visitor's labelled pairs as a set of one domain; raises DataError if none has both images."""
     import numpy as np
 
     from omnivat.data.store import ROW_NAMES, Embeddings, Header
@@ -126,17 +103,15 @@ def own_set(resources: Resources, question: Mapping[str, Any]) -> "Embeddings":
     lessons = _lessons(resources, given, {})  # as they come: a profile is a file of its own
     labels = [one.label for one in lessons]
     classes = tuple(dict.fromkeys(labels))
-    head = resources.head()
-    rows = {name: [""] * len(given) for name in ROW_NAMES}
-    for number, label in enumerate(labels):
-        for modality in ("vis", "tac"):
-            rows[modality][number] = f"{DOMAIN}/{label}/{number}_{modality}.png"
-        rows["object"][number] = f"{DOMAIN}/{label}/{number}"
+    encoder = resources.head().encoder
+    objects = [f"{DOMAIN}/{label}/{number}" for number, label in enumerate(labels)]
+    files = {modality: [f"{one}_{modality}.png" for one in objects] for modality in ("vis", "tac")}
+    rows = {name: [""] * len(given) for name in ROW_NAMES} | {"object": objects} | files
     return Embeddings(
         header=Header(
-            encoder=head.encoder["name"],
-            weights_hash=head.encoder["weights_hash"],
-            preprocessing=head.encoder["preprocessing"],
+            encoder=encoder["name"],
+            weights_hash=encoder["weights_hash"],
+            preprocessing=encoder["preprocessing"],
             domains=(DOMAIN,),
             classes=classes,
             origin="labelled by a visitor of the page",
@@ -163,14 +138,12 @@ def save_taught(resources: Resources, question: Mapping[str, Any]) -> bytes:
 
 def _name(question: Mapping[str, Any]) -> str:
     text = json.dumps([question.get(name) for name in ("head", "profile", "lessons")], sort_keys=True)
-    return blake2b(text.encode("utf-8", "replace"), digest_size=16).hexdigest()
+    return content_name(text.encode("utf-8", "replace"))
 
 
 def _lessons(resources: Resources, given: Sequence[Mapping[str, Any]], question: Mapping[str, Any]) -> "list[Lesson]":
     from omnivat.teach import Lesson
 
-    found = []
-    for one in given:
-        pair = embedded(resources, refs_from(one), question)
-        found.append(Lesson(label=one["label"].strip(), vis=pair["vis"], tac=pair["tac"]))
-    return found
+    pairs = [embedded(resources, refs_from(one), question) for one in given]
+    labels = [one["label"].strip() for one in given]
+    return [Lesson(label=label, vis=pair["vis"], tac=pair["tac"]) for label, pair in zip(labels, pairs, strict=True)]

@@ -20,36 +20,25 @@ TITLE = "Compare"
 METHODS = {"nearest_mean": "nearest class mean"}  # fast to fit; slower ones are in the matrix
 METRICS = ("accuracy", "macro_f1")
 DRAWS = 2000  # of a bootstrap
-_MEASURED = EXAMPLES / "records"
-RECORDS = (_MEASURED / "protocol_full.jsonl.gz", _MEASURED / "protocol.jsonl.gz")
+RECORDS = tuple(EXAMPLES / "records" / f"{name}.jsonl.gz" for name in ("protocol_full", "protocol"))
 
 
 def heads(resources: Resources) -> list[dict[str, Any]]:
-    """Return the heads for comparison: name, structure, source, learned order.
-
-    This reads settings.json only; nothing heavy is loaded.
-    """
+    """Return name, structure, source and first order of each head, from settings.json; nothing heavy is loaded."""
     found = []
     for name, folder in resources.folders.items():
         try:
             record = json.loads((folder / "settings.json").read_text(encoding="utf-8"))
             settings, provenance = record["head"], record["provenance"]
-            found.append(
-                {
-                    "name": name,
-                    "folder": folder.name,
-                    "generation": settings["generation"],
-                    "mffa": settings["mffa"],
-                    "levels": settings["levels"],
-                    "width": settings["width"],
-                    "start": settings["order"],
-                    "source": str(provenance.get("source", "")),
-                    "seed": provenance.get("seed"),
-                }
-            )
+            facts = {
+                **{fact: settings[fact] for fact in ("generation", "mffa", "levels", "width")},
+                "start": settings["order"],
+                "source": str(provenance.get("source", "")),
+                "seed": provenance.get("seed"),
+            }
         except (OSError, ValueError, KeyError, TypeError):
-            problem = f"'{folder.name}' is not a head; see Data & limits."
-            found.append({"name": name, "folder": folder.name, "problem": problem})
+            facts = {"problem": f"'{folder.name}' is not a head; see Data & limits."}
+        found.append({"name": name, "folder": folder.name, **facts})
     return found
 
 
@@ -58,8 +47,7 @@ def predictions(resources: Resources, question: Mapping[str, Any]) -> dict[str, 
 
     question  {"method": a name of METHODS}
     return    label, prediction (N,) as indices into `classes`, confidence (N,) 0 to 255, and
-              `accuracy`: "unseen" (mean over unseen domains, test pairs) and each domain; pairs of
-              a class that the method lacks are left out, as for a head
+              `accuracy`, as `scores_of` has it
 
     Raises DataError for another method, or a set without the head's source domain.
     """
@@ -101,10 +89,9 @@ def _fitted(resources: Resources, method: str) -> dict[str, Any]:
 def scores_of(
     embeddings: "Embeddings", classes: Sequence[str], source: str, predicted: "Array"
 ) -> dict[str, float | None]:
-    """Return the accuracy of predictions (N,) in each domain, and in the "unseen" ones together.
+    """Return the accuracy of predictions (N,) in each domain, and "unseen", the mean over unseen domains.
 
-    Pairs of a class that is not in `classes` are left out, and so are training pairs from "unseen".
-    None if no pair remains.
+    Pairs of other classes than `classes` are left out, and training pairs from "unseen". None if no pair remains.
     """
     from omnivat.evaluate import label_map
     from omnivat.unseen import counted
@@ -112,16 +99,12 @@ def scores_of(
 
     label = label_map(list(classes), embeddings.header.classes)[embeddings.label]
     right, known = predicted == label, label >= 0
-    found: dict[str, float | None] = {
-        "unseen": mean_over_domains(right, embeddings, source, known & counted(embeddings, source))
+    domains = embeddings.header.domains
+    within = {name: known & (embeddings.domain == index) for index, name in enumerate(domains)}
+    return {
+        "unseen": mean_over_domains(right, embeddings, source, known & counted(embeddings, source)),
+        **{name: float(right[own].mean()) if own.any() else None for name, own in within.items()},
     }
-    for index, name in enumerate(embeddings.header.domains):
-        own = known & (embeddings.domain == index)
-        found[name] = float(right[own].mean()) if own.any() else None
-    return found
-
-
-# ---- source x target ---------------------------------------------------------------------------
 
 
 def matrix(resources: Resources) -> dict[str, Any]:
@@ -142,15 +125,13 @@ def _matrix(resources: Resources) -> dict[str, Any]:
     embeddings = resources.embeddings()
     header = embeddings.header
     runs = protocol_runs(fingerprint(embeddings))
-    rows, origin = protocol_rows(runs), "protocol"
+    rows = protocol_rows(runs)
     own = [row for one in resources.heads if (row := head_row(resources, one))]
-    if not rows:
-        origin = "heads"
     sources = list(dict.fromkeys(row["source"] for row in (*rows, *own)))
     return {
         "rows": rows + own,
         "ranking": ranking(runs),
-        "origin": origin,
+        "origin": "protocol" if rows else "heads",
         "targets": list(header.domains),
         "backbone": BACKBONE,
         "paper": {
@@ -163,18 +144,15 @@ def _matrix(resources: Resources) -> dict[str, Any]:
 
 def head_row(resources: Resources, name: str) -> dict[str, Any] | None:
     """Return the row for the set's domains from a head's metrics.json, None without any."""
-    try:
-        head = resources.head_named(name)
-    except DataError:
-        return None
     domains = resources.embeddings().header.domains
     try:
+        head = resources.head_named(name)
         cells = {
             str(record["domain"]): [record["scores"]["fused"]["accuracy"], record["scores"]["fused"]["macro_f1"]]
             for record in head.metrics.get("domains", [])
             if "fused" in record.get("scores", {}) and record["domain"] in domains
         }
-    except (AttributeError, KeyError, TypeError):  # metrics.json may come from a visitor
+    except (DataError, AttributeError, KeyError, TypeError):  # metrics.json may come from a visitor
         return None
     if not cells:
         return None
@@ -214,11 +192,10 @@ def protocol_rows(runs: Mapping[tuple[str, str], Sequence[Any]]) -> list[dict[st
 
 
 def ranking(runs: Mapping[tuple[str, str], Sequence[Any]]) -> list[dict[str, Any]]:
-    """Return each method with several sources: [mean, low, high] of accuracy and macro-F1.
+    """Return each method with several sources, best first: [mean, low, high] of accuracy and macro-F1.
 
-    A mean over unseen domains, then over sources; 95 % intervals by drawing sources, then seeds.
-    `seeds` is the standard deviation over seeds of one source, pooled over sources; None for one
-    seed. The best method comes first.
+    A mean over unseen domains, then over sources; 95 % intervals by drawing sources, then seeds. `seeds` is the
+    standard deviation over seeds of one source, pooled over sources; None for one seed.
     """
     from omnivat.reports.intervals import bootstrap_interval, spread
     from omnivat.reports.reading import record_mean

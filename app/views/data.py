@@ -12,7 +12,7 @@ from app.sensor import from_the_start
 from omnivat.errors import DataError
 
 TITLE = "Data & limits"
-FITS = {"problem": "", "remedy": "", "command": ""}
+FITS = dict.fromkeys(("problem", "remedy", "command"), "")
 REMEDY = (
     "This command trains a small head on the set, tests it on objects that it has not seen, and opens the page with it."
 )
@@ -40,10 +40,7 @@ def head_facts(resources: Resources) -> dict[str, Any]:
     return {
         "name": _place(resources.where.head),
         "classes": list(settings.classes),
-        "width": settings.width,
-        "input_width": settings.input_width,
-        "expansion": settings.expansion,
-        "levels": settings.levels,
+        **{name: getattr(settings, name) for name in ("width", "input_width", "expansion", "levels")},
         "order": head.model.order,
         "parameters": sum(p.numel() for p in head.model.parameters()),
         "encoder": head.encoder,
@@ -64,22 +61,15 @@ def embedding_facts(resources: Resources) -> dict[str, Any]:
         "name": _place(resources.where.embeddings),
         "pairs": len(embeddings),
         "width": embeddings.width,
-        "encoder": header.encoder,
-        "weights_hash": header.weights_hash,
-        "preprocessing": header.preprocessing,
         "domains": list(header.domains),
         "classes": list(header.classes),
         "counts": counts.tolist(),
-        "simulated": header.simulated,
-        "origin": header.origin,
+        **{name: getattr(header, name) for name in ("encoder", "weights_hash", "preprocessing", "simulated", "origin")},
     }
 
 
 def fit(resources: Resources) -> dict[str, str]:
-    """Return why the first head cannot predict the set, and the command to run; both "" if it can.
-
-    return  {"problem": sentence, "remedy": sentence, "command": text}
-    """
+    """Return why the first head cannot predict the set, a remedy and the command to run; each "" if it can."""
     if resources.where.frames is not None:
         return FITS
     embeddings = resources.embeddings()

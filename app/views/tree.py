@@ -24,9 +24,9 @@ def tree(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
 
     question  {"vis", "tac": references, or "domain": name; "order": p or None,
               "head": name of a comparison head, the first one if left out}
-    return    nodes with their parents (-1 for none), norms and class probabilities; `layers`:
-              the cosine matrix of each group of nodes and its NOD loss; `pairs`: the number of
-              averaged pairs
+    return    nodes with their parents (-1 for none), norms, class probabilities and, for a domain, the share
+              that is `right`; `layers`: the cosine matrix of each group of nodes, and its distance from the
+              identity, which NOD minimises; `pairs`: the number of averaged pairs
 
     Raises DataError if nothing is chosen or the head has no nodes.
     """
@@ -53,7 +53,10 @@ def tree(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
         "pairs": len(found),
         "parents": facts.parents,
         "nodes": node_records(facts),
-        "layers": layer_records(facts),
+        "layers": [
+            {"nodes": list(level.nodes), "cosines": rounded(level.cosines.numpy()), "nod": round(level.nod, 5)}
+            for level in facts.levels
+        ],
     }
 
 
@@ -94,29 +97,15 @@ def _pairs(
     if not len(some):
         raise DataError(f"The domain '{domain:.80}' has no pairs here.")
     labels = label_map(head.settings.classes, embeddings.header.classes)[some.label]
-    chosen: dict[str, Tensor | None] = {
-        "vis": torch.from_numpy(some.vis.copy()),
-        "tac": torch.from_numpy(some.tac.copy()),
-    }
-    return chosen, torch.as_tensor(labels)
+    return {n: torch.from_numpy(getattr(some, n).copy()) for n in ("vis", "tac")}, torch.as_tensor(labels)
 
 
 def node_records(facts: "TreeFacts") -> list[dict[str, Any]]:
-    """Return the page's data for each node; `right` if the pairs' classes are known."""
-    means = rounded(facts.probabilities.numpy())
-    records: list[dict[str, Any]] = [
-        {"norm": round(float(length), 5), "probabilities": row}
-        for length, row in zip(facts.lengths, means, strict=True)
-    ]
+    """Return the page's data for each node."""
+    columns: dict[str, list[Any]] = {
+        "norm": [round(length, 5) for length in facts.lengths.tolist()],
+        "probabilities": rounded(facts.probabilities.numpy()),
+    }
     if facts.right is not None:
-        for record, share in zip(records, facts.right.tolist(), strict=True):
-            record["right"] = round(share, 5) if share == share else None
-    return records
-
-
-def layer_records(facts: "TreeFacts") -> list[dict[str, Any]]:
-    """Return each group's cosine matrix and its distance from the identity, which NOD minimises."""
-    return [
-        {"nodes": list(level.nodes), "cosines": rounded(level.cosines.numpy()), "nod": round(level.nod, 5)}
-        for level in facts.levels
-    ]
+        columns["right"] = [round(share, 5) if share == share else None for share in facts.right.tolist()]
+    return [dict(zip(columns, values, strict=True)) for values in zip(*columns.values(), strict=True)]

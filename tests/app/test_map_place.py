@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from app.map_place import place
 from app.resources import Resources
-from app.views import explore
 from omnivat.errors import DataError
 
 
@@ -21,7 +21,7 @@ def test_a_pair_of_the_set_is_placed_where_the_map_has_it(with_frames):
     from omnivat.frames import read_frames
 
     frames = read_frames(with_frames.frames.state().file)
-    got = explore.place(
+    got = place(
         with_frames, {"vis": "row:7", "tac": "row:7", "order": 0.5, "stage": "f_hat", "map": "pca", "nodes": True}
     )
     drawn = frames.maps["pca/f_hat"]
@@ -34,4 +34,4 @@ def test_a_pair_of_the_set_is_placed_where_the_map_has_it(with_frames):
 
 def test_a_map_that_is_not_there_is_refused(with_frames):
     with pytest.raises(DataError, match="There is no map 'tsne/f_hat'"):
-        explore.place(with_frames, {"vis": "row:1", "stage": "f_hat", "map": "tsne"})
+        place(with_frames, {"vis": "row:1", "stage": "f_hat", "map": "tsne"})
