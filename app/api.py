@@ -18,8 +18,7 @@ from app.limits import MAX_API_BYTES, REPORT_S
 from app.map_place import kept_features
 from app.messages import Handler, in_sentences, refusal
 from app.pair_input import embedded, refs_from
-from app.request_work import done, received
-from app.requests import question_from
+from app.requests import done, question_from, received
 from app.resources import Resources
 from app.state import order_from
 from app.views.data import without_nan
@@ -58,12 +57,10 @@ def predict(resources: Resources, given: Arguments, job: Job[Any]) -> dict[str, 
 
     order, head = order_from(given.get("order")), resources.head_named(given.get("head"))
     named = {name: _image(resources, given.get(name), name, job) for name in ("vis", "tac")}
-    refs = refs_from(named)
-    pair = embedded(resources, refs)
+    pair = embedded(resources, refs_from(named))
     found = predict_embeddings(head, pair["vis"], pair["tac"], order=order)[0]
     found.pop("profile")
-    images = {name: ref for name, ref in named.items() if ref}
-    return {**found, "source": head.source, "images": images}
+    return {**found, "source": head.source, "images": {name: ref for name, ref in named.items() if ref}}
 
 
 def _image(resources: Resources, value: Any, name: str, job: Job[Any]) -> Any:
@@ -178,14 +175,9 @@ async def schema(_: Request) -> Response:
     return JSONResponse(document())
 
 
-async def nothing(_: Request) -> Response:
-    """Refuse an address without a tool."""
-    return refusal(f"There is no such tool; there are {', '.join(TOOLS)}, and schema.", 404)
-
-
-async def closed(_: Request) -> Response:
-    """Refuse while the API is off."""
-    return refusal(CLOSED, 404)
+async def missing(sentence: str, _: Request) -> Response:
+    """Refuse an address without a tool, and any while the API is off."""
+    return refusal(sentence, 404)
 
 
 def only(method: str, handler: Handler) -> Handler:
@@ -207,9 +199,12 @@ def api_routes(sets: VisitorSets, mcp: Handler, *, opened: bool) -> list[Route]:
         "/omnivat/api/schema": only("GET", schema),
         **{f"/omnivat/api/{name}": only("POST", partial(serve, sets, name)) for name in TOOLS},
         "/omnivat/mcp": only("POST", mcp),
-        "/omnivat/api/{rest:path}": nothing,
+        "/omnivat/api/{rest:path}": partial(
+            missing, f"There is no such tool; there are {', '.join(TOOLS)}, and schema."
+        ),
     }
     methods = ["GET", "POST", "PUT", "PATCH", "DELETE"]
     return [
-        Route(path, in_sentences(handler if opened else closed), methods=methods) for path, handler in handlers.items()
+        Route(path, in_sentences(handler if opened else partial(missing, CLOSED)), methods=methods)
+        for path, handler in handlers.items()
     ]

@@ -12,7 +12,6 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from functools import cache
 from mmap import ACCESS_READ, mmap
 from pathlib import Path
 from threading import Condition, Lock, Timer
@@ -73,7 +72,8 @@ class Decoder:
         self._spare: subprocess.Popen[bytes] | None = None
         self._timer: Timer | None = None
         self._closed = False
-        _map_large_blocks()
+        # glibc raises this limit by itself, and pictures decoded in several threads then leave 70 MB behind
+        _libc("mallopt", M_MMAP_THRESHOLD, LARGE // 2)
 
     def read(self, source: bytes | Path, name: str, check: Check = lambda: None) -> Picture:
         """Return the picture in bytes or a file.
@@ -83,12 +83,12 @@ class Decoder:
 
         Raises DataError, one sentence, for an unsupported image.
         """
-        from omnivat.data.images import VISITORS, examined, read_image
+        from omnivat.data.images import VISITORS, draft_scale, examined, read_image
 
         with _content(source, name) as content:
             found = examined(content, name, limits=VISITORS)
-            cost = found.cost(1) if found.kind != "JPEG" else _jpeg_cost(found)
-            with self._budget.of(cost + 2 * len(content), check):
+            cost = found.cost(draft_scale(found.width, found.height) if found.kind == "JPEG" else 1)
+            with self._budget.of(int(cost) + 2 * len(content), check):
                 if found.simple and len(content) <= SIMPLE_BYTES:
                     image = read_image(bytes(content), name, limits=VISITORS)
                 else:
@@ -122,10 +122,8 @@ class Decoder:
         header = json.loads(line) if line.endswith(b"}") else {}
         wide, high = header.get("size", (0, 0))
         if not wide or len(pixels) != 3 * wide * high:  # it may have been killed halfway
-            why = header.get("error") or (
-                f"'{name}' could not be read within the time and memory allowed; scale it down, or save it as JPEG."
-            )
-            raise DataError(why)
+            killed = "could not be read within the time and memory allowed; scale it down, or save it as JPEG."
+            raise DataError(header.get("error") or f"'{name}' {killed}")
         return Image.frombuffer("RGB", (wide, high), pixels, "raw", "RGB", 0, 1).copy()
 
     def _process(self) -> "subprocess.Popen[bytes]":
@@ -143,10 +141,10 @@ class Decoder:
                 self._spare = _started()
 
     def _hand_back_soon(self) -> None:
-        """Give memory back once the picture has been used and dropped."""
+        """Return freed memory to the system once the picture has been used and dropped."""
         with self._lock:
             if self._timer is None or not self._timer.is_alive():
-                self._timer = Timer(HAND_BACK_S, hand_back)
+                self._timer = Timer(HAND_BACK_S, _libc, ("malloc_trim", 0))
                 self._timer.daemon = True
                 self._timer.start()
 
@@ -160,24 +158,15 @@ class Decoder:
             self._spare = None
 
 
-def _jpeg_cost(found: Any) -> int:
-    from omnivat.data.images import draft_scale
-
-    return int(found.cost(draft_scale(found.width, found.height)))
-
-
 @contextmanager
 def _content(source: bytes | Path, name: str) -> Iterator[bytes | mmap]:
     """Yield the bytes of a picture; a file is memory-mapped."""
+    if not (source if isinstance(source, bytes) else source.stat().st_size):
+        raise DataError(f"'{name}' is empty (0 bytes); copy or save the image again.")
     if isinstance(source, bytes):
-        if not source:
-            raise DataError(f"'{name}' is empty (0 bytes); copy or save the image again.")
         yield source
-        return
-    with source.open("rb") as handle:
-        if not os.fstat(handle.fileno()).st_size:
-            raise DataError(f"'{name}' is empty (0 bytes); copy or save the image again.")
-        with mmap(handle.fileno(), 0, access=ACCESS_READ) as content:
+    else:
+        with source.open("rb") as handle, mmap(handle.fileno(), 0, access=ACCESS_READ) as content:
             yield content
 
 
@@ -192,26 +181,11 @@ def _started() -> "subprocess.Popen[bytes]":
     )
 
 
-@cache
-def _libc() -> Any:
-    return ctypes.CDLL("libc.so.6") if sys.platform == "linux" else None
-
-
-def _map_large_blocks() -> None:
-    """Have every large block mapped apart, so that it goes back to the system when it is freed.
-
-    glibc raises this limit by itself, and pictures decoded in several threads then leave 70 MB behind.
-    """
+def _libc(function: str, *numbers: int) -> None:
+    """Call a function of the system's C library, where it has it."""
     with suppress(OSError, AttributeError):
-        if libc := _libc():
-            libc.mallopt(M_MMAP_THRESHOLD, LARGE // 2)
-
-
-def hand_back() -> None:
-    """Return freed memory to the system, if it has a call for that."""
-    with suppress(OSError, AttributeError):
-        if libc := _libc():
-            libc.malloc_trim(0)
+        if sys.platform == "linux":
+            getattr(ctypes.CDLL("libc.so.6"), function)(*numbers)
 
 
 def serve() -> None:

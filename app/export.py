@@ -4,7 +4,6 @@ import base64
 import json
 import re
 from collections.abc import Mapping
-from functools import partial
 from pathlib import Path
 from posixpath import normpath
 from typing import Any
@@ -125,7 +124,7 @@ def held_files(where: Places, frames: Path) -> dict[str, str]:
     """Return all server data of a saved page, by request, as data: addresses."""
     resources = Resources(where)
     facts = {
-        "/modes": {"sets": [], "modes": modes(resources)["modes"]},
+        "/modes": modes(resources, among=()),
         "/pairs": explore.pairs(resources),
         "/toy": explore.mechanism(resources),
         "/fit": data.fit(resources),
@@ -158,20 +157,12 @@ def scripts() -> dict[str, str]:
             continue
         source = (WEB / name).read_text(encoding="utf-8")
         folder = name.rpartition("/")[0]
-        waiting += [_beside(folder, match[2]) for match in IMPORT.finditer(source)]
-        bare = IMPORT.sub(partial(_bare, folder), source)
-        found[PREFIX + name] = data_address(bare.encode(), ".js")
+        for line, start, wanted in dict.fromkeys(match.group(0, 1, 2) for match in IMPORT.finditer(source)):
+            beside = normpath(f"{folder}/{wanted}")  # below `web`
+            waiting.append(beside)
+            source = source.replace(line, f'{start}"{PREFIX}{beside}"')
+        found[PREFIX + name] = data_address(source.encode(), ".js")
     return found
-
-
-def _beside(folder: str, wanted: str) -> str:
-    """Return the path below `web` of the script imported as `wanted` from `folder`."""
-    return normpath(f"{folder}/{wanted}")
-
-
-def _bare(folder: str, match: re.Match[str]) -> str:
-    """Return an import with its relative path replaced by a bare name."""
-    return f'{match[1]}"{PREFIX}{_beside(folder, match[2])}"'
 
 
 def data_address(content: bytes, suffix: str) -> str:

@@ -6,6 +6,7 @@ every    one head trained for every p
 """
 
 import logging
+from collections.abc import Container
 from pathlib import Path
 from typing import Any
 
@@ -47,9 +48,10 @@ def fitting_files(resources: Resources) -> dict[str, Path]:
     return fitting
 
 
-def modes(resources: Resources) -> dict[str, Any]:
+def modes(resources: Resources, among: Container[str] | None = None) -> dict[str, Any]:
     """Return the choices of a visitor: the modes of p and the sets of the project.
 
+    among   names of the sets to list; None: all
     return  {"modes": names in the page's order, "sets": [{"name", "title", "shown", "curve"}, …]};
             `curve` is the accuracy of heads trained at each p, {"title", "orders", "share"} or None
     """
@@ -60,8 +62,9 @@ def modes(resources: Resources) -> dict[str, Any]:
         fitting = {}
     shown = resources.where.embeddings.resolve()
     sets = []
-    for name, (folder, embeddings) in shipped_sets().items():
-        title = SETS.get(name, name)
+    listed = shipped_sets()
+    for name in listed if among is None else [one for one in listed if one in among]:
+        (folder, embeddings), title = listed[name], SETS.get(name, name)
         curve = _curve(folder / FILES["trained"], title)
         sets.append({"name": name, "title": title, "shown": embeddings.resolve() == shown, "curve": curve})
     return {"modes": [mode for mode in ("trained", MOVED, "every") if mode in {MOVED, *fitting}], "sets": sets}

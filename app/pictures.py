@@ -1,7 +1,9 @@
-"""Replies to a request whose body is a picture that is not kept: a live prediction, and occlusion."""
+"""Replies to a request whose body is a picture: its name for later, a live prediction, or occlusion."""
 
+import base64
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
 from statistics import fmean
 from time import perf_counter
@@ -19,6 +21,7 @@ if TYPE_CHECKING:
     from torch import Tensor
 
 BOTH = "both"
+PREVIEW_SIDE = 320  # pixels of the preview
 CELLS = 7  # of occlusion, for each side of the picture shown
 PATCH = 2  # side of the hidden square, in cells; a single cell changes little
 AT_ONCE = 8  # images embedded between two checks for a cancelled request
@@ -30,7 +33,7 @@ class Sent:
     """A picture and the parameters of its request."""
 
     content: bytes | Path  # its bytes, or their file; with BOTH: of the photo, then of the touch
-    modality: str  # "vis", "tac" or BOTH
+    modality: str = ""  # "vis", "tac" or BOTH
     split: int = 0  # the bytes of the photo, with BOTH
     other: Ref | None = None  # the other image of the pair; None to predict without it
     order: float | None = None  # p in quarter turns; None: the learned one
@@ -49,6 +52,21 @@ class Sent:
                 rest = OTHER[own]
                 pair[rest] = of_ref(resources, self.other, rest, asked).expand(len(some), -1)
         return pair
+
+
+def taken(resources: Resources, sent: Sent) -> dict[str, Any]:
+    """Embed an image; return its name and a small preview. The picture itself is not kept."""
+    ref, found = resources.take_image(sent.content, sent.name, sent.check)
+    return {"ref": str(ref), "width": found.width, "height": found.height, "preview": preview(found.image)}
+
+
+def preview(image: "Image.Image") -> str:
+    """Return a small JPEG of the image, upright, as a data URL."""
+    small = image.copy()
+    small.thumbnail((PREVIEW_SIDE, PREVIEW_SIDE))
+    with BytesIO() as handle:
+        small.save(handle, "JPEG", quality=85)
+        return "data:image/jpeg;base64," + base64.b64encode(handle.getvalue()).decode()
 
 
 def live(resources: Resources, sent: Sent) -> dict[str, Any]:

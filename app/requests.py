@@ -1,23 +1,25 @@
-"""Read requests safely: limited bytes, JSON objects, numbers."""
+"""Read requests safely (limited bytes, JSON objects, numbers); run each as a job that ends when its visitor leaves."""
 
 import asyncio
-import base64
 import json
-from collections.abc import AsyncIterator, Mapping
-from io import BytesIO
+import os
+from collections.abc import AsyncIterator, Callable, Mapping
+from contextlib import asynccontextmanager
 from ipaddress import IPv4Address, ip_address, ip_network
+from pathlib import Path
 from time import monotonic
-from typing import TYPE_CHECKING, Any
+from typing import Any, TypeVar
 
 from starlette.requests import Request
 
+from app.jobs import Job, Jobs
 from app.limits import BODY_S, IDLE_S, MAX_QUESTION_BYTES
+from app.scratch import Scratch
 from omnivat.errors import DataError
 
-if TYPE_CHECKING:
-    from PIL import Image
-
-PREVIEW_SIDE = 320  # pixels of the preview
+T = TypeVar("T")
+LOOK_S = 0.25  # seconds between two checks for a disconnected visitor
+QUESTION_S = 120  # longest time for a reply, in seconds
 
 
 class TooLargeError(DataError):
@@ -38,11 +40,6 @@ def number_from(text: str | None) -> float | str | None:
         return float(text) if text else None
     except ValueError:
         return text
-
-
-def file_name(request: Request) -> str:
-    """Return the visitor's name for the uploaded image, shortened, for messages."""
-    return request.query_params.get("name", "")[:120] or "the image"
 
 
 def desk_name(request: Request) -> str:
@@ -102,10 +99,43 @@ def question_from(content: bytes) -> Mapping[str, Any]:
     return question
 
 
-def preview(image: "Image.Image") -> str:
-    """Return a small JPEG of the image, upright, as a data URL."""
-    small = image.copy()
-    small.thumbnail((PREVIEW_SIDE, PREVIEW_SIDE))
-    with BytesIO() as handle:
-        small.save(handle, "JPEG", quality=85)
-        return "data:image/jpeg;base64," + base64.b64encode(handle.getvalue()).decode()
+async def done(
+    request: Request,
+    jobs: Jobs,
+    work: Callable[[Job[T]], T],
+    *,
+    priority: int = 0,
+    lane: str = "quick",
+    deadline_s: float = QUESTION_S,
+) -> T:
+    """Run `work` as a job of a lane; return its result.
+
+    The job is cancelled when the visitor disconnects. Raises its OmniVatError.
+    """
+    visitor = visitor_of(request)
+    job = jobs.start(work, lane=lane, visitor=visitor, priority=priority, deadline_s=deadline_s)
+    end = asyncio.wrap_future(job.future)
+    try:
+        while not (await asyncio.wait({end}, timeout=LOOK_S))[0]:
+            if await request.is_disconnected():
+                job.cancel()
+        return end.result()
+    except asyncio.CancelledError:
+        job.cancel()
+        raise
+
+
+@asynccontextmanager
+async def received(request: Request, scratch: Scratch, limit: int, what: str) -> AsyncIterator[Path]:
+    """Yield a temporary file with the request's bytes.
+
+    Raises DataError for more than `limit` bytes, or if the upload stalls.
+    """
+    file = scratch.folder("images") / os.urandom(8).hex()
+    try:
+        with file.open("wb") as handle:
+            async for block in blocks(request, limit, what):
+                handle.write(block)
+        yield file
+    finally:
+        file.unlink(missing_ok=True)

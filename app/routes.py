@@ -23,8 +23,7 @@ from app.mcp import mcp
 from app.measuring import measured
 from app.messages import Handler, in_sentences, refusal
 from app.modes import mode_files, modes
-from app.request_work import done
-from app.requests import desk_name, question_of
+from app.requests import desk_name, done, question_of
 from app.resources import Resources, require_name
 from app.saving import save_figure
 from app.training import Trainings

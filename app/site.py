@@ -6,7 +6,7 @@ by their content, and the models with which the browser computes the others. Onl
 """
 
 import json
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from html import escape
@@ -79,15 +79,14 @@ def export_site(
 ) -> dict[str, int]:
     """Write the page with its sets as a folder; it appears completely or not at all.
 
-    where  head and set with which the page opens
-    sets   names of the project's sets beside it; None: all
-    models, runtime   whether the browser computes predictions and trees, and with what: a folder
-           with the npm package onnxruntime-web, None: fetched
-    return file -> bytes
+    where    head and set with which the page opens
+    sets     names of the project's sets beside it; None: all
+    models   whether the browser computes predictions and trees
+    runtime  a folder with the npm package onnxruntime-web for that; None: it is fetched
+    return   file -> bytes
 
-    A folder that an earlier export wrote is replaced; what was added to it stays. Raises WriteError
-    for any other folder that is not empty, SettingsError for an unknown set, DataError if head and
-    set do not fit.
+    A folder that an earlier export wrote is replaced; what was added to it stays. Raises WriteError for any other
+    folder that is not empty, SettingsError for an unknown set, DataError if head and set do not fit.
     """
     there = earlier_files(out)
     desks = visitor_sets(where, sets)
@@ -122,16 +121,12 @@ def earlier_files(out: Path) -> set[str]:
 
 def visitor_sets(where: Places, sets: Sequence[str] | None) -> dict[str, Resources]:
     """Return the sets of a site by name, the one it opens with first."""
-    unknown = set(sets or ()) - set(shipped_sets())
-    if unknown:
-        known = ", ".join(shipped_sets())
-        raise SettingsError(f"No set is called '{min(unknown):.40}'; there are {known}.")
+    known = shipped_sets()
+    if unknown := set(sets or ()) - set(known):
+        raise SettingsError(f"No set is called '{min(unknown):.40}'; there are {', '.join(known)}.")
     desks = VisitorSets(Resources(where))
-    here = (where.head, where.embeddings)
-    shipped = (name for name, (folder, file) in shipped_sets().items() if here == (folder / "head", file))
-    home = next(shipped, OWN)
-    names = shipped_sets() if sets is None else sets
-    return {home: desks.first} | {n: desks.named(n) for n in names if n != home}
+    home = next((name for name in known if desks.named(name) is desks.first), OWN)
+    return {home: desks.first} | {n: desks.named(n) for n in (known if sets is None else sets) if n != home}
 
 
 def fill(folder: Path, desks: Mapping[str, Resources], models: str, on_step: OnStep) -> None:
@@ -162,10 +157,10 @@ def fill(folder: Path, desks: Mapping[str, Resources], models: str, on_step: OnS
     write_text(folder / "sw.js", worker(folder))
 
 
-def replies(resources: Resources, desks: Iterable[str]) -> Iterator[tuple[str, Callable[[], dict[str, Any]]]]:
+def replies(resources: Resources, desks: Container[str]) -> Iterator[tuple[str, Callable[[], dict[str, Any]]]]:
     """Yield the requests about a set whose replies are always the same, each with its function."""
     for name, found in FACTS.items():
-        yield (name, partial(modes_of, resources, desks) if name == "modes" else partial(found, resources))
+        yield name, partial(modes, resources, desks) if name == "modes" else partial(found, resources)
     sources = ["", *explore.ladder(resources, {"source": ""})["sources"]]
     for path, question in (
         ("votes", {"head": ""}),
@@ -174,12 +169,6 @@ def replies(resources: Resources, desks: Iterable[str]) -> Iterator[tuple[str, C
     ):
         body = json.dumps(question, ensure_ascii=False, separators=(",", ":"))
         yield f"{path} {body}", partial(QUESTIONS[path], resources, question)
-
-
-def modes_of(resources: Resources, desks: Iterable[str]) -> dict[str, Any]:
-    """Return the modes of p and, of the project's sets, those in `desks`."""
-    found = modes(resources)
-    return {**found, "sets": [one for one in found["sets"] if one["name"] in desks]}
 
 
 def whole_files(resources: Resources, on_step: OnStep) -> dict[str, Path]:
@@ -233,8 +222,8 @@ def worker(folder: Path) -> str:
     """
     names = sorted(p.relative_to(folder).as_posix() for p in files_in(folder) if p.parent != folder)
     first = [name for name in names if name.startswith("web-")]
-    rest = [name for name in names if not name.startswith("web-")]
-    kept = {"first": first, "rest": sorted(rest, key=lambda name: "-example-" in name)}
+    rest = sorted((name for name in names if not name.startswith("web-")), key=lambda name: "-example-" in name)
+    kept = {"first": first, "rest": rest}
     script = (WEB / "site" / "sw.js").read_text(encoding="utf-8")
     return f"globalThis.omnivatSite = {json.dumps(kept)};\n{script}"
 

@@ -74,12 +74,18 @@ def pack(file: Path) -> None:
 
 def write_set(resources: Resources, folder: Path) -> None:
     """Write the models of one set into `folder`, and its encoder beside it."""
+    import numpy as np
+    from safetensors.numpy import save_file
+
     folder.mkdir(parents=True, exist_ok=True)
     first, embeddings = resources.head(), resources.embeddings()
     first.require_embeddings(embeddings)
     files = {name: name or "first" for name in resources.folders}
     index, of = training_pairs(resources)
-    _write_rows(resources, folder)
+    for start in range(0, len(embeddings), PART):
+        rows = {n: np.asarray(getattr(embeddings, n)[start : start + PART]).astype(np.float16) for n in IMAGES}
+        with replacing(folder / f"set-{start // PART}.safetensors") as file:
+            save_file(rows, file)
     for name in COPIED:
         if first.path and (first.path / name).is_file():
             shutil.copyfile(first.path / name, folder / name)
@@ -104,9 +110,7 @@ def write_set(resources: Resources, folder: Path) -> None:
 
 
 def write_encoder(resources: Resources, folder: Path) -> dict[str, Any] | None:
-    """Write the encoder of a set's head and return how the page uses it; None for one that needs
-    Python.
-    """
+    """Write the encoder of a set's head and return how the page uses it; None for one that needs Python."""
     from omnivat.data.strips import ENCODER as STRIP
     from omnivat.encoders.efficientnet import MEAN, NAME, STD, EfficientNetLite0
 
@@ -131,9 +135,8 @@ def _write_head(head: "Head", folder: Path, name: str) -> dict[str, Any]:
     write_stages(folder / f"{name}-stages.onnx", head)
     model, own = head.model, head.settings
     count = 0 if own.generation == "none" else 2**own.levels - 1
-    tokens = {n: 2 * len(model.mffa.theta[n]) for n in IMAGES} if own.mffa else {}
-    if own.complex_to_real != "tokens":
-        tokens = {n: len(model.mffa.theta[n]) for n in tokens}
+    parts = 2 if own.complex_to_real == "tokens" else 1
+    tokens = {n: parts * len(model.mffa.theta[n]) for n in IMAGES} if own.mffa else {}
     return {
         "file": f"{name}.onnx",
         "stages": f"{name}-stages.onnx",
@@ -150,15 +153,3 @@ def _write_head(head: "Head", folder: Path, name: str) -> dict[str, Any]:
         "scale": own.logit_scale,
         "source": head.source,
     }
-
-
-def _write_rows(resources: Resources, folder: Path) -> None:
-    import numpy as np
-    from safetensors.numpy import save_file
-
-    embeddings = resources.embeddings()
-    for start in range(0, len(embeddings), PART):
-        some = slice(start, start + PART)
-        rows = {n: np.asarray(getattr(embeddings, n)[some]).astype(np.float16) for n in IMAGES}
-        with replacing(folder / f"set-{start // PART}.safetensors") as file:
-            save_file(rows, file)

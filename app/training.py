@@ -67,7 +67,7 @@ class Run:
             }
         )
         self.require_visitor()
-        self.job.report(Step(done=int(report.epoch), total=self.plan.epochs, text=f"epoch {report.epoch}"))
+        self.job.report(Step(done=int(report.epoch), total=self.plan.training.epochs, text=f"epoch {report.epoch}"))
 
 
 class Trainings:
@@ -115,7 +115,7 @@ class Trainings:
             self._active[visitor] = run
         name = os.urandom(12).hex()
         self._runs.keep(name, run)
-        return {"run": name, "total": plan.epochs, "source": plan.source, **_drawn_pairs(embeddings, run.rows)}
+        return {"run": name, "total": plan.training.epochs, "source": plan.source, **_drawn_pairs(embeddings, run.rows)}
 
     def _make_way(self, address: str) -> None:
         """End the last waiting training of the address with most. Raises BusyError if that is `address`."""
@@ -175,7 +175,7 @@ class Trainings:
 
         run.job = job
         run.require_visitor()
-        job.report(Step(done=0, total=run.plan.epochs, text=run.plan.first))
+        job.report(Step(done=0, total=run.plan.training.epochs, text=run.plan.first))
         try:
             run.head = head_from_pairs(
                 embeddings,

@@ -39,11 +39,6 @@ class Plan:
     seed: int
     first: str  # the step before the first epoch, in words
 
-    @property
-    def epochs(self) -> int:
-        """The number of epochs."""
-        return self.training.epochs
-
 
 def offers(embeddings: "Embeddings", source: str) -> dict[str, Any]:
     """Return the choices and the defaults; LANG is off if its bank lacks a class of the set.

@@ -1,6 +1,7 @@
 """Upload routes for an image, or for the files of a head or set."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -10,9 +11,8 @@ from starlette.responses import JSONResponse, Response
 from app.jobs import Job
 from app.limits import MAX_IMAGE_BYTES, PARTS
 from app.messages import Handler, refusal
-from app.pictures import Sent, live, occlusion
-from app.request_work import done, received
-from app.requests import blocks, desk_name, file_name, number_from, preview, question_of, visitor_of
+from app.pictures import Sent, live, occlusion, taken
+from app.requests import blocks, desk_name, done, number_from, question_of, received, visitor_of
 from app.resources import Resources
 from app.sensor import load_sensor
 from app.state import order_from, ref_from
@@ -24,7 +24,7 @@ LIVE, SENT, LOADED, SLOW = 0, 1, 1, 2  # priorities in the quick lane
 def upload_routes(sets: VisitorSets) -> dict[str, Handler]:
     """Return the handlers by address."""
     return {
-        "/omnivat/image": partial(take_image, sets),
+        "/omnivat/image": partial(of_image, taken, SENT, sets),
         "/omnivat/occlusion": partial(of_image, occlusion, SLOW, sets),
         "/omnivat/live": partial(of_image, live, LIVE, sets),
         "/omnivat/sensor": partial(take_sensor, sets),
@@ -33,58 +33,43 @@ def upload_routes(sets: VisitorSets) -> dict[str, Handler]:
     }
 
 
-async def take_image(sets: VisitorSets, request: Request) -> Response:
-    """Embed one uploaded image; return its name and a small preview."""
-    resources = sets.named(desk_name(request))
-    name = file_name(request)
-    async with received(request, sets.shared.scratch, MAX_IMAGE_BYTES, "The image") as file:
-
-        def taken(job: Job[dict[str, Any]]) -> dict[str, Any]:
-            ref, found = resources.take_image(file, name, job.check)
-            return {"ref": str(ref), "width": found.width, "height": found.height, "preview": preview(found.image)}
-
-        return JSONResponse(await done(request, sets.shared.jobs, taken, priority=SENT))
-
-
 async def of_image(
     work: Callable[[Resources, Sent], dict[str, Any]], priority: int, sets: VisitorSets, request: Request
 ) -> Response:
-    """Run `work` on an uploaded image that is not kept, with the parameters of the address."""
+    """Run `work` on an uploaded image with the parameters of the address; the file is not kept."""
     query = request.query_params
     resources = sets.named(desk_name(request))
-    known: dict[str, Any] = {
-        "modality": query.get("modality", ""),
-        "other": ref_from(query.get("other")),
-        "order": order_from(number_from(query.get("order"))),
-        "name": file_name(request),
-        "taught": query.get("taught", ""),
-        "profile": query.get("profile", ""),
-    }
-    if query.get("split", "").isdecimal():  # two pictures in one body
-        known["split"] = int(query["split"][:9])
+    split = query.get("split", "")[:9]  # of two pictures in one body
+    sent = Sent(
+        content=b"",
+        modality=query.get("modality", ""),
+        split=int(split) if split.isdecimal() else 0,
+        other=ref_from(query.get("other")),
+        order=order_from(number_from(query.get("order"))),
+        name=query.get("name", "")[:120] or "the image",
+        taught=query.get("taught", ""),
+        profile=query.get("profile", ""),
+    )
     async with received(request, sets.shared.scratch, MAX_IMAGE_BYTES, "The image") as file:
 
         def computed(job: Job[dict[str, Any]]) -> dict[str, Any]:
-            return work(resources, Sent(content=file, check=job.check, **known))
+            return work(resources, replace(sent, content=file, check=job.check))
 
-        jobs = sets.shared.jobs
-        return JSONResponse(await done(request, jobs, computed, priority=priority))
+        return JSONResponse(await done(request, sets.shared.jobs, computed, priority=priority))
 
 
 async def take_sensor(sets: VisitorSets, request: Request) -> Response:
     """Receive a saved profile of a sensor."""
     resources = sets.named(desk_name(request))
-    limit = PARTS["profile.safetensors"]
-    async with received(request, sets.shared.scratch, limit, "The profile") as file:
-        work = partial(load_sensor, resources, file)
-        return JSONResponse(await done(request, sets.shared.jobs, lambda _: work()))
+    async with received(request, sets.shared.scratch, PARTS["profile.safetensors"], "The profile") as file:
+        return JSONResponse(await done(request, sets.shared.jobs, lambda _: load_sensor(resources, file)))
 
 
 async def take_part(sets: VisitorSets, request: Request) -> Response:
     """Receive one file of a head or set."""
     name = request.query_params.get("name", "")
     content = blocks(request, max(PARTS.values()), "The file")
-    return JSONResponse({"part": await sets.keep_part(name, content, visitor_of(request))})
+    return JSONResponse({"part": await sets.parts.keep(name, content, visitor_of(request))})
 
 
 async def load(sets: VisitorSets, request: Request) -> Response:

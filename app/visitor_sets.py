@@ -10,7 +10,6 @@ import os
 import shutil
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from hashlib import blake2b
 from pathlib import Path
 from threading import Lock
 from typing import TYPE_CHECKING
@@ -18,14 +17,12 @@ from typing import TYPE_CHECKING
 from app.limits import DESKS_BYTES, KEPT_DESKS
 from app.places import Places, shipped_places
 from app.resources import Resources
-from app.state import ForgottenError, Recent
+from app.state import ForgottenError, Recent, content_name
 from app.upload_store import UploadStore, linked
 from omnivat.errors import DataError
 from omnivat.heads import shipped_sets
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
-
     from omnivat.checkpoint import Head
 
 HEAD = ("weights.safetensors", "settings.json", "metrics.json", "familiarity.safetensors", "profile.safetensors")
@@ -42,7 +39,7 @@ class VisitorSets:
         self._lock = Lock()
         self._loaded: Recent[Resources] = Recent(KEPT_DESKS, room=DESKS_BYTES)
         self._shipped: dict[str, Resources] = {}
-        self._parts = UploadStore(self.shared.scratch)
+        self.parts = UploadStore(self.shared.scratch)
 
     def named(self, name: str) -> Resources:
         """Return the visitor set named by a request; without a name, the first one.
@@ -51,8 +48,14 @@ class VisitorSets:
         """
         if not name:
             return self.first
-        if name in shipped_sets():
-            return self._shipped_named(name)
+        if name in shipped_sets():  # a set of the project is opened once and stays open
+            where, first = shipped_places(name), self.first.where
+            if (where.head, where.embeddings) == (first.head, first.embeddings):
+                return self.first
+            with self._lock:
+                if name not in self._shipped:
+                    self._shipped[name] = Resources(where, self.shared, owner=name)
+                return self._shipped[name]
         if (loaded := self._loaded.get(name)) is not None:
             return loaded
         raise ForgottenError(
@@ -60,29 +63,12 @@ class VisitorSets:
             "Data & limits, or go back to the page without `set` in its address."
         )
 
-    def _shipped_named(self, name: str) -> Resources:
-        """Return a set of the project; it is opened once and stays open."""
-        where = shipped_places(name)
-        if (where.head, where.embeddings) == (self.first.where.head, self.first.where.embeddings):
-            return self.first
-        with self._lock:
-            if name not in self._shipped:
-                self._shipped[name] = Resources(where, self.shared, owner=name)
-            return self._shipped[name]
-
-    async def keep_part(self, name: str, content: "AsyncIterator[bytes]", visitor: str = "") -> str:
-        """Write one file of a head or set as it arrives; return its name for `load`.
-
-        Raises DataError for a file of another kind, or one that is too large.
-        """
-        return await self._parts.keep(name, content, visitor)
-
     def load(
         self, parts: Mapping[str, str], *, beside: str, compare: bool, check: Callable[[], None] = lambda: None
     ) -> str:
         """Make a visitor set from uploaded files; return its name. It counts to the share of `VISITOR`.
 
-        parts    file name -> its name from `keep_part`
+        parts    file name -> its name from `parts.keep`
         beside   the visitor set that provides what is not among the parts
         compare  True adds the head for comparison instead of replacing its own
         check    called between steps; an error it raises ends the work
@@ -91,7 +77,7 @@ class VisitorSets:
         are not a head or set, or do not fit together.
         """
         base = self.named(beside)
-        key = _key(parts, beside, compare)
+        key = content_name(repr((sorted(parts.items()), beside, compare)).encode("utf-8", "backslashreplace"))
         if self._loaded.get(key) is not None:
             return key
 
@@ -148,18 +134,13 @@ class VisitorSets:
     def _placed(self, folder: Path, parts: Mapping[str, str], base: Places, *, compare: bool) -> Places:
         """Move the parts to their places under `folder`."""
         for name, sent in parts.items():
-            self._parts.place(name, sent, folder / ("head" if name in HEAD else ".") / name)
+            self.parts.place(name, sent, folder / ("head" if name in HEAD else ".") / name)
         where = replace(base, computed=folder, frames=None)
         if any(name in parts for name in HEAD):
             where = _with_head(where, folder / "head", parts, compare=compare)
         if SET in parts:
-            sheet = folder / SHEET[0]
-            where = replace(
-                where,
-                embeddings=folder / SET,
-                pairs=None,
-                sprite=sheet if all(name in parts for name in SHEET) else None,
-            )
+            sheet = folder / SHEET[0] if all(name in parts for name in SHEET) else None
+            where = replace(where, embeddings=folder / SET, pairs=None, sprite=sheet)
         elif compare:
             where = replace(where, frames=base.frames)
         if not any(name in parts for name in (*HEAD, SET)):
@@ -197,8 +178,3 @@ def _with_head(where: Places, head: Path, parts: Mapping[str, str], *, compare: 
         return replace(where, head=head)
     named = head.rename(head.with_name(f"loaded-{len(where.compare) + 1}"))
     return replace(where, compare=(*where.compare, named))
-
-
-def _key(parts: Mapping[str, str], beside: str, compare: bool) -> str:
-    text = repr((sorted(parts.items()), beside, compare))
-    return blake2b(text.encode("utf-8", "backslashreplace"), digest_size=12).hexdigest()

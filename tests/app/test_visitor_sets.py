@@ -111,7 +111,7 @@ def test_a_file_that_is_too_large_is_cut_off_and_removed(resources):
     sets = VisitorSets(resources)
     endless = blocks(b"x" * 60_000, PARTS["embeddings.thumbnails.json"] // 60_000 + 2)
     with pytest.raises(DataError, match="is larger than 0.1 MB"):
-        asyncio.run(sets.keep_part("embeddings.thumbnails.json", endless))
+        asyncio.run(sets.parts.keep("embeddings.thumbnails.json", endless))
     assert list(sets.shared.scratch.folder("parts").iterdir()) == []
 
 
@@ -120,7 +120,7 @@ def load_one(sets, folder, number, beside="", visitor="", compare=False):
     parts = {}
     for name, file in head_files(folder).items():
         content = file.read_bytes() + b" " * (number if name == "metrics.json" else 0)
-        parts[name] = asyncio.run(sets.keep_part(name, blocks(content, 1), visitor))
+        parts[name] = asyncio.run(sets.parts.keep(name, blocks(content, 1), visitor))
     VISITOR.set(visitor)
     try:
         return sets.load(parts, beside=beside, compare=compare)
@@ -131,7 +131,7 @@ def load_one(sets, folder, number, beside="", visitor="", compare=False):
 def test_ten_heads_are_compared_and_a_load_never_reports_a_set_that_is_gone(resources, small_places, monkeypatch):
     monkeypatch.setattr("app.visitor_sets.KEPT_DESKS", 3)
     sets = VisitorSets(resources)
-    pairs = asyncio.run(sets.keep_part("embeddings.safetensors", blocks(small_places.embeddings.read_bytes(), 1)))
+    pairs = asyncio.run(sets.parts.keep("embeddings.safetensors", blocks(small_places.embeddings.read_bytes(), 1)))
     name = sets.load({"embeddings.safetensors": pairs}, beside="", compare=False)
     for number in range(10):
         name = load_one(sets, small_places.head, number, beside=name, compare=True)
@@ -162,7 +162,7 @@ def test_small_files_of_one_visitor_keep_no_other_out_and_none_of_a_load_is_lost
     def send_many(visitor, count):
         for number in range(count):
             content = f"{visitor} {number}".encode()
-            asyncio.run(sets.keep_part("settings.json", blocks(content, 1), visitor))
+            asyncio.run(sets.parts.keep("settings.json", blocks(content, 1), visitor))
 
     send_many("many", 40)
     assert len(list(sets.shared.scratch.folder("parts").iterdir())) == 5
