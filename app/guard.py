@@ -72,11 +72,11 @@ class Guard:
             await self._app(scope, receive, send)
         elif problem := refused(scope, self._rules):
             await JSONResponse({"error": problem}, 403)(scope, receive, send)
-        elif not is_open(scope):
+        elif (path := scope["path"].removeprefix(scope.get("root_path", ""))) in PAGE or path.startswith(OPEN):
+            await self._app(scope, receive, self._guarded(send))
+        else:
             missing = {"error": "The page has no such address; open it at '/'."}
             await JSONResponse(missing, 404)(scope, receive, send)
-        else:
-            await self._app(scope, receive, self._guarded(send))
 
     def _guarded(self, send: Send) -> Send:
         """Return a `send` that adds the headers; a page is buffered until it is complete."""
@@ -108,19 +108,13 @@ def refused(scope: Scope, rules: Rules) -> str:
     """Return the reason for refusing a request, one sentence; "" if it is served."""
     sent = Headers(scope=scope)
     host, origin = sent.get("host", ""), sent.get("origin", "")
-    if not _known(_name(host), rules):
+    if not _known(host, rules):
         return f"This server is not called '{host:.80}'. Start it with --allow-host NAME to serve that name, too."
     opened = sent.get("sec-fetch-mode") == "navigate" and scope.get("method") in SAFE
     foreign = sent.get("sec-fetch-site") in ("cross-site", "same-site") and not opened
     if foreign or (origin and _place(origin) != _place(f"http://{host}")):  # browsers send it with any method
         return "A page of another site may not use this server; open the page itself."
     return ""
-
-
-def is_open(scope: Scope) -> bool:
-    """True for the addresses of the page."""
-    path = scope["path"].removeprefix(scope.get("root_path", ""))
-    return path in PAGE or path.startswith(OPEN)
 
 
 @asynccontextmanager
@@ -133,19 +127,13 @@ async def alone(app: Any) -> AsyncIterator[None]:
     yield
 
 
-def _known(name: str, rules: Rules) -> bool:
+def _known(host: str, rules: Rules) -> bool:
+    """True for a name, with or without a port, under which the server may be reached."""
     try:
+        name = (urlsplit(f"//{host}").hostname or "").lower().rstrip(".")
         return name in rules.names or (rules.addresses and bool(ip_address(name)))
     except ValueError:
         return False
-
-
-def _name(host: str) -> str:
-    """Return a host without its port."""
-    try:
-        return (urlsplit(f"//{host}").hostname or "").lower().rstrip(".")
-    except ValueError:
-        return ""
 
 
 def _place(origin: str) -> tuple[str, int | None]:

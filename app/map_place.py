@@ -13,9 +13,6 @@ if TYPE_CHECKING:
     import numpy as np
     from torch import Tensor
 
-    from omnivat.data.store import Embeddings
-    from omnivat.model.head import OmniVaT
-
     Array = np.ndarray[Any, Any]
 
 
@@ -108,8 +105,14 @@ def _features(
 
 
 def kept_features(resources: Resources, stage: str, order: float | None) -> "Array":
-    """Return the features of the first head at a stage and order (None: the learned one); "raw" needs no head."""
-    from omnivat.sweep import STILL
+    """Return the unit features (2N, W) of the first head at a stage, VIS first; "raw" needs no head.
+
+    order  None: the learned one
+    """
+    import torch
+
+    from omnivat.gaps.unit import unit
+    from omnivat.sweep import STILL, walk
 
     embeddings, model = resources.embeddings(), None
     if stage != "raw":
@@ -118,18 +121,12 @@ def kept_features(resources: Resources, stage: str, order: float | None) -> "Arr
         order = model.order if order is None else order
     # unitary stages: their cosines do not depend on the order
     key = stage if stage in STILL else f"{stage} {order:.6f}"
-    return resources.features.once(key, lambda: staged(model, embeddings, stage, order or 0.0))
 
+    def staged() -> "Array":
+        with torch.inference_mode():
+            found = next(walk(model, embeddings, [order or 0.0], stages=[stage], predictions=False))
+            rows = found.features[stage]
+            features: Array = torch.cat([unit(rows["vis"]), unit(rows["tac"])]).numpy()
+        return features
 
-def staged(model: "OmniVaT | None", embeddings: "Embeddings", stage: str, order: float) -> "Array":
-    """Return the unit features (2N, W) of a stage at one order, VIS first; no model at "raw"."""
-    import torch
-
-    from omnivat.gaps.unit import unit
-    from omnivat.sweep import walk
-
-    with torch.inference_mode():
-        found = next(walk(model, embeddings, [order], stages=[stage], predictions=False))
-        rows = found.features[stage]
-        features: Array = torch.cat([unit(rows["vis"]), unit(rows["tac"])]).numpy()
-    return features
+    return resources.features.once(key, staged)

@@ -82,17 +82,17 @@ def live(resources: Resources, sent: Sent) -> dict[str, Any]:
     from omnivat.encoders.base import for_modality
 
     began = perf_counter()
-    head = head_taught(resources, sent.taught)
+    head, read = head_taught(resources, sent.taught), resources.shared.decoder.read
     with torch.inference_mode():
         pixels = {
-            one: for_modality(resources.encoder(), one).preprocess(resources.picture(part, sent.name, sent.check).image)
+            one: for_modality(resources.encoder(), one).preprocess(read(part, sent.name, sent.check).image)
             for one, part in _parts(sent).items()
         }
-        read = perf_counter()
+        decoded = perf_counter()
         rows = {one: for_modality(resources.encoder(), one).embed(some[None]) for one, some in pixels.items()}
         embedded = perf_counter()
         found = predict_one(head, sent.pair(resources, rows), sent.order)
-    ms = {"read": read - began, "encoder": embedded - read, "head": perf_counter() - embedded}
+    ms = {"read": decoded - began, "encoder": embedded - decoded, "head": perf_counter() - embedded}
     ms = {part: round(1000 * seconds, 1) for part, seconds in ms.items()}
     return {"classes": list(head.settings.classes), **found, "ms": ms}
 
@@ -125,7 +125,7 @@ def occlusion(resources: Resources, sent: Sent) -> dict[str, Any]:
     from omnivat.encoders.base import for_modality
 
     began = perf_counter()
-    image = resources.picture(sent.content, sent.name, sent.check).image
+    image = resources.shared.decoder.read(sent.content, sent.name, sent.check).image
     image.thumbnail((SIDE, SIDE))
     encoder = for_modality(resources.encoder(), sent.modality)
     head = head_taught(resources, sent.taught)

@@ -10,7 +10,7 @@ from pathlib import Path
 from threading import Lock
 from typing import TYPE_CHECKING, Any
 
-from app.decoder import Decoder
+from app.decoder import Check, Decoder, Picture
 from app.frames_job import FramesJob, Source
 from app.jobs import Jobs
 from app.limits import MAPPED_BYTES
@@ -22,7 +22,6 @@ from omnivat.errors import DataError
 if TYPE_CHECKING:
     import numpy as np
 
-    from app.decoder import Check, Picture
     from omnivat.checkpoint import Head
     from omnivat.data.profile import Profile
     from omnivat.data.store import Embeddings
@@ -119,10 +118,7 @@ class Resources:
                 log.warning("%s", error)
 
     def head_named(self, name: Any) -> "Head":
-        """Return the head named in a request; without a name, the first one.
-
-        Raises DataError for a head that is not loaded or needs another encoder.
-        """
+        """Return the head named in a request, "" for the first one. Raises DataError if the page cannot use it."""
         require_name(name, self.heads)
         head = self.heads[name or ""]()
         if name and self.head().encoder != head.encoder:
@@ -134,45 +130,36 @@ class Resources:
     # ---- embeddings of one image -------------------------------------------------------------
 
     def embedding(self, ref: Ref, modality: str) -> "np.ndarray[Any, Any]":
-        """Return the embedding (input_width,) of the image `ref`.
+        """Return the embedding (input_width,) of an image of the modality "vis" or "tac".
 
-        modality  "vis" or "tac": the image of a pair
-
-        Raises DataError if there is no such image, or if an uploaded one is no longer kept.
+        Raises DataError if there is no such image, ForgottenError if an uploaded one is no longer kept.
         """
         if ref.kind == "row":
-            return self._from_set(self._row(ref.name), modality)
+            count = len(self.embeddings())
+            if not ref.name.isascii() or not ref.name.isdigit() or int(ref.name) >= count:
+                raise DataError(f"No pair has the number '{ref.name:.20}'; there are 0 to {count - 1}.")
+            return self._from_set(int(ref.name), modality)
         if ref.kind == "example":
             file = self.example(ref.name).file(modality)
             row = self._row_of().get(f"{ref.name}/{modality}")
             if row is not None:
                 return self._from_set(row, modality)
             key = content_name(file.read_bytes())
-            found = self._shown.once(key, lambda: self._embedded(self.picture(file, ref.name)))
+            found = self._shown.once(key, lambda: self._embedded(self.shared.decoder.read(file, ref.name)))
             return _of(found, modality)
         kept = self._sent.get(ref.name)
         if kept is None:
             raise ForgottenError("The server no longer has this image; send it again.")
         return _of(kept, modality)
 
-    def picture(self, source: bytes | Path, name: str, check: "Check" = lambda: None) -> "Picture":
-        """Decode an image from bytes or a file. `check` may end a wait for memory.
-
-        Raises DataError, one sentence, for an unsupported image.
-        """
-        return self.shared.decoder.read(source, name, check)
-
-    def take_image(self, source: bytes | Path, name: str, check: "Check" = lambda: None) -> "tuple[Ref, Picture]":
-        """Embed an image from bytes or a file; return its reference and the decoded picture.
-
-        Raises DataError, one sentence, for an unsupported image.
-        """
+    def take_image(self, source: bytes | Path, name: str, check: Check = lambda: None) -> tuple[Ref, Picture]:
+        """Embed an image from bytes or a file; return its reference and the decoded picture, as `Decoder.read` does."""
         key = content_name(source if isinstance(source, bytes) else source.read_bytes())
-        found = self.picture(source, name, check)
+        found = self.shared.decoder.read(source, name, check)
         self._sent.once(key, lambda: self._embedded(found))
         return Ref("image", key), found
 
-    def _embedded(self, found: "Picture") -> "np.ndarray[Any, Any]":
+    def _embedded(self, found: Picture) -> "np.ndarray[Any, Any]":
         import numpy as np
 
         from omnivat.encoders.base import for_modality
@@ -190,12 +177,6 @@ class Resources:
         rows = embeddings.vis if modality == "vis" else embeddings.tac
         plain = np.asarray(rows)  # a row of a memmap takes 20 times as long
         return np.array(plain[row], np.float32)
-
-    def _row(self, name: str) -> int:
-        count = len(self.embeddings())
-        if not name.isascii() or not name.isdigit() or int(name) >= count:
-            raise DataError(f"No pair has the number '{name:.20}'; there are 0 to {count - 1}.")
-        return int(name)
 
     def example(self, name: str) -> Example:
         """Return the example called `name`. Raises DataError if there is none."""

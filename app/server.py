@@ -46,16 +46,13 @@ class Bounded(logging.Filter):
                 return False
             if self._lines == LINES:
                 record.msg, record.args = "the log leaves out the rest of this minute", ()
-            self._once(record)
+            trace = record.exc_info[2] if record.exc_info else None
+            *_, place = [("", 0), *((frame.f_code.co_filename, line) for frame, line in walk_tb(trace))]
+            if place in self._seen or len(self._seen) >= TRACEBACKS:
+                record.exc_info = record.exc_text = None
+            self._seen.add(place)
         record.msg, record.args = printable(record.getMessage())[:LONGEST], ()
         return True
-
-    def _once(self, record: logging.LogRecord) -> None:
-        trace = record.exc_info[2] if record.exc_info else None
-        *_, place = [("", 0), *((frame.f_code.co_filename, line) for frame, line in walk_tb(trace))]
-        if place in self._seen or len(self._seen) >= TRACEBACKS:
-            record.exc_info = record.exc_text = None
-        self._seen.add(place)
 
 
 def start_log() -> None:

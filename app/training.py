@@ -95,7 +95,9 @@ class Trainings:
         BusyError if the queue is full.
         """
         address = VISITOR.get()
-        visitor = address, _visitor(question)
+        if not isinstance(name := question.get("visitor"), str) or not 0 < len(name) <= LONGEST_VISITOR:
+            raise DataError("visitor has to be a short name that the page made; reload the page.")
+        visitor = address, name
         plan = plan_from(question, resources.embeddings())
         embeddings = looked_at(resources.embeddings(), plan.source)
         run = Run(plan=plan, address=address, rows=thinned(len(embeddings), MAP_PAIRS))
@@ -115,7 +117,16 @@ class Trainings:
             self._active[visitor] = run
         name = os.urandom(12).hex()
         self._runs.keep(name, run)
-        return {"run": name, "total": plan.training.epochs, "source": plan.source, **_drawn_pairs(embeddings, run.rows)}
+        return {
+            "run": name,
+            "total": plan.training.epochs,
+            "source": plan.source,
+            "reach": REACH,
+            "domains": list(embeddings.header.domains),
+            "classes": list(embeddings.header.classes),
+            "domain": embeddings.domain[run.rows].tolist(),
+            "label": embeddings.label[run.rows].tolist(),
+        }
 
     def _make_way(self, address: str) -> None:
         """End the last waiting training of the address with most. Raises BusyError if that is `address`."""
@@ -202,23 +213,6 @@ def coded_map(flat: "np.ndarray[Any, Any]", rows: "np.ndarray[Any, Any]") -> str
     chosen = flat[np.concatenate([rows, rows + pairs])]
     scaled = np.rint((np.clip(chosen, -REACH, REACH) + REACH) / (2 * REACH) * 65535)
     return base64.b64encode(scaled.astype("<u2").tobytes()).decode()
-
-
-def _drawn_pairs(embeddings: "Embeddings", rows: "np.ndarray[Any, Any]") -> dict[str, Any]:
-    return {
-        "reach": REACH,
-        "domains": list(embeddings.header.domains),
-        "classes": list(embeddings.header.classes),
-        "domain": embeddings.domain[rows].tolist(),
-        "label": embeddings.label[rows].tolist(),
-    }
-
-
-def _visitor(question: Mapping[str, Any]) -> str:
-    name = question.get("visitor")
-    if not isinstance(name, str) or not 0 < len(name) <= LONGEST_VISITOR:
-        raise DataError("visitor has to be a short name that the page made; reload the page.")
-    return name
 
 
 def _number(value: Any) -> float | None:

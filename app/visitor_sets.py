@@ -137,7 +137,12 @@ class VisitorSets:
             self.parts.place(name, sent, folder / ("head" if name in HEAD else ".") / name)
         where = replace(base, computed=folder, frames=None)
         if any(name in parts for name in HEAD):
-            where = _with_head(where, folder / "head", parts, compare=compare)
+            if missing := [name for name in NEEDED_HEAD if name not in parts]:
+                raise DataError(f"A head also has {' and '.join(missing)}; choose its whole folder.")
+            head = folder / "head"
+            if compare:
+                head = head.rename(folder / f"loaded-{len(where.compare) + 1}")
+            where = replace(where, compare=(*where.compare, head)) if compare else replace(where, head=head)
         if SET in parts:
             sheet = folder / SHEET[0] if all(name in parts for name in SHEET) else None
             where = replace(where, embeddings=folder / SET, pairs=None, sprite=sheet)
@@ -168,13 +173,3 @@ class VisitorSets:
             sprite=here(where.sprite) if where.sprite else None,
             compare=tuple(map(here, where.compare)),
         )
-
-
-def _with_head(where: Places, head: Path, parts: Mapping[str, str], *, compare: bool) -> Places:
-    missing = [name for name in NEEDED_HEAD if name not in parts]
-    if missing:
-        raise DataError(f"A head also has {' and '.join(missing)}; choose its whole folder.")
-    if not compare:
-        return replace(where, head=head)
-    named = head.rename(head.with_name(f"loaded-{len(where.compare) + 1}"))
-    return replace(where, compare=(*where.compare, named))

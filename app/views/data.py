@@ -1,6 +1,7 @@
 """Data & limits: what is loaded, its origin and limits, and how to load your own."""
 
 import shlex
+from collections.abc import Callable
 from math import isfinite
 from pathlib import Path
 from typing import Any
@@ -25,9 +26,9 @@ UNABLE = (
 def about(resources: Resources) -> dict[str, Any]:
     """Return facts about the loaded parts; a missing part gives a sentence."""
     return {
-        "head": _or_problem(lambda: head_facts(resources)),
-        "embeddings": _or_problem(lambda: embedding_facts(resources)),
-        "sensor": _or_problem(lambda: from_the_start(resources)),
+        "head": _or_problem(head_facts, resources),
+        "embeddings": _or_problem(embedding_facts, resources),
+        "sensor": _or_problem(from_the_start, resources),
         "examples": len(resources.examples()),
         "limits": {"image_bytes": MAX_IMAGE_BYTES, "image_pixels": MAX_PIXELS},
     }
@@ -100,8 +101,8 @@ def _place(path: Path) -> str:
     return "/".join(path.parts[-2:])
 
 
-def _or_problem(facts: Any) -> dict[str, Any]:
+def _or_problem(facts: Callable[[Resources], dict[str, Any]], resources: Resources) -> dict[str, Any]:
     try:
-        return dict(facts())
+        return facts(resources)
     except DataError as error:
         return {"problem": without_places(str(error))}
