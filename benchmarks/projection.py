@@ -25,7 +25,7 @@ from torch import Tensor
 
 from benchmarks.measure import as_dict, machine, timed
 from omnivat.projection import PROJECTIONS
-from omnivat.projection.quality import drift, recall, trustworthiness
+from omnivat.projection.quality import drift, quality
 from omnivat.tables import load
 
 CHAIN_STOPS = 11
@@ -62,13 +62,14 @@ def method_report(name: str, points: Tensor, runs: int) -> dict[str, Any]:
     imported = time.process_time() - begun
     first = timed(lambda: project(points), 1)
     flat = project(points)
+    score = quality(points, flat, rows=len(points))
     return {
         "method": name,
         "import_cpu": imported,
         "first": as_dict(first),
         "again": as_dict(timed(lambda: project(points), runs)),
-        "trustworthiness": trustworthiness(points, flat),
-        "recall_at_15": recall(points, flat),
+        "trustworthiness": score.trustworthiness,
+        "recall_at_15": score.recall,
     }
 
 
@@ -92,13 +93,15 @@ def chain_report(points: Tensor) -> list[dict[str, Any]]:
     for name, maps in ways.items():
         begun = time.process_time()
         flats = maps()
+        cpu = time.process_time() - begun
+        scores = [quality(x, y, rows=len(x)) for x, y in zip(stops, flats, strict=True)]
         found.append(
             {
                 "maps": name,
-                "cpu": time.process_time() - begun,
+                "cpu": cpu,
                 "drift": float(np.mean([drift(a, b) for a, b in pairwise(flats)])),
-                "trustworthiness": float(np.mean([trustworthiness(x, y) for x, y in zip(stops, flats, strict=True)])),
-                "recall_at_15": float(np.mean([recall(x, y) for x, y in zip(stops, flats, strict=True)])),
+                "trustworthiness": float(np.mean([score.trustworthiness for score in scores])),
+                "recall_at_15": float(np.mean([score.recall for score in scores])),
             }
         )
     return found

@@ -31,7 +31,7 @@ from omnivat.gaps.centroid import modality_gap
 from omnivat.heads import default_embeddings, default_head
 from omnivat.model.head import OmniVaT
 from omnivat.projection import chain, torch_umap
-from omnivat.projection.quality import drift, trustworthiness
+from omnivat.projection.quality import drift, quality
 from omnivat.stages import IMAGES
 
 ORDERS = tuple(step / 10 for step in range(11))
@@ -89,9 +89,9 @@ def numeric(model: OmniVaT, vis: Tensor, tac: Tensor) -> Iterator[Rule]:
     matrix, offset = model.dtg.fold()
     yield Rule(
         "DTG folds into one matrix; nodes only on request",
-        lambda: model.dtg.nodes(root).mean(1),
+        lambda: model.dtg.grow(root).nodes.mean(1),
         lambda: torch.nn.functional.linear(root, matrix, offset),
-        lambda: relative(torch.nn.functional.linear(root, matrix, offset), model.dtg.nodes(root).mean(1)),
+        lambda: relative(torch.nn.functional.linear(root, matrix, offset), model.dtg.grow(root).nodes.mean(1)),
     )
 
     def gap_at(order: float) -> Tensor:
@@ -127,7 +127,8 @@ def maps(model: OmniVaT, vis: Tensor, tac: Tensor) -> Rule:
     def error() -> str:
         one, other = apart(), chained()
         trust = [
-            sum(trustworthiness(p, m) for p, m in zip(rows, made, strict=True)) / len(rows) for made in (one, other)
+            sum(quality(p, m, rows=len(p)).trustworthiness for p, m in zip(rows, made, strict=True)) / len(rows)
+            for made in (one, other)
         ]
         moved = [sum(drift(a, b) for a, b in pairwise(made)) / (len(rows) - 1) for made in (one, other)]
         return f"trustworthiness {trust[0]:.3f} → {trust[1]:.3f}, drift {moved[0]:.2f} → {moved[1]:.2f}"

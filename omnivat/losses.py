@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import torch
+from jaxtyping import Bool, Float, Int
 from torch import Tensor
 from torch.nn.functional import cross_entropy, mse_loss, normalize
 
@@ -11,14 +12,13 @@ from omnivat.shapes import require_shapes
 from omnivat.stages import MODALITIES
 
 
-def mma_loss(lang: Tensor, vis: Tensor | None = None, tac: Tensor | None = None) -> Tensor:
+def mma_loss(
+    lang: Float[Tensor, "B D"], vis: Float[Tensor, "B D"] | None = None, tac: Float[Tensor, "B D"] | None = None
+) -> Float[Tensor, ""]:
     """Multimodal alignment (MMA): KL(LANG || VIS) + KL(LANG || TAC), without the weight λ.
 
-    lang, vis, tac  (B, D) features; a softmax over D makes each a distribution. An absent modality
-                    (None) has no term
-    return          () nats, >= 0, mean over the batch; 0 if they agree
-
-    LANG is the reference, the first argument of the divergence. Gradients flow to all.
+    A softmax over D makes each feature a distribution; an absent modality has no term. In nats, >= 0,
+    mean over the batch; 0 if they agree. LANG is the reference, the first argument of the divergence. Gradients flow to all.
     Raises ShapeError if shapes differ.
     Source: paper, L_MMA.
     """
@@ -27,18 +27,17 @@ def mma_loss(lang: Tensor, vis: Tensor | None = None, tac: Tensor | None = None)
     if not others:
         return lang.new_zeros(())
     logs = torch.log_softmax(torch.stack((lang, *others.values())), dim=-1)
-    excess = logs[0] * len(others) - logs[1:].sum(0)  # (B, D), summed over the others
-    return (logs[0].exp() * excess).sum(-1).mean()
+    return (logs[0].exp() * (logs[0] - logs[1:])).sum((0, 2)).mean()
 
 
 EPS = 1e-12  # below this length a node has no direction
 
 
-def nod_loss(layers: Sequence[Tensor]) -> Tensor:
+def nod_loss(layers: Sequence[Float[Tensor, "B _ D"]]) -> Float[Tensor, ""]:
     """Node diversity (NOD): the distance of each level's cosine matrix from the identity.
 
-    layers  one (B, 2^(r-1), D) for each level r = 1..R
-    return  () >= 0: Frobenius norms summed over levels, mean over the batch
+    layers  the levels r = 1..R, of 2^(r-1) nodes each
+    return  >= 0: Frobenius norms summed over levels, mean over the batch
 
     Level 1 has one node and is left out, because the gradient of a norm at zero would be NaN.
     Negative and positive cosines count equally, as printed.
@@ -56,40 +55,39 @@ def nod_loss(layers: Sequence[Tensor]) -> Tensor:
 class Losses(NamedTuple):
     """The parts of the joint loss, unweighted, and their weighted sum."""
 
-    total: Tensor
-    mma: Tensor
-    nod: Tensor
-    cross_entropy: Tensor
+    total: Float[Tensor, ""]
+    mma: Float[Tensor, ""]
+    nod: Float[Tensor, ""]
+    cross_entropy: Float[Tensor, ""]
 
 
 def joint_loss(
     *,
-    features: dict[str, Tensor],
-    layers: list[Tensor],
-    logits: dict[str, Tensor],
-    labels: Tensor,
-    aligned: Tensor | None = None,
+    features: dict[str, Float[Tensor, "B D"]],
+    layers: list[Float[Tensor, "B _ D"]],
+    logits: dict[str, Float[Tensor, "B K"]],
+    labels: Int[Tensor, " B"],
+    aligned: Bool[Tensor, " B"] | None = None,
     mma_weight: float = 10.0,
     nod_weight: float = 1.0,
-    targets: dict[str, Tensor] | None = None,
+    targets: dict[str, Float[Tensor, "B K"]] | None = None,
 ) -> Losses:
     """Return λ MMA + NOD + CE.
 
-    features  F-bar (B, D) of "vis", "tac" or both, and of "lang" if present
-    layers    the tree's levels (B, n, D)
-    logits    (B, K) of "vis", "tac" or both; CE is their mean
-    labels    (B,)
-    aligned   (B,) bool: pairs that MMA acts on; None: all
-    targets   (B, K) of the same names: logits of another head. The total then has their mean
-              squared difference from `logits` in place of CE
+    features  F-bar of "vis", "tac" or both, and of "lang" if present
+    layers    the tree's levels
+    logits    of "vis", "tac" or both; CE is their mean
+    aligned   pairs that MMA acts on; None: all
+    targets   logits of another head, by the same names. The total then has their mean squared
+              difference from `logits` in place of CE
     Source: paper, Eq. 12; for `targets`, docs/order.md.
     """
     zero = layers[0].new_zeros(())
     mma = zero
-    if "lang" in features and mma_weight > 0:
+    if "lang" in features and mma_weight:
         given = {n: features[n] for n in MODALITIES if n in features}
         mma = mma_loss(**{n: x if aligned is None else x[aligned] for n, x in given.items()})
-    nod = nod_loss(layers) if nod_weight > 0 else zero
+    nod = nod_loss(layers) if nod_weight else zero
     ce = torch.stack([cross_entropy(values, labels) for values in logits.values()]).mean()
     fit = ce if targets is None else torch.stack([mse_loss(logits[n], targets[n]) for n in logits]).mean()
     return Losses(mma_weight * mma + nod_weight * nod + fit, mma, nod, ce)

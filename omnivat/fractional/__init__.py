@@ -5,9 +5,7 @@
 mathematics: docs/fractional.md.
 """
 
-from omnivat.fractional.basis import Basis, basis
 from omnivat.fractional.coefficients import Coefficients
-from omnivat.fractional.layer import FractionalTransform
-from omnivat.fractional.transform import coefficients, dfrft, synthesise
+from omnivat.fractional.transform import Basis, FractionalTransform, basis, coefficients, dfrft, synthesise
 
 __all__ = ["Basis", "Coefficients", "FractionalTransform", "basis", "coefficients", "dfrft", "synthesise"]

@@ -6,6 +6,7 @@ from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
 import torch
+from jaxtyping import Float64, Inexact, Shaped
 from torch import Tensor
 from torch.autograd.forward_ad import unpack_dual
 
@@ -16,14 +17,14 @@ from omnivat.fractional.splits import Split
 _KEPT = (torch.float32, torch.float64, torch.complex64, torch.complex128)
 
 
-def working_precision(x: Tensor) -> Tensor:
+def working_precision(x: Shaped[Tensor, "..."]) -> Inexact[Tensor, "..."]:
     """Convert half precision, integers and booleans to single precision."""
     if x.dtype in _KEPT:
         return x
     return x.to(torch.complex64 if x.is_complex() else torch.float32)
 
 
-def axis_from_end(x: Tensor, dim: int) -> int:
+def axis_from_end(x: Shaped[Tensor, "..."], dim: int) -> int:
     """Return dim counted from the end (-1 is the last axis), after checking the axis."""
     shape = tuple(x.shape)
     if not -len(shape) <= dim < len(shape):
@@ -49,7 +50,7 @@ def readable(order: Tensor) -> bool:
     return order.device.type == "cpu" and not traced
 
 
-def checked_order(order: float | Tensor | Any, device: torch.device) -> Tensor:
+def checked_order(order: float | Tensor | Any, device: torch.device) -> Float64[Tensor, "..."]:
     """Return the order as float64 on `device`; it stays in the graph.
 
     A Python int of any size is reduced modulo 4 exactly. An order on an accelerator, under a
@@ -77,7 +78,7 @@ def _shortened(order: Tensor) -> str:
     return ", ".join(str(value) for value in bad[:3].tolist()) + (", …" if len(bad) > 3 else "")
 
 
-def split_for(values: Tensor) -> Split:
+def split_for(values: Inexact[Tensor, "... N"]) -> Split:
     """Return the split for the last axis, the precision and the device of `values`."""
     return splits.get(values.shape[-1], values.dtype.to_real(), values.device)
 

@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import torch
+from jaxtyping import Float, Float64, Inexact
 from torch import Tensor
 
 from omnivat.fractional.memory import empty
@@ -27,32 +28,32 @@ _WORTH_WORKERS = 2**18  # numbers in the result; fewer are not worth a second th
 class Piece:
     """Some rows of coefficients.
 
-    rows: their place in the broadcast batch; values (b, N); orders (1 or b,); shared: phases shared
-    with other pieces, else None, and the piece computes its own.
+    rows: their place in the broadcast batch; shared: phases shared with other pieces, else None, and
+    the piece computes its own.
     """
 
     rows: slice
-    values: Tensor
-    orders: Tensor
-    indices: Tensor
-    shared: Tensor | None = None
+    values: Inexact[Tensor, "b N"]
+    orders: Float64[Tensor, "#b"]
+    indices: Float64[Tensor, " N"]
+    shared: Float[Tensor, "2 1 N"] | None = None
 
-    def phases(self) -> Tensor:
-        """Real and imaginary part of exp(-iπpk/2), (2, 1 or b, N)."""
+    def phases(self) -> Float[Tensor, "2 #b N"]:
+        """Real and imaginary part of exp(-iπpk/2)."""
         if self.shared is not None:
             return self.shared
         return _planar_phases(self.orders, self.indices, self.values)
 
 
-def slices(rows: Tensor) -> Iterator[slice]:
-    """Split rows (R, N) into slices for the cache; on an accelerator, one slice."""
+def slices(rows: Inexact[Tensor, "R N"]) -> Iterator[slice]:
+    """Split rows into slices for the cache; on an accelerator, one slice."""
     count, size = rows.shape
     step = max(16, _ELEMENTS // size) if rows.device.type == "cpu" else max(count, 1)
     for start in range(0, count, step):
         yield slice(start, min(start + step, count))
 
 
-def leading_shape(values: Tensor, order: Tensor) -> torch.Size:
+def leading_shape(values: Inexact[Tensor, "... N"], order: Float64[Tensor, "..."]) -> torch.Size:
     """Return the batch shape: leading axes of the values and axes of the order, broadcast."""
     if not order.dim():  # broadcast_shapes is written in Python and slow
         return values.shape[:-1]
@@ -60,14 +61,18 @@ def leading_shape(values: Tensor, order: Tensor) -> torch.Size:
     return shape
 
 
-def _planar_phases(order: Tensor, indices: Tensor, like: Tensor) -> Tensor:
-    """Phases of orders (b,) as planes (2, b, N), cast to the precision of the values."""
+def _planar_phases(
+    order: Float64[Tensor, " b"], indices: Float64[Tensor, " N"], like: Tensor
+) -> Float[Tensor, "2 b N"]:
+    """Phases as planes, cast to the precision of the values."""
     both = torch.view_as_real(phases(order, indices)).movedim(-1, 0)
     return both.to(like.dtype.to_real(), memory_format=torch.contiguous_format, copy=True)
 
 
-def pieces(values: Tensor, order: Tensor, indices: Tensor) -> Iterator[Piece]:
-    """Yield all rows of the broadcast batch in order. values (..., N), order (...) float64.
+def pieces(
+    values: Inexact[Tensor, "... N"], order: Float64[Tensor, "..."], indices: Float64[Tensor, " N"]
+) -> Iterator[Piece]:
+    """Yield all rows of the broadcast batch in order.
 
     If many rows share an order, its phases are computed once; otherwise for each row.
     """
@@ -94,18 +99,18 @@ def pieces(values: Tensor, order: Tensor, indices: Tensor) -> Iterator[Piece]:
             yield Piece(place_of_some, group[some], orders[number], indices, turned)
 
 
-def planes(x: Tensor) -> Tensor:
-    """Real and imaginary part, stacked: (2, ...) for complex x, (1, ...) for real x."""
+def planes(x: Inexact[Tensor, "*any"]) -> Float[Tensor, "#2 *any"]:
+    """Real and imaginary part, stacked; only the real part of real x."""
     return torch.stack([x.real, x.imag]) if x.is_complex() else x[None]
 
 
 def _spread(rows: Tensor) -> bool:
-    """True if rows (R, N) are enough for several threads."""
+    """True if rows are enough for several threads."""
     return rows.device.type == "cpu" and rows.numel() >= _WORTH_WORKERS
 
 
-def analyse_rows(split: Split, x: Tensor) -> Tensor:
-    """x V for x (..., N), real or complex."""
+def analyse_rows(split: Split, x: Inexact[Tensor, "*lead N"]) -> Inexact[Tensor, "*lead N"]:
+    """x V."""
     rows = x.reshape(-1, x.shape[-1])
     out = empty(rows.shape, rows.dtype, rows.device)
 
@@ -122,8 +127,8 @@ def analyse_rows(split: Split, x: Tensor) -> Tensor:
     return out.view(x.shape)
 
 
-def restore_rows(split: Split, z: Tensor) -> Tensor:
-    """z Vᵀ for z (..., N), real or complex."""
+def restore_rows(split: Split, z: Inexact[Tensor, "*lead N"]) -> Inexact[Tensor, "*lead N"]:
+    """z Vᵀ."""
     rows = z.reshape(-1, z.shape[-1])
     out = empty(rows.shape, rows.dtype, rows.device)
 
@@ -139,14 +144,21 @@ def restore_rows(split: Split, z: Tensor) -> Tensor:
     return out.view(z.shape)
 
 
-def turn(piece: Piece) -> Tensor:
-    """Coefficients times phases as planes (2, b, N)."""
+def turn(piece: Piece) -> Float[Tensor, "2 b N"]:
+    """Coefficients times phases as planes."""
     if piece.values.is_complex():
         return planes(piece.values * torch.complex(*piece.phases()))
     return piece.values * piece.phases()
 
 
-def synthesise_rows(split: Split, values: Tensor, order: Tensor, *, planar: bool, out: Tensor | None = None) -> Tensor:
+def synthesise_rows(
+    split: Split,
+    values: Inexact[Tensor, "... N"],
+    order: Float64[Tensor, "..."],
+    *,
+    planar: bool,
+    out: Inexact[Tensor, "... N"] | None = None,
+) -> Inexact[Tensor, "... N"]:
     """(λ^p ⊙ values) Vᵀ: planar real (2, ..., N), else complex (..., N)."""
     size, kind = values.shape[-1], values.dtype
     shape = (*leading_shape(values, order), size)
@@ -169,7 +181,14 @@ def synthesise_rows(split: Split, values: Tensor, order: Tensor, *, planar: bool
     return result
 
 
-def turned_back(split: Split, values: Tensor, order: Tensor, grad: Tensor, *, planar: bool) -> tuple[Tensor, Tensor]:
+def turned_back(
+    split: Split,
+    values: Inexact[Tensor, "*lead N"],
+    order: Float64[Tensor, "*own"],
+    grad: Inexact[Tensor, "... N"],
+    *,
+    planar: bool,
+) -> tuple[Inexact[Tensor, "*lead N"], Float64[Tensor, "*own"]]:
     """Return the gradients of values and order, given the gradient of the result.
 
     With G = Vᵀ grad and U = conj(λ^p) ⊙ G, they are U for the values (its real part if they are

@@ -10,10 +10,10 @@ from typing import TypeVar
 
 import numpy as np
 import torch
+from jaxtyping import Float64
 from torch import Tensor
 
 from omnivat.fractional.commuting import ParityBlocks, Tridiagonal, parity_blocks
-from omnivat.fractional.double_double import Array
 from omnivat.fractional.eigenvectors import refined_quarter, refined_spectrum
 from omnivat.fractional.splits import HalfSplit, PlainSplit, QuarterSplit, Split, kept_numbers
 from omnivat.fractional.workers import side_by_side
@@ -23,17 +23,16 @@ _TINY = 3
 _KEPT = 16
 _WORTH_THREADS = 128  # size of a parity block; smaller ones are not worth a second thread
 
-_building = threading.RLock()
 T = TypeVar("T")
 
 
-def indices_by_parity(size: int) -> Array:
+def indices_by_parity(size: int) -> Float64[np.ndarray, " {size}"]:
     """Return k of the even and of the odd eigenvectors; for even N, N replaces N - 1."""
     even, odd = np.arange(size // 2 + 1), np.arange((size - 1) // 2)
     return np.concatenate([2 * even, 2 * odd + 1]).astype(np.float64)
 
 
-def _tiny_vectors(size: int) -> Array:
+def _tiny_vectors(size: int) -> Float64[np.ndarray, "{size} {size}"]:
     """Return V for N = 1, 2, 3 in closed form, columns as in `indices_by_parity`."""
     if size == 1:
         return np.ones((1, 1))
@@ -52,7 +51,7 @@ def build_split(size: int, like: Tensor) -> Split:
     if size <= _TINY:
         vectors = torch.from_numpy(_tiny_vectors(size)).to(like)
         return PlainSplit(vectors, torch.from_numpy(indices_by_parity(size)).to(like.device))
-    with _building, one_blas_thread():  # each parity has a core: identical to the last bit for any number of threads
+    with one_blas_thread():  # each parity has a core: identical to the last bit for any number of threads
         return _build_from_blocks(size, like)
 
 
@@ -78,13 +77,12 @@ def _build_from_blocks(size: int, like: Tensor) -> Split:
 
 
 class BoundedCache:
-    """The most recently used splits. Threads may share it; each split is built once."""
+    """The most recently used splits. Threads may share it; each split is built once, one at a time."""
 
     def __init__(self, build: Callable[[int, Tensor], Split], limit: int = _KEPT) -> None:
         self._build, self._limit = build, limit
         self._kept: OrderedDict[tuple[int, torch.dtype, torch.device], Split] = OrderedDict()
-        self._lock = threading.Lock()
-        self._building: dict[tuple[int, torch.dtype, torch.device], threading.Lock] = {}
+        self._lock, self._building = threading.Lock(), threading.RLock()
 
     def __len__(self) -> int:
         return len(self._kept)
@@ -95,32 +93,27 @@ class BoundedCache:
             self._kept.clear()
 
     def _find(self, key: tuple[int, torch.dtype, torch.device]) -> Split | None:
-        found = self._kept.get(key)
-        if found is not None:
-            self._kept.move_to_end(key)
-        return found
+        with self._lock:
+            found = self._kept.get(key)
+            if found is not None:
+                self._kept.move_to_end(key)
+            return found
 
     def get(self, size: int, dtype: torch.dtype, device: torch.device) -> Split:
         """Return the split for that length, real precision and device; build it if needed."""
         key = (size, dtype, device)
-        with self._lock:
-            found = self._find(key)
-            if found is not None:
-                return found
-            building = self._building.setdefault(key, threading.Lock())
-        with building:
-            with self._lock:
-                found = self._find(key)
-            if found is not None:  # another thread built it meanwhile
-                return found
-            with kept_numbers():
-                found = self._build(size, torch.empty(0, dtype=dtype, device=device))
-            with self._lock:
-                self._kept[key] = found
-                self._building.pop(key, None)
-                while len(self._kept) > self._limit:
-                    self._kept.popitem(last=False)
-            return found
+        found = self._find(key)
+        if found is None:
+            with self._building:
+                found = self._find(key)  # another thread may have built it meanwhile
+                if found is None:
+                    with kept_numbers():
+                        found = self._build(size, torch.empty(0, dtype=dtype, device=device))
+                    with self._lock:
+                        self._kept[key] = found
+                        if len(self._kept) > self._limit:
+                            self._kept.popitem(last=False)
+        return found
 
 
 splits = BoundedCache(build_split)

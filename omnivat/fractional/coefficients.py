@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import torch
+from jaxtyping import Inexact
 from torch import Tensor
 
 from omnivat.errors import ShapeError
@@ -15,11 +16,11 @@ from omnivat.errors import ShapeError
 class Coefficients:
     """The vectors of a tensor in the eigenbasis of the transform.
 
-    values (..., N): coefficients, transformed axis last; real for real input, else complex.
+    values: transformed axis last; real for real input, else complex.
     dim: position of the transformed axis in the input, counted from the end (-1 is the last).
     """
 
-    values: Tensor
+    values: Inexact[Tensor, "... N"]
     dim: int = -1
     centered: bool = False
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Float64
 
 from omnivat.fractional.double_double import (
     SQRT2,
@@ -50,8 +51,8 @@ class Tridiagonal:
         """The block of the first `size` < n rows and columns."""
         return Tridiagonal(self.diagonal.part(slice(size)), self.root_first)
 
-    def times(self, x: Array) -> Pair:
-        """This matrix times x (n, m), to about 32 digits."""
+    def times(self, x: Float64[np.ndarray, "n m"]) -> Pair:
+        """This matrix times x, to about 32 digits."""
         y = exact_product(self.diagonal.high[:, None], x)
         low = y.low + self.diagonal.low[:, None] * x
         high = y.high

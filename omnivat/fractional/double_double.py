@@ -9,9 +9,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from jaxtyping import Float64
 
-Array = NDArray[np.float64]
+Array = Float64[np.ndarray, "..."]
 
 _SPLITTER = 134217729.0  # 2**27 + 1 splits a float64 into two halves of 26 bits
 
@@ -77,7 +77,7 @@ def divide_by(a: Pair, number: float) -> Pair:
     return Pair(quotient, ((a.high - back.high) - back.low + a.low) / number)
 
 
-def excess_norm(x: Array) -> Array:
+def excess_norm(x: Float64[np.ndarray, "n m"]) -> Float64[np.ndarray, " m"]:
     """|x| - 1 for every nearly normalised column of x, to about 32 digits."""
     total = x * x
     high, low = halves(x)

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 from importlib import import_module
 
 import numpy as np
+from jaxtyping import Float64
 
 from omnivat.fractional.commuting import Tridiagonal
 from omnivat.fractional.double_double import SQRT2, Array, Pair, add, exact_product, excess_norm, multiply
@@ -28,10 +29,10 @@ _COLUMNS = 128  # double-double makes dozens of passes; this many columns stay i
 
 @dataclass(frozen=True)
 class Spectrum:
-    """Eigenvalues (n) in decreasing order, and unit eigenvectors (n, n) in columns."""
+    """Eigenvalues in decreasing order, and unit eigenvectors in columns."""
 
-    values: Array
-    vectors: Array
+    values: Float64[np.ndarray, " n"]
+    vectors: Float64[np.ndarray, "n n"]
 
 
 def blocks_of_columns(count: int) -> Iterator[slice]:
@@ -75,22 +76,24 @@ def lapack_spectrum(block: Tridiagonal) -> Spectrum:
     return Spectrum(values[::-1], vectors.T[:, ::-1])  # LAPACK writes columns
 
 
-def residual(product: Pair, values: Array, vectors: Array) -> Array:
+def residual(
+    product: Pair, values: Float64[np.ndarray, " m"], vectors: Float64[np.ndarray, "n m"]
+) -> Float64[np.ndarray, "n m"]:
     """Return product - vectors · diag(values), rounded only at the end."""
     scaled = exact_product(-values[None, :], vectors)
     total = add(product, scaled)
     return np.asarray(total.high + total.low)
 
 
-def inverse_gaps(values: Array) -> Array:
+def inverse_gaps(values: Float64[np.ndarray, " n"]) -> Float64[np.ndarray, "n n"]:
     """Return 1 / (values[k] - values[i]) at row i, column k; zero on the diagonal."""
     gaps = values[None, :] - values[:, None]
     np.fill_diagonal(gaps, np.inf)
     return np.asarray(1.0 / gaps)
 
 
-def refined_spectrum(block: Tridiagonal) -> Array:
-    """Return eigenvectors (n, n) of a tridiagonal block, by decreasing eigenvalue, to 1-2 ulp."""
+def refined_spectrum(block: Tridiagonal) -> Float64[np.ndarray, "n n"]:
+    """Return eigenvectors of a tridiagonal block, by decreasing eigenvalue, to 1-2 ulp."""
     rough = lapack_spectrum(block)
     x = rough.vectors
     if len(block) < 2:
@@ -109,17 +112,16 @@ def refined_spectrum(block: Tridiagonal) -> Array:
 class QuarterFactor:
     """Unit singular vectors of one parity block in columns, by decreasing σ.
 
-    large (m+1, m+1): m vectors, then the null vector; rows are samples, the middle one last.
-    small (m, m): their partners.
+    large (w = m + 1): m vectors, then the null vector; rows are samples, the middle one last. small: their partners.
     middle_is_plus: True if `large` belongs to Q = +1.
     """
 
-    large: Array
-    small: Array
+    large: Float64[np.ndarray, "w w"]
+    small: Float64[np.ndarray, "m m"]
     middle_is_plus: bool
 
 
-def alternating(size: int) -> Array:
+def alternating(size: int) -> Float64[np.ndarray, " {size}"]:
     """1, -1, 1, …"""
     signs = np.ones(size)
     signs[1::2] = -1.0
@@ -140,16 +142,16 @@ def _rough(block: Tridiagonal) -> tuple[Array, QuarterFactor]:
     return spectrum.values[:m], QuarterFactor(large, small, m % 2 == 0)
 
 
-def _to_small(block: Tridiagonal, large: Array) -> Pair:
-    """Return B times vectors of the large side (m+1, c)."""
+def _to_small(block: Tridiagonal, large: Float64[np.ndarray, "w c"]) -> Pair:
+    """Return B times vectors of the large side."""
     y = block.times(large[:-1])
     middle = multiply(Pair(large[-1:], 0 * large[-1:]), SQRT2)
     y.high[-1:], y.low[-1:] = add(y.part(slice(-1, None)), middle)
     return y
 
 
-def _to_large(block: Tridiagonal, small: Array) -> Pair:
-    """Return Bᵀ times vectors of the small side (m, c)."""
+def _to_large(block: Tridiagonal, small: Float64[np.ndarray, "m c"]) -> Pair:
+    """Return Bᵀ times vectors of the small side."""
     y = block.times(small)
     middle = multiply(Pair(small[-1:], 0 * small[-1:]), SQRT2)
     return Pair(np.vstack([y.high, middle.high]), np.vstack([y.low, middle.low]))

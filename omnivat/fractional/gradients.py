@@ -10,6 +10,7 @@ import math
 from typing import Any
 
 import torch
+from jaxtyping import Float, Float64, Inexact
 from torch import Tensor
 from torch.autograd import Function
 
@@ -19,17 +20,17 @@ from omnivat.fractional.phases import smooth_phases
 from omnivat.fractional.splits import Split, kept_numbers
 
 
-def analyse(x: Tensor, split: Split) -> Tensor:
+def analyse(x: Inexact[Tensor, "*lead N"], split: Split) -> Inexact[Tensor, "*lead N"]:
     """x V on the last axis."""
     return _applied(x, split, False)
 
 
-def restore(z: Tensor, split: Split) -> Tensor:
+def restore(z: Inexact[Tensor, "*lead N"], split: Split) -> Inexact[Tensor, "*lead N"]:
     """z Vᵀ on the last axis."""
     return _applied(z, split, True)
 
 
-def _applied(x: Tensor, split: Split, back: bool) -> Tensor:
+def _applied(x: Inexact[Tensor, "*lead N"], split: Split, back: bool) -> Inexact[Tensor, "*lead N"]:
     """x V, or with `back` x Vᵀ."""
     if torch.compiler.is_exporting():
         matrix = _dense(split, x)
@@ -39,8 +40,10 @@ def _applied(x: Tensor, split: Split, back: bool) -> Tensor:
     return _Apply.apply(x, split, back)  # type: ignore[no-any-return,no-untyped-call]
 
 
-def synthesise(values: Tensor, order: Tensor, split: Split, planar: bool) -> Tensor:
-    """(λ^p ⊙ values) Vᵀ on the last axis; order (...) float64 broadcasts against the leading axes."""
+def synthesise(
+    values: Inexact[Tensor, "... N"], order: Float64[Tensor, "..."], split: Split, planar: bool
+) -> Inexact[Tensor, "... N"]:
+    """(λ^p ⊙ values) Vᵀ on the last axis; the order broadcasts against the leading axes."""
     if torch.compiler.is_exporting():
         phases = smooth_phases(order, split.indices).to(values.dtype.to_complex())
         found = restore(phases * values, split)
@@ -50,15 +53,15 @@ def synthesise(values: Tensor, order: Tensor, split: Split, planar: bool) -> Ten
     return _Synthesise.apply(values, order, split, planar)  # type: ignore[no-any-return,no-untyped-call]
 
 
-def _dense(split: Split, like: Tensor) -> Tensor:
-    """V (N, N) as numbers: an exported program has plain products, with gradients."""
+def _dense(split: Split, like: Inexact[Tensor, "... N"]) -> Float[Tensor, "N N"]:
+    """V as numbers: an exported program has plain products, with gradients."""
     with kept_numbers():
         size, kind = like.shape[-1], like.dtype.to_real()
         return analyse_rows(split, torch.eye(size, dtype=kind, device=split.indices.device))
 
 
-def _product(x: Tensor, matrix: Tensor) -> Tensor:
-    """x @ matrix for a real matrix and real or complex x."""
+def _product(x: Inexact[Tensor, "*lead N"], matrix: Float[Tensor, "N N"]) -> Inexact[Tensor, "*lead N"]:
+    """x @ matrix."""
     if x.is_complex():
         return torch.complex(x.real @ matrix, x.imag @ matrix)
     return x @ matrix
@@ -145,8 +148,12 @@ def _padded(batched: Tensor, axes: int) -> Tensor:
 
 
 def _differentiable_back(
-    split: Split, values: Tensor, order: Tensor, grad: Tensor, planar: bool
-) -> tuple[Tensor, Tensor]:
+    split: Split,
+    values: Inexact[Tensor, "*lead N"],
+    order: Float64[Tensor, "*own"],
+    grad: Inexact[Tensor, "... N"],
+    planar: bool,
+) -> tuple[Inexact[Tensor, "*lead N"], Float64[Tensor, "*own"]]:
     """The same as `batches.turned_back`, in differentiable operations."""
     grad = torch.complex(grad[0], grad[1]) if planar else grad
     back = smooth_phases(order, split.indices).to(grad.dtype).conj() * analyse(grad, split)

@@ -5,22 +5,22 @@ from __future__ import annotations
 import math
 
 import torch
+from jaxtyping import Complex128, Float64
 from torch import Tensor
 
 _GRID = 2.0**30  # k · (p rounded to this grid) is exact in float64 for k < 2**20
 
 
-def turned_quarters(order: Tensor, indices: Tensor) -> Tensor:
-    """Return k·p modulo 4 in (-8, 8), error below 2e-16; order (..., 1), indices (N,), float64."""
+def turned_quarters(order: Float64[Tensor, "*own 1"], indices: Float64[Tensor, " N"]) -> Float64[Tensor, "*own N"]:
+    """Return k·p modulo 4 in (-8, 8), error below 2e-16."""
     order = torch.fmod(order, 4.0)
     coarse = torch.round(order * _GRID) / _GRID
     return torch.addcmul(torch.fmod(coarse * indices, 4.0), order - coarse, indices)
 
 
-def phases(order: Tensor, indices: Tensor) -> Tensor:
-    """exp(-iπpk/2), complex128 (..., N), on the order's device.
+def phases(order: Float64[Tensor, "*own"], indices: Float64[Tensor, " N"]) -> Complex128[Tensor, "*own N"]:
+    """exp(-iπpk/2) of orders in quarter turns, on their device.
 
-    order (...) float64 in quarter turns; indices (N,) float64 on the same device.
     The nearest quarter turn is an exact factor, so whole orders give exactly ±1 and ±i.
     """
     turns = turned_quarters(order[..., None], indices)
@@ -32,8 +32,8 @@ def phases(order: Tensor, indices: Tensor) -> Tensor:
     return torch.complex(torch.cos(angle), torch.sin(angle)).mul_(whole)
 
 
-def smooth_phases(order: Tensor, indices: Tensor) -> Tensor:
-    """Return the same phases, (..., N) complex128, differentiable any number of times.
+def smooth_phases(order: Float64[Tensor, "*own"], indices: Float64[Tensor, " N"]) -> Complex128[Tensor, "*own N"]:
+    """Return the same phases, differentiable any number of times.
 
     The exact value is a constant. A second factor of value 1 has the derivative -iπk/2 · exp(…).
     """

@@ -14,10 +14,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 import torch
+from jaxtyping import Float, Float64
 from torch import Tensor
 from torch.utils._python_dispatch import _disable_current_modes
 
@@ -36,43 +37,44 @@ def kept_numbers() -> Iterator[None]:
         yield
 
 
+@runtime_checkable
 class Split(Protocol):
     """V, split into blocks, on one device and in one precision."""
 
-    indices: Tensor
-    """k of every column, (N,) float64."""
+    indices: Float64[Tensor, " N"]
+    """k of every column."""
 
-    def analyse(self, x: Tensor, out: Tensor) -> None:
-        """out (R, N) = x (R, N) V."""
+    def analyse(self, x: Float[Tensor, "R N"], out: Float[Tensor, "R N"]) -> None:
+        """out = x V."""
 
-    def restore(self, z: Tensor, out: Tensor) -> None:
-        """out (..., N) = z (..., N) Vᵀ; z is contiguous and overwritten, out may be z itself."""
+    def restore(self, z: Float[Tensor, "*lead N"], out: Float[Tensor, "*lead N"]) -> None:
+        """out = z Vᵀ; z is contiguous and overwritten, out may be z itself."""
 
 
 class PlainSplit:
     """V as one block, for N so small that halves would be empty."""
 
-    def __init__(self, vectors: Tensor, indices: Tensor) -> None:
+    def __init__(self, vectors: Float[Tensor, "N N"], indices: Float64[Tensor, " N"]) -> None:
         self.vectors, self.indices = vectors, indices
 
-    def analyse(self, x: Tensor, out: Tensor) -> None:
+    def analyse(self, x: Float[Tensor, "R N"], out: Float[Tensor, "R N"]) -> None:
         torch.mm(x, self.vectors, out=out)
 
-    def restore(self, z: Tensor, out: Tensor) -> None:
+    def restore(self, z: Float[Tensor, "*lead N"], out: Float[Tensor, "*lead N"]) -> None:
         out.copy_(z @ self.vectors.T)
 
 
 class HalfSplit:
     """Separate even and odd vectors: two blocks of N/2, half the work of V.
 
-    even (N//2+1, N//2+1), odd ((N-1)//2, (N-1)//2): the first half of the samples of the
-    eigenvectors, columns by increasing k. One row gives a sample and its mirror image.
+    even, odd: the first half of the samples of the eigenvectors, h = N//2 + 1 and g = (N - 1)//2 of
+    them, columns by increasing k. One row gives a sample and its mirror image.
     """
 
-    def __init__(self, even: Tensor, odd: Tensor, indices: Tensor) -> None:
+    def __init__(self, even: Float[Tensor, "h h"], odd: Float[Tensor, "g g"], indices: Float64[Tensor, " N"]) -> None:
         self.even, self.odd, self.indices = even, odd, indices
 
-    def analyse(self, x: Tensor, out: Tensor) -> None:
+    def analyse(self, x: Float[Tensor, "R N"], out: Float[Tensor, "R N"]) -> None:
         size, half, paired = x.shape[-1], len(self.even), len(self.odd)
         mirrored = x[:, size - paired :].flip(-1)
         sums = x[:, :half].clone()
@@ -80,7 +82,7 @@ class HalfSplit:
         torch.mm(sums, self.even, out=out[:, :half])
         torch.mm(x[:, 1 : paired + 1] - mirrored, self.odd, out=out[:, half:])
 
-    def restore(self, z: Tensor, out: Tensor) -> None:
+    def restore(self, z: Float[Tensor, "*lead N"], out: Float[Tensor, "*lead N"]) -> None:
         size, half, paired = z.shape[-1], len(self.even), len(self.odd)
         even = z[..., :half] @ self.even.T
         odd = z[..., half:] @ self.odd.T
@@ -178,13 +180,13 @@ class QuarterSplit:
         even, odd = samples[: half + 1, : half + 1].T, samples[half + 1 :, 1:half].T
         return HalfSplit(even.contiguous(), odd.contiguous(), self.indices)
 
-    def analyse(self, x: Tensor, out: Tensor) -> None:
+    def analyse(self, x: Float[Tensor, "R N"], out: Float[Tensor, "R N"]) -> None:
         halves = self._for_few_rows(len(x))
         if halves is not None:
             return halves.analyse(x, out)
         return self._analyse(x, out)
 
-    def restore(self, z: Tensor, out: Tensor) -> None:
+    def restore(self, z: Float[Tensor, "*lead N"], out: Float[Tensor, "*lead N"]) -> None:
         halves = self._for_few_rows(z.numel() // z.shape[-1])
         if halves is not None:
             return halves.restore(z, out)

@@ -1,19 +1,32 @@
-"""The transform: `dfrft`, and its two halves `coefficients` and `synthesise`."""
+"""The transform: `dfrft`, its two halves `coefficients` and `synthesise`, its layer, and its basis."""
 
 from __future__ import annotations
 
+import functools
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
 import torch
-from torch import Tensor
+from jaxtyping import Complex, Float, Float64, Inexact, Shaped
+from torch import Tensor, nn
 
 from omnivat.errors import ShapeError
 from omnivat.fractional import gradients
-from omnivat.fractional.arguments import axis_from_end, checked_order, full_precision, split_for, working_precision
-from omnivat.fractional.batches import leading_shape, synthesise_rows
+from omnivat.fractional.arguments import (
+    axis_from_end,
+    checked_order,
+    full_precision,
+    readable,
+    split_for,
+    working_precision,
+)
+from omnivat.fractional.batches import leading_shape, restore_rows, synthesise_rows
+from omnivat.fractional.build import splits
 from omnivat.fractional.coefficients import Coefficients
-from omnivat.fractional.whole_orders import fft_is_exact, quarter_turn, whole_turns
 
 
-def coefficients(x: Tensor, dim: int = -1, *, centered: bool = False) -> Coefficients:
+def coefficients(x: Shaped[Tensor, "..."], dim: int = -1, *, centered: bool = False) -> Coefficients:
     """The part of the transform that does not depend on the order: x in the eigenbasis.
 
     x: any shape, real or complex. float64 stays float64; half and integers use float32.
@@ -32,8 +45,12 @@ def coefficients(x: Tensor, dim: int = -1, *, centered: bool = False) -> Coeffic
 
 
 def synthesise(
-    coefficients: Coefficients, order: float | Tensor, *, planar: bool = False, out: Tensor | None = None
-) -> Tensor:
+    coefficients: Coefficients,
+    order: float | Shaped[Tensor, "..."],
+    *,
+    planar: bool = False,
+    out: Inexact[Tensor, "..."] | None = None,
+) -> Inexact[Tensor, "..."]:
     """Return the transform of order `order` from coefficients.
 
     order: a number, or a tensor that broadcasts against the leading axes: (B,) is one order for
@@ -63,7 +80,14 @@ def synthesise(
     return torch.fft.fftshift(result, dim) if coefficients.centered else result
 
 
-def dfrft(x: Tensor, order: float | Tensor, dim: int = -1, *, centered: bool = False, planar: bool = False) -> Tensor:
+def dfrft(
+    x: Shaped[Tensor, "..."],
+    order: float | Shaped[Tensor, "..."],
+    dim: int = -1,
+    *,
+    centered: bool = False,
+    planar: bool = False,
+) -> Inexact[Tensor, "..."]:
     """Return the discrete fractional Fourier transform of x along dim; order 1 is the unitary DFT.
 
     F_p = V diag(exp(-iπpk/2)) Vᵀ with the Hermite-like eigenvectors V of the DFT, k = 0 … N-2 and N
@@ -98,3 +122,115 @@ def _check_out(out: Tensor, coefficients: Coefficients, shape: tuple[int, ...], 
         raise ShapeError(
             f"out has shape {tuple(out.shape)} and {out.dtype}, expected contiguous {wanted[0]} and {wanted[1]}."
         )
+
+
+def whole_turns(order: float | Shaped[Tensor, "..."]) -> int | None:
+    """Return 0, 1, 2 or 3 if the order is a single whole number (mod 4), else None.
+
+    An order that cannot be read (`arguments.readable`) gives None.
+    """
+    if isinstance(order, Tensor):
+        if order.dim() or order.is_complex() or not readable(order):
+            return None
+        order = order.item()
+    if isinstance(order, int):
+        return order % 4
+    if isinstance(order, float) and math.isfinite(order) and order.is_integer():
+        return int(math.fmod(order, 4.0)) % 4
+    return None
+
+
+@functools.lru_cache(maxsize=1024)
+def fft_is_exact(size: int) -> bool:
+    """True if the library's FFT of that length is accurate on every processor.
+
+    That requires that no prime factor exceeds 13. For larger ones, MKL loses up to two digits in
+    float64 on processors with AVX-512 (1.8e-14 at N = 511 = 7 · 73); the eigenbasis is used then.
+    """
+    for prime in (2, 3, 5, 7, 11, 13):
+        while size % prime == 0:
+            size //= prime
+    return size == 1
+
+
+def quarter_turn(x: Inexact[Tensor, "*any"], turns: int, dim: int, *, centered: bool) -> Complex[Tensor, "*any"]:
+    """Return the transform of order `turns` along dim as a new complex tensor."""
+    x = torch.fft.ifftshift(x, dim) if centered else x
+    if turns == 0:
+        result = x.to(x.dtype.to_complex(), copy=True)
+    elif turns == 2:
+        result = x.flip(dim).roll(1, dim).to(x.dtype.to_complex())
+    elif not x.numel():  # MKL refuses a batch of no vectors
+        result = x.to(x.dtype.to_complex(), copy=True)
+    else:
+        transform = torch.fft.fft if turns == 1 else torch.fft.ifft
+        # the inverse of real input is a lazy conjugate, which has no `.numpy()`
+        result = transform(x, dim=dim, norm="ortho").resolve_conj()
+    return torch.fft.fftshift(result, dim) if centered else result
+
+
+class FractionalTransform(nn.Module):
+    """`dfrft` with a learnable order.
+
+    order: initial value, in quarter turns. For real input, the gradient of a modulus or a real part
+    is exactly zero at 0 and 2, so do not start there. The order stays float64 when the layer is
+    cast, because rounding it to float32 changes the result by 1e-5. learnable: True makes the
+    order a parameter, False a buffer. dim, centered, planar: as in `dfrft`.
+    """
+
+    order: Float64[Tensor, ""]
+
+    def __init__(
+        self, order: float = 0.5, *, learnable: bool = True, dim: int = -1, centered: bool = False, planar: bool = False
+    ) -> None:
+        super().__init__()
+        start = checked_order(order, torch.device("cpu"))
+        if learnable:
+            self.order = nn.Parameter(start)
+        else:
+            self.register_buffer("order", start)
+        self.dim, self.centered, self.planar = dim, centered, planar
+
+    def forward(self, x: Shaped[Tensor, "..."]) -> Inexact[Tensor, "..."]:
+        """Transform x along `dim`; complex, or (2, ...) if `planar`."""
+        return dfrft(x, self.order, self.dim, centered=self.centered, planar=self.planar)
+
+    def extra_repr(self) -> str:
+        """Return the text for `print(module)`."""
+        return f"order={self.order.item():.6g}, dim={self.dim}, centered={self.centered}"
+
+    def _apply(self, fn: Callable[[Tensor], Tensor], recurse: bool = True) -> FractionalTransform:
+        """Move to another device, but keep the precision."""
+        exact = self.order.detach().clone()
+        super()._apply(fn, recurse)  # type: ignore[no-untyped-call]
+        if self.order.dtype != torch.float64:
+            self.order.data = exact.to(self.order.device)
+            if self.order.grad is not None:
+                self.order.grad.data = self.order.grad.double()
+        return self
+
+
+class Basis(NamedTuple):
+    """Eigenvectors of the DFT; column c has the eigenvalue exp(-iπk/2), k = indices[c]."""
+
+    vectors: Float[Tensor, "N N"]
+    indices: Float64[Tensor, " N"]
+
+
+def basis(size: int, *, dtype: torch.dtype = torch.float64, device: torch.device | str = "cpu") -> Basis:
+    """Return the Hermite-like eigenvectors of the DFT of length N, ordered by sign changes k.
+
+    k = 0 … N-2 and N for even N, 0 … N-1 for odd N. The sign of each vector is arbitrary.
+    The transform of order p is vectors · diag(exp(-iπp·indices/2)) · vectorsᵀ.
+
+    Raises ShapeError when the size is below 1 or the dtype is not float32 or float64.
+    """
+    if size < 1 or dtype not in (torch.float32, torch.float64):
+        raise ShapeError(
+            f"A basis of size {size} in {dtype} was requested, expected a size of 1 or more "
+            "in torch.float32 or torch.float64."
+        )
+    split = splits.get(size, dtype, torch.device(device))
+    rows = restore_rows(split, torch.eye(size, dtype=dtype, device=device))
+    indices, order = split.indices.sort()
+    return Basis(rows[order].T.contiguous(), indices)

@@ -14,7 +14,7 @@ from omnivat.data.store import Embeddings
 from omnivat.files import write_json
 from omnivat.frames.builder import next_map
 from omnivat.frames.records import quantised
-from omnivat.gaps.domain import domain_gap
+from omnivat.gaps.sums import domain_gap
 from omnivat.gaps.unit import unit
 from omnivat.projection import pca
 from omnivat.projection.quality import trust

@@ -1,18 +1,18 @@
 """Calibration of confidence: calibration error, log-likelihood, risk against coverage."""
 
 import torch
+from jaxtyping import Float, Int
 from torch import Tensor
 
 from omnivat.shapes import require_shapes
 
 
-def ece(probabilities: Tensor, labels: Tensor, *, bins: int = 15) -> Tensor:
+def ece(probabilities: Float[Tensor, "N K"], labels: Int[Tensor, " N"], *, bins: int = 15) -> Float[Tensor, ""]:
     """Expected calibration error: mean over pairs of |accuracy - confidence| in the pair's bin.
 
-    probabilities  (N, K) rows that add up to 1; confidence is a row's largest entry
-    labels         (N,) class indices
+    probabilities  rows that add up to 1; confidence is a row's largest entry
     bins           equal steps of confidence from 0 to 1; a border belongs to the lower bin
-    return         () in [0, 1]; NaN for no pairs
+    return         in [0, 1]; NaN for no pairs
 
     Source: Guo et al., ICML 2017.
     """
@@ -26,23 +26,17 @@ def ece(probabilities: Tensor, labels: Tensor, *, bins: int = 15) -> Tensor:
     return by_bin.abs().sum() / len(labels)
 
 
-def nll(probabilities: Tensor, labels: Tensor) -> Tensor:
-    """Mean negative log probability of the true class, in nats.
-
-    probabilities  (N, K);  labels  (N,)
-    return         () >= 0; NaN for no pairs
-    """
+def nll(probabilities: Float[Tensor, "N K"], labels: Int[Tensor, " N"]) -> Float[Tensor, ""]:
+    """Mean negative log probability of the true class, in nats; NaN for no pairs."""
     require_shapes(probabilities=(probabilities, "N K"), labels=(labels, "N"))
     own = probabilities.gather(1, labels[:, None])[:, 0]
     return -own.clamp_min(1e-12).log().mean()
 
 
-def risk_coverage(probabilities: Tensor, labels: Tensor) -> Tensor:
-    """Return (N,): the error rate of the n most confident pairs, n = 1 .. N.
+def risk_coverage(probabilities: Float[Tensor, "N K"], labels: Int[Tensor, " N"]) -> Float[Tensor, " N"]:
+    """Return the error rate of the n most confident pairs, n = 1 .. N.
 
-    probabilities  (N, K); confidence is a row's largest entry. Pairs with equal confidence keep
-                   their order
-    labels         (N,)
+    Confidence is a row's largest entry. Pairs with equal confidence keep their order.
     Source: Geifman and El-Yaniv, NeurIPS 2017.
     """
     require_shapes(probabilities=(probabilities, "N K"), labels=(labels, "N"))
@@ -54,6 +48,6 @@ def risk_coverage(probabilities: Tensor, labels: Tensor) -> Tensor:
     return risk
 
 
-def aurc(probabilities: Tensor, labels: Tensor) -> Tensor:
-    """Area under the risk-coverage curve: its mean over coverage. () in [0, 1]; NaN for no pairs."""
+def aurc(probabilities: Float[Tensor, "N K"], labels: Int[Tensor, " N"]) -> Float[Tensor, ""]:
+    """Area under the risk-coverage curve: its mean over coverage, in [0, 1]; NaN for no pairs."""
     return risk_coverage(probabilities, labels).mean()

@@ -1,20 +1,16 @@
 """Distance between the mean directions of two sets of features."""
 
+from jaxtyping import Float
 from torch import Tensor
 
 from omnivat.gaps.unit import require_rows, unit
 from omnivat.shapes import require_shapes
 
 
-def centroid_gap(a: Tensor, b: Tensor) -> Tensor:
-    """Distance between the mean directions of two sets.
-
-    a       (N, D) features, any length
-    b       (M, D) features; the two sets need not be paired
-    return  () in [0, 2]; 0 when the mean directions are the same point
+def centroid_gap(a: Float[Tensor, "N D"], b: Float[Tensor, "M D"]) -> Float[Tensor, ""]:
+    """Distance between the mean directions of two sets, in [0, 2]; the sets need not be paired.
 
     Rows are scaled to unit length first. A unitary map of both sets does not change the gap.
-    Cost O((N + M) D).
     Raises ShapeError for an empty set or differing widths.
     """
     require_shapes(a=(a, "N D"), b=(b, "M D"))
@@ -23,12 +19,8 @@ def centroid_gap(a: Tensor, b: Tensor) -> Tensor:
     return gap
 
 
-def modality_gap(vis: Tensor, tac: Tensor) -> Tensor:
-    """Distance between the mean directions of two modalities.
-
-    vis     (B, D) visual embeddings, any length
-    tac     (B, D) tactile embeddings of the same objects
-    return  () in [0, 2]; 0 when the mean directions are the same point
+def modality_gap(vis: Float[Tensor, "B D"], tac: Float[Tensor, "B D"]) -> Float[Tensor, ""]:
+    """Distance between the mean directions of two modalities of the same objects, in [0, 2].
 
     Raises ShapeError if the two differ in shape.
     Source: Liang et al., "Mind the gap", NeurIPS 2022 (the distance of centroids).

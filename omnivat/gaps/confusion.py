@@ -1,6 +1,7 @@
 """Scores of a classifier: confusion, accuracy and macro-F1."""
 
 import torch
+from jaxtyping import Float, Int, Int64
 from torch import Tensor
 
 from omnivat.errors import SettingsError
@@ -9,29 +10,24 @@ from omnivat.shapes import require_shapes
 AVERAGES = ("present", "union")
 
 
-def confusion(labels: Tensor, predicted: Tensor, classes: int) -> Tensor:
-    """Count how often each class (row) is predicted as each class (column).
-
-    labels, predicted  (N,) class indices in 0 .. classes - 1
-    return             (K, K) counts, int64
-    """
+def confusion(labels: Int[Tensor, " N"], predicted: Int[Tensor, " N"], classes: int) -> Int64[Tensor, "K K"]:
+    """Count how often each class (row) is predicted as each class (column)."""
     require_shapes(labels=(labels, "N"), predicted=(predicted, "N"))
     return torch.bincount(labels * classes + predicted, minlength=classes**2).view(classes, classes)
 
 
-def accuracy(labels: Tensor, predicted: Tensor) -> Tensor:
-    """Share of correct predictions. labels, predicted (N,) -> () in [0, 1]; NaN for no pairs."""
+def accuracy(labels: Int[Tensor, " N"], predicted: Int[Tensor, " N"]) -> Float[Tensor, ""]:
+    """Share of correct predictions; NaN for no pairs."""
     require_shapes(labels=(labels, "N"), predicted=(predicted, "N"))
     return (labels == predicted).to(torch.get_default_dtype()).mean()
 
 
-def macro_f1(labels: Tensor, predicted: Tensor, *, average: str = "present") -> Tensor:
+def macro_f1(labels: Int[Tensor, " N"], predicted: Int[Tensor, " N"], *, average: str = "present") -> Float[Tensor, ""]:
     """Mean over classes of F1 = 2 TP / (2 TP + FP + FN).
 
-    labels, predicted  (N,) class indices, 0 or more
     average  "present": classes among the labels. "union": classes among labels or predictions, so
              predicting a class that the set lacks adds a zero (scikit-learn's default)
-    return   () in [0, 1]; NaN for no pairs
+    return   in [0, 1]; NaN for no pairs
 
     Raises ShapeError for other shapes, SettingsError for another average.
     """

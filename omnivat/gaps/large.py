@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
+from jaxtyping import Float, Float64, Int64
 from torch import Tensor
 
 from omnivat.gaps.frechet import distance
@@ -16,24 +16,25 @@ from omnivat.seeding import derive_seed
 
 DRAWN, LEAST = 20_000, 4096  # pairs drawn of all domains together, and at least of each
 ESTIMATES: dict[str, Callable[..., Estimate]] = {"mmd_rbf": mmd_rbf_estimate, "proxy_a": proxy_a_estimate}
-Index = NDArray[np.int64]
+Index = Int64[np.ndarray, " N"]
+Sets = dict[str, dict[str, Float[Tensor, "_ W"]]]  # by modality and domain
 
 
 class Moments:
-    """Number, mean (W,) and, with `squares`, covariance (W, W) of unit rows, in double precision.
+    """Number, mean and, with `squares`, covariance of unit rows, in double precision.
 
     Products of a block are in the rows' precision. They are taken about the first block's mean, so
     nothing cancels.
     """
 
-    def __init__(self, rows: Tensor, *, squares: bool = False) -> None:
+    def __init__(self, rows: Float[Tensor, "B W"], *, squares: bool = False) -> None:
         self.origin = rows.double().mean(0)
         self.count, self.sum = 0, torch.zeros_like(self.origin)
         self.products = self.sum.new_zeros(2 * (len(self.sum),)) if squares else None
         self.add(rows)
 
-    def add(self, rows: Tensor) -> None:
-        """Add rows (B, W)."""
+    def add(self, rows: Float[Tensor, "B W"]) -> None:
+        """Add rows."""
         rows = rows - self.origin.to(rows)
         self.count += len(rows)
         self.sum += rows.sum(0, dtype=torch.float64)
@@ -41,12 +42,12 @@ class Moments:
             self.products += rows.T @ rows
 
     @property
-    def mean(self) -> Tensor:
+    def mean(self) -> Float64[Tensor, " W"]:
         return self.origin + self.sum / self.count
 
     @cached_property
-    def root(self) -> Tensor:
-        """R (W, W) with RᵀR the covariance."""
+    def root(self) -> Float64[Tensor, "W W"]:
+        """R with RᵀR the covariance."""
         assert self.products is not None
         spread = self.products - torch.outer(self.sum, self.sum) / self.count
         values, axes = torch.linalg.eigh(spread / max(1, self.count - 1))
@@ -81,11 +82,15 @@ MOMENT_GAPS: dict[str, Callable[[Moments, Moments], Tensor]] = {
 
 
 def moments_of(
-    blocks: Iterable[tuple[slice, Mapping[str, Tensor]]], domain: Index, names: Sequence[str], *, squares: bool
+    blocks: Iterable[tuple[slice, Mapping[str, Float[Tensor, "_ W"]]]],
+    domain: Index,
+    names: Sequence[str],
+    *,
+    squares: bool,
 ) -> tuple[dict[str, dict[str, Moments]], dict[str, Moments]]:
     """Return modality -> domain -> moments of unit rows, and modality -> those of all rows.
 
-    domain  (N,) index of each pair into `names`; blocks cover the pairs in order
+    domain  index of each pair into `names`; blocks cover the pairs in order
     """
     found: dict[str, dict[int, Moments]] = {"vis": {}, "tac": {}}
     for some, features in blocks:
@@ -102,11 +107,11 @@ def moments_of(
     return sets, {name: Moments.joined(list(own.values())) for name, own in sets.items()}
 
 
-def drawn(domain: Index, *, seed: int = 0) -> tuple[Index, Index]:
-    """Draw pairs of each domain; return their rows (M,) by domain, and which represent the whole set.
+def drawn(domain: Index, *, seed: int = 0) -> tuple[Int64[np.ndarray, " M"], Int64[np.ndarray, " S"]]:
+    """Draw pairs of each domain; return their rows by domain, and which represent the whole set.
 
-    domain  (N,) index of each pair. A domain with at most DRAWN / domains (or LEAST) pairs is whole;
-            the second result holds the same share of each domain
+    A domain with at most DRAWN / domains (or LEAST) pairs is whole; the second result holds the same
+    share of each domain.
     """
     random = np.random.default_rng(derive_seed(seed, "drawn pairs"))
     sizes = np.bincount(domain)
@@ -119,11 +124,11 @@ def drawn(domain: Index, *, seed: int = 0) -> tuple[Index, Index]:
 
 
 def parts_of(
-    points: Tensor, domain: Index, names: Sequence[str], alike: Index | None = None
-) -> tuple[dict[str, dict[str, Tensor]], dict[str, Tensor]]:
+    points: Float[Tensor, "_ W"], domain: Index, names: Sequence[str], alike: Int64[np.ndarray, " S"] | None = None
+) -> tuple[Sets, dict[str, Float[Tensor, "_ W"]]]:
     """Return modality -> domain -> rows, and modality -> the rows that represent the set.
 
-    points  (2M, W), VIS then TAC
+    points  VIS, then TAC
     alike   of `drawn`; None: all rows
     """
     each = dict(zip(("vis", "tac"), points.chunk(2), strict=True))
@@ -134,7 +139,7 @@ def parts_of(
     return sets, {name: _of(rows, alike) for name, rows in each.items()}
 
 
-def _of(rows: Tensor, index: Index) -> Tensor:
+def _of(rows: Float[Tensor, "_ W"], index: Index) -> Float[Tensor, "_ W"]:
     """Return some rows, ascending; without a copy if they lie together."""
     start, stop = int(index[0]), int(index[-1]) + 1
     return rows[start:stop] if stop - start == len(index) else rows[torch.from_numpy(index)]

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from functools import partial
 
 import torch
+from jaxtyping import Bool, Float, Int
 from torch import Tensor
 
 from omnivat.errors import ShapeError
@@ -19,25 +20,25 @@ from omnivat.gaps.domain import pairwise_gaps
 from omnivat.gaps.sums import PAIR, Sums
 from omnivat.tables import load
 
-Values = Iterator[tuple[str, Tensor]]
+Values = Iterator[tuple[str, Float[Tensor, ""]]]
+Features = Mapping[str, Float[Tensor, "N W"]]  # by modality; or probabilities by reading
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Facts:
     """Facts about N pairs that do not depend on the order.
 
-    labels, domains  (N,) indices; class_names and domain_names name them
-    scored           (N,) bool: pairs whose class the head has
+    class_names and domain_names name the indices; scored: pairs whose class the head has
     """
 
-    labels: Tensor
+    labels: Int[Tensor, " N"]
     class_names: tuple[str, ...]
-    domains: Tensor
+    domains: Int[Tensor, " N"]
     domain_names: tuple[str, ...]
-    scored: Tensor
+    scored: Bool[Tensor, " N"]
 
-    def parts(self) -> Iterator[tuple[str, Tensor]]:
-        """Yield "all" and each domain with pairs, and a mask (N,)."""
+    def parts(self) -> Iterator[tuple[str, Bool[Tensor, " N"]]]:
+        """Yield "all" and each domain with pairs, and its mask."""
         yield "all", torch.ones_like(self.scored)
         for index, name in self.named_domains():
             yield name, self.domains == index
@@ -76,10 +77,10 @@ def margins(sums: Sums, facts: Facts) -> Values:
     yield ":cross_modal", sums.cross_modal_margin()
 
 
-def mean_pairwise(features: Mapping[str, Tensor], facts: Facts, *, gap: str) -> Values:
+def mean_pairwise(features: Features, facts: Facts, *, gap: str) -> Values:
     """Yield a gap of `GAPS`, averaged over all pairs of domains and both modalities.
 
-    features  modality -> (N, W) unit rows; NaN if no two domains can be compared
+    features  by modality, unit rows; NaN if no two domains can be compared
 
     Raises ShapeError, with each domain's size, if one has too few rows for the gap.
     """
@@ -96,22 +97,22 @@ def mean_pairwise(features: Mapping[str, Tensor], facts: Facts, *, gap: str) -> 
     yield "", torch.stack(each).mean() if each else torch.tensor(float("nan"))
 
 
-def accuracies(probabilities: Mapping[str, Tensor], facts: Facts) -> Values:
+def accuracies(probabilities: Features, facts: Facts) -> Values:
     """Yield the accuracy of the fused prediction (all, by domain) and of each other reading."""
     yield from _scores(probabilities, facts, lambda p, labels: accuracy(labels, p.argmax(1)))
 
 
-def macro_f1s(probabilities: Mapping[str, Tensor], facts: Facts, *, average: str = "present") -> Values:
+def macro_f1s(probabilities: Features, facts: Facts, *, average: str = "present") -> Values:
     """Yield macro-F1 of the fused prediction (over all, by domain) and of each other reading."""
     yield from _scores(probabilities, facts, lambda p, labels: macro_f1(labels, p.argmax(1), average=average))
 
 
-def calibrations(probabilities: Mapping[str, Tensor], facts: Facts) -> Values:
+def calibrations(probabilities: Features, facts: Facts) -> Values:
     """Yield the expected calibration error of the fused prediction and of each other reading."""
     yield from _scores(probabilities, facts, ece)
 
 
-def confusions(probabilities: Mapping[str, Tensor], facts: Facts) -> Values:
+def confusions(probabilities: Features, facts: Facts) -> Values:
     """Yield, for each class, the shares of its pairs by the class predicted from both images."""
     known = probabilities["fused"].shape[1]
     predicted = probabilities["fused"][facts.scored].argmax(1)
@@ -122,7 +123,7 @@ def confusions(probabilities: Mapping[str, Tensor], facts: Facts) -> Values:
             yield f"/{truth}>{predicted_class}", share
 
 
-def _scores(probabilities: Mapping[str, Tensor], facts: Facts, score: Callable[[Tensor, Tensor], Tensor]) -> Values:
+def _scores(probabilities: Features, facts: Facts, score: Callable[[Tensor, Tensor], Tensor]) -> Values:
     for name, members in facts.parts():
         kept = members & facts.scored
         yield f"/{name}", score(probabilities["fused"][kept], facts.labels[kept])
@@ -132,12 +133,12 @@ def _scores(probabilities: Mapping[str, Tensor], facts: Facts, score: Callable[[
             yield f":{name}/all", score(probabilities[name][kept], facts.labels[kept])
 
 
-Measure = Callable[[Mapping[str, Tensor], Facts], Values]
+Measure = Callable[[Features, Facts], Values]
 SumMeasure = Callable[[Sums, Facts], Values]
 
 
-def by_sums(features: Mapping[str, Tensor], facts: Facts, *, measure: SumMeasure) -> Values:
-    """Yield a measure of the sums, from features: modality -> (N, W) of any length."""
+def by_sums(features: Features, facts: Facts, *, measure: SumMeasure) -> Values:
+    """Yield a measure of the sums, from features of any length."""
     sums = facts.sums()
     sums.add(features, facts.labels, facts.domains)
     yield from measure(sums, facts)

@@ -3,8 +3,10 @@
 from collections.abc import Iterator
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
+from omnivat.gaps.centroid import centroid_gap
 from omnivat.gaps.unit import Estimate, require_rows, unit
 from omnivat.seeding import derive_seed
 from omnivat.shapes import require_shapes
@@ -14,28 +16,21 @@ MOST_ROWS = 20_000  # of both sets together, up to which the kernel is summed ex
 GROUPS, FEATURES, SAMPLE = 16, 64, 2048  # of random Fourier features, and of rows, for more
 
 
-def mmd_linear(a: Tensor, b: Tensor) -> Tensor:
-    """Squared MMD with the linear kernel, on unit rows.
+def mmd_linear(a: Float[Tensor, "N D"], b: Float[Tensor, "M D"]) -> Float[Tensor, ""]:
+    """Squared MMD with the linear kernel, on unit rows: the square of `centroid_gap`.
 
-    a, b    (N, D), (M, D) features, any length
-    return  () in [0, 4], the square of `centroid_gap`
-
-    Exact in O((N + M) D), without a kernel matrix.
     Raises ShapeError for sets that are too small or of differing widths.
     Source: Gretton et al., JMLR 13:723-773, 2012.
     """
-    require_shapes(a=(a, "N D"), b=(b, "M D"))
-    require_rows(1, a=a, b=b)
-    return (unit(a).mean(0) - unit(b).mean(0)).square().sum()
+    return centroid_gap(a, b).square()
 
 
-def mmd_rbf(a: Tensor, b: Tensor, *, gamma: float | None = None) -> Tensor:
+def mmd_rbf(a: Float[Tensor, "N D"], b: Float[Tensor, "M D"], *, gamma: float | None = None) -> Float[Tensor, ""]:
     """Squared MMD with the kernel exp(-gamma |x - y|²), on unit rows.
 
-    a, b    (N, D), (M, D) features, any length
     gamma   inverse squared width; by default, one over the mean squared distance of two rows of
             both sets together, which needs no kernel matrix and is symmetric in a and b
-    return  () in [0, 2]; 0 for equal sets. Unlike the linear kernel, it compares more than means
+    return  in [0, 2]; 0 for equal sets. Unlike the linear kernel, it compares more than means
 
     Costs O((N + M)² D) up to MOST_ROWS rows of both together, and holds BLOCK² numbers of the kernel
     at once. Beyond, it is estimated by `mmd_rbf_estimate`, at a cost that does not depend on N and M.
@@ -53,10 +48,11 @@ def mmd_rbf(a: Tensor, b: Tensor, *, gamma: float | None = None) -> Tensor:
     return (same - 2 * _mean_kernel(a, b, width)).clamp_min(0)
 
 
-def mmd_rbf_estimate(a: Tensor, b: Tensor, *, gamma: float | None = None, seed: int = 0) -> Estimate:
+def mmd_rbf_estimate(
+    a: Float[Tensor, "N D"], b: Float[Tensor, "M D"], *, gamma: float | None = None, seed: int = 0
+) -> Estimate:
     """Estimate `mmd_rbf` by random Fourier features of random rows, with its standard error.
 
-    a, b    (N, D), (M, D) features, any length
     return  the mean over GROUPS groups of FEATURES features and at most SAMPLE rows of each set. Groups
             share no rows, so they are independent also where the rows themselves were drawn from a
             larger set, and their spread gives the error. The same seed gives the same value
@@ -82,7 +78,7 @@ def mmd_rbf_estimate(a: Tensor, b: Tensor, *, gamma: float | None = None, seed: 
     return Estimate(found.mean().clamp_min(0), found.std() / GROUPS**0.5)
 
 
-def _groups(rows: Tensor, generator: torch.Generator) -> Iterator[Tensor]:
+def _groups(rows: Float[Tensor, "N D"], generator: torch.Generator) -> Iterator[Float[Tensor, "_ D"]]:
     """Yield GROUPS parts without common rows, each of at most SAMPLE; at most SAMPLE rows as a whole."""
     size = min(SAMPLE, len(rows) // GROUPS)
     mixed = torch.randperm(len(rows), generator=generator)
@@ -91,15 +87,17 @@ def _groups(rows: Tensor, generator: torch.Generator) -> Iterator[Tensor]:
         yield unit(rows[picked.to(rows.device)])
 
 
-def _waves(rows: Tensor, waves: Tensor, of: int) -> tuple[Tensor, Tensor]:
-    """Return the mean cosine and sine of S of `of` rows along waves (D, F): (2, F), and |φ|² (F)."""
+def _waves(
+    rows: Float[Tensor, "S D"], waves: Float[Tensor, "D F"], of: int
+) -> tuple[Float[Tensor, "2 F"], Float[Tensor, " F"]]:
+    """Return the mean cosine and sine of S of `of` rows along waves, and |φ|²."""
     phase = rows @ waves
     mean = torch.stack([phase.cos().mean(0), phase.sin().mean(0)])
     square, size = mean.square().sum(0), len(rows)
     return mean, square if size == of else (1 + (of - 1) * (size * square - 1) / (size - 1)) / of
 
 
-def _gamma(a: Tensor, b: Tensor, share: float) -> Tensor:
+def _gamma(a: Float[Tensor, "N D"], b: Float[Tensor, "M D"], share: float) -> Float[Tensor, ""]:
     """One over the mean squared distance of two unit rows of both sets; `share` of them is a's."""
     lengths = share * a.square().sum(1).mean() + (1 - share) * b.square().sum(1).mean()
     mean = share * a.mean(0) + (1 - share) * b.mean(0)
@@ -108,7 +106,7 @@ def _gamma(a: Tensor, b: Tensor, share: float) -> Tensor:
     return torch.where(distance > tiny, 1 / distance.clamp_min(tiny), torch.ones_like(distance))
 
 
-def _mean_kernel(x: Tensor, y: Tensor, gamma: Tensor) -> Tensor:
+def _mean_kernel(x: Float[Tensor, "N D"], y: Float[Tensor, "M D"], gamma: Float[Tensor, ""]) -> Float[Tensor, ""]:
     """Mean kernel of all rows of x with all rows of y; for one set, each pair of blocks once."""
     total = x.new_zeros(())
     for start in range(0, len(x), BLOCK):
@@ -121,7 +119,7 @@ def _mean_kernel(x: Tensor, y: Tensor, gamma: Tensor) -> Tensor:
     return total / (len(x) * len(y))
 
 
-def _summed(x: Tensor, y: Tensor, gamma: Tensor) -> Tensor:
+def _summed(x: Float[Tensor, "N D"], y: Float[Tensor, "M D"], gamma: Float[Tensor, ""]) -> Float[Tensor, ""]:
     """Sum of the kernel over all rows of x and all rows of y."""
     total, own = x.new_zeros(()), x.square().sum(1, keepdim=True)
     for others in y.split(ACROSS):

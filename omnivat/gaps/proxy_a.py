@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 import torch
+from jaxtyping import Float, Int
 from torch import Tensor
 
 from omnivat.gaps.unit import Estimate, require_rows, unit
@@ -10,13 +11,15 @@ from omnivat.seeding import derive_seed
 from omnivat.shapes import require_shapes
 
 
-def proxy_a(a: Tensor, b: Tensor, *, folds: int = 5, ridge: float = 1e-2, seed: int = 0) -> Tensor:
+def proxy_a(
+    a: Float[Tensor, "N D"], b: Float[Tensor, "M D"], *, folds: int = 5, ridge: float = 1e-2, seed: int = 0
+) -> Float[Tensor, ""]:
     """Return 2 (1 - 2 ε), where ε is the out-of-fold error of a linear classifier of a against b.
 
-    a, b    (N, D), (M, D) features, any length; `folds` rows or more each
+    a, b    of any length; `folds` rows or more each
     ridge   penalty of the classifier, as a share of the mean variance of a feature
     seed    draws the folds; the same seed gives the same result
-    return  () in [0, 2]; 0 if the sets cannot be separated, 2 if a hyperplane always separates them
+    return  in [0, 2]; 0 if the sets cannot be separated, 2 if a hyperplane always separates them
 
     The classifier is ridge regression on -1 / +1 in closed form, with equal weight for both sets.
     ε is the mean of the two sets' errors; a tie counts half. Errors above one half give 0, because
@@ -27,7 +30,9 @@ def proxy_a(a: Tensor, b: Tensor, *, folds: int = 5, ridge: float = 1e-2, seed: 
     return proxy_a_estimate(a, b, folds=folds, ridge=ridge, seed=seed).value
 
 
-def proxy_a_estimate(a: Tensor, b: Tensor, *, folds: int = 5, ridge: float = 1e-2, seed: int = 0) -> Estimate:
+def proxy_a_estimate(
+    a: Float[Tensor, "N D"], b: Float[Tensor, "M D"], *, folds: int = 5, ridge: float = 1e-2, seed: int = 0
+) -> Estimate:
     """Return `proxy_a` with the standard error of its test rows, which are drawn from larger sets.
 
     A classifier of fewer rows errs a little more; the standard error does not count that.
@@ -42,22 +47,22 @@ def proxy_a_estimate(a: Tensor, b: Tensor, *, folds: int = 5, ridge: float = 1e-
         wrong_b[fold_b == fold] = _wrong((middle - b[fold_b == fold]) @ weight)
     error = (wrong_a.mean() + wrong_b.mean()) / 2
     spread = wrong_a.var() / len(a) + wrong_b.var() / len(b)
-    return Estimate((2 * (1 - 2 * error)).clamp(0, 2), 2 * spread.sqrt())
+    return Estimate((2 * (1 - 2 * error)).clamp_min(0), 2 * spread.sqrt())
 
 
-def _folds(count: int, folds: int, seed: int) -> Tensor:
+def _folds(count: int, folds: int, seed: int) -> Int[Tensor, " {count}"]:
     """Return the fold of each row. It depends only on the number of rows, so it is symmetric."""
     generator = torch.Generator().manual_seed(derive_seed(seed, "proxy_a", count))
     return torch.randperm(count, generator=generator) % folds
 
 
 def _fits(
-    one: tuple[Tensor, Tensor], other: tuple[Tensor, Tensor], folds: int, ridge: float
-) -> Iterator[tuple[Tensor, Tensor]]:
-    """Yield, without each fold, the direction to the first set (D,) and the midpoint of means (D,).
-
-    one, other  rows (N, D) and the fold of each row (N,)
-    """
+    one: tuple[Float[Tensor, "N D"], Int[Tensor, " N"]],
+    other: tuple[Float[Tensor, "M D"], Int[Tensor, " M"]],
+    folds: int,
+    ridge: float,
+) -> Iterator[tuple[Float[Tensor, " D"], Float[Tensor, " D"]]]:
+    """Yield, without each fold, the direction to the first set and the midpoint of means."""
     width, small = one[0].shape[1], len(one[0]) + len(other[0]) < 2 * one[0].shape[1]
     origins = [rows.mean(0) for rows, _ in (one, other)]  # so that products do not cancel
     parts = [
@@ -95,13 +100,13 @@ def _fits(
         yield direction, (a + b) / 2
 
 
-def _centred(products: Tensor, sizes: list[int]) -> Tensor:
-    """Return the products (N+M, N+M) of rows less the mean of their set, over the root of its size."""
+def _centred(products: Float[Tensor, "N N"], sizes: list[int]) -> Float[Tensor, "N N"]:
+    """Return the products of rows less the mean of their set, over the root of its size."""
     for axis in (0, 1):
         sets = products.split(sizes, axis)
         products = torch.cat([(p - p.mean(axis, keepdim=True)) / p.shape[axis] ** 0.5 for p in sets], axis)
     return products
 
 
-def _wrong(score: Tensor) -> Tensor:
+def _wrong(score: Float[Tensor, " N"]) -> Float[Tensor, " N"]:
     return (1 - score.sign()) / 2

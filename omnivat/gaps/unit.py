@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from omnivat.errors import ShapeError
@@ -13,18 +14,14 @@ BLOCK = 4096  # rows scaled at once, so that temporaries stay in the cache
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """A value () and its standard error ()."""
+    """A value and its standard error."""
 
-    value: Tensor
-    error: Tensor
+    value: Float[Tensor, ""]
+    error: Float[Tensor, ""]
 
 
-def unit(x: Tensor) -> Tensor:
-    """Return each row divided by its length.
-
-    x       (..., D) real, of any length, down to denormal and up to the largest float
-    return  (..., D); a zero row stays zero
-    """
+def unit(x: Float[Tensor, "*any D"]) -> Float[Tensor, "*any D"]:
+    """Return each row divided by its length, denormal to the largest float; a zero row stays zero."""
     if x.ndim == 2 and len(x) > BLOCK and not x.requires_grad:
         out = torch.empty_like(x)
         for rows, into in zip(x.split(BLOCK), out.split(BLOCK), strict=True):

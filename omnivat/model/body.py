@@ -1,8 +1,10 @@
 """What training and prediction share: projections, MFFA, the tree and the classifier."""
 
+import math
 from collections.abc import Mapping
 
 import torch
+from jaxtyping import Float, Int
 from torch import Tensor, nn
 from torch.nn.functional import linear, normalize
 
@@ -19,11 +21,11 @@ from omnivat.stages import IMAGES, MODALITIES
 class Body(nn.Module):
     """The modules of a head, and the steps at both ends: embeddings in, logits out."""
 
-    input_mean: Tensor  # (2, W) of VIS and TAC, if the head standardizes
-    input_scale: Tensor
-    taught_rows: Tensor
-    taught_bias: Tensor
-    taught_class: Tensor
+    input_mean: Float[Tensor, "2 W"]  # of VIS and TAC, if the head standardizes
+    input_scale: Float[Tensor, "2 W"]
+    taught_rows: Float[Tensor, "2 T W"]
+    taught_bias: Float[Tensor, " T"]
+    taught_class: Int[Tensor, " T"]
 
     def __init__(self, settings: HeadSettings) -> None:
         super().__init__()
@@ -70,11 +72,10 @@ class Body(nn.Module):
         """The precision of the head."""
         return self.classifier.dtype
 
-    def classify(self, features: Tensor, directions: Tensor | None = None) -> Tensor:
-        """Return logits (..., K) of features (..., D), such as F-hat or tree nodes.
-
-        directions  the class directions (K, D) of `directions`; computed if None
-        """
+    def classify(
+        self, features: Float[Tensor, "*any D"], directions: Float[Tensor, "K D"] | None = None
+    ) -> Float[Tensor, "*any K"]:
+        """Return logits of features such as F-hat or tree nodes; `directions` are computed if None."""
         if self.settings.feature_scale == "literal":
             return linear(features, self.classifier)
         directions = self.directions() if directions is None else directions
@@ -82,8 +83,8 @@ class Body(nn.Module):
         logits: Tensor = linear(features, directions) / lengths.clamp_min(1e-12)
         return logits
 
-    def directions(self) -> Tensor:
-        """Return the class directions (K, D); their length is the logit scale."""
+    def directions(self) -> Float[Tensor, "K D"]:
+        """Return the class directions; their length is the logit scale."""
         return self.settings.logit_scale * normalize(self.classifier, dim=-1)
 
     @property
@@ -91,10 +92,10 @@ class Body(nn.Module):
         """Length of an embedding before the transform: √D, so that entries are near 1."""
         return 1.0 if self.settings.feature_scale == "literal" else float(self.settings.width**0.5)
 
-    def embedded(self, given: Mapping[str, Tensor]) -> Tensor:
-        """Return embeddings (M, B, D) for the transform: projected, of length √D.
+    def embedded(self, given: Mapping[str, Float[Tensor, "B _"]]) -> Float[Tensor, "M B D"]:
+        """Return embeddings for the transform: projected, of length √D.
 
-        given  VIS and TAC (B, input_width), or LANG alone (B, lang_width), from the encoders
+        given  VIS and TAC of input_width, or LANG alone of lang_width, from the encoders
 
         Raises DataError if none is given, ShapeError for wrong widths or unequal numbers of pairs.
         """
@@ -110,7 +111,7 @@ class Body(nn.Module):
                 )
         if len({len(raw) for raw in given.values()}) > 1:
             raise ShapeError("vis and tac have different numbers of pairs; give one of each for every pair.")
-        raw = torch.stack([self._standardised(n, r.to(self.dtype)) for n, r in given.items()])
+        raw = torch.stack([self.standardised(n, r.to(self.dtype)) for n, r in given.items()])
         projected: Tensor
         if self.settings.projects_apart and not lang:
             projected = torch.stack([self._projection(n)(r) for n, r in zip(given, raw, strict=True)])
@@ -128,26 +129,20 @@ class Body(nn.Module):
             self.input_mean[row] = torch.from_numpy(channels.mean).to(self.input_mean)
             self.input_scale[row] = torch.from_numpy(scale).to(self.input_scale)
 
-    def _standardised(self, name: str, raw: Tensor) -> Tensor:
-        """Return bounded, standardised rows (B, input_width) of length √W / 2 (data/profile.py)."""
+    def standardised(self, name: str, raw: Float[Tensor, "B W"]) -> Float[Tensor, "B W"]:
+        """Return bounded, standardised rows of length √W / 2 (data/profile.py)."""
         if not self.settings.standardize or name not in IMAGES:
             return raw
         row = IMAGES.index(name)
         rows = torch.tanh((raw - self.input_mean[row]) / self.input_scale[row])
-        length = 0.5 * float(self.settings.input_width) ** 0.5
-        standard: Tensor = length * unit(rows)
-        return standard
+        return 0.5 * math.sqrt(self.settings.input_width) * unit(rows)
 
-    def standing(self, name: str, raw: Tensor) -> Tensor:
-        """Return a modality's standardised rows (B, input_width) of length √½, for teaching.
+    def standing(self, name: str, raw: Float[Tensor, "B W"]) -> Float[Tensor, "B W"]:
+        """Return a modality's standardised rows of length √½, for teaching: side by side, length 1."""
+        return math.sqrt(0.5) * unit(self.standardised(name, raw.to(self.dtype)))
 
-        VIS and TAC side by side then have length 1.
-        """
-        rows: Tensor = 0.5**0.5 * unit(self._standardised(name, raw.to(self.dtype)))
-        return rows
-
-    def taught_logits(self, given: Mapping[str, Tensor]) -> dict[str, Tensor]:
-        """Return logits (B, K) of a taught head: "fused", and "vis", "tac" of one image alone.
+    def taught_logits(self, given: Mapping[str, Float[Tensor, "B W"]]) -> dict[str, Float[Tensor, "B K"]]:
+        """Return logits of a taught head: "fused", and "vis", "tac" of one image alone.
 
         A class has the largest score of its rows. One image alone counts twice. {} if not taught.
         """

@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 import torch
+from jaxtyping import Float
 from torch import Tensor, nn
 from torch.nn.functional import linear
 
@@ -43,8 +44,8 @@ def groups(arrangement: str, count: int) -> list[range]:
 class Grown(NamedTuple):
     """Nodes, and their groups for NOD."""
 
-    nodes: Tensor  # (B, N, D), the root first
-    groups: list[Tensor]  # (B, n, D) each: the root, then the groups for NOD
+    nodes: Float[Tensor, "B N D"]  # the root first
+    groups: list[Float[Tensor, "B _ D"]]  # the root, then the groups for NOD
 
 
 class DTG(nn.Module):
@@ -74,8 +75,8 @@ class DTG(nn.Module):
             return cls(settings.width, levels=1)
         return cls(settings.width, levels=settings.levels, init=settings.tree_init, arrangement=settings.generation)
 
-    def grow(self, root: Tensor) -> Grown:
-        """Grow all nodes from root (B, D)."""
+    def grow(self, root: Float[Tensor, "B D"]) -> Grown:
+        """Grow all nodes in heap order: root, its two children, and so on."""
         if not len(self.weight):
             return Grown(root[:, None], [root[:, None]])
         count = len(self.weight) + 1
@@ -87,16 +88,8 @@ class DTG(nn.Module):
         found = [nodes[:, group.start : group.stop] for group in groups(self.arrangement, count)]
         return Grown(nodes, [nodes[:, :1], *found] if self.arrangement == "series" else found)
 
-    def layers(self, root: Tensor) -> list[Tensor]:
-        """Return the groups for NOD, the root (B, 1, D) first; in a tree, its levels."""
-        return self.grow(root).groups
-
-    def nodes(self, root: Tensor) -> Tensor:
-        """Return all nodes (B, 2^R - 1, D) in heap order: root, its two children, and so on."""
-        return self.grow(root).nodes
-
-    def fold(self, dtype: torch.dtype | None = None) -> tuple[Tensor, Tensor]:
-        """Return M (D, D) and b (D,): the mean over all nodes of root T is T @ M.T + b, exactly.
+    def fold(self, dtype: torch.dtype | None = None) -> tuple[Float[Tensor, "D D"], Float[Tensor, " D"]]:
+        """Return M and b: the mean over all nodes of root T is T @ M.T + b, exactly.
 
         dtype  precision of the products; None means that of the weights
         """
@@ -111,29 +104,26 @@ class DTG(nn.Module):
         return torch.stack(matrices).mean(0), torch.stack(offsets).mean(0)
 
 
-def grow(tree: DTG, settings: HeadSettings, found: Tensor, root: Tensor) -> Grown | None:
-    """Return all nodes of features (M, B, D) with the root (B, D), or None without generation."""
+def grow(tree: DTG, settings: HeadSettings, found: Float[Tensor, "M B D"], root: Float[Tensor, "B D"]) -> Grown | None:
+    """Return all nodes of the features and their root, or None without generation."""
     if settings.generation == "none":
         return None
     if settings.generation == "interpolation":
-        points = interpolated(list(found), settings.levels)
+        points = interpolated(found, settings.levels)
         return Grown(points, [root[:, None]])  # on one line: NOD does not apply
     return tree.grow(root)
 
 
-def interpolated(features: list[Tensor], levels: int) -> Tensor:
-    """Return evenly spaced points (B, 2^R - 1, D) between VIS and TAC features.
-
-    features  (B, D) of VIS and TAC; with one modality, every point is that feature
-    """
+def interpolated(features: Float[Tensor, "M B D"], levels: int) -> Float[Tensor, "B N D"]:
+    """Return 2^R - 1 evenly spaced points between VIS and TAC; with one modality, each is its feature."""
     count = 2**levels
     first, last = features[0], features[-1]
     shares = torch.arange(1, count, dtype=first.dtype, device=first.device)[:, None] / count
     return torch.lerp(first[:, None], last[:, None], shares)
 
 
-def _initialise(weight: Tensor, init: str) -> None:
-    """Fill one W (D, D) in place. "orthogonal" keeps node norms equal, so nodes are comparable."""
+def _initialise(weight: Float[Tensor, "D D"], init: str) -> None:
+    """Fill one W in place. "orthogonal" keeps node norms equal, so nodes are comparable."""
     if weight.is_meta:  # a file fills it
         return
     if init == "orthogonal":

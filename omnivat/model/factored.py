@@ -10,6 +10,7 @@ Axes here: r base vectors, C channels, M modalities, B pairs, D width, T = C E t
 from typing import NamedTuple
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 VECTOR = 16  # numbers that a processor takes at once
@@ -18,31 +19,31 @@ VECTOR = 16  # numbers that a processor takes at once
 class Tables(NamedTuple):
     """Coefficients of tokens in base vectors; they depend on θ only."""
 
-    tokens: Tensor  # (M, r, T): token t is the sum over s of tokens[s, t] times base vector s
-    pairs: Tensor  # (M, r * r, T * T): the same for pairs of tokens, query first
-    columns: Tensor  # (M, r, T * T): for the part of a score that depends on the key only
-    halves: Tensor  # (M, h): mean over θ of ReLU(θ), and of ReLU(-θ) if any θ < 0
+    tokens: Float[Tensor, "M r T"]  # token t is the sum over s of tokens[s, t] times base vector s
+    pairs: Float[Tensor, "M r*r T*T"]  # the same for pairs of tokens, query first
+    columns: Float[Tensor, "M r T*T"]  # for the part of a score that depends on the key only
+    halves: Float[Tensor, "M h"]  # mean over θ of ReLU(θ), and of ReLU(-θ) if any θ < 0
 
 
-def base_vectors(channels: Tensor, halves: int) -> Tensor:
-    """Return ReLU(x), and ReLU(-x) if there are two halves: (C, M, B, D) -> (r, M, B, D)."""
+def base_vectors(channels: Float[Tensor, "C M B D"], halves: int) -> Float[Tensor, "r M B D"]:
+    """Return ReLU(x), and ReLU(-x) if there are two halves."""
     positive = torch.relu(channels)
     return positive if halves == 1 else torch.cat((positive, torch.relu(-channels)))
 
 
-def _halves(theta: Tensor) -> Tensor:
-    """Return ReLU(θ), and ReLU(-θ) if any θ is negative: (M, E) -> (M, h, E)."""
+def _halves(theta: Float[Tensor, "M E"]) -> Float[Tensor, "M h E"]:
+    """Return ReLU(θ), and ReLU(-θ) if any θ is negative."""
     signs = (theta, -theta) if bool((theta < 0).any()) else (theta,)
     return torch.relu(torch.stack(signs, dim=1))
 
 
-def _token_table(weights: Tensor, channels: int) -> Tensor:
+def _token_table(weights: Float[Tensor, "M h E"], channels: int) -> Float[Tensor, "M r T"]:
     eye = torch.eye(channels, dtype=weights.dtype, device=weights.device)
     return torch.einsum("mhe,cd->mhcde", weights, eye).flatten(3).flatten(1, 2)
 
 
-def tables(theta: Tensor, channels: int) -> Tables:
-    """Return the tables for θ (M, E). If no θ is negative, they need half the work."""
+def tables(theta: Float[Tensor, "M E"], channels: int) -> Tables:
+    """Return the tables for θ. If no θ is negative, they need half the work."""
     weights = _halves(theta)
     tokens = _token_table(weights, channels)
     pairs = torch.einsum("mri,msj->mrsij", tokens, tokens)
@@ -50,19 +51,21 @@ def tables(theta: Tensor, channels: int) -> Tables:
     return Tables(tokens, pairs.flatten(3).flatten(1, 2), columns.flatten(2), weights.mean(-1))
 
 
-def dots(queries: Tensor, keys: Tensor) -> Tensor:
-    """Return all dot products within a sample: (q, M, B, D) and (r, M, B, D) -> (M, B, q, r)."""
+def dots(queries: Float[Tensor, "q M B D"], keys: Float[Tensor, "r M B D"]) -> Float[Tensor, "M B q r"]:
+    """Return all dot products within a sample."""
     return torch.einsum("qmbd,rmbd->mbqr", queries, keys)
 
 
-def mean_weights(scores: Tensor, key_scores: Tensor, table: Tables, root: float) -> Tensor:
-    """Return attention (M, B, T), the mean over a sample's own tokens as queries.
+def mean_weights(
+    scores: Float[Tensor, "M B r r"], key_scores: Float[Tensor, "M B r"], table: Tables, root: float
+) -> Float[Tensor, "M B T"]:
+    """Return attention, the mean over a sample's own tokens as queries.
 
     Without gradients, short rows are taken side by side: 6 times as fast, and within 1e-7. A training
     keeps its order of rounding, so that records repeat.
 
-    scores      (M, B, r, r) between base vectors
-    key_scores  (M, B, r) of base vectors as keys with the bias of the queries
+    scores      between base vectors
+    key_scores  of base vectors as keys with the bias of the queries
     root        divisor of the scores
     """
     count = table.tokens.shape[-1]
@@ -73,13 +76,13 @@ def mean_weights(scores: Tensor, key_scores: Tensor, table: Tables, root: float)
     return torch.softmax(full, dim=-1).mean(-2)
 
 
-def mixed(base: Tensor, weights: Tensor, table: Tables) -> Tensor:
-    """Return the weighted sum of tokens: (r, M, B, D), (M, B, T) -> (M, B, D)."""
+def mixed(base: Float[Tensor, "r M B D"], weights: Float[Tensor, "M B T"], table: Tables) -> Float[Tensor, "M B D"]:
+    """Return the weighted sum of tokens."""
     return combined(base, weights @ table.tokens.mT)
 
 
-def combined(base: Tensor, shares: Tensor) -> Tensor:
-    """Return the weighted sum of base vectors: (r, M, B, D), (M, B or 1, r) -> (M, B, D)."""
+def combined(base: Float[Tensor, "r M B D"], shares: Float[Tensor, "M #B r"]) -> Float[Tensor, "M B D"]:  # noqa: F821
+    """Return the weighted sum of base vectors."""
     first, *others = zip(base.unbind(0), torch.split(shares, 1, dim=-1), strict=True)
     total: Tensor = first[0] * first[1]
     for vector, share in others:
@@ -87,8 +90,8 @@ def combined(base: Tensor, shares: Tensor) -> Tensor:
     return total
 
 
-def mean_channels(base: Tensor, table: Tables) -> Tensor:
-    """Return F, the mean over θ of the tokens of each channel: (r, M, B, D) -> (C, M, B, D)."""
+def mean_channels(base: Float[Tensor, "r M B D"], table: Tables) -> Float[Tensor, "C M B D"]:
+    """Return F, the mean over θ of the tokens of each channel."""
     halves = table.halves.shape[1]
     parts = base.reshape(halves, len(base) // halves, *base.shape[1:])
     parts = parts * table.halves.T[:, None, :, None, None]

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import torch
+from jaxtyping import Float
 from torch import Tensor, nn
 from torch.nn.functional import gelu, linear, normalize
 
@@ -27,17 +28,17 @@ class FoldedMFFA:
     """
 
     table: factored.Tables
-    scores: Tensor  # (D, D): the score of query u and key v is u @ scores @ v
-    key_scores: Tensor  # (D,): key v adds key_scores @ v to every score
-    first: Tensor  # (4D, D): θ_V, then the first layer
-    first_bias: Tensor  # (4D,)
+    scores: Float[Tensor, "D D"]  # the score of query u and key v is u @ scores @ v
+    key_scores: Float[Tensor, " D"]  # key v adds key_scores @ v to every score
+    first: Float[Tensor, "H D"]  # θ_V, then the first layer
+    first_bias: Float[Tensor, " H"]
     second: nn.Linear
-    token: Tensor | None  # (M, 1, D)
+    token: Float[Tensor, "M 1 D"] | None
     score_root: float
     unit: bool
 
-    def features(self, channels: Tensor) -> tuple[Tensor, Tensor]:
-        """Return F-bar (M, B, D) and F (C, M, B, D) of channels (C, M, B, D)."""
+    def features(self, channels: Float[Tensor, "C M B D"]) -> tuple[Float[Tensor, "M B D"], Float[Tensor, "C M B D"]]:
+        """Return F-bar and F."""
         base = factored.base_vectors(channels, self.table.halves.shape[1])
         scores = factored.dots(base @ self.scores, base)
         key_scores = (base @ self.key_scores).movedim(0, -1)
@@ -76,8 +77,8 @@ def fold_mffa(mffa: MFFA, names: Sequence[str]) -> FoldedMFFA:
 
 
 @torch.no_grad()
-def fold_tree(tree: DTG) -> tuple[Tensor, Tensor]:
-    """Return the tree's mean as one matrix (D, D) and one offset (D,)."""
+def fold_tree(tree: DTG) -> tuple[Float[Tensor, "D D"], Float[Tensor, " D"]]:
+    """Return the tree's mean as one matrix and one offset."""
     dtype = tree.weight.dtype
     matrix, offset = tree.fold(torch.float64)
     return matrix.to(dtype), offset.to(dtype)

@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from omnivat.tables import entry
@@ -34,17 +35,19 @@ class Calibration:
     share: float = 0.5
 
 
-def tempered(logits: Tensor, temperature: float) -> Tensor:
-    """Return softmax(logits / T), (..., K)."""
+def tempered(logits: Float[Tensor, "*any K"], temperature: float) -> Float[Tensor, "*any K"]:
+    """Return softmax(logits / T)."""
     return torch.softmax(logits / temperature, dim=-1)
 
 
-def fuse(kind: str, logits: Mapping[str, Tensor], pair: Tensor | None, calibration: Calibration) -> Tensor:
-    """Return the pair's class probabilities (B, K), tempered.
+def fuse(
+    kind: str, logits: Mapping[str, Float[Tensor, "B K"]], pair: Float[Tensor, "B K"] | None, calibration: Calibration
+) -> Float[Tensor, "B K"]:
+    """Return the pair's class probabilities, tempered.
 
     kind    of `FUSIONS`
-    logits  "vis" and "tac" -> (B, K)
-    pair    (B, K) logits of the summed features, for "feature"
+    logits  of "vis" and "tac"
+    pair    logits of the summed features, for "feature"
 
     With temperature 1, "mean" is the plain mean of the softmaxes.
     """
@@ -56,8 +59,10 @@ def fuse(kind: str, logits: Mapping[str, Tensor], pair: Tensor | None, calibrati
     return mixed.exp() if temperature == 1 else tempered(mixed, temperature)
 
 
-def fused_logs(kind: str, vis: Tensor, tac: Tensor, share: float = 0.5) -> Tensor:
-    """Return log-probabilities (..., K) of two sets of logits (..., K) under a late fusion.
+def fused_logs(
+    kind: str, vis: Float[Tensor, "*any K"], tac: Float[Tensor, "*any K"], share: float = 0.5
+) -> Float[Tensor, "*any K"]:
+    """Return log-probabilities of two sets of logits under a late fusion.
 
     Raises MissingNameError with the nearest name for an unknown fusion.
     """
@@ -66,14 +71,14 @@ def fused_logs(kind: str, vis: Tensor, tac: Tensor, share: float = 0.5) -> Tenso
     return fused
 
 
-def _confidence(logs: Tensor) -> Tensor:
+def _confidence(logs: Float[Tensor, "2 *any K"]) -> Float[Tensor, "*any K"]:
     weights = certainty(logs)
     weights = weights / weights.sum(0).clamp_min(TINY)
     return torch.logsumexp(logs + weights.clamp_min(TINY).log(), dim=0)
 
 
-# by name: (2, ..., K) log-probabilities of VIS and TAC, weight of VIS -> (..., K)
-LATE: dict[str, Callable[[Tensor, float], Tensor]] = {
+# by name: log-probabilities of VIS and TAC, weight of VIS
+LATE: dict[str, Callable[[Float[Tensor, "2 *any K"], float], Float[Tensor, "*any K"]]] = {
     "mean": lambda logs, share: torch.logsumexp(logs, dim=0) - math.log(2),
     "product": lambda logs, share: torch.log_softmax(logs.mean(0), dim=-1),
     "confidence": lambda logs, share: _confidence(logs),
@@ -82,8 +87,8 @@ LATE: dict[str, Callable[[Tensor, float], Tensor]] = {
 FUSIONS = (*LATE, "feature")
 
 
-def certainty(logs: Tensor) -> Tensor:
-    """Return log K minus the entropy, (..., 1), of log-probabilities (..., K); 0 if uniform."""
+def certainty(logs: Float[Tensor, "*any K"]) -> Float[Tensor, "*any 1"]:
+    """Return log K minus the entropy of log-probabilities; 0 if uniform."""
     return (math.log(logs.shape[-1]) + (logs.exp() * logs).sum(-1, keepdim=True)).clamp_min(TINY)
 
 

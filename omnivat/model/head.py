@@ -4,6 +4,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import torch
+from jaxtyping import Bool, Float, Float64, Int
 from torch import Tensor
 from torch.nn.functional import linear
 
@@ -22,11 +23,11 @@ CHUNK = 512  # pairs predicted at once
 
 @dataclass(frozen=True, slots=True)
 class PairCoefficients:
-    """Eigenbasis coefficients (M, B, D) of B pairs; they do not depend on p."""
+    """Eigenbasis coefficients of B pairs; they do not depend on p."""
 
     names: tuple[str, ...]  # of the M modalities
-    stacked: Coefficients
-    taught: dict[str, Tensor] = field(default_factory=dict)  # (B, K), see `Body.taught_logits`
+    stacked: Coefficients  # values "M B D"
+    taught: dict[str, Float[Tensor, "B K"]] = field(default_factory=dict)  # see `Body.taught_logits`
 
     def __getitem__(self, pairs: Any) -> "PairCoefficients":
         """Return the coefficients of some pairs: a slice, a mask or indices."""
@@ -51,10 +52,10 @@ class OmniVaT(Body):
 
     def forward(
         self,
-        vis: Tensor | None,
-        tac: Tensor | None,
+        vis: Float[Tensor, "B W"] | None,
+        tac: Float[Tensor, "B W"] | None,
         *,
-        order: float | Tensor | None = None,
+        order: float | Float[Tensor, "..."] | None = None,
         nodes: bool = False,
         attention: bool = False,
     ) -> HeadOutput:
@@ -64,10 +65,9 @@ class OmniVaT(Body):
             kept = self.coefficients(vis, tac)
             return self.from_coefficients(kept, order, nodes=nodes, attention=attention)
 
-    def coefficients(self, vis: Tensor | None, tac: Tensor | None) -> PairCoefficients:
-        """Return the coefficients of B pairs; keep them to change p.
+    def coefficients(self, vis: Float[Tensor, "_ _"] | None, tac: Float[Tensor, "_ _"] | None) -> PairCoefficients:
+        """Return the coefficients of B pairs; keep them to change p. One image may be None.
 
-        vis, tac  (B, input_width) from the encoder; one of them may be None
         Raises DataError if both are missing, ShapeError for a wrong width or unequal B.
         """
         given = {n: e for n, e in (("vis", vis), ("tac", tac)) if e is not None}
@@ -77,7 +77,7 @@ class OmniVaT(Body):
     def from_coefficients(
         self,
         kept: PairCoefficients,
-        order: float | Tensor | None = None,
+        order: float | Float[Tensor, "..."] | None = None,
         *,
         nodes: bool = False,
         attention: bool = False,
@@ -85,8 +85,7 @@ class OmniVaT(Body):
         """Predict at one order, or at one order for each pair.
 
         kept       from `coefficients`
-        order      quarter turns: a number, or (B,) for one order for each pair; None: the
-                   learned one
+        order      quarter turns: a number, or one for each pair; None: the learned one
         nodes      also return the tree's nodes
         attention  also return attention weights
 
@@ -124,14 +123,15 @@ class OmniVaT(Body):
         attention: bool = False,
         fold: bool = False,
     ) -> HeadOutput:
-        """Predict from stacked coefficients (M, B, N), with folded or unfolded weights."""
+        """Predict from stacked coefficients, with folded or unfolded weights."""
         parts = synthesise(kept, order, planar=True)  # (2, M, B, D)
         weights: dict[str, Tensor] = {}
         if not self.settings.mffa:
             relu = torch.relu(parts)
             found = synthesise(kept, 0.0, planar=True)[0] / self.length
         elif fold:
-            found, relu = self._fold(names).features(self.mffa.channels(parts))
+            folded: FoldedMFFA = self._folds.get(names, lambda: fold_mffa(self.mffa, names))
+            found, relu = folded.features(self.mffa.channels(parts))
         else:
             own = self.mffa.expand(names, parts)
             relu = factored.mean_channels(own.base, own.table)
@@ -164,63 +164,55 @@ class OmniVaT(Body):
             nodes=None if grown is None else grown.nodes,
         )
 
-    def _mean(self, found: Tensor, root: Tensor, fold: bool) -> Tensor | None:
-        """Return the mean (B, D) over the nodes that grow from features (M, B, D)."""
+    def _mean(
+        self, found: Float[Tensor, "M B D"], root: Float[Tensor, "B D"], fold: bool
+    ) -> Float[Tensor, "B D"] | None:
+        """Return the mean over the nodes that grow from the features."""
         if self.settings.generation == "none":
             return None
         if self.settings.generation == "interpolation":
             return root / len(found)  # points are evenly spaced between the features
-        return linear(root, *(self._fold_tree() if fold else self.dtg.fold()))
+        folded = self._folds.get(("tree",), lambda: fold_tree(self.dtg)) if fold else self.dtg.fold()
+        return linear(root, *folded)
 
-    def _alone(self, found: Tensor, fold: bool) -> Tensor:
-        """Return F-hat (M, B, D) of each modality with the other image absent: T is its F-bar."""
+    def _alone(self, found: Float[Tensor, "M B D"], fold: bool) -> Float[Tensor, "M B D"]:
+        """Return F-hat of each modality with the other image absent: T is its F-bar."""
         if not self.settings.tree_at_inference:
             return found
         means = [self._mean(rows[None], rows, fold) for rows in found]
         return found if means[0] is None else found + torch.stack([m for m in means if m is not None])
 
-    def _fold(self, names: tuple[str, ...]) -> FoldedMFFA:
-        folded: FoldedMFFA = self._folds.get(names, lambda: fold_mffa(self.mffa, names))
-        return folded
-
-    def _fold_tree(self) -> tuple[Tensor, Tensor]:
-        folded: tuple[Tensor, Tensor] = self._folds.get(("tree",), lambda: fold_tree(self.dtg))
-        return folded
-
     def training_pass(
         self,
-        vis: Tensor | None,
-        tac: Tensor | None,
-        lang: Tensor | None,
-        labels: Tensor,
+        vis: Float[Tensor, "B W"] | None,
+        tac: Float[Tensor, "B W"] | None,
+        lang: Float[Tensor, "B L"] | None,
+        labels: Int[Tensor, " B"],
         *,
-        lang_on: Tensor | None = None,
-        token_on: Tensor | None = None,
-        order: Tensor | None = None,
+        lang_on: Bool[Tensor, " B"] | None = None,
+        token_on: Bool[Tensor, " B"] | None = None,
+        order: Float64[Tensor, "..."] | None = None,
     ) -> TrainingOutput:
-        """Run one training batch with LANG and class tokens.
+        """Run one training batch with LANG and class tokens; one image may be None.
 
-        vis, tac  (B, input_width); one may be None
-        lang      (B, lang_width) of each pair's class, or None
-        labels    (B,) class indices
-        lang_on   (B,) bool: pairs whose VIS and TAC are guided by LANG; None: all
-        token_on  (B,) bool: pairs that use the token of their class; the others use the
-                  class-agnostic one, as in prediction
-        order     () or (B,) float64: orders that replace the learned one, without gradient
+        lang      of each pair's class, or None
+        lang_on   pairs whose VIS and TAC are guided by LANG; None: all
+        token_on  pairs that use the token of their class; the others use the class-agnostic one, as in
+                  prediction
+        order     orders that replace the learned one, without gradient
         """
         given = {n: e for n, e in (("vis", vis), ("tac", tac)) if e is not None}
         return training_pass(self, given, lang, labels, lang_on=lang_on, token_on=token_on, order=order)
 
 
-def _by_name(names: tuple[str, ...], channels: Tensor) -> dict[str, Tensor]:
-    """Return (2, M, B, D) as (2, B, D) by modality."""
+def _by_name(names: tuple[str, ...], channels: Float[Tensor, "2 M B D"]) -> dict[str, Float[Tensor, "2 B D"]]:
+    """Return the channels by modality."""
     return {name: channels[:, row] for row, name in enumerate(names)}
 
 
 def _rows(order: float | Tensor, rows: slice) -> float | Tensor:
     """Return the orders of some pairs; a single order serves all."""
-    apart = isinstance(order, Tensor) and order.ndim == 1 and len(order) > 1
-    return order[rows] if apart and isinstance(order, Tensor) else order
+    return order[rows] if isinstance(order, Tensor) and order.ndim == 1 and len(order) > 1 else order
 
 
 def build_head(settings: HeadSettings, *, seed: int = 0) -> OmniVaT:

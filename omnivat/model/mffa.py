@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import torch
+from jaxtyping import Bool, Float, Float64, Int
 from torch import Tensor, nn
 from torch.nn.functional import linear, normalize
 
@@ -33,8 +34,8 @@ class FrATT(nn.Module):
 class Expanded(NamedTuple):
     """Transformed embeddings, and the base vectors of their tokens."""
 
-    parts: Tensor  # (2, M, B, D) Re and Im
-    base: Tensor  # (r, M, B, D)
+    parts: Float[Tensor, "2 M B D"]  # Re and Im
+    base: Float[Tensor, "r M B D"]
     table: factored.Tables
 
 
@@ -47,10 +48,10 @@ class MFFA(nn.Module):
     Source: paper, Eq. 3 to 6.
     """
 
-    order: Tensor
+    order: Float64[Tensor, "*any"]
     fratt: FrATT
-    bank: Tensor
-    bank_seen: Tensor
+    bank: Float[Tensor, "3 K D"]
+    bank_seen: Bool[Tensor, " K"]
 
     def __init__(self, settings: HeadSettings) -> None:
         super().__init__()
@@ -72,45 +73,45 @@ class MFFA(nn.Module):
         self.register_buffer("bank", torch.zeros(len(MODALITIES), classes, settings.width))
         self.register_buffer("bank_seen", torch.zeros(classes, dtype=torch.bool))
 
-    def orders(self, names: Sequence[str]) -> Tensor:
+    def orders(self, names: Sequence[str]) -> Float64[Tensor, "*any"]:
         """Return the learned order: () for all modalities, or (M, 1) for each."""
         if self.order.ndim == 0:
             return self.order
         return self.order[[MODALITIES.index(name) for name in names], None]
 
-    def parts(self, names: Sequence[str], embedding: Tensor, order: Tensor | float | None = None) -> Tensor:
-        """Transform embeddings (M, B, D) to Re and Im (2, M, B, D). order None: the learned one."""
+    def parts(
+        self, names: Sequence[str], embedding: Float[Tensor, "M B D"], order: Tensor | float | None = None
+    ) -> Float[Tensor, "2 M B D"]:
+        """Transform embeddings to Re and Im. order None: the learned one."""
         p = self.orders(names) if order is None else torch.as_tensor(order, dtype=torch.float64)
         return reference.transform(embedding, p.to(embedding.device))  # few rows: one product with V
 
-    def channels(self, parts: Tensor) -> Tensor:
-        """Return the channels for tokens: Re and Im, their modulus, or Re. (2, ...) -> (C, ...)."""
+    def channels(self, parts: Float[Tensor, "2 *any"]) -> Float[Tensor, "#2 *any"]:
+        """Return the channels for tokens: Re and Im, their modulus, or Re."""
         if self.real == "magnitude":
             modulus: Tensor = torch.linalg.vector_norm(parts, dim=0, keepdim=True)
             return modulus
         return parts[:1] if self.real == "real" else parts
 
-    def thetas(self, names: Sequence[str]) -> Tensor:
-        """Return θ_e (M, E), the factor of the channels; for the modulus, |θ_e|."""
+    def thetas(self, names: Sequence[str]) -> Float[Tensor, "M E"]:
+        """Return θ_e, the factor of the channels; for the modulus, |θ_e|."""
         theta = torch.stack([self.theta[name] for name in names])
         return theta.abs() if self.real == "magnitude" else theta
 
     # ---- class tokens ------------------------------------------------------------------------
 
-    def class_agnostic_tokens(self, names: Sequence[str]) -> Tensor:
-        """Return the mean (M, D) over the class tokens of training; it needs no labels."""
+    def class_agnostic_tokens(self, names: Sequence[str]) -> Float[Tensor, "M D"]:
+        """Return the mean over the class tokens of training; it needs no labels."""
         seen = self.bank_seen.to(self.bank.dtype)
         rows = self.bank[[MODALITIES.index(name) for name in names]]
         mean: Tensor = (seen @ rows) / seen.sum().clamp_min(1)
         return mean
 
-    def class_agnostic_token(self, modality: str) -> Tensor:
-        """Return the class-agnostic token (D,) of one modality."""
-        return self.class_agnostic_tokens([modality])[0]
-
     @torch.no_grad()
-    def update_bank(self, tokens: Mapping[str, Tensor], labels: Tensor, *, momentum: float = 0.9) -> None:
-        """Move the bank towards the class means of `tokens`, (B, D) by modality; labels (B,)."""
+    def update_bank(
+        self, tokens: Mapping[str, Float[Tensor, "B D"]], labels: Int[Tensor, " B"], *, momentum: float = 0.9
+    ) -> None:
+        """Move the bank towards the class means of `tokens`, by modality."""
         if not tokens:
             return
         values = torch.stack(list(tokens.values()))  # (M, B, D)
@@ -124,14 +125,14 @@ class MFFA(nn.Module):
         self.bank[rows] = moved
         self.bank_seen |= count[:, 0] > 0
 
-    def expand(self, names: Sequence[str], parts: Tensor) -> Expanded:
-        """Return the base vectors of the tokens of parts (2, M, B, D)."""
+    def expand(self, names: Sequence[str], parts: Float[Tensor, "2 M B D"]) -> Expanded:
+        """Return the base vectors of the tokens."""
         channels = self.channels(parts)
         table = factored.tables(self.thetas(names), len(channels))
         return Expanded(parts, factored.base_vectors(channels, table.halves.shape[1]), table)
 
-    def mean_tokens(self, own: Expanded) -> Tensor:
-        """Return the mean (M, B, D) over the tokens of each sample.
+    def mean_tokens(self, own: Expanded) -> Float[Tensor, "M B D"]:
+        """Return the mean over the tokens of each sample.
 
         With complex attention it is the mean of the real tokens, because class tokens are added to
         them.
@@ -147,22 +148,24 @@ class MFFA(nn.Module):
         names: Sequence[str],
         own: Expanded,
         *,
-        guide: Tensor | None = None,
-        guided: Tensor | None = None,
-        token: Tensor | None = None,
-    ) -> Tensor:
-        """Return F-bar (M, B, D) of several modalities, equal to that of `reference.mffa`.
+        guide: Float[Tensor, "B D"] | None = None,
+        guided: Bool[Tensor, " B"] | None = None,
+        token: Float[Tensor, "M #B D"] | None = None,  # noqa: F821
+    ) -> Float[Tensor, "M B D"]:
+        """Return F-bar of several modalities, equal to that of `reference.mffa`.
 
         own     from `expand`
-        guide   (B, D) F-bar of LANG: replaces token queries where guided (B,) is True
-        token   (M, B, D) or (M, 1, D) class tokens; None: the class-agnostic ones
+        guide   F-bar of LANG: replaces token queries where `guided` is True
+        token   class tokens; None: the class-agnostic ones
         """
         if not self.class_token:
             token = None
         elif token is None:
             token = self.class_agnostic_tokens(names)[:, None]
-        if self.real == "hermitian":
-            return self._complex(names, own.parts, guide, guided, token)
+        if self.real == "hermitian":  # complex attention has no base vectors: token by token
+            rows = [None] * len(names) if token is None else token
+            each = zip(names, own.parts.unbind(1), rows, strict=True)
+            return torch.stack([self.attend(n, p, guide=guide, guided=guided, token=t)[0] for n, p, t in each])
         fratt, base, table = self.fratt, own.base, own.table
         score_root, value_root = fratt.roots
         keys = linear(base, fratt.key.weight)
@@ -179,45 +182,29 @@ class MFFA(nn.Module):
             pooled = pooled + token
         return self._finished(fratt.ffn(fratt.value(pooled) / value_root))
 
-    def _complex(
-        self, names: Sequence[str], parts: Tensor, guide: Tensor | None, guided: Tensor | None, token: Tensor | None
-    ) -> Tensor:
-        """Return F-bar by complex attention, which has no base vectors: token by token."""
-        rows = [None] * len(names) if token is None else token
-        return torch.stack(
-            [
-                self.attend(name, parts[:, m], guide=guide, guided=guided, token=rows[m])[0]
-                for m, name in enumerate(names)
-            ]
-        )
-
     def attend(
         self,
         name: str,
-        parts: Tensor,
+        parts: Float[Tensor, "2 B D"],
         *,
-        guide: Tensor | None = None,
-        guided: Tensor | None = None,
-        token: Tensor | None = None,
-    ) -> tuple[Tensor, Tensor]:
-        """Return F-bar (B, D) of one modality and its attention weights (B, Q, T), token by token.
-
-        parts   (2, B, D) Re and Im of the transformed embedding; the rest as in `features`,
-        token   (B, D) or (1, D) for this modality
-        """
+        guide: Float[Tensor, "B D"] | None = None,
+        guided: Bool[Tensor, " B"] | None = None,
+        token: Float[Tensor, "#B D"] | None = None,
+    ) -> tuple[Float[Tensor, "B D"], Float[Tensor, "B Q T"]]:
+        """Return F-bar of one modality and its attention weights, token by token; see `features`."""
         tokens = reference.tokens_of(parts, self.theta[name], self.real)
         queries = reference.queries_of(tokens, guide, guided)
         if self.class_token and token is None:
-            token = self.class_agnostic_token(name)
+            token = self.class_agnostic_tokens([name])
         found, weights = reference.attention(self.fratt, queries, reference.with_class_token(tokens, token))
         return self._finished(found), weights
 
-    def _finished(self, feature: Tensor) -> Tensor:
+    def _finished(self, feature: Float[Tensor, "*any D"]) -> Float[Tensor, "*any D"]:
         return normalize(feature, dim=-1) if self.unit else feature
 
 
-def _theta(settings: HeadSettings) -> Tensor:
-    """Return the initial θ_e (E,).
+def _theta(settings: HeadSettings) -> Float[Tensor, " E"]:
+    """Return the initial θ_e.
 
     Equal numbers have equal gradients and stay equal: E tokens would be E copies of one. "spread"
     sets them evenly from 0.5 to 1.5, which breaks the symmetry.

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from omnivat.model.fusion import Calibration, fuse, tempered
@@ -23,52 +24,42 @@ READINGS = ("fused", "vis", "tac", "vis_branch", "tac_branch")
 class HeadOutput:
     """Predictions for B pairs, and the features behind them, by modality ("vis", "tac").
 
-    It contains only the given modalities.
-    logits     (B, K) of the cosine classifier, for each branch
-    alone      (B, K) the same with the other image absent, as in a call with one image
-    pair       (B, K) of the sum of both F-hat
-    fusion     late fusion of the branches, and its calibration on held-out source pairs
-    frft       (2, B, D) Re and Im of the transformed embedding
-    relu       (2, B, D) F: after θ_e and ReLU, mean over the E tokens
-    f_bar      (B, D) after FrATT;  f_hat  (B, D) after DTG
-    attention  (B, T, T) weights, if requested; T = 2E tokens, or E if Re and Im are one channel
-    taught     (B, K) logits of a taught head by reading, which replace the classifier's
-    nodes      (B, 2^R - 1, D) tree nodes in heap order, if requested and present
+    It contains only the given modalities. T = 2E tokens, or E if Re and Im are one channel.
     """
 
-    logits: dict[str, Tensor]
-    alone: dict[str, Tensor]
-    pair: Tensor
-    frft: dict[str, Tensor]
-    relu: dict[str, Tensor]
-    f_bar: dict[str, Tensor]
-    f_hat: dict[str, Tensor]
-    attention: dict[str, Tensor] = field(default_factory=dict)
-    nodes: Tensor | None = None
-    taught: dict[str, Tensor] = field(default_factory=dict)
+    logits: dict[str, Float[Tensor, "B K"]]  # of the cosine classifier, for each branch
+    alone: dict[str, Float[Tensor, "B K"]]  # with the other image absent, as in a call with one image
+    pair: Float[Tensor, "B K"]  # of the sum of both F-hat
+    frft: dict[str, Float[Tensor, "2 B D"]]  # Re and Im of the transformed embedding
+    relu: dict[str, Float[Tensor, "2 B D"]]  # F: after θ_e and ReLU, mean over the E tokens
+    f_bar: dict[str, Float[Tensor, "B D"]]  # after FrATT
+    f_hat: dict[str, Float[Tensor, "B D"]]  # after DTG
+    attention: dict[str, Float[Tensor, "B T T"]] = field(default_factory=dict)  # if requested
+    nodes: Float[Tensor, "B N D"] | None = None  # of the tree in heap order, if requested and present
+    taught: dict[str, Float[Tensor, "B K"]] = field(default_factory=dict)  # replace the classifier's, by reading
 
-    fusion: str = "mean"
-    calibration: Calibration = field(default_factory=Calibration)
+    fusion: str = "mean"  # of the branches
+    calibration: Calibration = field(default_factory=Calibration)  # on held-out source pairs
 
     @property
-    def branch_probabilities(self) -> dict[str, Tensor]:
-        """Class probabilities (B, K) of each branch; inside a pair they depend on both images."""
+    def branch_probabilities(self) -> dict[str, Float[Tensor, "B K"]]:
+        """Class probabilities of each branch; inside a pair they depend on both images."""
         temperature = self.calibration.temperature["fused"]
         if self.taught:  # its rows add up, so a branch is what one image adds
             return {name: self.taught[name].softmax(-1) for name in self.logits}
         return {name: tempered(values, temperature) for name, values in self.logits.items()}
 
     @property
-    def alone_probabilities(self) -> dict[str, Tensor]:
-        """Class probabilities (B, K) of each image with the other one absent."""
+    def alone_probabilities(self) -> dict[str, Float[Tensor, "B K"]]:
+        """Class probabilities of each image with the other one absent."""
         own = self.calibration.temperature
         if self.taught:
             return {name: self.taught[name].softmax(-1) for name in self.alone}
         return {name: tempered(values, own[name]) for name, values in self.alone.items()}
 
     @property
-    def probabilities(self) -> Tensor:
-        """Class probabilities (B, K) from all given images."""
+    def probabilities(self) -> Float[Tensor, "B K"]:
+        """Class probabilities from all given images."""
         if self.taught:
             return self.taught["fused"].softmax(-1)
         if len(self.logits) == 1:
@@ -76,8 +67,8 @@ class HeadOutput:
         return fuse(self.fusion, self.logits, self.pair, self.calibration)
 
     @property
-    def reading_logits(self) -> dict[str, Tensor]:
-        """Logits (B, K) before any temperature: "vis", "tac" and, of a pair, "vis_branch",
+    def reading_logits(self) -> dict[str, Float[Tensor, "B K"]]:
+        """Logits before any temperature: "vis", "tac" and, of a pair, "vis_branch",
         "tac_branch" and "pair", the summed features.
         """
         if len(self.logits) == 1:
@@ -86,8 +77,8 @@ class HeadOutput:
         return {**self.alone, **branches, "pair": self.pair}
 
     @property
-    def readings(self) -> dict[str, Tensor]:
-        """Class probabilities (B, K) by reading; branches only if both images are given."""
+    def readings(self) -> dict[str, Float[Tensor, "B K"]]:
+        """Class probabilities by reading; branches only if both images are given."""
         found = {"fused": self.probabilities, **self.alone_probabilities}
         if len(self.logits) > 1:
             found |= {f"{name}_branch": p for name, p in self.branch_probabilities.items()}
@@ -98,10 +89,10 @@ class HeadOutput:
 class TrainingOutput:
     """What the losses need from one forward pass in training."""
 
-    features: dict[str, Tensor]  # F-bar (B, D): "vis", "tac", and "lang" if present
-    layers: list[Tensor]  # groups (B, n, D) for NOD: the tree's levels, root first
-    logits: dict[str, Tensor]  # (B, K)
-    tokens: dict[str, Tensor]  # mean token (B, D) of each modality, for the bank of class tokens
+    features: dict[str, Float[Tensor, "B D"]]  # F-bar: "vis", "tac", and "lang" if present
+    layers: list[Float[Tensor, "B _ D"]]  # groups for NOD: the tree's levels, root first
+    logits: dict[str, Float[Tensor, "B K"]]
+    tokens: dict[str, Float[Tensor, "B D"]]  # mean token of each modality, for the bank of class tokens
 
 
 def joined(outputs: Sequence[HeadOutput]) -> HeadOutput:

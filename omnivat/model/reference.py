@@ -1,6 +1,6 @@
 """The OmniVaT head as the paper has it, from top to bottom: plain, slow, complete. Read it first.
 
-A comment beside a line is the shape of its result. B pairs, C channels (Re and Im), E numbers θ_e,
+A comment beside a line is the shape of its result; a test checks those of arguments and results. B pairs, C channels (Re and Im), E numbers θ_e,
 T tokens, Q queries, D width, N nodes of the tree, K classes. The fast head (`head.py`, `mffa.py`)
 computes the same with fewer products; the tests compare the two. No line looks at a value, so
 `torch.export` takes `predict` with p as an input. Choices that the paper leaves open: docs/method.md.
@@ -11,6 +11,7 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 import torch
+from jaxtyping import Bool, Float, Float64, Int
 from torch import Tensor, nn
 from torch.nn.functional import cross_entropy, linear, normalize
 
@@ -20,13 +21,13 @@ from omnivat.model.fusion import fuse, tempered
 from omnivat.model.output import TrainingOutput
 
 
-def embedded(head: Any, name: str, raw: Tensor) -> Tensor:
-    """Project an encoder's embeddings (B, W) to width D; their length becomes √D.
+def embedded(head: Any, name: str, raw: Float[Tensor, "B W"]) -> Float[Tensor, "B D"]:
+    """Project an encoder's embeddings to width D; their length becomes √D.
 
     Ours, before it: each channel of an image by the source's mean and scale (docs/method.md).
     """
     if head.settings.standardize:
-        raw = head._standardised(name, raw)  # (B, W)
+        raw = head.standardised(name, raw)  # (B, W)
     apart = name == "tac" and head.settings.projects_apart
     layer = head.project_tac if apart else head.project_image
     projected = (head.project_lang if name == "lang" else layer)(raw)  # (B, D)
@@ -37,15 +38,15 @@ def embedded(head: Any, name: str, raw: Tensor) -> Tensor:
 
 @lru_cache(maxsize=8)
 def eigenbasis(width: int, dtype: torch.dtype, device: torch.device) -> Basis:
-    """Return the eigenvectors V (D, D) of the Fourier matrix, and the index k (D,) of each."""
+    """Return the eigenvectors V of the Fourier matrix, and the index k of each."""
     with torch.inference_mode(False):
         return basis(width, dtype=dtype, device=device)
 
 
-def transform(embedding: Tensor, order: Tensor) -> Tensor:
-    """Return F_p(E) = V diag(exp(-iπpk/2)) Vᵀ E, as Re and Im (2, ..., D), of E (..., D). Eq. 2.
+def transform(embedding: Float[Tensor, "*any D"], order: Float64[Tensor, "..."]) -> Float[Tensor, "2 *any D"]:
+    """Return F_p(E) = V diag(exp(-iπpk/2)) Vᵀ E, as Re and Im. Eq. 2.
 
-    order  float64, broadcast against the leading axes of E; with gradients, once
+    order  broadcast against the leading axes of E; with gradients, once
     """
     vectors, k = eigenbasis(embedding.shape[-1], embedding.dtype, embedding.device)
     turns = torch.fmod(torch.fmod(order, 4.0)[..., None] * k, 4.0)  # (..., D) float64, quarter turns
@@ -58,8 +59,8 @@ def transform(embedding: Tensor, order: Tensor) -> Tensor:
     return linear(torch.stack((inner * cos, inner * -sin)), vectors)  # (2, ..., D)
 
 
-def tokens_of(parts: Tensor, theta: Tensor, kind: str) -> Tensor:
-    """Expand by θ_e (E,) and apply ReLU, Eq. 3: (2, B, D) -> (1, B, T, D).
+def tokens_of(parts: Float[Tensor, "2 B D"], theta: Float[Tensor, " E"], kind: str) -> Float[Tensor, "#2 B T D"]:
+    """Expand by θ_e and apply ReLU, Eq. 3.
 
     θ_e commutes with the transform. Re and Im become tokens side by side, T = 2E; other kinds
     take the modulus or Re alone, T = E, or keep complex tokens, (2, B, E, D).
@@ -71,8 +72,10 @@ def tokens_of(parts: Tensor, theta: Tensor, kind: str) -> Tensor:
     return tokens if kind == "hermitian" else tokens.movedim(0, 1).flatten(1, 2)[None]
 
 
-def attention(fratt: nn.Module, queries: Tensor, tokens: Tensor) -> tuple[Tensor, Tensor]:
-    """FrATT, Eq. 4: queries (C, B, Q, D), tokens (C, B, T, D) -> feature (B, D), weights (B, Q, T).
+def attention(
+    fratt: nn.Module, queries: Float[Tensor, "C B Q D"], tokens: Float[Tensor, "C B T D"]
+) -> tuple[Float[Tensor, "B D"], Float[Tensor, "B Q T"]]:
+    """FrATT, Eq. 4: the feature and the weights.
 
     C = 1, or 2 for complex tokens: scores Re(Q Kᴴ), then the modulus; biases belong to Re.
     """
@@ -85,50 +88,52 @@ def attention(fratt: nn.Module, queries: Tensor, tokens: Tensor) -> tuple[Tensor
     return fratt_any.ffn(real), weights
 
 
-def queries_of(tokens: Tensor, guide: Tensor | None, guided: Tensor | None) -> Tensor:
-    """Return queries: tokens (C, B, T, D), or F-bar of LANG (B, D) where guided (B,). Eq. 6."""
+def queries_of(
+    tokens: Float[Tensor, "C B T D"], guide: Float[Tensor, "B D"] | None, guided: Bool[Tensor, " B"] | None
+) -> Float[Tensor, "C B T D"]:
+    """Return queries: tokens, or F-bar of LANG where guided. Eq. 6."""
     if guide is None or guided is None:
         return tokens
     text = torch.stack((guide, torch.zeros_like(guide)))[: len(tokens), :, None]  # (C, B, 1, D)
     return torch.where(guided[:, None, None], text, tokens)
 
 
-def with_class_token(tokens: Tensor, token: Tensor | None) -> Tensor:
-    """Add F_g, (B, D) or (D,), to the real part of tokens (C, B, T, D)."""
+def with_class_token(tokens: Float[Tensor, "C B T D"], token: Float[Tensor, "#B D"] | None) -> Float[Tensor, "C B T D"]:
+    """Add F_g to the real part of the tokens."""
     if token is None:
         return tokens
     real = tokens[:1] + token.expand(tokens.shape[1], -1)[:, None]  # (1, B, T, D)
     return torch.cat((real, tokens[1:]))
 
 
-def _layer(layer: nn.Linear, parts: Tensor) -> Tensor:
-    """Apply a real layer to channels (C, B, N, D); its bias is added to the first one only."""
+def _layer(layer: nn.Linear, parts: Float[Tensor, "C B N _"]) -> Float[Tensor, "C B N _"]:
+    """Apply a real layer to channels; its bias is added to the first one only."""
     return torch.cat((layer(parts[:1]), linear(parts[1:], layer.weight)))
 
 
 class Feature(NamedTuple):
     """One modality after MFFA."""
 
-    f_bar: Tensor  # (B, D)
-    parts: Tensor  # (2, B, D) Re and Im of F_p(E)
-    relu: Tensor  # (C, B, D) F: the mean over θ_e of the tokens of each channel
-    weights: Tensor | None = None  # (B, Q, T)
+    f_bar: Float[Tensor, "B D"]
+    parts: Float[Tensor, "2 B D"]  # Re and Im of F_p(E)
+    relu: Float[Tensor, "C B D"]  # F: the mean over θ_e of the tokens of each channel
+    weights: Float[Tensor, "B Q T"] | None = None
 
 
 def mffa(
     head: Any,
     name: str,
-    embedding: Tensor,
-    order: Tensor | None,
+    embedding: Float[Tensor, "B D"],
+    order: Float64[Tensor, "..."] | None,
     *,
-    guide: Tensor | None = None,
-    guided: Tensor | None = None,
+    guide: Float[Tensor, "B D"] | None = None,
+    guided: Bool[Tensor, " B"] | None = None,
     token: Any = None,
 ) -> Feature:
-    """Return F-bar of embeddings (B, D), Eq. 3 to 6.
+    """Return F-bar of embeddings, Eq. 3 to 6.
 
-    guide   (B, D) F-bar of LANG, the query of the pairs `guided` (B,)
-    token   maps the mean token (B, D) to the class token F_g; None: the class-agnostic one (D,)
+    guide   F-bar of LANG, the query of the pairs `guided`
+    token   maps the mean token (B, D) to the class token F_g; None: the class-agnostic one
     """
     own = head.mffa
     p = own.orders([name]) if order is None else order
@@ -142,15 +147,15 @@ def mffa(
     )  # (C, B, D)
     queries = queries_of(tokens, guide, guided)
     if own.class_token:
-        added = own.class_agnostic_token(name) if token is None else token(tokens[0].mean(1))
+        added = own.class_agnostic_tokens([name]) if token is None else token(tokens[0].mean(1))
         tokens = with_class_token(tokens, added)
     feature, weights = attention(own.fratt, queries, tokens)
     feature = normalize(feature, dim=-1) if own.unit else feature
     return Feature(feature, parts, means, weights)
 
 
-def tree(head: Any, features: list[Tensor], root: Tensor) -> Tensor | None:
-    """DTG: return nodes (B, N, D), the root T first; a child is W x + b of its parent. Eq. 7, 8."""
+def tree(head: Any, features: list[Float[Tensor, "B D"]], root: Float[Tensor, "B D"]) -> Float[Tensor, "B N D"] | None:
+    """DTG: return nodes, the root T first; a child is W x + b of its parent. Eq. 7, 8."""
     settings, dtg = head.settings, head.dtg
     if settings.generation == "none":
         return None
@@ -166,18 +171,17 @@ def tree(head: Any, features: list[Tensor], root: Tensor) -> Tensor | None:
 class Predicted(NamedTuple):
     """A prediction, by modality where it is a dictionary."""
 
-    probabilities: Tensor  # (B, K)
-    logits: dict[str, Tensor]  # (B, K)
+    probabilities: Float[Tensor, "B K"]
+    logits: dict[str, Float[Tensor, "B K"]]
     features: dict[str, Feature]
-    f_hat: dict[str, Tensor]  # (B, D)
-    nodes: Tensor | None  # (B, N, D)
+    f_hat: dict[str, Float[Tensor, "B D"]]
+    nodes: Float[Tensor, "B N D"] | None
 
 
-def predict(head: Any, images: Mapping[str, Tensor], order: Tensor | None = None) -> Predicted:
-    """Predict from embeddings (B, input_width) of "vis", "tac" or both.
-
-    order  () or (B,) float64, in quarter turns; None: the learned one
-    """
+def predict(
+    head: Any, images: Mapping[str, Float[Tensor, "B W"]], order: Float64[Tensor, "*any"] | None = None
+) -> Predicted:
+    """Predict from embeddings of "vis", "tac" or both, at one order or one for each pair; None: the learned one."""
     features = {n: mffa(head, n, embedded(head, n, raw), order) for n, raw in images.items()}
     found = [one.f_bar for one in features.values()]  # (B, D) each
     nodes = tree(head, found, torch.stack(found).sum(0))
@@ -196,24 +200,26 @@ def predict(head: Any, images: Mapping[str, Tensor], order: Tensor | None = None
 
 def training_pass(
     head: Any,
-    images: Mapping[str, Tensor],
-    lang: Tensor | None,
-    labels: Tensor,
+    images: Mapping[str, Float[Tensor, "B W"]],
+    lang: Float[Tensor, "B L"] | None,
+    labels: Int[Tensor, " B"],
     *,
-    lang_on: Tensor,
-    token_on: Tensor,
-    order: Tensor | None = None,
+    lang_on: Bool[Tensor, " B"],
+    token_on: Bool[Tensor, " B"],
+    order: Float64[Tensor, "*any"] | None = None,
 ) -> TrainingOutput:
     """Run a batch in training: LANG guides VIS and TAC, Eq. 5 and 6; see `OmniVaT.training_pass`."""
     settings, own = head.settings, head.mffa
     same = (labels[:, None] == labels[None]).to(head.dtype)  # (B, B)
     means: dict[str, Tensor] = {}
 
-    def run(name: str, embedding: Tensor, guide: Tensor | None = None) -> Tensor:
+    def run(
+        name: str, embedding: Float[Tensor, "B D"], guide: Float[Tensor, "B D"] | None = None
+    ) -> Float[Tensor, "B D"]:
         def token(mean: Tensor) -> Tensor:
             means[name] = mean
             of_class = same / same.sum(1, keepdim=True) @ mean  # (B, D)
-            return torch.where(token_on[:, None], of_class, own.class_agnostic_token(name))
+            return torch.where(token_on[:, None], of_class, own.class_agnostic_tokens([name]))
 
         return mffa(head, name, embedding, order, guide=guide, guided=lang_on, token=token).f_bar
 
@@ -239,7 +245,7 @@ def training_pass(
     return TrainingOutput(features={**named, **found}, layers=levels, logits=logits, tokens=means)
 
 
-def joint_loss(output: TrainingOutput, labels: Tensor, *, mma: float = 10.0) -> Tensor:
+def joint_loss(output: TrainingOutput, labels: Int[Tensor, " B"], *, mma: float = 10.0) -> Float[Tensor, ""]:
     """Return λ MMA + NOD + cross-entropy of a batch. Eq. 9 to 12."""
     total = torch.stack([cross_entropy(x, labels) for x in output.logits.values()]).mean()
     logs = {name: torch.log_softmax(x, dim=-1) for name, x in output.features.items()}  # (B, D)

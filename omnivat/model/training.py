@@ -1,6 +1,7 @@
 """One training batch through the head: with LANG, class tokens and the whole tree."""
 
 import torch
+from jaxtyping import Bool, Float, Float64, Int
 from torch import Tensor
 
 from omnivat.model.body import Body
@@ -11,15 +12,15 @@ from omnivat.model.output import TrainingOutput
 
 def training_pass(
     model: Body,
-    given: dict[str, Tensor],
-    lang: Tensor | None,
-    labels: Tensor,
+    given: dict[str, Float[Tensor, "B W"]],
+    lang: Float[Tensor, "B L"] | None,
+    labels: Int[Tensor, " B"],
     *,
-    lang_on: Tensor | None,
-    token_on: Tensor | None,
-    order: Tensor | None = None,
+    lang_on: Bool[Tensor, " B"] | None,
+    token_on: Bool[Tensor, " B"] | None,
+    order: Float64[Tensor, "*any"] | None = None,
 ) -> TrainingOutput:
-    """Run one batch; see `OmniVaT.training_pass`. given: "vis", "tac" or both, (B, input_width)."""
+    """Run one batch; see `OmniVaT.training_pass`. given: "vis", "tac" or both."""
     names = tuple(given)
     lang_on = torch.ones_like(labels, dtype=torch.bool) if lang_on is None else lang_on
     if not model.settings.mffa:
@@ -48,7 +49,9 @@ def training_pass(
     return _output(model, features, found, root, tokens)
 
 
-def _without_mffa(model: Body, given: dict[str, Tensor], lang: Tensor | None, lang_on: Tensor) -> TrainingOutput:
+def _without_mffa(
+    model: Body, given: dict[str, Float[Tensor, "B W"]], lang: Float[Tensor, "B L"] | None, lang_on: Bool[Tensor, " B"]
+) -> TrainingOutput:
     """Grow the tree from the embeddings; MMA has nothing to align."""
     found = model.embedded(given) / model.length
     root = found.sum(0)
@@ -58,9 +61,13 @@ def _without_mffa(model: Body, given: dict[str, Tensor], lang: Tensor | None, la
 
 
 def _output(
-    model: Body, features: dict[str, Tensor], found: Tensor, root: Tensor, tokens: dict[str, Tensor]
+    model: Body,
+    features: dict[str, Float[Tensor, "B D"]],
+    found: Float[Tensor, "M B D"],
+    root: Float[Tensor, "B D"],
+    tokens: dict[str, Float[Tensor, "B D"]],
 ) -> TrainingOutput:
-    """Grow nodes from `root` (B, D), add their mean to the features (M, B, D), classify."""
+    """Grow nodes from `root`, add their mean to the features, classify."""
     names = [name for name in features if name != "lang"]
     grown = grow(model.dtg, model.settings, found, root)
     f_hat = found if grown is None else found + grown.nodes.mean(1)
@@ -76,11 +83,11 @@ def _class_tokens(
     model: Body,
     names: tuple[str, ...],
     expanded: Expanded,
-    labels: Tensor,
-    token_on: Tensor | None,
-    tokens: dict[str, Tensor],
-) -> Tensor | None:
-    """Return class tokens (M, B, D): of the pair's class, or the class-agnostic one.
+    labels: Int[Tensor, " B"],
+    token_on: Bool[Tensor, " B"] | None,
+    tokens: dict[str, Float[Tensor, "B D"]],
+) -> Float[Tensor, "M B D"] | None:
+    """Return class tokens: of the pair's class, or the class-agnostic one.
 
     The mean token of each pair is added to `tokens`, for the bank.
     """
@@ -94,7 +101,7 @@ def _class_tokens(
     return torch.where(token_on[:, None], own, model.mffa.class_agnostic_tokens(names)[:, None])
 
 
-def class_means(values: Tensor, labels: Tensor) -> Tensor:
-    """Return each sample's class mean in the batch: (..., B, D), (B,) -> (..., B, D)."""
+def class_means(values: Float[Tensor, "*any B D"], labels: Int[Tensor, " B"]) -> Float[Tensor, "*any B D"]:
+    """Return each sample's class mean in the batch."""
     same = (labels[:, None] == labels[None]).to(values.dtype)
     return same / same.sum(1, keepdim=True) @ values

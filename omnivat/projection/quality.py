@@ -6,7 +6,6 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from omnivat.projection.neighbours import nearest
 from omnivat.seeding import derive_seed
 from omnivat.shapes import require_shapes
 
@@ -16,40 +15,6 @@ TRUST_SAMPLE = 200  # rows that it is taken from
 
 BLOCK = 16_384  # rows processed at once
 AT_ONCE = 32  # sampled rows compared with all others at once
-
-
-def trustworthiness(points: Tensor, flat: Tensor, *, k: int = 15) -> float:
-    """Return how well neighbours on the map are neighbours in space, in [0, 1].
-
-    points (N, D), flat (N, 2); k below N / 2. 1 if every neighbour on the map is one of the k
-    nearest in space; a neighbour of rank r > k costs r - k.
-    Source: Venna and Kaski, ICANN 2001.
-    """
-    require_shapes(points=(points, "N D"), flat=(flat, "N C"))
-    count = len(points)
-    near = nearest(flat, k).index
-    middle = points.mean(0)
-    points = points - middle
-    squares = points.square().sum(1)
-    cost = 0
-    for start in range(0, count, 1024):
-        rows = slice(start, start + 1024)
-        distance = torch.addmm(squares, points[rows], points.T, alpha=-2)
-        place = torch.arange(len(distance), device=points.device)
-        distance[place, place + start] = -torch.inf  # rank 0 is the row itself
-        rank = distance.argsort(1).argsort(1)
-        cost += int((rank.gather(1, near[rows]) - k).clamp_min(0).sum())
-    return 1 - 2 * cost / (count * k * (2 * count - 3 * k - 1))
-
-
-def recall(points: Tensor, flat: Tensor, *, k: int = 15) -> float:
-    """Return the share of the k nearest rows in space that are among the k nearest on the map.
-
-    points (N, D), flat (N, 2) -> in [0, 1].
-    """
-    require_shapes(points=(points, "N D"), flat=(flat, "N C"))
-    truth, found = nearest(points, k).index, nearest(flat, k).index
-    return float((truth[:, :, None] == found[:, None, :]).any(2).float().mean())
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -69,8 +34,11 @@ class Quality:
 def quality(points: Tensor, flat: Tensor, *, k: int = 15, rows: int = SAMPLE, seed: int = 0) -> Quality:
     """Return the quality of a map, from `rows` of its rows sampled at random.
 
-    points (N, D), flat (N, 2); k below N / 2. Each sampled row is compared with all N, which
-    costs O(rows N D) instead of O(N² D). The intervals cover the sampling; nothing else is random.
+    points (N, D), flat (N, 2); k below N / 2. Trustworthiness is 1 if every neighbour on the map is one
+    of the k nearest in space; a neighbour of rank r > k costs r - k. Recall is the share of the k
+    nearest rows in space that are among the k nearest on the map. Each sampled row is compared with
+    all N, which costs O(rows N D) instead of O(N² D). The intervals cover the sampling.
+    Source: Venna and Kaski, ICANN 2001.
     """
     require_shapes(points=(points, "N D"), flat=(flat, "N C"))
     count = len(points)
@@ -134,13 +102,8 @@ def distances(points: Tensor, rows: Tensor, middle: Tensor, squares: Tensor) -> 
     return squares - 2 * (rows @ points.T - (rows @ middle)[:, None])
 
 
-def radius(flat: Tensor) -> Tensor:
-    """Root mean square distance of a map's points (N, 2) from their mean, ()."""
-    centred = flat - flat.mean(0)
-    return centred.square().sum(1).mean().sqrt()
-
-
 def drift(before: Tensor, after: Tensor) -> float:
-    """Mean distance between the points of two maps (N, 2), in radii of the first."""
+    """Mean distance between the points of two maps (N, 2), in radii of the first: root mean square from its middle."""
     require_shapes(before=(before, "N C"), after=(after, "N C"))
-    return float((after - before).norm(dim=1).mean() / radius(before))
+    radius = (before - before.mean(0)).square().sum(1).mean().sqrt()
+    return float((after - before).norm(dim=1).mean() / radius)

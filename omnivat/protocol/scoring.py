@@ -19,7 +19,7 @@ from omnivat.data.store import Embeddings
 from omnivat.evaluate import label_map
 from omnivat.gaps.calibration import aurc, ece, nll
 from omnivat.gaps.confusion import accuracy, macro_f1
-from omnivat.gaps.cosine_margin import cosine_margin
+from omnivat.gaps.sums import cosine_margin
 from omnivat.model.fusion import FUSIONS, fused_logs, tempered
 from omnivat.model.output import READINGS
 from omnivat.protocol.choosing import Outcome

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from omnivat.gaps import GAPS
 from omnivat.gaps.confusion import macro_f1
-from omnivat.gaps.cosine_margin import cosine_margin, cross_domain_margin, cross_modal_margin
-from omnivat.gaps.domain import domain_gap, pairwise_gaps
+from omnivat.gaps.domain import pairwise_gaps
+from omnivat.gaps.sums import cosine_margin, cross_domain_margin, cross_modal_margin, domain_gap
 from omnivat.gaps.unit import unit
 from omnivat.tables import load
 

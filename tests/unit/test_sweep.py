@@ -8,8 +8,8 @@ from omnivat.data.store import Embeddings, Header
 from omnivat.errors import DataError, SettingsError, ShapeError
 from omnivat.gaps.centroid import modality_gap
 from omnivat.gaps.confusion import accuracy, macro_f1
-from omnivat.gaps.cosine_margin import cosine_margin
 from omnivat.gaps.measures import PREDICTION_MEASURES, STAGE_MEASURES
+from omnivat.gaps.sums import cosine_margin
 from omnivat.gaps.unit import unit
 from omnivat.model.head import build_head
 from omnivat.model.settings import HeadSettings

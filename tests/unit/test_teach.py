@@ -90,7 +90,7 @@ def test_the_nearest_neighbour_is_the_pair_of_largest_cosine(head, lessons):
     source = [head.familiarity.rows[n] * head.familiarity.lengths[n][:, None] for n in ("vis", "tac")]
 
     def rows(vis, tac):
-        parts = [head.model._standardised(n, x) for n, x in (("vis", vis), ("tac", tac))]
+        parts = [head.model.standardised(n, x) for n, x in (("vis", vis), ("tac", tac))]
         return np.hstack([(x / x.norm(dim=1, keepdim=True)).numpy() for x in parts])
 
     known = rows(*source)

@@ -11,11 +11,11 @@ from omnivat.gaps import GAPS
 from omnivat.gaps.calibration import ece, nll
 from omnivat.gaps.centroid import centroid_gap, modality_gap
 from omnivat.gaps.confusion import accuracy, confusion, macro_f1
-from omnivat.gaps.cosine_margin import cosine_margin, cross_modal_margin
 from omnivat.gaps.frechet import frechet
 from omnivat.gaps.measures import STAGE_MEASURES
 from omnivat.gaps.mmd import mmd_linear, mmd_rbf
 from omnivat.gaps.proxy_a import _fits, proxy_a, proxy_a_estimate
+from omnivat.gaps.sums import cosine_margin, cross_modal_margin
 from omnivat.tables import load
 
 

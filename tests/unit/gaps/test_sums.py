@@ -4,9 +4,7 @@ import pytest
 import torch
 
 from omnivat.gaps.centroid import modality_gap
-from omnivat.gaps.cosine_margin import cosine_margin, cross_domain_margin, cross_modal_margin
-from omnivat.gaps.domain import domain_gap
-from omnivat.gaps.sums import PAIR, Sums
+from omnivat.gaps.sums import PAIR, Sums, cosine_margin, cross_domain_margin, cross_modal_margin, domain_gap
 from omnivat.gaps.unit import unit
 
 

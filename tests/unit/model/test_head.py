@@ -67,14 +67,14 @@ def test_core_head_at_width_512_has_4_47_million_parameters():
 def test_folded_tree_is_the_mean_of_its_seven_nodes(head):
     root = torch.randn(11, 16, dtype=torch.float64)
     matrix, offset = head.dtg.fold()
-    nodes = head.dtg.nodes(root)
+    nodes = head.dtg.grow(root).nodes
     assert nodes.shape == (11, 7, 16)
     torch.testing.assert_close(root @ matrix.T + offset, nodes.mean(1), atol=1e-12, rtol=0)
 
 
 def test_a_child_is_its_parent_times_its_own_matrix(head):
     root = torch.randn(1, 16, dtype=torch.float64)
-    nodes = head.dtg.nodes(root)[0]
+    nodes = head.dtg.grow(root).nodes[0]
     for child in range(1, 7):
         parent = nodes[(child - 1) // 2]
         wanted = head.dtg.weight[child - 1] @ parent + head.dtg.bias[child - 1]
@@ -193,7 +193,7 @@ def test_class_token_in_prediction_needs_no_label(head):
         head.mffa.bank[:, 3] += 10
         assert not torch.allclose(head(vis, tac).probabilities, before)
         head.mffa.bank_seen[3] = False
-        without = head.mffa.class_agnostic_token("vis")
+        without = head.mffa.class_agnostic_tokens(["vis"])[0]
     torch.testing.assert_close(without, head.mffa.bank[1, [0, 1, 2, 4]].mean(0))
 
 

@@ -105,5 +105,5 @@ def test_rows_for_teaching_have_length_one_side_by_side(head, make_embeddings):
 
 def test_standardised_rows_have_half_the_root_of_their_width_as_length(head, make_embeddings):
     source = make_embeddings().in_domain("TAG-sim")
-    rows = head.model._standardised("tac", torch.from_numpy(source.tac))
+    rows = head.model.standardised("tac", torch.from_numpy(source.tac))
     torch.testing.assert_close(rows.norm(dim=1), torch.full((len(rows),), 0.5 * 24**0.5))

@@ -92,14 +92,14 @@ def test_every_arrangement_folds_into_its_mean(arrangement, levels):
     torch.nn.init.normal_(tree.bias)
     root = torch.randn(5, 8, dtype=torch.float64)
     matrix, offset = tree.fold()
-    assert tree.nodes(root).shape == (5, 2**levels - 1, 8)
-    torch.testing.assert_close(root @ matrix.T + offset, tree.nodes(root).mean(1))
-    assert nod_loss(tree.layers(root)).isfinite()
+    assert tree.grow(root).nodes.shape == (5, 2**levels - 1, 8)
+    torch.testing.assert_close(root @ matrix.T + offset, tree.grow(root).nodes.mean(1))
+    assert nod_loss(tree.grow(root).groups).isfinite()
 
 
 def test_interpolated_points_lie_at_eighths_between_vis_and_tac():
     vis, tac = torch.zeros(1, 2), torch.tensor([[8.0, 16.0]])
-    points = interpolated([vis, tac], 3)[0]
+    points = interpolated(torch.stack((vis, tac)), 3)[0]
     torch.testing.assert_close(points, torch.arange(1.0, 8.0)[:, None] * torch.tensor([1.0, 2.0]))
 
 
@@ -133,7 +133,7 @@ def test_without_mffa_the_tree_grows_from_the_embeddings_at_any_order(make_head,
         for order in (None, 0.0, 0.6):
             output = model(vis, tac, order=order, nodes=True)
             torch.testing.assert_close(output.f_bar["vis"], units[0])
-            mean = model.dtg.nodes(units[0] + units[1]).mean(1)
+            mean = model.dtg.grow(units[0] + units[1]).nodes.mean(1)
             torch.testing.assert_close(output.f_hat["tac"], units[1] + mean)
     assert model.order == 0.0
 
@@ -226,7 +226,7 @@ def test_settings_saved_before_these_existed_mean_the_defaults():
 def test_a_tree_starts_as_its_name_says(init):
     """Orthogonal keeps lengths, identity keeps nodes almost equal, torch's default shrinks them."""
     torch.manual_seed(0)
-    nodes = DTG(64, init=init).double().nodes(torch.randn(20, 64, dtype=torch.float64))
+    nodes = DTG(64, init=init).double().grow(torch.randn(20, 64, dtype=torch.float64)).nodes
     shares = (nodes[:, 1:].norm(dim=-1) / nodes[:, :1].norm(dim=-1)).mean(0)
     likeness = torch.nn.functional.cosine_similarity(nodes[:, 1:], nodes[:, :1], dim=-1)
     if init == "orthogonal":

@@ -1,9 +1,10 @@
 """Large sets: the same maps by blocks, samples that say so, estimates with intervals that hold."""
 
+import pytest
 import torch
 
 from omnivat.projection import pca, quality, torch_umap
-from omnivat.projection.quality import recall, trustworthiness
+from omnivat.projection.neighbours import nearest, place
 
 
 def noise(*shape, seed=0):
@@ -20,15 +21,20 @@ def test_pca_by_blocks_is_pca_of_all_rows(monkeypatch):
 def test_quality_of_all_rows_equals_the_whole_measures_and_has_no_error():
     points, flat = noise(300, 12), noise(300, 2, seed=1)
     found = quality.quality(points, flat, k=10)
-    assert abs(found.trustworthiness - trustworthiness(points, flat, k=10)) < 1e-6
-    assert abs(found.recall - recall(points, flat, k=10)) < 1e-6
+    ranks = torch.cdist(points, points).argsort(1).argsort(1)
+    near = nearest(flat, 10).index
+    cost = float((ranks.gather(1, near) - 10).clamp_min(0).sum())
+    truth = nearest(points, 10).index
+    recall = float((truth[:, :, None] == near[:, None, :]).any(2).double().mean())
+    assert abs(found.trustworthiness - (1 - 2 * cost / (300 * 10 * (600 - 30 - 1)))) < 1e-6
+    assert abs(found.recall - recall) < 1e-6
     assert (found.trustworthiness_error, found.recall_error, found.rows) == (0, 0, 300)
 
 
 def test_quality_of_a_draw_has_an_interval_that_holds_the_truth_nineteen_times_in_twenty():
     points = noise(900, 12)
     flat = pca.project(points)
-    truth, held = trustworthiness(points, flat, k=10), 0
+    truth, held = quality.quality(points, flat, k=10, rows=900).trustworthiness, 0
     for seed in range(40):
         found = quality.quality(points, flat, k=10, rows=150, seed=seed)
         assert found.rows == 150
@@ -52,3 +58,46 @@ def test_umap_of_many_rows_lays_out_a_sample_and_places_the_rest_near_their_own(
 def test_the_same_seed_draws_the_same_sample_at_every_order():
     assert torch.equal(torch_umap.sample_of(20_000, 1), torch_umap.sample_of(20_000, 1))
     assert not torch.equal(torch_umap.sample_of(20_000, 1), torch_umap.sample_of(20_000, 2))
+
+
+@pytest.mark.parametrize("edge", [0, 1])
+def test_rows_beyond_the_bound_are_placed_among_the_cells_next_to_their_own(monkeypatch, edge):
+    points = noise(300, 3)
+    chosen = torch.arange(0, 300, 2)
+    flat = noise(150, 2, seed=1)
+    whole = place(points, points[chosen], flat)
+    whole[chosen] = flat
+    monkeypatch.setattr(torch_umap, "CELLS_FROM", 300 - edge)
+    monkeypatch.setattr(torch_umap, "CELLS", 10)
+    monkeypatch.setattr(torch_umap, "RING", 10)
+    torch.testing.assert_close(torch_umap._spread(points, chosen, flat), whole)  # every cell is next to each
+    monkeypatch.setattr(torch_umap, "RING", 3)
+    near = torch_umap._spread(points, chosen, flat)
+    same = (near - whole).norm(dim=1) < 1e-5
+    assert bool(same.all()) if not edge else 0.2 < float(same.double().mean()) < 1
+
+
+def test_a_cell_looks_at_the_nearest_pivots_own_rows_first(monkeypatch):
+    """Ten groups far apart, a pivot in each: with one cell, a row is placed within its own group."""
+    group = torch.arange(10).repeat(30)
+    points = 100 * noise(10, 4)[group] + noise(300, 4, seed=2)
+    chosen = torch.arange(200)
+    flat = torch.stack([group[:200].float(), torch.zeros(200)], 1)
+    for name, value in (("CELLS_FROM", 100), ("CELLS", 20), ("RING", 1)):
+        monkeypatch.setattr(torch_umap, name, value)
+    torch.testing.assert_close(torch_umap._spread(points, chosen, flat)[:, 0], group.float(), atol=1e-3, rtol=0)
+
+
+def test_the_error_of_a_draw_is_1_96_standard_errors():
+    points, flat = noise(400, 6), noise(400, 2, seed=1)
+    parts = [quality.quality(points, flat, k=5, rows=100, seed=seed) for seed in range(30)]
+    spread = torch.tensor([one.trustworthiness for one in parts]).std()
+    mean = torch.tensor([one.trustworthiness_error for one in parts]).mean()
+    assert float(mean / spread) == pytest.approx(1.96 / (1 - 100 / 400) ** 0.5, rel=0.3)
+
+
+def test_a_set_as_large_as_the_draw_is_whole():
+    points, flat = noise(60, 6), noise(60, 2, seed=1)
+    found = quality.quality(points, flat, k=5, rows=60)
+    assert found.rows == 60 and found.recall_error == 0
+    assert quality.quality(points, flat, k=5, rows=59).recall_error > 0

@@ -10,7 +10,7 @@ from omnivat.errors import MissingPackageError, SettingsError, ShapeError
 from omnivat.projection import PROJECTIONS, pca, torch_umap, umap
 from omnivat.projection.chain import aligned, chain
 from omnivat.projection.neighbours import affine, nearest, place, placed
-from omnivat.projection.quality import NEIGHBOURS, drift, radius, recall, trust, trustworthiness
+from omnivat.projection.quality import NEIGHBOURS, drift, quality, trust
 from omnivat.projection.torch_umap import spectral_map
 from omnivat.tables import load
 
@@ -19,6 +19,10 @@ SCHEMES = ["pca", "umap"]
 
 def noise(*shape, seed=0, dtype=torch.float32):
     return torch.randn(*shape, generator=torch.Generator().manual_seed(seed), dtype=dtype)
+
+
+def trustworthiness(points, flat, k=15):
+    return quality(points, flat, k=k, rows=len(points)).trustworthiness
 
 
 def clusters(each=40, groups=5, width=16, seed=0):
@@ -196,12 +200,13 @@ def test_quality_agrees_with_scikit_learn_and_is_perfect_for_the_points_themselv
     points, flat = noise(80, 6), noise(80, 2, seed=1)
     wanted = reference(points.numpy(), flat.numpy(), n_neighbors=7)
     assert trustworthiness(points, flat, k=7) == pytest.approx(wanted)
-    assert trustworthiness(flat, flat, k=7) == recall(flat, flat, k=7) == 1
+    assert trustworthiness(flat, flat, k=7) == quality(flat, flat, k=7).recall == 1
 
 
 def test_drift_is_counted_in_radii():
     flat = noise(50, 2)
-    assert drift(flat, flat + torch.tensor([radius(flat), 0.0])) == pytest.approx(1)
+    radius = float((flat - flat.mean(0)).norm() / 50**0.5)
+    assert drift(flat, flat + torch.tensor([radius, 0.0])) == pytest.approx(1)
 
 
 def test_the_radius_of_the_first_map_is_the_unit_of_drift():
@@ -283,3 +288,97 @@ def test_a_map_of_few_points_has_no_trustworthiness():
     few, flat = noise(4 * NEIGHBOURS, 8), noise(4 * NEIGHBOURS, 2, seed=1)
     assert trust(few, flat) is None
     assert 0 < trust(torch.cat([few, few[:1]]), torch.cat([flat, flat[:1]])) < 1
+
+
+@pytest.mark.parametrize(("rows", "dimensions", "k"), [(3, 2, None), (4, 2, 3), (4, 3, None), (5, 3, 4), (40, 2, 15)])
+def test_umap_learn_maps_sets_from_two_rows_more_than_dimensions(monkeypatch, rows, dimensions, k):
+    """A stand-in for umap-learn notes its settings: the real one compiles for ten seconds."""
+    asked = []
+
+    class Stand:
+        def __init__(self, **settings):
+            asked.append(settings)
+
+        def fit_transform(self, points):
+            return points[:, :dimensions]
+
+    monkeypatch.setitem(sys.modules, "umap", type(sys)("umap"))
+    monkeypatch.setattr(sys.modules["umap"], "UMAP", Stand, raising=False)
+    points = noise(rows, 6)
+    flat = umap.project(points, seed=2**32 + 7, dimensions=dimensions)
+    if k is None:
+        torch.testing.assert_close(flat, pca.project(points, dimensions=dimensions))
+    assert asked == (
+        [] if k is None else [{"n_neighbors": k, "n_components": dimensions, "random_state": 7, "n_jobs": 1}]
+    )
+
+
+@pytest.mark.parametrize(("rows", "dimensions"), [(3, 2), (4, 3)])
+def test_umap_of_fewer_rows_than_dimensions_and_two_is_pca(rows, dimensions):
+    points = noise(rows, 6)
+    flat = torch_umap.project(points, dimensions=dimensions)
+    torch.testing.assert_close(flat, pca.project(points, dimensions=dimensions))
+    more = noise(rows + 1, 6)
+    assert not torch.allclose(
+        torch_umap.project(more, dimensions=dimensions), pca.project(more, dimensions=dimensions), atol=1e-3
+    )
+
+
+def test_a_map_whose_points_are_all_one_is_linear():
+    points = noise(60, 8)
+    found = placed(points[:1], points, torch.zeros(60, 2))
+    assert found.exact and float(found.places.abs().max()) == 0
+
+
+def test_one_row_more_than_unknowns_can_show_that_a_map_is_linear():
+    points = noise(10, 8, dtype=torch.float64)
+    assert affine(points, points[:, :2]) is not None
+
+
+def test_a_map_with_errors_below_a_thousandth_of_its_radius_is_linear():
+    points = noise(60, 8, dtype=torch.float64)
+    flat, off = points[:, :2] + 5, noise(60, 2, seed=1, dtype=torch.float64)
+    wide = torch.cat((points, torch.ones(60, 1)), 1)
+    off = off - wide @ torch.linalg.lstsq(wide, off).solution  # what no affine map explains
+    off = off / off.abs().max() * (points[:, :2] - points[:, :2].mean(0)).abs().max()
+    assert affine(points, flat + 0.9e-3 * off) is not None
+    assert affine(points, flat + 1.1e-3 * off) is None
+
+
+def test_one_neighbour_can_be_asked_for_and_none_is_refused():
+    assert nearest(noise(5, 3), 1).index.shape == (5, 1)
+    with pytest.raises(SettingsError, match="0 neighbours"):
+        nearest(noise(5, 3), 0)
+
+
+def test_pca_takes_one_row_and_as_many_columns_as_dimensions():
+    assert pca.project(torch.ones(1, 2)).tolist() == [[0, 0]]
+    with pytest.raises(ShapeError, match=r"\(0, 3\); a map needs 1 row"):
+        pca.project(torch.ones(0, 3))
+
+
+def test_a_large_spectral_start_is_as_wide_as_stated_for_a_graph_without_a_middle():
+    points, _ = clusters(each=10, groups=2)
+    flat = spectral_map(torch_umap.fuzzy_graph(nearest(points, 5)), dimensions=3)
+    assert flat.shape == (20, 3) and float(flat.abs().max()) == pytest.approx(10)
+
+
+def test_the_pull_of_an_edge_moves_both_ends_by_their_share_of_weight():
+    """Two edges of one row: a step is rate · 2 weight / degree · attraction, at each end."""
+    start = torch.tensor([[0.0, 0.0], [1.0, 0.0], [0.0, 2.0]], dtype=torch.float64)
+    weight = torch.tensor([1.0, 0.5], dtype=torch.float64)
+    graph = torch_umap.Graph(tail=torch.tensor([0, 0]), head=torch.tensor([1, 2]), weight=weight, rows=3)
+    alone = torch_umap.Graph(tail=graph.tail, head=graph.head, weight=0 * weight, rows=3)
+    by_edges, by_rows = (torch_umap.descend(g, start, steps=1, rate=0.1, seed=0) for g in (graph, alone))
+    pull = torch_umap.attraction((start[graph.tail] - start[graph.head]).T).T
+    wanted = torch.stack([2 * (pull[0] / 1.5 + pull[1] * 0.5 / 1.5), -2 * pull[0], -2 * pull[1]])
+    torch.testing.assert_close(by_edges - by_rows, 0.1 * wanted, atol=1e-3, rtol=1e-3)
+
+
+def test_the_steps_of_a_descent_shrink_to_nothing():
+    """Of four steps with one edge and no other row near, each is one quarter of the rate shorter."""
+    start = torch.tensor([[0.0, 0.0], [1e6, 0.0]], dtype=torch.float64)
+    graph = torch_umap.Graph(torch.tensor([0]), torch.tensor([1]), torch.ones(1, dtype=torch.float64), 2)
+    moved = torch_umap.descend(graph, start, steps=4, rate=1.0, seed=0)
+    pull = -float(torch_umap.attraction(torch.tensor([[-1e6], [0.0]], dtype=torch.float64))[0, 0])
+    assert abs(float(moved[0, 0])) == pytest.approx(2 * abs(pull) * (1 + 0.75 + 0.5 + 0.25), rel=1e-2)
