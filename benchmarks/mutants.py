@@ -28,20 +28,23 @@ from typing import NamedTuple
 
 import pytest
 
+STATED = "tests/unit/test_stated_values.py"
 AREAS = {
-    "fractional": ("tests/properties/test_fractional.py", "tests/unit/fractional"),
-    "model": ("tests/unit/model", "tests/unit/test_nodes.py"),
-    "losses": ("tests/unit/losses", "tests/unit/model/test_reference.py"),
-    "gaps": ("tests/unit/gaps", "tests/properties/test_gaps.py"),
+    "fractional": (STATED, "tests/unit/fractional", "tests/properties/test_fractional.py"),
+    "model": (STATED, "tests/unit/model", "tests/unit/test_nodes.py"),
+    "losses": (STATED, "tests/unit/losses", "tests/unit/model/test_reference.py"),
+    "gaps": (STATED, "tests/unit/gaps", "tests/properties/test_gaps.py"),
     "train": (
+        STATED,
+        "tests/unit/test_train_steps.py",
         "tests/unit/test_train.py",
         "tests/unit/test_order_search.py",
         "tests/unit/test_train_resume.py",
         "tests/unit/test_train_teacher.py",
         "tests/unit/test_noise.py",
     ),
-    "projection": ("tests/unit/projection",),
-    "adapt": ("tests/unit/adapt", "tests/unit/cli/test_profile_command.py"),
+    "projection": (STATED, "tests/unit/projection"),
+    "adapt": (STATED, "tests/unit/adapt", "tests/unit/cli/test_profile_command.py"),
 }
 SHARED = ("torch", "scipy.stats", "scipy.ndimage", "scipy.optimize", "sklearn.linear_model", "PIL.Image")
 SWAPS: dict[type[ast.AST], type[ast.AST]] = {

@@ -67,7 +67,7 @@ def lapack_spectrum(block: Tridiagonal) -> Spectrum:
         return Spectrum(block.diagonal.high.copy(), np.ones((n, n)))
     values, beside, vectors = block.diagonal.high.copy(), block.beside, np.empty((n, n))
     work, whole = np.empty(1 + 4 * n + n * n), np.empty(3 + 5 * n, np.int32)
-    sizes = np.array([n, n, len(work), len(whole), 0], np.int32)  # n, ldz, lwork, liwork, info
+    sizes = np.array([n, n, len(work), len(whole), n], np.int32)  # n, ldz, lwork, liwork; LAPACK sets info
     size, stride, length, count, info = (sizes[i : i + 1].ctypes.data for i in range(5))
     arrays = (a.ctypes.data for a in (values, beside, vectors))
     _dstevd()(b"V", size, *arrays, stride, work.ctypes.data, length, whole.ctypes.data, count, info)

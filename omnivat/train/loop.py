@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import torch
 
@@ -24,18 +24,14 @@ from omnivat.train.settings import TrainSettings
 from omnivat.train.state import Progress, load_state, run_name, save_state
 from omnivat.train.steps import learn, make_optimiser, set_rate
 
-if TYPE_CHECKING:
-    from omnivat.model.head import OmniVaT
-
-
-OnEpoch = Callable[[dict[str, float], "OmniVaT"], None]
+OnEpoch = Callable[[dict[str, float], OmniVaT], None]
 
 
 class TrainingCancelled(OmniVatError):
     """The caller cancelled the training. Nothing was written."""
 
 
-def _no_epoch(record: dict[str, float], model: "OmniVaT") -> None:
+def _no_epoch(record: dict[str, float], model: OmniVaT) -> None:
     """Ignore the report of an epoch."""
 
 
@@ -122,7 +118,7 @@ def train_once(
         model.load_state_dict(progress.best)
     if resume:
         resume.unlink(missing_ok=True)
-    chosen = progress.best_epoch if progress.best else settings.epochs - 1
+    chosen = settings.epochs - 1 if progress.best_epoch is None else progress.best_epoch
     return Trained(model=model.eval().cpu(), epochs=progress.epochs, chosen_epoch=chosen)
 
 

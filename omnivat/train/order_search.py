@@ -165,7 +165,7 @@ def _note(start: float, between: Sequence[float], ties: Sequence[float]) -> str:
 def folded(order: float) -> float:
     """Return the order in [0, 1] whose transform of a real signal has the same magnitudes."""
     order = abs(order) % 2.0
-    return 2.0 - order if order > 1.0 else order
+    return min(order, 2.0 - order)
 
 
 def lowest_point(points: Sequence[tuple[float, float]]) -> float:

@@ -31,7 +31,7 @@ class Progress:
 
     epochs: list[dict[str, float]] = field(default_factory=list)  # one for each finished epoch
     best_score: float = -1.0  # on the held-out part of the source
-    best_epoch: int = -1
+    best_epoch: int | None = None  # without a held-out part
     best: dict[str, Tensor] = field(default_factory=dict)  # weights of that epoch
 
     def keep_best(self, score: float, epoch: int, model: OmniVaT) -> None:

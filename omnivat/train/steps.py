@@ -102,7 +102,8 @@ def learn(
             f"Training stopped: the loss is {total:g}. Lower lr or "
             "mma_weight, or look for extreme values in the embeddings."
         )
-    if norm > settings.clip:
+    clipped = norm > settings.clip
+    if clipped:
         torch._foreach_mul_(rest, settings.clip / norm)
     held = 0.0
     if order.grad is not None:
@@ -117,6 +118,6 @@ def learn(
         "mma": mma,
         "nod": nod,
         "cross_entropy": cross_entropy,
-        "clipped": float(norm > settings.clip),
+        "clipped": float(clipped),
         "order_clipped": held,
     }

@@ -1,5 +1,7 @@
 """The search for p: it finds the order of chirps from any start, and uses the source only."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 import torch
@@ -9,7 +11,7 @@ from omnivat.evaluate import predicted_probabilities
 from omnivat.fractional import dfrft
 from omnivat.model.settings import HeadSettings
 from omnivat.simulate.chirps import ChirpSettings, chirp_embeddings
-from omnivat.train import TrainingCancelled, TrainSettings, Watch, train
+from omnivat.train import TrainingCancelled, TrainSettings, Watch, order_search, train
 from omnivat.train.order_search import (
     Scored,
     _grams,
@@ -219,3 +221,79 @@ def test_a_source_of_one_object_a_class_is_searched_without_a_held_out_part(chir
     one = source.select(np.array([int(np.flatnonzero(source.label == k)[0]) for k in range(5)]))
     settings = TrainSettings(epochs=1, lang=False, order_search=True, order_stops=2)
     assert np.isfinite(train(one, head(), settings).model.order)
+
+
+def test_orders_exactly_at_the_distance_share_a_valley():
+    found = [scored(p, loss, loss) for p, loss in ((0.25, 0.1), (0.5, 0.1), (0.75, 0.1), (1.0, 0.1))]
+    assert [one.order for one in lowest_valleys(found[:3], 0.25)] == [0.25, 0.75, 0.5]
+    assert tied(found, found[0], 0.25) == [0.75]
+
+
+def test_an_order_with_the_same_losses_ties_with_the_best():
+    best, same, worse = scored(0.5, 0.1, 0.2), scored(0.53, 0.1, 0.2), scored(0.6, 0.4, 0.5)
+    assert neighbours([best, same, worse], best) == (0.5, 0.53)
+
+
+def test_two_standard_errors_of_the_paired_difference_are_the_limit_of_a_tie():
+    """The difference has the mean 0.3 over 9 pairs; its standard error is 0.3 / doubt."""
+    base = np.array([0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0])
+    for doubt, ties in ((1.95, True), (2.05, False)):
+        wave = np.array([-1, 1, -1, 1, 0, 1, -1, 1, -1]) * 0.3 / doubt * 3
+        wave = wave / wave.std(ddof=1) * 0.3 / doubt * 3
+        best, other = scored(0.5, *base), scored(0.51, *(base + 0.3 + wave))
+        assert (neighbours([best, other], best) == (0.5, 0.51)) is ties
+
+
+def test_a_note_names_three_ties_and_says_if_there_are_more():
+    three, four = (order_search._note(0.5, (0.4, 0.6), [0.1, 0.2, 0.8, 0.9][:n]) for n in (3, 4))
+    assert "ties with 0.100, 0.200, 0.800: " in three
+    assert "ties with 0.100, 0.200, 0.800 and others: " in four
+
+
+def test_the_grid_is_as_fine_as_the_width_and_bounded():
+    counts = [
+        search_steps(head(width=w), TrainSettings(order_stops=n)) - 3 * 17 for w, n in ((8, 21), (64, 21), (4096, 9))
+    ]
+    assert counts == [21, 65, 2001]
+
+
+def test_a_record_rounds_its_cost_and_its_range(monkeypatch):
+    clock = iter([10.0, 11.23456])
+    monkeypatch.setattr(order_search, "time", SimpleNamespace(monotonic=lambda: next(clock)))
+    search = of(Recipe(order=0.4, near=((0.5, 0.6),)))
+    assert search["seconds"] == 1.23
+    assert search["between"] == [round(p, 4) for p in search["between"]]
+
+
+def test_pairs_are_left_out_with_their_object_if_each_class_has_two():
+    labels = np.array([0, 0, 0, 1, 1])
+    for objects, wanted in (
+        (["a", "a", "b", "c", "d"], [[0, 1], [2], [3], [4]]),
+        (["a", "a", "b", "c", "c"], [[0], [1], [2], [3], [4]]),
+        (["a", "a", "b", "c", ""], [[0], [1], [2], [3], [4]]),
+    ):
+        assert [group.tolist() for group in order_search._groups(objects, labels)] == wanted
+
+
+@pytest.mark.parametrize("sizes", [(1,) * 8, (2, 2, 1, 3)])
+def test_errors_left_out_are_those_of_a_ridge_fitted_to_the_rest(sizes):
+    random = np.random.default_rng(0)
+    rows = random.standard_normal((8, 3))
+    rows -= rows.mean(0)
+    targets = random.standard_normal((8, 2))
+    targets -= targets.mean(0)
+    groups = np.split(np.arange(8), np.cumsum(sizes)[:-1])
+    found = order_search._left_out(torch.from_numpy(rows @ rows.T), targets, groups)
+    wide = np.hstack([rows, np.ones((8, 1))])  # the mean has no penalty
+    for group in groups:
+        rest = np.setdiff1d(np.arange(8), group)
+        weights = np.linalg.solve(wide[rest].T @ wide[rest] + np.diag([1, 1, 1, 0]), wide[rest].T @ targets[rest])
+        wanted = ((targets[group] - wide[group] @ weights) ** 2).sum(1)
+        np.testing.assert_allclose(found[group], wanted)
+
+
+def test_one_modality_has_one_matrix_of_inner_products_and_two_have_their_mean_too():
+    tokens = torch.from_numpy(np.random.default_rng(0).normal(size=(2, 6, 4)))
+    assert len(_grams(tokens[:1])) == 1
+    vis, tac, both = _grams(tokens)
+    torch.testing.assert_close(both, (vis + tac) / 2)

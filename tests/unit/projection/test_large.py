@@ -78,9 +78,9 @@ def test_rows_beyond_the_bound_are_placed_among_the_cells_next_to_their_own(monk
 
 
 def test_a_cell_looks_at_the_nearest_pivots_own_rows_first(monkeypatch):
-    """Ten groups far apart, a pivot in each: with one cell, a row is placed within its own group."""
-    group = torch.arange(10).repeat(30)
-    points = 100 * noise(10, 4)[group] + noise(300, 4, seed=2)
+    """Seven groups far apart, pivots in each: with one cell, a row is placed within its own group."""
+    group = torch.arange(300) % 7
+    points = 100 * noise(7, 4)[group] + noise(300, 4, seed=2)
     chosen = torch.arange(200)
     flat = torch.stack([group[:200].float(), torch.zeros(200)], 1)
     for name, value in (("CELLS_FROM", 100), ("CELLS", 20), ("RING", 1)):
