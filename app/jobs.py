@@ -9,11 +9,13 @@ from collections import Counter, OrderedDict
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import count
-from threading import Condition, Thread
+from threading import Condition
 from time import monotonic, sleep
 from typing import Any, Generic, Literal, TypeVar
 
+from app.job_threads import JobThreads
 from app.limits import AGE_S, GIVE_WAY_S, OWN_JOBS, SLOTS, WAITING_JOBS
 from app.messages import UNEXPECTED, BusyError, CancelledError, UnexpectedError
 from app.state import VISITOR
@@ -69,7 +71,7 @@ class Job(Generic[T]):
         self.queued = 0.0  # when it last started waiting
         self.left_s = deadline_s
         self.since = 0.0  # when it last started running
-        self.thread: Thread | None = None
+        self.begun = False  # it has a thread, running or paused
         self._jobs, self._work = jobs, work
         self._step: Step | None = None
         self._pace = Pace()
@@ -154,7 +156,7 @@ class _Lane:
     def rank(self, job: Job[Any]) -> tuple[int, int, int]:
         """Return the key by which waiting jobs are sorted."""
         level = max(0, job.priority - int((monotonic() - job.queued) / self.age_s))
-        turn = self._served.get(job.visitor, 0) if job.thread is None else -1
+        turn = -1 if job.begun else self._served.get(job.visitor, 0)
         return level, turn, job.number
 
     def next(self) -> Job[Any] | None:
@@ -176,7 +178,7 @@ class _Lane:
 
     def hog(self, visitor: str) -> Job[Any] | None:
         """Return the newest waiting job of the visitor with most, if that is not `visitor`."""
-        unborn = [job for job in self.waiting if job.thread is None]
+        unborn = [job for job in self.waiting if not job.begun]
         held = Counter(job.visitor for job in unborn)
         most = max(held, key=lambda one: held[one], default=visitor)
         if held[most] <= held[visitor] + 1:
@@ -189,7 +191,8 @@ class Jobs:
 
     def __init__(self, slots: Mapping[str, int] = SLOTS) -> None:
         self._lanes = {name: _Lane(number, AGE_S[name]) for name, number in slots.items()}
-        self._changed = Condition()
+        self._changed = Condition()  # a paused job was woken or stopped
+        self._threads = JobThreads()
         self._numbers = count()
         self._closed = False
 
@@ -261,7 +264,7 @@ class Jobs:
         line = self._lanes[job.lane]
         with self._changed:
             job.cancelled = True
-            unborn = job in line.waiting and job.thread is None
+            unborn = job in line.waiting and not job.begun
             if job in line.waiting:
                 line.waiting.remove(job)
             self._changed.notify_all()
@@ -284,10 +287,7 @@ class Jobs:
             everything = self._all()
         for job in everything:
             self.cancel(job)
-        until = monotonic() + wait_s
-        for job in everything:
-            if job.thread is not None:
-                job.thread.join(max(0.0, until - monotonic()))
+        self._threads.close(monotonic() + wait_s)
 
     def place(self, job: Job[Any]) -> int:
         """Return the job's position in its queue, from 1; 0 if it is not waiting."""
@@ -324,16 +324,16 @@ class Jobs:
         """Start or wake the jobs that may run now; the caller holds the lock."""
         while job := line.next():
             job.since = monotonic()
-            if job.thread is None:
+            if job.begun:
+                self._changed.notify_all()
+            else:
                 self._begin(line, job)
-        self._changed.notify_all()
 
     def _begin(self, line: _Lane, job: Job[Any]) -> None:
-        job.thread = Thread(target=self._run, args=(job,), name="job", daemon=True)
         try:
-            job.thread.start()
+            self._threads.run(partial(self._run, job))
+            job.begun = True
         except RuntimeError:  # the system has no more threads
-            job.thread = None
             line.running.discard(job)
             job.end("failed", BusyError("The server has no thread left; try again in a minute."))
 

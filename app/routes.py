@@ -9,6 +9,7 @@ from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
+import orjson
 from starlette.background import BackgroundTask
 from starlette.requests import Request
 from starlette.responses import FileResponse, JSONResponse, Response
@@ -199,8 +200,15 @@ async def example_image(sets: VisitorSets, request: Request) -> Response:
 
 def in_json(value: Any, resources: Resources) -> Response:
     """Return a JSON response; non-finite values, from a damaged head, are an error."""
+    headers = {HOLDS: resources.holds}
     try:
-        return JSONResponse(value, headers={HOLDS: resources.holds})
+        content = orjson.dumps(value)
+    except TypeError:  # half of a surrogate pair, an integer beyond 64 bits
+        content = b"null"
+    try:
+        if b"null" in content:  # orjson writes NaN like None; json tells them apart
+            return JSONResponse(value, headers=headers)
+        return Response(content, media_type="application/json", headers=headers)
     except ValueError:
         return refusal("The head gives values that are not finite numbers; its weights are damaged. Train it again.")
 

@@ -115,6 +115,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the page until it is stopped."""
     chosen = parser().parse_args(arguments)
     os.environ["GRADIO_ANALYTICS_ENABLED"] = "False"
+    os.environ.setdefault("OMP_WAIT_POLICY", "passive")  # torch's idle threads sleep: visitors share the processors
     start_log()
     from app.places import places
     from app.resources import Resources, Shared

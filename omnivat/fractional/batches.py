@@ -55,9 +55,10 @@ def slices(rows: Inexact[Tensor, "R N"]) -> Iterator[slice]:
 
 def leading_shape(values: Inexact[Tensor, "... N"], order: Float64[Tensor, "..."]) -> torch.Size:
     """Return the batch shape: leading axes of the values and axes of the order, broadcast."""
-    if not order.dim():  # broadcast_shapes is written in Python and slow
-        return values.shape[:-1]
-    shape: torch.Size = torch.broadcast_shapes(values.shape[:-1], order.shape)
+    lead = values.shape[:-1]
+    if not order.dim() or order.shape == lead[-order.dim() :]:  # broadcast_shapes is written in Python and slow
+        return lead
+    shape: torch.Size = torch.broadcast_shapes(lead, order.shape)
     return shape
 
 

@@ -20,6 +20,7 @@ from omnivat.model.settings import HeadSettings
 from omnivat.progress import OnStep, Step, ignore, never
 from omnivat.seeding import derive_seed
 from omnivat.train.batches import Array, Batch, batches, held_out, labels_of
+from omnivat.train.momentum import Momentum
 from omnivat.train.settings import TrainSettings
 from omnivat.train.state import Progress, load_state, run_name, save_state
 from omnivat.train.steps import learn, make_optimiser, set_rate
@@ -129,7 +130,7 @@ def steps_of(pairs: int, settings: TrainSettings) -> int:
 
 def _epoch(
     model: OmniVaT,
-    optimiser: torch.optim.SGD,
+    optimiser: Momentum,
     drawn: Iterable[Batch],
     settings: TrainSettings,
     epoch: int,

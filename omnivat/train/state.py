@@ -5,9 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from hashlib import sha256
 from pathlib import Path
-from typing import Any
 
-import torch
 from safetensors import SafetensorError, safe_open
 from safetensors.torch import save
 from torch import Tensor
@@ -19,6 +17,7 @@ from omnivat.files import replacing
 from omnivat.lang.bank import LangBank
 from omnivat.model.head import OmniVaT
 from omnivat.model.settings import HeadSettings
+from omnivat.train.momentum import Momentum
 from omnivat.train.settings import TrainSettings
 
 STATE = "training.safetensors"  # file name in the folder of an unfinished head
@@ -51,14 +50,13 @@ def run_name(source: Embeddings, head: HeadSettings, settings: TrainSettings, ba
     return digest.hexdigest()[:16]
 
 
-def save_state(path: Path, run: str, model: OmniVaT, optimiser: torch.optim.Optimizer, progress: Progress) -> None:
+def save_state(path: Path, run: str, model: OmniVaT, optimiser: Momentum, progress: Progress) -> None:
     """Write the state after an epoch, completely or not at all."""
     tensors = {f"model.{name}": t for name, t in model.state_dict().items()}
     tensors |= {f"best.{name}": t for name, t in progress.best.items()}
-    for index, parameter in enumerate(_parameters(optimiser)):
-        momentum = optimiser.state.get(parameter, {}).get("momentum_buffer")
-        if momentum is not None:
-            tensors[f"momentum.{index}"] = momentum
+    for index, parameter in enumerate(optimiser.parameters):
+        if parameter in optimiser.buffers:
+            tensors[f"momentum.{index}"] = optimiser.buffers[parameter]
     metadata = {
         "format": FORMAT,
         "run": run,
@@ -70,7 +68,7 @@ def save_state(path: Path, run: str, model: OmniVaT, optimiser: torch.optim.Opti
         temporary.write_bytes(save(plain, metadata=metadata))
 
 
-def load_state(path: Path, run: str, model: OmniVaT, optimiser: torch.optim.Optimizer) -> Progress:
+def load_state(path: Path, run: str, model: OmniVaT, optimiser: Momentum) -> Progress:
     """Load a stopped training's state into model and optimiser; return its progress.
 
     A missing file means that training has not begun.
@@ -91,17 +89,13 @@ def load_state(path: Path, run: str, model: OmniVaT, optimiser: torch.optim.Opti
         )
     model.load_state_dict(_under("model.", tensors))
     momenta = _under("momentum.", tensors)
-    for index, parameter in enumerate(_parameters(optimiser)):
+    for index, parameter in enumerate(optimiser.parameters):
         if str(index) in momenta:
-            optimiser.state[parameter] = {"momentum_buffer": momenta[str(index)]}
+            optimiser.buffers[parameter] = momenta[str(index)]
     score, epoch = json.loads(metadata["best"])
     return Progress(
         epochs=json.loads(metadata["epochs"]), best_score=score, best_epoch=epoch, best=_under("best.", tensors)
     )
-
-
-def _parameters(optimiser: torch.optim.Optimizer) -> list[Any]:
-    return [parameter for group in optimiser.param_groups for parameter in group["params"]]
 
 
 def _under(prefix: str, tensors: Mapping[str, Tensor]) -> dict[str, Tensor]:

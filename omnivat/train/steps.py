@@ -11,10 +11,11 @@ from omnivat.errors import OmniVatError
 from omnivat.losses import joint_loss
 from omnivat.model.head import OmniVaT
 from omnivat.train.batches import Batch
+from omnivat.train.momentum import Momentum
 from omnivat.train.settings import TrainSettings
 
 
-def make_optimiser(model: OmniVaT, settings: TrainSettings) -> torch.optim.SGD:
+def make_optimiser(model: OmniVaT, settings: TrainSettings) -> Momentum:
     """SGD in three groups: p (slow, clamped), θ_e (no decay) and everything else."""
     order, theta = [model.mffa.order], list(model.mffa.theta.values())
     apart = {id(parameter) for parameter in (*order, *theta)}
@@ -24,10 +25,10 @@ def make_optimiser(model: OmniVaT, settings: TrainSettings) -> torch.optim.SGD:
         groups.append({"params": theta, "weight_decay": 0.0, "scale": 1.0})
     if model.mffa.order.requires_grad:
         groups.append({"params": order, "weight_decay": 0.0, "scale": settings.order_lr_scale})
-    return torch.optim.SGD(groups, lr=settings.lr, momentum=settings.momentum, fused=True)
+    return Momentum([{**group, "lr": settings.lr} for group in groups], settings.momentum)
 
 
-def set_rate(optimiser: torch.optim.SGD, settings: TrainSettings, epoch: float, step: float) -> None:
+def set_rate(optimiser: Momentum, settings: TrainSettings, epoch: float, step: float) -> None:
     """Linear warm-up by step, then cosine to zero. epoch and step count in epochs."""
     warm = min(settings.warmup_epochs, settings.epochs)
     if epoch < warm:
@@ -58,7 +59,7 @@ def taught_logits(teachers: Sequence[OmniVaT], batch: Batch) -> dict[str, Tensor
 
 
 def learn(
-    model: OmniVaT, optimiser: torch.optim.SGD, batch: Batch, settings: TrainSettings, teachers: Sequence[OmniVaT] = ()
+    model: OmniVaT, optimiser: Momentum, batch: Batch, settings: TrainSettings, teachers: Sequence[OmniVaT] = ()
 ) -> dict[str, float]:
     """Take one optimiser step; return the losses as numbers.
 
@@ -87,7 +88,7 @@ def learn(
         nod_weight=settings.nod_weight,
         targets=taught_logits(teachers, batch) if teachers else None,
     )
-    parameters = [p for group in optimiser.param_groups for p in group["params"]]
+    parameters = list(optimiser.parameters)
     for parameter in parameters:
         parameter.grad = None
     losses.total.backward()

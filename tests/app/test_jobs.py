@@ -1,6 +1,6 @@
 """Jobs: priority, cancellation, and a final state and sentence for every job."""
 
-from threading import Event, active_count
+from threading import Event, active_count, get_ident
 from time import monotonic, sleep
 from weakref import ref
 
@@ -288,7 +288,7 @@ def test_a_job_that_gets_no_thread_fails_in_a_sentence_and_frees_its_slot(jobs, 
         raise RuntimeError("can't start new thread")
 
     with monkeypatch.context() as patched:
-        patched.setattr("app.jobs.Thread.start", none_left)
+        patched.setattr("app.job_threads.Thread.start", none_left)
         job = jobs.start(lambda job: 1, lane="long")
     assert "no thread left" in job.status().problem
     assert jobs.start(lambda job: 1, lane="long").wait(5) == 1
@@ -309,5 +309,20 @@ def test_a_failed_job_keeps_nothing_that_its_work_held(jobs):
     with pytest.raises(DataError, match="cannot be shown"):
         job.wait(5)
     del work
-    job.thread.join(5)
+    jobs.close()  # waits for the thread
     assert held[0]() is None
+
+
+def test_a_thread_runs_one_job_after_another(jobs):
+    seen = set()
+    for _ in range(20):
+        jobs.start(lambda job: seen.add(get_ident()), lane="quick").wait(5)
+    assert len(seen) <= 2  # the next job may begin before a thread is idle again
+
+
+def test_a_job_that_ends_a_pause_wakes_only_the_paused_one(jobs, monkeypatch):
+    woken = []
+    monkeypatch.setattr(jobs._changed, "notify_all", lambda: woken.append(1))
+    for _ in range(5):
+        jobs.start(lambda job: 1, lane="quick").wait(5)
+    assert not woken

@@ -7,6 +7,7 @@ from omnivat.errors import DataError
 from omnivat.lang.bank import load_bank
 from omnivat.model.settings import HeadSettings
 from omnivat.train import TrainSettings, train
+from omnivat.train import state as state_module
 
 
 @pytest.fixture(scope="module")
@@ -58,7 +59,8 @@ def test_resumed_training_equals_uninterrupted_training_to_the_bit(source, tmp_p
 
 def test_the_resume_check_can_fail(source, tmp_path, monkeypatch):
     """Without the optimiser's momentum the weights differ."""
-    monkeypatch.setattr("omnivat.train.state._parameters", lambda optimiser: [])
+    kept = state_module._under
+    monkeypatch.setattr(state_module, "_under", lambda name, t: {} if name == "momentum." else kept(name, t))
     settings, state = TrainSettings(epochs=2), tmp_path / "training.safetensors"
     whole = train(source, head(), settings, bank=load_bank())
 
