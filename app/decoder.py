@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 SIMPLE_BYTES = 4_000_000  # a larger file is read by a separate process
 LARGE = 8_000_000  # bytes of a picture; beyond, freed memory is returned to the system
 M_MMAP_THRESHOLD = -3  # of mallopt(3)
+MAPPED = 5_000_000  # bytes; the encoder's largest tensor has 4.8 million and is faster in memory that stays
 HAND_BACK_S = 1.0  # seconds after a large picture was decoded
 READY = b"ready\n"
 Check = Callable[[], None]
@@ -73,7 +74,7 @@ class Decoder:
         self._timer: Timer | None = None
         self._closed = False
         # glibc raises this limit by itself, and pictures decoded in several threads then leave 70 MB behind
-        _libc("mallopt", M_MMAP_THRESHOLD, LARGE // 2)
+        _libc("mallopt", M_MMAP_THRESHOLD, MAPPED)
 
     def read(self, source: bytes | Path, name: str, check: Check = lambda: None) -> Picture:
         """Return the picture in bytes or a file.
