@@ -1,9 +1,8 @@
 """The ladder: what is known about a new sensor, and the accuracy that each step brings.
 
-Every rung is accuracy over unseen domains with something known about them, beside the strict
-protocol, in which nothing is. The loaded head's own rungs are computed in seconds; those that need
-another training come from the records of `python -m benchmarks.ladder`, a light head like the
-default one.
+Every rung is accuracy over unseen domains with something known about them, beside the strict protocol, in which nothing
+is. The loaded head's own rungs are computed in seconds; those that need another training come from the records of
+`python -m benchmarks.ladder`, a light head like the default one.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -101,24 +100,13 @@ def _of_head(head: Head, embeddings: Embeddings) -> Iterator[Rung]:
     tested = counted(embeddings, head.source) & (label >= 0)
     test = embeddings.select(tested)
     right = _right(head, test, label[tested])
-    names = list(embeddings.header.domains)
-    home = names.index(head.source)
+    home = list(embeddings.header.domains).index(head.source)
     own = test.domain == home
     if own.any():
-        low, high = wilson(int(right[own].sum()), int(own.sum()))
-        yield Rung(
-            rung="home",
-            known=KNOWN["home"],
-            accuracy=float(right[own].mean()),
-            low=low,
-            high=high,
-            source=head.source,
-            origin="this head",
-        )
-    if own.all():
-        return
-    yield rung("none", [right], test.domain, home, head.source, "this head")
-    if head.profile is None:
+        yield rung("home", [right], test.domain, home, head.source, "this head")
+    if not own.all():
+        yield rung("none", [right], test.domain, home, head.source, "this head")
+    if own.all() or head.profile is None:
         return
     for name, count in (*((f"n{n}", n) for n in COUNTS), ("all", ALL)):
         rows = []
@@ -139,13 +127,14 @@ def rung(
 ) -> Rung:
     """Return a rung from the right predictions (N,) of each draw; NaN where none was made.
 
-    The interval is for other domains and other pairs: both are drawn (`unseen.intervals`).
+    The interval is for other domains and other pairs: both are drawn (`unseen.intervals`). That of "home" is for other
+    pairs of the source.
     """
     given = np.ma.masked_invalid(np.stack(rows)).mean(axis=0)
     known, right = ~np.ma.getmaskarray(given), given.filled(0.0)
-    masks = [known & (domain == d) for d in np.unique(domain) if d != home]
+    masks = [known & (domain == d) for d in np.unique(domain) if (d == home) == (name == "home")]
     counts = [(round(float(right[m].sum())), int(m.sum())) for m in masks if m.any()]
-    low, high = of_domains(counts)
+    low, high = wilson(*counts[0]) if name == "home" else of_domains(counts)
     return Rung(
         rung=name,
         known=KNOWN[name],
@@ -191,21 +180,9 @@ def recorded(source: str, domains: Sequence[str]) -> list[Rung]:
             ]
             if rows:
                 known = words if method == METHOD else f"{words} ({OTHERS[method]})"
-                found.append(_recorded(name, known, rows, domain, home, source))
+                found.append(replace(rung(name, rows, domain, home, source, "records"), known=known))
                 break
     return found
-
-
-def _recorded(
-    name: str, known: str, rows: Sequence[NDArray[np.float64]], domain: NDArray[np.int64], home: int, source: str
-) -> Rung:
-    if name != "home":
-        return replace(rung(name, rows, domain, home, source, "records"), known=known)
-    right = np.mean(rows, axis=0)[domain == home]
-    low, high = wilson(round(float(right.sum())), len(right))
-    return Rung(
-        rung=name, known=known, accuracy=float(right.mean()), low=low, high=high, source=source, origin="records"
-    )
 
 
 def letters(text: str) -> NDArray[np.int64]:

@@ -29,6 +29,10 @@ KNOWN = 20  # pictures of a target's profile; they are not tested, and are half 
 VIEWS = {"vis": ("vis",), "tac": ("tac",), "both": ("vis", "tac")}
 WORDS = {"vis": "photo only", "tac": "touch only", "both": "both"}
 PROBE = "a logistic regression of the same vectors"
+NO_CLASSES = (
+    "the pairs have no classes, or all have the same one. Gaps, retrieval and maps need none: `python -m omnivat report` "
+    "measures them."
+)
 Rows = NDArray[np.int64]
 Labels = NDArray[np.int64]
 
@@ -57,7 +61,8 @@ def try_pairs(found: Features, *, source: str = "", seed: int = 0, on_step: OnSt
             f"{' or '.join(able) or 'a set with labels'}."
         )
     if not found.labelled or not able:
-        return Trial(head=None, lines=[_no_head(found)])
+        why = "no single domain has pairs of two classes." if found.labelled else NO_CLASSES
+        return Trial(head=None, lines=[f"No head was trained: {why}"])
     source = source or max(able, key=lambda name: len(found.members(name)))
     own, objects = found.members(source), _objects(data)
     folds, alone = _folds(data.label[own], objects[own], seed)
@@ -73,7 +78,7 @@ def try_pairs(found: Features, *, source: str = "", seed: int = 0, on_step: OnSt
         ).model
         for view, labels in _predicted(model, data, own[out], _views(found)).items():
             said[view][out] = labels
-        said[PROBE][out] = _probe(found, fit)(_rows(found, data, own[out]))
+        said[PROBE][out] = _probed(found, fit, own[out])
     head = trained_head(plan, watch=watch.part(len(folds) * each, whole))
     tested = np.any(folds, axis=0) if folds else np.zeros(len(own), bool)
     lines = [_about(plan, source)]
@@ -101,15 +106,6 @@ def try_pairs(found: Features, *, source: str = "", seed: int = 0, on_step: OnSt
             "one thing, name the objects: these figures are too good otherwise."
         )
     return Trial(head=head, lines=lines, records=records)
-
-
-def _no_head(found: Features) -> str:
-    if found.labelled:
-        return "No head was trained: no single domain has pairs of two classes."
-    return (
-        "No head was trained: the pairs have no classes, or all have the same one. "
-        "Gaps, retrieval and maps need none: `python -m omnivat report` measures them."
-    )
 
 
 def _objects(data: Embeddings) -> NDArray[np.int64]:
@@ -174,13 +170,12 @@ def _predicted(model: Any, data: Embeddings, rows: Rows, views: Sequence[str]) -
     return found
 
 
-def _rows(found: Features, data: Embeddings, rows: Rows) -> Any:
-    """Return unit vectors of the modalities side by side, as doubles."""
-    return joined([np.array(getattr(data, name)[rows], np.float32) for name in found.modalities])
-
-
-def _probe(found: Features, fit: Rows) -> Any:
-    return fitted_probe(_rows(found, found.embeddings, fit), found.embeddings.label[fit])
+def _probed(found: Features, fit: Rows, rows: Rows) -> Labels:
+    """Return the labels of `rows` by a probe of unit vectors, both modalities side by side, that is fitted to `fit`."""
+    data = found.embeddings
+    fitted, asked = (joined([np.array(getattr(data, n)[k], np.float32) for n in found.modalities]) for k in (fit, rows))
+    labels: Labels = fitted_probe(fitted, data.label[fit])(asked)
+    return labels
 
 
 def _record(domain: str, labels: Labels, objects: Rows) -> dict[str, Any]:
@@ -215,7 +210,7 @@ def _in_target(found: Features, head: Head, own: Rows, rows: Rows, name: str) ->
         return None, f"{lead}: no pair is of a class that the head learned."
     record = _filled(
         _record(name, data.label[known], _objects(data)[known]),
-        _predicted(head.model, data, known, views) | {PROBE: _probe(found, own)(_rows(found, data, known))},
+        _predicted(head.model, data, known, views) | {PROBE: _probed(found, own, known)},
     )
     text = f"{lead}, of which nothing was known: {_sentence(record)}"
     mixed = np.random.default_rng(derive_seed(0, "known", name)).permutation(rows)

@@ -1,10 +1,13 @@
-"""The command line: `python -m omnivat COMMAND`, each command in a file of this folder."""
+"""The command line: `python -m omnivat COMMAND`, each command in a file of this folder.
+
+A command has `add`, which declares its arguments, and `run`, which takes them.
+"""
 
 import argparse
 import logging
 import sys
 from collections.abc import Sequence
-from contextlib import AbstractContextManager, nullcontext, suppress
+from contextlib import nullcontext, suppress
 from importlib import import_module
 from io import TextIOWrapper
 
@@ -56,7 +59,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         if sys.stdout is None:
             raise WriteError("Standard output is closed; leave it open, or send it to a file.")
-        with _device(options):
+        device = getattr(options, "device", "cpu")
+        with nullcontext() if device == named() == "cpu" else computing_on(device):
             COMMANDS[options.command].run(options)
         sys.stdout.flush()
     except OmniVatError as error:
@@ -69,7 +73,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         _drop_output()
         return 1
     except OSError as error:  # a full disk or a lost network folder: a traceback does not help
-        print(f"omnivat {options.command}: {_what_failed(error)}", file=sys.stderr)
+        where = f"'{error.filename}': " if error.filename else ""
+        what = f"{where}{error.strerror or error}. Check the path, its permissions and the free space."
+        print(f"omnivat {options.command}: {what}", file=sys.stderr)
         _drop_output()
         return 1
     return 0
@@ -82,14 +88,3 @@ def _drop_output() -> None:
         return
     with suppress(OSError):
         sys.stdout.close()
-
-
-def _device(options: argparse.Namespace) -> AbstractContextManager[None]:
-    """Run a command on its device."""
-    name = getattr(options, "device", "cpu")
-    return nullcontext() if name == named() == "cpu" else computing_on(name)
-
-
-def _what_failed(error: OSError) -> str:
-    where = f"'{error.filename}': " if error.filename else ""
-    return f"{where}{error.strerror or error}. Check the path, its permissions and the free space."

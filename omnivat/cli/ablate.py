@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     add_running(parser)
     parser.add_argument("--sources", default="", metavar="A,B", help="instead of the paper's")
     shared(parser, "only", set="a base setting of all rows, such as width=64")

@@ -153,9 +153,14 @@ def with_profiles(head: "Head | None", embeddings: "Embeddings", files: list[Pat
     return head.profiled(embeddings, [load_profile(file) for file in files])
 
 
-def print_json(value: Any) -> None:
-    """Print a value as JSON."""
-    print(json.dumps(value, indent=2, ensure_ascii=False))
+def as_json(value: Any) -> str:
+    """Return a value as JSON for people."""
+    return json.dumps(value, indent=2, ensure_ascii=False)
+
+
+def passed(options: argparse.Namespace, *names: str) -> dict[str, Any]:
+    """Return some of the options by name, to pass them on."""
+    return {name: getattr(options, name) for name in names}
 
 
 def check_figure(options: argparse.Namespace) -> None:

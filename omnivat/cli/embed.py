@@ -8,7 +8,7 @@ import argparse
 from os.path import realpath
 from pathlib import Path
 
-from omnivat.cli.arguments import choice, download, progress_bar, shared
+from omnivat.cli.arguments import choice, download, passed, progress_bar, shared
 from omnivat.data.readers import READERS
 from omnivat.encoders.base import ENCODERS, JOINED
 from omnivat.errors import SettingsError
@@ -16,7 +16,6 @@ from omnivat.files import require_writable
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     parser.add_argument("pairs", type=Path, help="a folder or CSV of pairs, or a data set's root")
     text = (
         f"image encoder: {', '.join(ENCODERS)}; hf:NAME_OR_FOLDER for a vision model of transformers; module:function or "
@@ -67,22 +66,10 @@ def run(options: argparse.Namespace) -> None:
     print(summary_table(found))
     if rested := sum(pair.tac_rest is not None for pair in found.pairs):
         print(f"a rest picture is subtracted from {rested} of {len(found.pairs)} tactile images")
+    how = passed(options, "weights", "tac_weights", "device", "download", "precision", "dtype", "manifest", "engine")
     with progress_bar(f"embed with {encoder}") as show:
         report = embed_pairs(
-            found,
-            encoder,
-            options.out,
-            weights=options.weights,
-            tac_weights=options.tac_weights,
-            device=options.device,
-            download=options.download,
-            precision=options.precision,
-            dtype=options.dtype,
-            manifest=options.manifest,
-            engine=options.engine,
-            flips=not options.no_flips,
-            workers=options.workers,
-            on_step=show,
+            found, encoder, options.out, **how, flips=not options.no_flips, workers=options.workers, on_step=show
         )
     for skipped in report.skipped:
         print(f"skipped {skipped.what}: {skipped.why}")
@@ -107,4 +94,4 @@ def reader_options(texts: list[str]) -> dict[str, str]:
     for text in texts:
         if "=" not in text:
             raise SettingsError(f"--set got '{text}'; write it as key=value.")
-    return {name: value for name, _, value in (text.partition("=") for text in texts)}
+    return dict(text.split("=", 1) for text in texts)

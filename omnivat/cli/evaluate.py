@@ -12,10 +12,10 @@ from statistics import pstdev
 from typing import TYPE_CHECKING, Any
 
 from omnivat.cli.arguments import (
+    as_json,
     check_figure,
     figure,
     head_and_set,
-    print_json,
     progress_bar,
     shared,
     whole,
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     shared(parser, "head", "embeddings", "order", "profile", "device", "json", seed="seed of --unlabelled; default: 0")
     text = "draw N training pairs of each target domain, profile them without their labels, and predict the rest"
     parser.add_argument("--unlabelled", type=whole(0), metavar="N", help=text)
@@ -38,7 +37,10 @@ def add(parser: argparse.ArgumentParser) -> None:
         "of few pairs vary by a point or two"
     )
     parser.add_argument("--draws", type=whole(1), default=10, metavar="K", help=text)
-    text = "write what each step of knowledge about a new sensor brings, next to the embeddings; the page then shows it at once"
+    text = (
+        "write what each step of knowledge about a new sensor brings, next to the embeddings; the page then shows it "
+        "at once"
+    )
     parser.add_argument("--ladder", action="store_true", help=text)
     figure(parser, "accuracy in each domain with 95 %% intervals")
 
@@ -67,10 +69,7 @@ def run(options: argparse.Namespace) -> None:
         from omnivat.figures import strangers, write
 
         write(options.figure, strangers(summary(records, head.source)))
-    if options.json:
-        print_json(records)
-    else:
-        print(table(records))
+    print(as_json(records) if options.json else table(records))
 
 
 def _known(

@@ -8,13 +8,12 @@ import argparse
 from dataclasses import replace
 from pathlib import Path
 
-from omnivat.cli.arguments import choice, progress_bar, shared
+from omnivat.cli.arguments import choice, passed, progress_bar, shared
 from omnivat.errors import SettingsError
 from omnivat.stages import STAGES
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     target = parser.add_mutually_exclusive_group(required=True)
     target.add_argument("--site", type=Path, help="folder for the whole page, to be served by any file server")
     text = ".html (interactive), .svg, .png or .json (Plotly); .html for the page"
@@ -69,13 +68,6 @@ def run(options: argparse.Namespace) -> None:
     if options.what == "page":
         export_page(where, frames, options.out)
     else:
-        export_picture(
-            frames,
-            options.out,
-            what=options.what,
-            order=options.order,
-            stage=options.stage,
-            kind=options.map,
-            colour=options.colour,
-        )
+        look = passed(options, "what", "order", "stage", "colour")
+        export_picture(frames, options.out, **look, kind=options.map)
     print(f"{options.what} written to {options.out}")

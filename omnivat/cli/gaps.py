@@ -9,7 +9,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from omnivat.cli.arguments import check_figure, choice, figure, print_json, shared
+from omnivat.cli.arguments import as_json, check_figure, choice, figure, shared
 from omnivat.cli.features import LARGE, StageFeatures, add_stage, stage_features
 from omnivat.gaps import GAPS
 
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     add_stage(parser)
     choice(parser, "--measure", list(GAPS), first="centroid")
     shared(parser, "json")
@@ -42,8 +41,7 @@ def run(options: argparse.Namespace) -> None:
 
         write(options.figure, gap_tables(record))
     if options.json:
-        print_json(record)
-        return
+        return print(as_json(record))
     print(f"{options.measure} at {options.stage}: {found.about}\n")
     if "standard_error" in record:
         print(

@@ -1,16 +1,15 @@
 """Import embeddings from another program, windows of contact signals, or pictures of recordings.
 
-python -m omnivat import FILE --encoder NAME --out set.safetensors [--domain NAME] [--column material=class]
-python -m omnivat import FOLDER --encoder strip --out set.safetensors [--window 64]
-python -m omnivat import LEROBOT --out PAIRS [--frames 5] [--pick even|contact] [--labels episodes.csv]
-python -m omnivat import videos.csv --out PAIRS
+python -m omnivat import FILE --encoder NAME --out set.safetensors [--domain NAME] [--column material=class] python -m
+omnivat import FOLDER --encoder strip --out set.safetensors [--window 64] python -m omnivat import LEROBOT --out PAIRS
+[--frames 5] [--pick even|contact] [--labels episodes.csv] python -m omnivat import videos.csv --out PAIRS
 """
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from omnivat.cli.arguments import choice, listed, progress_bar, shared, whole
+from omnivat.cli.arguments import choice, listed, passed, progress_bar, shared, whole
 from omnivat.errors import SettingsError
 from omnivat.files import require_writable
 
@@ -22,7 +21,6 @@ if TYPE_CHECKING:
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     text = (
         ".npz, .parquet, .h5 or .csv (docs/encoders.md), a folder of signals, a LeRobot data set, or a table of videos "
         "(docs/data.md)"
@@ -111,21 +109,14 @@ def _signals(options: argparse.Namespace) -> "Embeddings":
 def _vectors(options: argparse.Namespace) -> "Embeddings":
     from omnivat.data.foreign import import_embeddings
 
-    return import_embeddings(
-        options.file,
-        encoder=options.encoder,
-        domain=options.domain,
-        classes=listed(options.classes),
-        columns=columns_of(options.column),
-        preprocessing=options.preprocessing,
-        origin=options.origin,
-        simulated=options.simulated,
-    )
+    about = passed(options, "encoder", "preprocessing", "origin")
+    return import_embeddings(options.file, **about, **foreign(options))
 
 
-def columns_of(texts: list[str]) -> dict[str, str]:
-    """Return --column OURS=THEIRS as a table; raises SettingsError for another form."""
-    for text in texts:
+def foreign(options: argparse.Namespace) -> dict[str, Any]:
+    """Return what `add_foreign` declares, for a reader; raises SettingsError for a column in another form."""
+    for text in options.column:
         if not all(text.partition("=")):
             raise SettingsError(f"--column got '{text}'; write it as OURS=THEIRS.")
-    return {ours: theirs for ours, _, theirs in (text.partition("=") for text in texts)}
+    columns = dict(text.split("=", 1) for text in options.column)
+    return passed(options, "domain", "simulated") | {"classes": listed(options.classes), "columns": columns}

@@ -3,8 +3,7 @@
     python -m omnivat predict VIS TAC [VIS TAC ...] [--head DIR] [--order P] [--tac-rest FILE]
         [--profile FILE] [--json]
 
-Write "-" for a missing VIS or TAC. Of --pairs, pairs with an unreadable image are named on stderr
-and left out.
+Write "-" for a missing VIS or TAC. Of --pairs, pairs with an unreadable image are named on stderr and left out.
 """
 
 import argparse
@@ -12,7 +11,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from omnivat.cli.arguments import download, print_json, progress_bar, shared
+from omnivat.cli.arguments import as_json, download, passed, progress_bar, shared
 from omnivat.errors import DataError, SettingsError
 from omnivat.progress import Step
 
@@ -21,7 +20,6 @@ WORDS = {"vis": "photo only", "tac": "touch only"}
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     text = "a photo and a tactile image, once or many times; '-' for one that is missing"
     parser.add_argument("images", nargs="*", metavar="VIS TAC", help=text)
     parser.add_argument("--pairs", help="a folder or CSV of pairs, instead of single images")
@@ -49,14 +47,8 @@ def run(options: argparse.Namespace) -> None:
     profile = load_profile(options.profile) if options.profile else None
     rested = head.encoder["preprocessing"].endswith(RESTED)
     pairs = _pairs(options, _rest(options, rested))
-    encoder = load_encoder(
-        head.encoder["name"],
-        weights=options.weights,
-        tac_weights=options.tac_weights,
-        device=options.device,
-        download=options.download,
-        weights_hash=head.encoder["weights_hash"],
-    )
+    where = passed(options, "weights", "tac_weights", "device", "download")
+    encoder = load_encoder(head.encoder["name"], **where, weights_hash=head.encoder["weights_hash"])
     head.require(
         (encoder.name, encoder.weights_hash, encoder.preprocessing + (RESTED if rested else "")),
         encoder.width,
@@ -80,13 +72,11 @@ def run(options: argparse.Namespace) -> None:
     if not predictions:
         raise DataError(f"None of the {len(pairs)} pairs in '{options.pairs}' could be read.")
     context = {"head": str(options.head), "source": head.source, "encoder": encoder.name}
+    records = [predicted | context for predicted in predictions]
     if options.json:
-        records = [predicted | context for predicted in predictions]
-        value = records[0] if len(records) == 1 and not options.pairs else records
-        print_json(value)
+        print(as_json(records[0] if len(records) == 1 and not options.pairs else records))
     else:
-        for predicted in predictions:
-            print(_readable(predicted, head.source))
+        print("\n".join(_readable(predicted, head.source) for predicted in predictions))
 
 
 def _check(options: argparse.Namespace) -> None:

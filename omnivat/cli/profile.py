@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from omnivat.cli.arguments import download, progress_bar, shared
+from omnivat.cli.arguments import download, passed, progress_bar, shared
 from omnivat.errors import SettingsError
 from omnivat.files import require_writable
 
@@ -19,7 +19,6 @@ EMBEDDINGS = ".safetensors"
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     text = (
         "an embeddings file, or a folder of pictures: pairs in any layout of `embed`, or files named *_vis.* and *_tac.*, "
         "or folders named vis and tac"
@@ -65,7 +64,7 @@ def _of_pictures(options: argparse.Namespace) -> "Profile":
     from omnivat.encoders import load_encoder
 
     found = pictures_in(options.pictures, vis=options.vis, tac=options.tac, rest=options.tac_rest)
-    encoder = load_encoder(options.encoder, weights=options.weights, device=options.device, download=options.download)
+    encoder = load_encoder(options.encoder, **passed(options, "weights", "device", "download"))
     with progress_bar(f"embed with {encoder.name}") as show:
         profile, skipped = profile_of_pictures(encoder, found, domain=options.domain, on_step=show)
     for one in skipped:

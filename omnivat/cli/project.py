@@ -26,7 +26,6 @@ LEAST = 2 * NEIGHBOURS + 1  # fewest points for a faithfulness value
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     add_stage(parser)
     choice(parser, "--method", list(PROJECTIONS), "method of the map", "umap")
     parser.add_argument("--out", type=Path, help="the CSV to write")

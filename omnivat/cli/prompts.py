@@ -22,7 +22,6 @@ METHODS = ("phrases", "promptstyler")
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     parser.add_argument("--classes", default=",".join(MATERIALS), help="names, with commas")
     choice(parser, "--encoder", TEXT_ENCODERS, "text encoder")
     shared(parser, "out", "device", weights="checkpoint of a CLIP encoder", seed="of the learned styles")

@@ -19,7 +19,6 @@ RUNS = "runs.jsonl"
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     add_running(parser)
     parser.add_argument("--methods", default="", metavar="a,b,c", help="methods by name; default: all fast ones")
     parser.add_argument("--sources", default="", metavar="A,B", help="domains to train on; default: all in the set")

@@ -6,14 +6,13 @@ python -m omnivat report FEATURES --out DIR [--encoder NAME] [--column vis=THEIR
 import argparse
 from pathlib import Path
 
-from omnivat.cli.arguments import listed, progress_bar, shared
-from omnivat.cli.imports import add_foreign, columns_of
+from omnivat.cli.arguments import progress_bar, shared
+from omnivat.cli.imports import add_foreign, foreign
 from omnivat.errors import SettingsError
 from omnivat.files import require_writable
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     text = (
         "embeddings .safetensors, or .npz, .parquet, .h5 or .csv as `omnivat import` reads them; one modality, one domain "
         "and no classes are accepted"
@@ -32,15 +31,7 @@ def run(options: argparse.Namespace) -> None:
         require_writable(options.out / name)
     from omnivat.shift import read_features, write_report
 
-    found = read_features(
-        options.features,
-        encoder=options.encoder,
-        domain=options.domain,
-        classes=listed(options.classes),
-        columns=columns_of(options.column),
-        simulated=options.simulated,
-        seed=options.seed,
-    )
+    found = read_features(options.features, encoder=options.encoder, **foreign(options), seed=options.seed)
     with progress_bar("report") as show:
         files = write_report(found, options.out, seed=options.seed, on_step=show)
     what = " and ".join(found.modalities) + ("" if found.labelled else ", without classes")

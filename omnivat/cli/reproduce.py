@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from omnivat.cli import ablate, prompts, protocol
-from omnivat.cli.arguments import download, progress_bar, shared, whole
+from omnivat.cli.arguments import download, passed, progress_bar, shared, whole
 from omnivat.errors import DataError
 from omnivat.files import write_json, write_text
 
@@ -20,11 +20,11 @@ if TYPE_CHECKING:
     from omnivat.encoders import Encoder
 
 STATE, EMBEDDINGS, LANG = "reproduce.json", "embeddings.safetensors", "lang.safetensors"
+ENCODING = ("weights", "device", "download")  # options of an encoder
 TIMED = 8  # pairs for timing the encoder
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     parser.add_argument("--data", type=Path, required=True, help="folder of the data sets")
     parser.add_argument("--encoder", default="", metavar="NAME", help="clip with --weights, else clip-vit-b16")
     parser.add_argument("--methods", default="", metavar="a,b,c", help="of the comparison")
@@ -56,7 +56,7 @@ def run(options: argparse.Namespace) -> None:
     name = options.encoder or ("clip" if options.weights else "clip-vit-b16")
     sets = read_paper_sets(options.data)
     _say_what_was_found(sets, options.out)
-    encoder = load_encoder(name, weights=options.weights, device=options.device, download=options.download)
+    encoder = load_encoder(name, **passed(options, *ENCODING))
     _embed(sets, name, encoder, options)
     bank = _lang(name, encoder, options)
     _run("protocol", protocol, _shared(options, bank) + _named("--methods", options.methods))
@@ -93,16 +93,7 @@ def _embed(sets: "PaperSets", name: str, encoder: "Encoder", options: argparse.N
         print(f"{file} has these pairs and this encoder; kept")
         return
     with progress_bar(f"embed with {name}") as show:
-        report = embed_pairs(
-            sets.pairs,
-            name,
-            file,
-            weights=options.weights,
-            device=options.device,
-            download=options.download,
-            workers=options.workers,
-            on_step=show,
-        )
+        report = embed_pairs(sets.pairs, name, file, **passed(options, *ENCODING, "workers"), on_step=show)
     write_json(options.out / STATE, state)
     print(f"{report.embedded} pairs embedded, {len(report.skipped)} skipped")
 

@@ -22,7 +22,6 @@ SENSOR_OPTIONS = ("domains", "workers")
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     choice(parser, "--set", ("sensors", "chirps"), "the set to make")
     parser.add_argument("--domains", help="only these, separated by commas")
     parser.add_argument("--pairs-per-class", type=int, help="60 for sensors, 40 for chirps")

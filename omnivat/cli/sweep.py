@@ -4,9 +4,8 @@
     python -m omnivat sweep --csv CURVES --stages raw,f_hat --measures mmd_rbf,ece --orders 0,0.5,1
     python -m omnivat sweep --retrain 21 --out FRAMES [--source DOMAIN] [--seeds 0,1,2] [--jobs 2]
 
---out writes the frames file for the page; without it, no maps are computed. --retrain trains a head
-at each order, with the settings of --head, instead of moving the p of one head. Finished heads of
-an interrupted run are used again.
+--out writes the frames file for the page; without it, no maps are computed. --retrain trains a head at each order, with
+the settings of --head, instead of moving the p of one head. Finished heads of an interrupted run are used again.
 """
 
 import argparse
@@ -47,7 +46,6 @@ Wanted = Mapping[str, Sequence[str]]  # "stages" and "measures"
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     shared(parser, "head", "embeddings", "profile", "device")
     parser.add_argument("--out", type=Path, help="the frames file for the page, with maps")
     parser.add_argument("--json", type=Path, help="the curves over p as JSON")

@@ -7,7 +7,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from omnivat.cli.arguments import head_and_set, print_json, progress_bar, shared, with_profiles
+from omnivat.cli.arguments import as_json, head_and_set, progress_bar, shared, with_profiles
 from omnivat.errors import DataError
 
 if TYPE_CHECKING:
@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     parser.add_argument("--embeddings", type=Path, required=True, help="labelled pairs, from `omnivat embed`")
     parser.add_argument("--domain", help="only the pairs of this domain")
     shared(parser, "head", "profile", "json", out="folder for the taught head")
@@ -55,10 +54,7 @@ def run(options: argparse.Namespace) -> None:
         "classes": list(found.settings.classes),
         "out": str(options.out),
     }
-    if options.json:
-        print_json(record)
-    else:
-        print(_readable(record, why))
+    print(as_json(record) if options.json else _readable(record, why))
 
 
 def lessons_of(embeddings: "Embeddings") -> "list[Lesson]":

@@ -13,7 +13,6 @@ from omnivat.files import require_writable
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     parser.add_argument("pairs", type=Path, help="the embedded folder or CSV of pairs")
     shared(parser, "embeddings")
     parser.add_argument("--out", type=Path, help="a .webp; default: next to the embeddings")

@@ -13,7 +13,6 @@ from omnivat.cli.arguments import numbers, progress_bar, shared, split_settings
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     parser.add_argument("--source", required=True, help="the source domain")
     parser.add_argument("--part", default="", help="only this part of it, such as outdoor")
     text = "a setting of the head or of training, such as width=64 or lr=0.02"

@@ -14,8 +14,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from omnivat.cli.arguments import download, listed, progress_bar, shared
-from omnivat.cli.imports import add_foreign, columns_of
+from omnivat.cli.arguments import download, progress_bar, shared
+from omnivat.cli.imports import add_foreign, foreign
 from omnivat.encoders.base import DEFAULT_ENCODER
 from omnivat.errors import DataError, SettingsError, printable
 from omnivat.files import replacing, require_writable, write_json
@@ -29,7 +29,6 @@ PAGE = "from app.server import main; raise SystemExit(main())"
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
     parser.add_argument("pairs", type=Path, metavar="PAIRS", help="a folder, a CSV, embeddings, NPZ or Parquet")
     parser.add_argument("--out", type=Path, metavar="DIR", help="folder to write; default: beside PAIRS")
     parser.add_argument("--source", default="", help="domain to train on; default: the largest")
@@ -88,10 +87,7 @@ def _features(options: argparse.Namespace, out: Path) -> tuple["Features", list[
     found = read_features(
         out / SET if pictures else place,
         encoder="" if options.encoder == DEFAULT_ENCODER else options.encoder,
-        domain=options.domain,
-        classes=listed(options.classes),
-        columns=columns_of(options.column),
-        simulated=options.simulated,
+        **foreign(options),
         seed=options.seed,
     )
     if found.drawn_of > len(found.embeddings):

@@ -157,5 +157,6 @@ def _dashes(points: Sequence[Point], length: float) -> Iterable[tuple[Point, Poi
 def _rgba(colour: str, opacity: float) -> tuple[int, ...] | None:
     if not colour:
         return None
-    full = colour if len(colour) == 7 else "#" + "".join(2 * c for c in colour[1:])
-    return (*(int(full[i : i + 2], 16) for i in (1, 3, 5)), round(255 * opacity))
+    from PIL import ImageColor
+
+    return (*ImageColor.getrgb(colour), round(255 * opacity))

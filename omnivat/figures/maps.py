@@ -58,8 +58,7 @@ def map_figure(
             own = np.flatnonzero(group[k * count : (k + 1) * count] == index) + k * count
             if len(own):
                 first = not np.any(group[: k * count] == index)
-                look = _look(k, colours[index % len(colours)], first, plain(name))
-                traces.append(_points(places[own], rows, look))
+                traces.append(_points(places[own], rows, k, colours[index % len(colours)], first, plain(name)))
                 at = [] if hover is None else [plain(hover[int(i) % count]) for i in own]
                 tiles = [[int(i % count), int(i % count + count)][: len(modalities)] for i in own]
                 traces[-1].update(
@@ -69,47 +68,36 @@ def map_figure(
                 )
     shapes = "Circle: photo (VIS); triangle: touch (TAC)" if len(modalities) == 2 else ""
     words = ". ".join(part for part in (caption.rstrip("."), shapes) if part) + "."
-    layout = _flat(places) if places.shape[1] == 2 else _deep()
-    return figure(traces, title=title, caption=words, height=height, pictures=pictures, **layout)
+    return figure(traces, title=title, caption=words, height=height, pictures=pictures, **_axes(places))
 
 
-def _look(modality: int, colour: str, named: bool, name: str) -> dict[str, Any]:
-    return {
+def _points(places: NDArray[Any], rows: int, modality: int, colour: str, named: bool, name: str) -> Any:
+    deep = places.shape[1] == 3  # a triangle is no symbol of three dimensions
+    symbol = ("circle", "diamond" if deep else "triangle-up")[modality]
+    look = {
         "mode": "markers",
         "name": name,
         "legendgroup": name,
         "showlegend": named,
-        "marker": {"color": colour, "size": 6, "opacity": 0.75, "symbol": ("circle", "triangle-up")[modality]},
+        "marker": {"color": colour, "size": 3 if deep else 6, "opacity": 0.75, "symbol": symbol},
     }
+    kind = go.Scatter3d if deep else go.Scattergl if rows > MANY else go.Scatter
+    return kind(**look, **dict(zip("xyz", np.round(places, 4).T, strict=False)))
 
 
-def _points(places: NDArray[Any], rows: int, look: dict[str, Any]) -> Any:
-    rounded = np.round(places, 4)
-    if places.shape[1] == 3:  # a triangle is no symbol of three dimensions
-        look["marker"] |= {"size": 3, "symbol": look["marker"]["symbol"].replace("triangle-up", "diamond")}
-        return go.Scatter3d(**look, x=rounded[:, 0], y=rounded[:, 1], z=rounded[:, 2])
-    kind = go.Scattergl if rows > MANY else go.Scatter
-    return kind(**look, x=rounded[:, 0], y=rounded[:, 1])
-
-
-def _flat(places: NDArray[Any]) -> dict[str, Any]:
+def _axes(places: NDArray[Any]) -> dict[str, Any]:
+    if places.shape[1] == 3:
+        bare = {"title": {"text": ""}, "showticklabels": False}
+        scene = {f"{k}axis": bare for k in "xyz"} | {"aspectmode": "data"}
+        return {"scene": scene, "margin": {"l": 0, "r": 0, "t": 44, "b": 0}}
     middle = (places.max(0) + places.min(0)) / 2
     half = 1.04 * max(float((places.max(0) - places.min(0)).max()) / 2, 1e-9)
-    ranges = [[float(m - half), float(m + half)] for m in middle]
-    margin = {"l": 12, "r": 12, "t": 44, "b": 12}
+    across, up = ([float(m - half), float(m + half)] for m in middle)
     return {
-        "xaxis": {"range": ranges[0], "visible": False, "constrain": "domain"},
-        "yaxis": {"range": ranges[1], "visible": False, "scaleanchor": "x", "constrain": "domain"},
-        "margin": margin,
+        "xaxis": {"range": across, "visible": False, "constrain": "domain"},
+        "yaxis": {"range": up, "visible": False, "scaleanchor": "x", "constrain": "domain"},
+        "margin": {"l": 12, "r": 12, "t": 44, "b": 12},
         "dragmode": "pan",
-    }
-
-
-def _deep() -> dict[str, Any]:
-    bare = {"title": {"text": ""}, "showticklabels": False}
-    return {
-        "scene": {f"{k}axis": bare for k in "xyz"} | {"aspectmode": "data"},
-        "margin": {"l": 0, "r": 0, "t": 44, "b": 0},
     }
 
 

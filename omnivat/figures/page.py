@@ -3,6 +3,7 @@
 import base64
 import gzip
 import json
+import re
 from collections.abc import Mapping, Sequence
 from functools import cache
 from html import escape
@@ -24,63 +25,7 @@ POLICY = (
     "default-src 'none'; script-src 'unsafe-inline' 'unsafe-eval'; style-src 'unsafe-inline'; "
     "img-src data: blob:; form-action 'none'; base-uri 'none'"
 )
-PAGE = """<!doctype html>
-<html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width">
-<meta http-equiv="Content-Security-Policy" content="{policy}"><title>{title}</title>
-<style>
-:root {{ --ink: #0f172a; --soft: #55637a; --card: #fff; --line: #dbe2ea; }}
-.dark {{ --ink: #e8eef6; --soft: #a3b1c6; --card: #0f172a; --line: #2b3a52; color-scheme: dark; }}
-body {{ margin: 0; background: var(--card); color: var(--ink); font: 15px/1.5 system-ui, sans-serif; }}
-main {{ max-width: 980px; margin: auto; padding: 8px; }} figure {{ margin: 0 0 28px; }}
-figcaption, small {{ color: var(--soft); padding: 0 12px; }} .theme {{ float: right; font-size: 18px;
-background: none; border: 1px solid var(--line); border-radius: 6px; color: inherit; }}
-.table {{ overflow-x: auto; }} table {{ border-collapse: collapse; }} h1 {{ font-size: 22px; }} h2 {{ font-size: 18px; }}
-th, td {{ padding: 3px 10px; text-align: right; border-bottom: 1px solid var(--line); font-size: 14px; white-space: nowrap; }}
-th.words, td.words {{ text-align: left; }} h2 {{ margin: 36px 0 8px; }}
-#tip {{ position: fixed; display: none; gap: 4px; padding: 4px; background: var(--card); border: 1px solid var(--line); pointer-events: none; z-index: 9; }}
-#tip i {{ width: 88px; height: 88px; }}
-</style></head><body><main><button class="theme" aria-label="Switch between light and dark">&#9680;</button>
-{body}<noscript>The figures need JavaScript; the SVG files show the same.</noscript></main><div id="tip"></div>
-<script>
-const figures = {figures}, templates = {templates}, config = {config};
-const tip = document.querySelector("#tip"), plots = [...document.querySelectorAll(".plot")];
-let dark = matchMedia("(prefers-color-scheme: dark)").matches;
-const template = () => templates[dark ? "omnivat_dark" : "omnivat"];
-const paint = () => document.documentElement.classList.toggle("dark", dark);
-paint();
-document.querySelector(".theme").onclick = () => {{
-  dark = !dark; paint();
-  for (const plot of plots) Plotly.relayout(plot, {{ template: template() }});
-}};
-function tile(sheet, index) {{
-  const i = document.createElement("i"), x = index % sheet.columns, y = Math.floor(index / sheet.columns);
-  i.style.background = `url(${{sheet.sheet}}) ${{-88 * x}}px ${{-88 * y}}px / ${{88 * sheet.columns}}px auto`;
-  return i;
-}}
-function hover(plot, sheet) {{
-  plot.on("plotly_hover", ({{ points: [point], event }}) => {{
-    const tiles = [].concat(point.customdata ?? []);
-    tip.replaceChildren(...tiles.map((index) => tile(sheet, index)));
-    const x = event?.clientX ?? 8, y = event?.clientY ?? 8;
-    tip.style.cssText = `display:${{tiles.length ? "flex" : "none"}};left:${{Math.max(4, Math.min(x + 16, innerWidth - 196))}}px;top:${{y > innerHeight - 150 ? y - 130 : y + 28}}px`;
-  }});
-  plot.on("plotly_unhover", () => (tip.style.display = "none"));
-}}
-(async () => {{
-  const bytes = Uint8Array.from(atob("{library}"), (c) => c.charCodeAt(0));
-  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
-  const script = document.createElement("script");
-  script.textContent = await new Response(stream).text();
-  document.head.append(script);
-  for (const [k, plot] of plots.entries()) {{
-    const {{ data, layout }} = figures[k];
-    await Plotly.newPlot(plot, data, {{ ...layout, template: template() }}, config);
-    if (layout.meta?.pictures) hover(plot, layout.meta.pictures);
-  }}
-  document.body.dataset.drawn = plots.length;
-}})();
-</script></body></html>
-"""
+PAGE = Path(__file__).with_suffix(".html")
 CELL = (
     '<iframe srcdoc="{page}" style="width:100%;height:{height}px;border:0" '
     'sandbox="allow-scripts allow-downloads" title="{title}"></iframe>'
@@ -101,15 +46,16 @@ def html_page(title: str, parts: Sequence[Any]) -> str:
     figures = [part for part in parts if isinstance(part, go.Figure)]
     body = "".join(_section(p) if isinstance(p, go.Figure) else p for p in parts)
     heading = "" if len(parts) == 1 else f"<h1>{escape(title)}</h1>"
-    return PAGE.format(
-        policy=POLICY,
-        title=escape(title),
-        body=heading + body,
-        figures=_held("[" + ",".join(_json(one) for one in figures) + "]"),
-        templates=_held(json.dumps({n: template(n).to_plotly_json() for n in THEMES})),
-        config=json.dumps(CONFIG),
-        library=_library(),
-    )
+    filled = {
+        "policy": POLICY,
+        "title": escape(title),
+        "body": heading + body,
+        "figures": _held("[" + ",".join(_json(one) for one in figures) + "]"),
+        "templates": _held(json.dumps({n: template(n).to_plotly_json() for n in THEMES})),
+        "config": json.dumps(CONFIG),
+        "library": _library(),
+    }
+    return re.sub(f"%({'|'.join(filled)})%", lambda part: filled[part[1]], PAGE.read_text(encoding="utf-8"))
 
 
 def _section(found: Any) -> str:

@@ -69,7 +69,7 @@ def dots(
     every = [_end(r, end) for r in known for end in ("low", "high")] + ([level] if level else [])
     room = 0.04 * (max(every) - min(every) or 1)
     span = (ends[0], 1.02 * ends[1]) if ends else (min(0.0, min(every)) and min(every) - room, max(every) + room)
-    shapes = [] if level is None else [_upright(level)]
+    chance = {"type": "line", "line": {"color": SOFT, "dash": "dash"}, "x0": level, "x1": level, "yref": "y domain"}
     tall = 116 + max(ROW, 15 * len(series) + 8) * len(rows)
     return figure(
         traces,
@@ -82,7 +82,7 @@ def dots(
         ),
         margin={"l": 24 + 7 * max(map(len, rows))},
         showlegend=len(series) > 1,
-        shapes=shapes,
+        shapes=[] if level is None else [{**chance, "y0": 0, "y1": 1}],
     )
 
 
@@ -99,11 +99,6 @@ def _words(record: Record, percent: bool) -> str:
     if record.get("low") is not None:
         words += f" [{number(_end(record, 'low'))}, {number(_end(record, 'high'))}]"
     return plain(f"{words} {record.get('note', '')}".strip())
-
-
-def _upright(level: float) -> dict[str, Any]:
-    line = {"color": SOFT, "dash": "dash"}
-    return {"type": "line", "line": line, "x0": level, "x1": level, "yref": "y domain", "y0": 0, "y1": 1}
 
 
 def strangers(summary: Record) -> Figure:

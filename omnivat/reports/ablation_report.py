@@ -44,18 +44,13 @@ def _heading(records: Sequence[Record], layout: Mapping[str, Mapping[str, Any]])
     data = records[0]["data"]
     seeds = sorted({record["seed"] for record in records})
     what = "Simulated domains" if data["simulated"] else "Data"
+    full = {table["rows"]["full"][0] for table in layout.values() if "full" in table["rows"]}
+    base = next((changed_settings(r) for r in records if r["method"] in full), "")  # common to all rows
     return (
         f"# Ablations\n\n{what}: {data['origin'] or 'origin not stated'}; encoder "
         f"{data['encoder']}. ACC / Macro-F1, mean over unseen targets, ± standard deviation "
-        f"(n − 1) over seeds {', '.join(map(str, seeds))}.{_base(records, layout)}"
+        f"(n − 1) over seeds {', '.join(map(str, seeds))}." + (f" All rows start from {base}." if base else "")
     )
-
-
-def _base(records: Sequence[Record], layout: Mapping[str, Mapping[str, Any]]) -> str:
-    """Return the common settings of all rows, if they differ from the defaults."""
-    full = {table["rows"]["full"][0] for table in layout.values() if "full" in table["rows"]}
-    settings = next((changed_settings(r) for r in records if r["method"] in full), "")
-    return f" All rows start from {settings}." if settings else ""
 
 
 def _in_data(records: Sequence[Record], source: str) -> str:
@@ -84,24 +79,20 @@ def ablation_table(records: Sequence[Record], name: str, table: Mapping[str, Any
         rows.append([label, *cells, count_text(counts)])
     header = [text for source in sources for text in (f"{source} → X", printed)]
     header += ["average"] * (len(sources) > 1)
-    return _without_empty_columns(["variant", *header, "parameters"], rows)
+    header = ["variant", *header, "parameters"]
+    full = [i for i in range(len(header)) if any(row[i] for row in rows)]  # sources without printed figures
+    return markdown([header[i] for i in full], [[row[i] for i in full] for row in rows])
 
 
 def _scores(records: Sequence[Record], method: str, sources: Sequence[str]) -> str:
     return " / ".join(spread_text(_spread(records, method, sources, metric)) for metric in SCORES)
 
 
-def _without_empty_columns(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Return a table without empty columns, those of sources without printed figures."""
-    full = [i for i in range(len(header)) if any(row[i] for row in rows)]
-    return markdown([header[i] for i in full], [[row[i] for i in full] for row in rows])
-
-
 def ablation_plot(records: Sequence[Record], table: Mapping[str, Any], sources: Sequence[str]) -> str:
     """Return the figure of one ablation: ACC and Macro-F1, mean over its sources."""
     placed = [(method, value) for method, _, value in table["rows"].values() if value is not None]
     series = {
-        METRICS[metric]: [_percent(_spread(records, method, sources, metric)) for method, _ in placed]
+        METRICS[metric]: [_spread(records, method, sources, metric).scaled(100) for method, _ in placed]
         for metric in SCORES
     }
     where = sources[0] if len(sources) == 1 else f"mean of {len(sources)} sources"
@@ -120,7 +111,3 @@ def ablation_points(records: Sequence[Record], table: Mapping[str, Any], source:
         if value is not None and found.n > 1:
             points[f"{value:g}"] = [round(found.mean, 4), round(found.std, 4)]
     return json.dumps(points) + "\n"
-
-
-def _percent(found: Spread) -> Spread:
-    return Spread(mean=100 * found.mean, std=100 * found.std, n=found.n)

@@ -4,10 +4,9 @@ One draw takes all sources with replacement, all seeds of each with replacement,
 domain as many objects of each class as it has. All sources, seeds and methods share the objects
 drawn for a domain, so differences are paired and a reused test set counts once.
 
-Differences to many rows have simultaneous intervals d ± q s, where s is the bootstrap's standard
-deviation of d and q the 95 % quantile of the largest |d* - d| / s over all rows (single-step
-max-t). All intervals hold together in 95 % of repetitions, so the best row may be picked after the
-fact.
+Differences to many rows have simultaneous intervals d ± q s, where s is the bootstrap's standard deviation of d and q
+the 95 % quantile of the largest |d* - d| / s over all rows (single-step max-t). All intervals hold together in 95 % of
+repetitions, so the best row may be picked after the fact.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -35,6 +34,11 @@ class Draws:
     seeds: NDArray[np.int64]
     weights: Mapping[str, NDArray[np.float32]]
     places: Mapping[str, Mapping[int, int]]  # domain -> object -> its column
+
+    def of(self, domain: str, target: Mapping[str, Any]) -> NDArray[np.float32]:
+        """Return weights (1 + B, N) of a target's pairs: ones, then the draws."""
+        columns = [self.places[domain][number] for number in unpacked(target["objects"])]
+        return np.concatenate((np.ones((1, len(columns)), dtype=np.float32), self.weights[domain][:, columns]))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -100,12 +104,11 @@ def resampled(records: Sequence[Record], row: Row, drawn: Draws) -> dict[str, Re
     own = completed(records, method)
     sources = sorted({r["source"] for r in own})
     seeds = sorted({r["seed"] for r in own})
-    size = (len(METRICS), len(drawn.sources) + 1, len(sources), len(seeds))
-    values = np.empty(size)
+    values = np.empty((len(METRICS), len(drawn.sources) + 1, len(sources), len(seeds)))
     for record in own:
         cell = np.mean(
             [
-                _scores(target, reading, len(record["classes"]), _weights(drawn, domain, target))
+                _scores(target, reading, len(record["classes"]), drawn.of(domain, target))
                 for domain, target in record["targets"].items()
             ],
             axis=0,
@@ -115,13 +118,6 @@ def resampled(records: Sequence[Record], row: Row, drawn: Draws) -> dict[str, Re
     by_seed = values[:, 1:][:, rows[..., None], drawn.sources[..., None], drawn.seeds].mean(-1)
     draws, point = by_seed.mean(-1), values[:, 0].mean((-1, -2))
     return {name: Resampled(value=float(point[i]), draws=draws[i]) for i, name in enumerate(METRICS)}
-
-
-def _weights(drawn: Draws, domain: str, target: Mapping[str, Any]) -> NDArray[np.float32]:
-    """Return weights (1 + B, N) of a target's pairs: ones, then the draws."""
-    columns = [drawn.places[domain][number] for number in unpacked(target["objects"])]
-    own = drawn.weights[domain][:, columns]
-    return np.concatenate((np.ones((1, len(columns)), dtype=np.float32), own))
 
 
 def _scores(target: Mapping[str, Any], reading: str, classes: int, weights: NDArray[np.float32]) -> Array:
@@ -144,15 +140,8 @@ def simultaneous(ours: Resampled, others: Mapping[Row, Resampled], *, level: flo
     spreads = {row: float(d.std(ddof=1)) for row, d in draws.items()}
     scaled = [np.abs(draws[row] - means[row]) / spreads[row] for row in others if spreads[row] > 1e-12]
     factor = float(np.quantile(np.max(scaled, axis=0), level)) if scaled else 0.0
-    return {
-        row: Interval(
-            mean=means[row],
-            low=means[row] - factor * spreads[row],
-            high=means[row] + factor * spreads[row],
-            n=len(ours.draws),
-        )
-        for row in others
-    }
+    ends = {row: (means[row] - factor * spreads[row], means[row] + factor * spreads[row]) for row in others}
+    return {row: Interval(mean=means[row], low=a, high=b, n=len(ours.draws)) for row, (a, b) in ends.items()}
 
 
 def percentile(ours: Resampled, other: Resampled, *, level: float = 0.95) -> Interval:

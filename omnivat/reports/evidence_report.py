@@ -1,18 +1,40 @@
 """Source-side evidence as a table: held-out objects, plain and under imitated sensors."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from omnivat.files import write_text
 from omnivat.reports.intervals import Interval, Spread, spread
-from omnivat.reports.reading import Record
+from omnivat.reports.reading import Record, completed, methods
 
 
 def markdown(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """Return a Markdown table; vertical bars in cells are escaped."""
     lines = [header, ["---"] * len(header), *rows]
     return "\n".join("| " + " | ".join(c.replace("|", "\\|") for c in row) + " |" for row in lines)
+
+
+def method_table(
+    records: Sequence[Record],
+    header: Sequence[str],
+    cells: Callable[[list[Record]], list[str]],
+    *,
+    first: str = "method",
+    below: Sequence[Sequence[str]] = (),
+) -> str:
+    """Return a table with a row for each method: its label, and `cells` of its completed records; "" without a row.
+
+    A method has no row if nothing of it was completed, or if it has no cells. `below`: finished rows.
+    """
+    named = [(label, completed(records, name)) for name, label in methods(records).items()]
+    rows = [[label, *found] for label, own in named if own and (found := cells(own))]
+    return markdown([first, *header], [*rows, *below]) if rows or below else ""
+
+
+def score_cells(*values: Sequence[float]) -> str:
+    """Return "57.3 ± 1.2 / 55.0 ± 1.0" for the values of each score."""
+    return " / ".join(spread_text(spread(one)) for one in values)
 
 
 def percent(value: float) -> str:

@@ -14,6 +14,10 @@ class Spread:
     std: float  # NaN for fewer than two values
     n: int
 
+    def scaled(self, by: float) -> "Spread":
+        """Return the spread of the values times `by`."""
+        return Spread(mean=by * self.mean, std=by * self.std, n=self.n)
+
 
 def spread(values: Sequence[float]) -> Spread:
     """Return mean, standard deviation and n."""

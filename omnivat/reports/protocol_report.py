@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from omnivat.files import write_text
-from omnivat.reports.evidence_report import count_text, interval_text, markdown, percent, spread_text
+from omnivat.reports.evidence_report import count_text, interval_text, markdown, method_table, percent, score_cells
 from omnivat.reports.intervals import bootstrap_interval, paired_differences, spread, t_interval
 from omnivat.reports.paper import MARK, not_comparable, paper_rows, target_rows
 from omnivat.reports.reading import METRICS, Record, by_run, by_seed, changed_settings, completed, latest, methods
@@ -69,64 +69,48 @@ def _sources(records: Sequence[Record]) -> list[str]:
 def main_table(records: Sequence[Record]) -> str:
     """Return the paper's main table from these records, with its printed rows below."""
     sources = _sources(records)
-    rows = []
-    for name, label in methods(records).items():
-        scores = [by_run(records, name, metric) for metric in SCORES]
-        if not scores[0]:
-            continue
-        cells = []
-        for source in sources:
-            values = [spread([v for (s, _), v in score.items() if s == source]) for score in scores]
-            cells.append(" / ".join(map(spread_text, values)))
-        means = [spread(by_seed(score, sources)) for score in scores]
-        rows.append([label, *cells, " / ".join(map(spread_text, means))])
-    printed = paper_rows(sources, records[0]["data"])
-    return markdown(["method", *(f"{s} → X" for s in sources), "average"], rows + printed)
+
+    def cells(own: list[Record]) -> list[str]:
+        scores = [by_run(own, own[0]["method"], metric) for metric in SCORES]
+        each = [score_cells(*([v for (s, _), v in one.items() if s == source] for one in scores)) for source in sources]
+        return [*each, score_cells(*(by_seed(one, sources) for one in scores))]
+
+    header = [*(f"{s} → X" for s in sources), "average"]
+    return method_table(records, header, cells, below=paper_rows(sources, records[0]["data"]))
 
 
 def interval_table(records: Sequence[Record]) -> str:
     """Return intervals of OmniVaT's lead over every other method."""
-    rows = []
-    for name, label in methods(records).items():
-        if name == OURS or not completed(records, name):
-            continue
-        cells = []
-        for metric in SCORES:
-            found = paired_differences(by_run(records, OURS, metric), by_run(records, name, metric))
-            flat = [value for values in found.values() for value in values]
-            plain = t_interval(flat)
+
+    def cells(own: list[Record]) -> list[str]:
+        cells: list[str] = []
+        for metric in SCORES if own[0]["method"] != OURS else ():
+            found = paired_differences(by_run(records, OURS, metric), by_run(own, own[0]["method"], metric))
+            plain = t_interval([value for values in found.values() for value in values])
             cells += [
                 f"{interval_text(plain)} n={plain.n}",
                 interval_text(bootstrap_interval(found)),
                 interval_text(t_interval([spread(values).mean for values in found.values()])),
             ]
-        rows.append([label, *cells])
+        return cells
+
     kinds = ("t", "grouped", "t of sources")
-    header = ["OmniVaT minus", *(f"{METRICS[m]}, {kind}" for m in SCORES for kind in kinds)]
-    return markdown(header, rows) if rows else ""
+    header = [f"{METRICS[m]}, {kind}" for m in SCORES for kind in kinds]
+    return method_table(records, header, cells, first="OmniVaT minus")
 
 
 def side_table(records: Sequence[Record]) -> str:
     """Return further figures of each method, averaged over all runs."""
-    rows = []
-    for name, label in methods(records).items():
-        if not completed(records, name):
-            continue
-        union = spread(list(by_run(records, name, "macro_f1_union").values())).mean
-        found = completed(records, name)
-        own = [r["source_test"]["scores"]["fused"]["accuracy"] for r in found if r.get("source_test")]
-        seconds = sorted(r["seconds"] for r in found)[len(found) // 2]
-        rows.append(
-            [
-                label,
-                percent(union),
-                percent(spread(own).mean),
-                count_text([r["parameters"] for r in found]),
-                f"{seconds:.1f}",
-            ]
-        )
-    header = ["method", METRICS["macro_f1_union"], "source-test ACC"]
-    return markdown([*header, "parameters", "fit, s (median)"], rows)
+
+    def cells(own: list[Record]) -> list[str]:
+        union = spread(list(by_run(own, own[0]["method"], "macro_f1_union").values())).mean
+        test = [r["source_test"]["scores"]["fused"]["accuracy"] for r in own if r.get("source_test")]
+        seconds = sorted(r["seconds"] for r in own)[len(own) // 2]
+        size = count_text([r["parameters"] for r in own])
+        return [percent(union), percent(spread(test).mean), size, f"{seconds:.1f}"]
+
+    header = [METRICS["macro_f1_union"], "source-test ACC", "parameters", "fit, s (median)"]
+    return method_table(records, header, cells)
 
 
 def _targets(records: Sequence[Record], name: str, label: str) -> list[str]:

@@ -4,9 +4,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from omnivat.data.domains import paper_name
-from omnivat.reports.evidence_report import markdown
+from omnivat.reports.evidence_report import method_table
 from omnivat.reports.paper import MARK, not_comparable, paper
-from omnivat.reports.reading import Record, completed, latest, methods
+from omnivat.reports.reading import Record, latest
 
 SOURCE = "TAG"  # the source of the paper's margins
 
@@ -22,16 +22,15 @@ def margins_report(records: Sequence[Record]) -> str:
     printed = paper()["margins"]
     targets = list(dict.fromkeys(name for record in found for name in record["targets"]))
     joint = [name for name in next(iter(printed.values())) if name.startswith("[")]
-    rows = []
-    for name, label in methods(found).items():
-        cells = [_margin(completed(found, name), target) for target in targets]
-        rows.append([label, *cells, *("–" for _ in joint)])
     why = not_comparable(found[0]["data"])
     mark = f" {MARK} ({why})" if why else ""
+    below = []
     for label, cells in printed.items():
         values = [cells.get(name) for name in (*map(paper_name, targets), *joint)]
-        rows.append([f"printed: {label}{mark}", *("–" if v is None else f"{v:.3f}" for v in values)])
-    table = markdown(["method", *targets, *joint], rows)
+        below.append([f"printed: {label}{mark}", *("–" if v is None else f"{v:.3f}" for v in values)])
+    table = method_table(
+        found, [*targets, *joint], lambda own: [_margin(own, t) for t in targets] + ["–"] * len(joint), below=below
+    )
     return f"# Cosine margins from {SOURCE}\n\nMean over seeds, both images.\n\n{table}\n"
 
 
@@ -49,28 +48,23 @@ def cost_report(records: Sequence[Record], measured: Mapping[str, Any]) -> str:
 
     measured  "encoder, s a pair", "memory, MB" and "machine", as measured by `omnivat reproduce`
     """
-    found = latest(records)
     columns = ["parameters, millions", "training, s", "inference, FPS", "GPU memory, MB"]
-    rows = []
-    for name, label in methods(found).items():
-        own = completed(found, name)
-        if not own:
-            continue
+
+    def cells(own: list[Record]) -> list[str]:
         size = max(record["parameters"] for record in own) / 1e6
         seconds = sum(record["seconds"] for record in own) / len(own)
-        rate = 1 / measured["encoder, s a pair"]
-        memory = measured.get("memory, MB")
-        rows.append([label, f"{size:.2f}", f"{seconds:.1f}", f"{rate:.1f}", f"{memory:.0f}" if memory else "–"])
-    printed = {
-        label: [cells.get("parameters, millions"), None, cells.get("inference, FPS"), cells.get("GPU memory, MB")]
-        for label, cells in paper()["cost"].items()
-    }
-    for label, values in printed.items():
+        rate, memory = 1 / measured["encoder, s a pair"], measured.get("memory, MB")
+        return [f"{size:.2f}", f"{seconds:.1f}", f"{rate:.1f}", f"{memory:.0f}" if memory else "–"]
+
+    below = []
+    for label, printed in paper()["cost"].items():
+        values = [None if name == "training, s" else printed.get(name) for name in columns]
         texts = ("–" if value is None else f"{value:g}" for value in values)
-        rows.append([f"printed: {label} {MARK} (their machine)", *texts])
+        below.append([f"printed: {label} {MARK} (their machine)", *texts])
+    table = method_table(latest(records), columns, cells, below=below)
     note = (
         f"On {measured['machine']}. Training is a whole fit on cached embeddings, with the choices on "
         "held-out objects; the paper prints seconds for an epoch with the encoder, a different "
         "quantity. FPS is pairs per second with the encoder, which takes nearly all of the time."
     )
-    return f"# Cost\n\n{markdown(['method', *columns], rows)}\n\n{note}\n"
+    return f"# Cost\n\n{table}\n\n{note}\n"

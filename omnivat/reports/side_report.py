@@ -1,13 +1,12 @@
 """Further tables: late fusion, confidence, margins of each target, the LANG guard."""
 
 import math
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 from omnivat.model.fusion import FUSIONS
-from omnivat.reports.evidence_report import markdown, percent
+from omnivat.reports.evidence_report import method_table, percent
 from omnivat.reports.intervals import spread
-from omnivat.reports.reading import Record, completed, methods
+from omnivat.reports.reading import Record
 
 CONFIDENCE = {"ece": "ECE", "nll": "NLL", "aurc": "AURC"}
 
@@ -47,74 +46,60 @@ GUARD_NOTE = (
 )
 
 
-def _mean(records: Sequence[Record], value: Callable[[Any], float | None]) -> float:
-    """Return the mean over targets, then runs; NaN without values."""
+def _mean(records: Sequence[Record], part: str, name: str, metric: str) -> float:
+    """Return the mean of a score over targets, then runs; NaN without values."""
     runs = []
     for record in records:
-        values = [v for t in record["targets"].values() if (v := value(t)) is not None]
+        values = [v for t in record["targets"].values() if (v := t[part].get(name, {}).get(metric)) is not None]
         runs += [sum(values) / len(values)] if values else []
     return spread(runs).mean
 
 
 def fusion_table(records: Sequence[Record]) -> str:
     """Return ACC / Macro-F1 of every late fusion, for methods with two predictions."""
-    rows = []
-    for name, label in methods(records).items():
-        own = [r for r in completed(records, name) if any(t.get("fusions") for t in _targets(r))]
+
+    def cells(own: list[Record]) -> list[str]:
+        own = [r for r in own if any(t.get("fusions") for t in r["targets"].values())]
         if not own:
-            continue
-        cells = []
+            return []
+        found = []
         for kind in FUSIONS:
-            values = [
-                _mean(own, lambda t, k=kind, m=metric: t["fusions"].get(k, {}).get(m))  # type: ignore[misc]
-                for metric in ("accuracy", "macro_f1")
-            ]
-            cells.append("–" if math.isnan(values[0]) else " / ".join(map(percent, values)))
+            values = [_mean(own, "fusions", kind, metric) for metric in ("accuracy", "macro_f1")]
+            found.append("–" if math.isnan(values[0]) else " / ".join(map(percent, values)))
         chosen = [r.get("chosen", {}).get("fusion", "") for r in own]
         counts = {kind: chosen.count(kind) for kind in dict.fromkeys(chosen) if kind}
-        rows.append([label, *cells, ", ".join(f"{k} {n}" for k, n in counts.items())])
-    return markdown(["method", *FUSIONS, "chosen on the source (runs)"], rows) if rows else ""
+        return [*found, ", ".join(f"{k} {n}" for k, n in counts.items())]
 
-
-def _targets(record: Record) -> list[Any]:
-    return list(record["targets"].values())
+    return method_table(records, [*FUSIONS, "chosen on the source (runs)"], cells)
 
 
 def confidence_table(records: Sequence[Record]) -> str:
     """Return ECE, NLL and AURC before and after the temperature, of calibrated methods."""
-    rows = []
-    for name, label in methods(records).items():
-        own = completed(records, name)
-        told = all("ece" in t["scores"]["fused"] for r in own for t in _targets(r))
-        if not (own and told and all(r.get("settings", {}).get("calibrate") for r in own)):
-            continue
-        cells = []
+
+    def cells(own: list[Record]) -> list[str]:
+        told = all("ece" in t["scores"]["fused"] for r in own for t in r["targets"].values())
+        if not (told and all(r.get("settings", {}).get("calibrate") for r in own)):
+            return []
+        found = []
         for metric in CONFIDENCE:
-            pair = [
-                _mean(own, lambda t, k=key: t["scores"].get("fused", {}).get(k))  # type: ignore[misc]
-                for key in (f"{metric}_raw", metric)
-            ]
-            scale = 1 if metric == "nll" else 100
-            digits = 2 if metric == "nll" else 1
-            cells.append(" → ".join(f"{scale * v:.{digits}f}" for v in pair))
-        temperature = spread([r["temperature"]["fused"] for r in own]).mean
-        rows.append([label, *cells, f"{temperature:.2f}"])
-    return markdown(["method", *CONFIDENCE.values(), "mean temperature"], rows) if rows else ""
+            pair = [_mean(own, "scores", "fused", key) for key in (f"{metric}_raw", metric)]
+            scale, digits = (1, 2) if metric == "nll" else (100, 1)
+            found.append(" → ".join(f"{scale * v:.{digits}f}" for v in pair))
+        return [*found, f"{spread([r['temperature']['fused'] for r in own]).mean:.2f}"]
+
+    return method_table(records, [*CONFIDENCE.values(), "mean temperature"], cells)
 
 
 def margin_table(records: Sequence[Record]) -> str:
     """Return the cosine margin of every method on every target."""
     found = [r for r in records if any("margins" in t for t in r.get("targets", {}).values())]
     targets = list(dict.fromkeys(t for record in found for t in record["targets"]))
-    rows = []
-    for name, label in methods(found).items():
-        own = completed(found, name)
-        cells = []
-        for target in targets:
-            values = [r["targets"][target]["margins"] for r in own if target in r["targets"]]
-            cells.append(" / ".join(_margin([v.get(kind) for v in values]) for kind in ("pair", "vis", "tac")))
-        rows.append([label, *cells])
-    return markdown(["method", *targets], rows) if rows else ""
+
+    def cell(own: list[Record], target: str) -> str:
+        values = [r["targets"][target]["margins"] for r in own if target in r["targets"]]
+        return " / ".join(_margin([v.get(kind) for v in values]) for kind in ("pair", "vis", "tac"))
+
+    return method_table(found, targets, lambda own: [cell(own, target) for target in targets])
 
 
 def _margin(values: Sequence[float | None]) -> str:
@@ -124,10 +109,10 @@ def _margin(values: Sequence[float | None]) -> str:
 
 def guard_table(records: Sequence[Record]) -> str:
     """Return ACC on the source's test with the text of a pair's class, and without."""
-    rows = []
-    for name, label in methods(records).items():
-        own = [r["lang_guard"] for r in completed(records, name) if "lang_guard" in r]
-        if own:
-            means = [spread([guard[kind] for guard in own]).mean for kind in ("with", "without")]
-            rows.append([label, *map(percent, means), f"{100 * (means[0] - means[1]):+.1f}"])
-    return markdown(["method", "with text", "without", "gap"], rows) if rows else ""
+
+    def cells(own: list[Record]) -> list[str]:
+        guards = [r["lang_guard"] for r in own if "lang_guard" in r]
+        means = [spread([guard[kind] for guard in guards]).mean for kind in ("with", "without")]
+        return [*map(percent, means), f"{100 * (means[0] - means[1]):+.1f}"] if guards else []
+
+    return method_table(records, ["with text", "without", "gap"], cells)

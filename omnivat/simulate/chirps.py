@@ -4,6 +4,7 @@ A class is a spike at order p*, interference is spikes at other orders. On disk,
 pictures of stripes for each pair, and pairs.csv."""
 
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 from typing import Annotated
 
@@ -72,8 +73,7 @@ class ChirpSettings:
 def chirp_embeddings(settings: ChirpSettings) -> Embeddings:
     """Return the whole set in memory: VIS and TAC are signals (N, D).
 
-    The same settings give the same numbers. The largest magnitude of a signal is 1, as after
-    reading its picture.
+    The same settings give the same numbers. The largest magnitude of a signal is 1, as after reading its picture.
     """
     count, domains = settings.pairs_per_class, settings.domains
     label = np.tile(np.repeat(np.arange(settings.classes), count), domains)
@@ -109,10 +109,8 @@ def domain_signals(settings: ChirpSettings, domain: int) -> tuple[NDArray[np.flo
     """Return VIS and TAC (N, D) of one domain, class by class, independent of other domains."""
     label = np.repeat(np.arange(settings.classes), settings.pairs_per_class)
     orders = interference_orders(settings)[domain]
-    made = []
-    for name, order in zip(IMAGES, orders, strict=True):
-        random = np.random.default_rng(derive_seed(settings.seed, "chirps", domain, name))
-        made.append(_signals(settings, label, order, random))
+    seeds = (derive_seed(settings.seed, "chirps", domain, name) for name in IMAGES)
+    made = [_signals(settings, label, p, np.random.default_rng(s)) for p, s in zip(orders, seeds, strict=True)]
     return made[0], made[1]
 
 
@@ -142,8 +140,7 @@ def places(settings: ChirpSettings) -> NDArray[np.int64]:
     room = (settings.width // 2 - 1) / settings.classes  # entries for each class
     random = np.random.default_rng(derive_seed(settings.seed, "places"))
     inside = np.arange(settings.classes) + 0.5 * random.random(settings.classes)
-    chosen: NDArray[np.int64] = 1 + np.floor(room * inside).astype(np.int64)
-    return chosen
+    return np.asarray(1 + np.floor(room * inside).astype(np.int64))
 
 
 def _signals(
@@ -165,48 +162,37 @@ def _signals(
 
 
 def _phases(random: np.random.Generator, count: int) -> NDArray[np.complex128]:
-    drawn: NDArray[np.complex128] = np.exp(2j * np.pi * random.random(count))
-    return drawn
+    return np.asarray(np.exp(2j * np.pi * random.random(count)))
 
 
 def _real_at_zero(sparse: NDArray[np.complex128], order: float) -> NDArray[np.float64]:
     """Return the real part of signals (N, D) that look like `sparse` at `order`."""
-    found: NDArray[np.float64] = dfrft(torch.from_numpy(sparse), -order).numpy().real
-    return found
+    return np.asarray(dfrft(torch.from_numpy(sparse), -order).numpy().real)
 
 
 def _unit(rows: NDArray[np.float64]) -> NDArray[np.float64]:
-    lengths: NDArray[np.float64] = np.linalg.norm(rows, axis=1, keepdims=True)
-    return rows / np.maximum(lengths, 1e-12)
+    return np.asarray(rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-12))
 
 
 def pair_names(settings: ChirpSettings) -> dict[str, list[str]]:
     """Return the columns of the set's table, in the order of `chirp_embeddings`."""
-    test = round(settings.test_share * settings.pairs_per_class)
-    columns: dict[str, list[str]] = {name: [] for name in ROW_NAMES}
-    for domain in settings.domain_names:
-        for kind in settings.class_names:
-            for number in range(settings.pairs_per_class):
-                stem = f"{domain}/{kind}/{kind.replace(' ', '-')}-{number:03d}"
-                cells = {
-                    "vis": f"{stem}_vis.png",
-                    "tac": f"{stem}_tac.png",
-                    "object": f"{domain} {kind} {number}",
-                    "split": "test" if number < test else "train",
-                }
-                for name, column in columns.items():
-                    column.append(cells.get(name, ""))
-    return columns
+    test, count = round(settings.test_share * settings.pairs_per_class), settings.pairs_per_class
+    every = list(product(settings.domain_names, settings.class_names, range(count)))
+    stems = [f"{domain}/{kind}/{kind.replace(' ', '-')}-{number:03d}" for domain, kind, number in every]
+    return {name: [""] * len(every) for name in ROW_NAMES} | {
+        "vis": [f"{stem}_vis.png" for stem in stems],
+        "tac": [f"{stem}_tac.png" for stem in stems],
+        "object": [f"{domain} {kind} {number}" for domain, kind, number in every],
+        "split": ["test" if number < test else "train" for *_, number in every],
+    }
 
 
 def write_chirps(out: Path, settings: ChirpSettings, *, pictures: bool = True, on_step: OnStep = ignore) -> PairSet:
     """Write `<out>/<domain>/<class>/<name>_{vis,tac}.png` and `<out>/pairs.csv`; return the pairs.
 
-    The same settings give the same bytes. `omnivat embed OUT --encoder strip --no-flips` reads
-    the signals back.
+    The same settings give the same bytes. `omnivat embed OUT --encoder strip --no-flips` reads the signals back.
 
-    Raises SettingsError for a width that does not fit a picture, WriteError if the folder is not
-    writable.
+    Raises SettingsError for a width that does not fit a picture, WriteError if the folder is not writable.
     """
     if settings.width != STRIPES:
         raise SettingsError(
@@ -220,17 +206,13 @@ def write_chirps(out: Path, settings: ChirpSettings, *, pictures: bool = True, o
             with replacing(out / made.rows[name][row]) as temporary:
                 strip_picture(getattr(made, name)[row]).save(temporary, format="PNG")
         on_step(Step(done=row + 1, total=len(made), text=made.rows["object"][row]))
-    pairs = tuple(_pair(out, made, row) for row in range(len(made)))
+    columns = {
+        **made.rows,
+        "vis": [out / name for name in made.rows["vis"]],
+        "tac": [out / n for n in made.rows["tac"]],
+    }
+    columns["domain"] = [made.header.domains[k] for k in made.domain]
+    columns["material"] = [made.header.classes[k] for k in made.label]
+    pairs = tuple(Pair(**dict(zip(columns, row, strict=True))) for row in zip(*columns.values(), strict=True))
     write_table(out, pairs, COLUMNS)
     return PairSet(pairs=pairs, origin=origin(settings), simulated=True)
-
-
-def _pair(out: Path, made: Embeddings, row: int) -> Pair:
-    return Pair(
-        vis=out / made.rows["vis"][row],
-        tac=out / made.rows["tac"][row],
-        domain=made.header.domains[made.domain[row]],
-        material=made.header.classes[made.label[row]],
-        object=made.rows["object"][row],
-        split=made.rows["split"][row],
-    )

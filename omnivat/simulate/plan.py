@@ -85,9 +85,8 @@ def write_table(out: Path, pairs: Iterable[Pair], columns: Sequence[str] = COLUM
 def imitated(domain: SimulatedDomain, material: str, number: int) -> tuple[str, str]:
     """Return the classes that an object imitates by sight and by touch, "" for none.
 
-    No object imitates in both ways, so one modality always shows its class. Only classes of the
-    same domain are imitated. The choice depends on the number only, by rotations with steps
-    unrelated to those of the recipes.
+    No object imitates in both ways, so one modality always shows its class. Only classes of the same domain are
+    imitated. The choice depends on the number only, by rotations with steps unrelated to those of the recipes.
     """
     here = classes(domain)
     looks = [name for name in IMITATIONS.get(material, ()) if name in here]

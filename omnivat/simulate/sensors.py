@@ -64,8 +64,7 @@ class Tac3DSensor:
 SensorModel = Sensor | TaximSensor | Tac3DSensor
 GELS = {
     "GelSight": Sensor(
-        field=16.0, depth=(0.7, 1.4), skin=0.06, give=0.9, dome=0.35,
-        base=(0.60, 0.55, 0.62),
+        field=16.0, depth=(0.7, 1.4), skin=0.06, give=0.9, dome=0.35, base=(0.60, 0.55, 0.62),
         lamps=(
             Lamp(azimuth=-5, colour=(0.75, 0.02, 0.12), spill=0.62),
             Lamp(azimuth=120, colour=(0.03, 0.70, 0.25), spill=0.55),
@@ -74,19 +73,17 @@ GELS = {
         gain=1.6, markers=Markers(pitch=2.0, radius=0.28, uneven=0.06), vignette=0.20, noise=0.02,
     ),
     "GelSlim": Sensor(
-        field=18.0, depth=(0.7, 1.3), skin=0.09, give=0.7, dome=0.12,
-        base=(0.46, 0.42, 0.52),
+        field=18.0, depth=(0.7, 1.3), skin=0.09, give=0.7, dome=0.12, base=(0.46, 0.42, 0.52),
         lamps=(
             Lamp(azimuth=75, colour=(0.55, 0.10, 0.30), spill=0.30),
             Lamp(azimuth=195, colour=(0.06, 0.50, 0.18), spill=0.30),
             Lamp(azimuth=315, colour=(0.10, 0.16, 0.52), spill=0.25),
         ),
-        gain=1.5, markers=Markers(pitch=1.5, radius=0.17, uneven=0.04, darkness=0.6),
-        plain_gels=0.4, vignette=0.30, noise=0.015, blur=0.6,
+        gain=1.5, markers=Markers(pitch=1.5, radius=0.17, uneven=0.04, darkness=0.6), plain_gels=0.4, vignette=0.30,
+        noise=0.015, blur=0.6,
     ),
     "DIGIT": Sensor(
-        field=15.0, depth=(0.7, 1.4), skin=0.08, give=1.2, dome=0.55,
-        base=(0.44, 0.50, 0.58),
+        field=15.0, depth=(0.7, 1.4), skin=0.08, give=1.2, dome=0.55, base=(0.44, 0.50, 0.58),
         lamps=(
             Lamp(azimuth=90, colour=(0.55, 0.10, 0.05), spill=0.55),
             Lamp(azimuth=210, colour=(0.05, 0.50, 0.14), spill=0.50),
@@ -95,8 +92,7 @@ GELS = {
         gain=1.5, vignette=0.05, noise=0.018, blur=0.8,
     ),
     "GelSight Mini": Sensor(
-        field=15.5, depth=(0.65, 1.3), skin=0.06, give=0.6, dome=0.25,
-        base=(0.52, 0.47, 0.40),
+        field=15.5, depth=(0.65, 1.3), skin=0.06, give=0.6, dome=0.25, base=(0.52, 0.47, 0.40),
         lamps=(
             Lamp(azimuth=180, colour=(0.50, 0.22, 0.05), spill=0.20),
             Lamp(azimuth=60, colour=(0.12, 0.48, 0.10), spill=0.35),
@@ -105,15 +101,14 @@ GELS = {
         gain=1.5, vignette=0.45, noise=0.010,
     ),
     "DuraGel": Sensor(
-        field=17.0, depth=(0.7, 1.3), skin=0.09, give=1.0, dome=0.20,
-        base=(0.58, 0.60, 0.60),
+        field=17.0, depth=(0.7, 1.3), skin=0.09, give=1.0, dome=0.20, base=(0.58, 0.60, 0.60),
         lamps=(
             Lamp(azimuth=0, colour=(0.12, 0.40, 0.20), spill=0.30),
             Lamp(azimuth=120, colour=(0.14, 0.22, 0.50), spill=0.25),
             Lamp(azimuth=240, colour=(0.50, 0.20, 0.14), spill=0.30),
         ),
-        gain=1.6, markers=Markers(pitch=3.0, radius=0.36, uneven=0.02, darkness=0.5),
-        plain_gels=0.5, vignette=0.15, noise=0.014, blur=0.5,
+        gain=1.6, markers=Markers(pitch=3.0, radius=0.36, uneven=0.02, darkness=0.5), plain_gels=0.5, vignette=0.15,
+        noise=0.014, blur=0.5,
     ),
 }  # fmt: skip
 SENSORS: dict[str, SensorModel] = {

@@ -39,8 +39,7 @@ def touched_spot(solid: Solid, rng: np.random.Generator, *, edges: bool = True) 
 
     edges  True to press edges and rims, too
 
-    Several spots are tried, because people also adjust a sensor. The first such spot is used, or
-    the best one.
+    Several spots are tried, because people also adjust a sensor. The first such spot is used, or the best one.
     """
     drawn, worst = [], []
     for _ in range(_TRIES):

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from omnivat.simulate.shapes.making import block, turned
-from omnivat.simulate.shapes.solid import Made, Solid, grounded, joined, placed, sawn
+from omnivat.simulate.shapes.solid import Made, Solid, block, grounded, joined, placed, sawn, turned
 
 Rng = np.random.Generator
 

@@ -28,11 +28,13 @@ def spot(solid: Solid, rng: np.random.Generator, *, edges: bool = True) -> Spot:
     """Draw a touched place: not underneath, with room for a sensor, often a rim or an edge if `edges`."""
     corner, normal = solid.vertices[solid.faces], solid.normals()[solid.faces]
     bent = rng.random() < _EDGES and edges
-    weight = _bends(normal, corner) if bent else _areas(corner)
+    across = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    weight = _bends(normal, corner) if bent else np.linalg.norm(across, axis=1)
     face = rng.choice(len(weight), size=_DRAWN, p=weight / weight.sum())
     share = rng.dirichlet((1.0, 1.0, 1.0), _DRAWN)
     points = np.einsum("nk,nkd->nd", share, corner[face])
-    normals = _unit(np.einsum("nk,nkd->nd", share, normal[face]))
+    normals = np.einsum("nk,nkd->nd", share, normal[face])
+    normals /= np.maximum(np.linalg.norm(normals, axis=-1, keepdims=True), 1e-12)
     best = _first_free(solid, points, normals)
     there = solid.faces[face[best]]
     return Spot(
@@ -41,11 +43,6 @@ def spot(solid: Solid, rng: np.random.Generator, *, edges: bool = True) -> Spot:
         tangent=_along(solid.vertices[there], solid.uv[there], normals[best]),
         uv=share[best] @ solid.uv[there],
     )
-
-
-def _areas(corner: Array) -> Array:
-    across = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-    return np.asarray(np.linalg.norm(across, axis=1))
 
 
 def _bends(normal: Array, corner: Array) -> Array:
@@ -90,10 +87,6 @@ def _along(corner: Array, uv: Array, normal: Array) -> Array:
         way = np.cross(normal, [0.0, 0.0, 1.0]) + np.array([1e-6, 0.0, 0.0])
     way = way - normal * (way @ normal)
     return np.asarray(way / np.linalg.norm(way))
-
-
-def _unit(vectors: Array) -> Array:
-    return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-12))
 
 
 BELOW = -6.0  # mm: deeper parts are out of reach of every sensor

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from omnivat.simulate.shapes.making import bar, block, swept, turned
-from omnivat.simulate.shapes.solid import Made, Solid, grounded, joined, placed, sawn
+from omnivat.simulate.shapes.solid import Made, Solid, bar, block, grounded, joined, placed, sawn, swept, turned
 
 Rng = np.random.Generator
 

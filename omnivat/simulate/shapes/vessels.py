@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from omnivat.simulate.shapes.making import Profile, swept, turned
-from omnivat.simulate.shapes.solid import Made, Solid, joined, sawn
+from omnivat.simulate.shapes.solid import Made, Profile, Solid, joined, sawn, swept, turned
 
 Rng = np.random.Generator
 

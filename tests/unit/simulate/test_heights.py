@@ -5,7 +5,7 @@ import pytest
 
 from omnivat.simulate.contact import plane
 from omnivat.simulate.shapes import KINDS, Spot, made_of, spot
-from omnivat.simulate.shapes.making import block, turned
+from omnivat.simulate.shapes.solid import block, turned
 from omnivat.simulate.shapes.spots import BELOW, contact_height
 
 RADIUS = 30.0

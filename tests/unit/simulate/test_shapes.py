@@ -7,7 +7,7 @@ import pytest
 
 from omnivat.data.materials import MATERIALS
 from omnivat.simulate.shapes import KINDS, OBJECTS, PARTS, blocked, kind_of, made_of, spot
-from omnivat.simulate.shapes.making import block, outline, turned
+from omnivat.simulate.shapes.solid import block, outline, turned
 
 
 def made(kind: str, *, material: str = "ceramic", seed: int = 1):

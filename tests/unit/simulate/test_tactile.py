@@ -9,7 +9,7 @@ from scipy.ndimage import gaussian_filter
 from omnivat.simulate.contact import Press, coloured, displacements, plane
 from omnivat.simulate.sensors import GELS, Lamp, Markers
 from omnivat.simulate.shapes import Spot
-from omnivat.simulate.shapes.making import block
+from omnivat.simulate.shapes.solid import block
 from omnivat.simulate.surfaces import surface
 from omnivat.simulate.tactile import at_rest, lit, marker_shade, touch, untouched, used
 from omnivat.simulate.things import Thing
