@@ -224,7 +224,7 @@ def test_no_module_writes_a_table_past_the_one_writer():
         for path in (root / folder).rglob("*.py")
         if "csv.writer(" in path.read_text(encoding="utf-8") or "csv.DictWriter(" in path.read_text(encoding="utf-8")
     }
-    own = {"omnivat/files.py", "omnivat/simulate/build.py", "omnivat/simulate/chirps.py"}
+    own = {"omnivat/files.py", "omnivat/simulate/plan.py"}
     assert found == own
 
 
