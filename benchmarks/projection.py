@@ -77,7 +77,7 @@ def chain_report(points: Tensor) -> list[dict[str, Any]]:
     """One map for each of 11 orders of ReLU(Re, Im): independent, and as a chain."""
     from omnivat.fractional import coefficients, synthesise
     from omnivat.projection import torch_umap
-    from omnivat.projection.chain import chain
+    from omnivat.projection.torch_umap import chain
 
     kept = coefficients(points)
     stops = []

@@ -30,7 +30,7 @@ from omnivat.fractional import Coefficients, coefficients, dfrft, synthesise
 from omnivat.gaps.centroid import modality_gap
 from omnivat.heads import default_embeddings, default_head
 from omnivat.model.head import OmniVaT
-from omnivat.projection import chain, torch_umap
+from omnivat.projection import torch_umap
 from omnivat.projection.quality import drift, quality
 from omnivat.stages import IMAGES
 
@@ -122,7 +122,7 @@ def maps(model: OmniVaT, vis: Tensor, tac: Tensor) -> Rule:
         return [torch_umap.project(points) for points in rows]
 
     def chained() -> list[Tensor]:
-        return list(chain.chain(rows))
+        return list(torch_umap.chain(rows))
 
     def error() -> str:
         one, other = apart(), chained()

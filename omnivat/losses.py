@@ -27,7 +27,8 @@ def mma_loss(
     if not others:
         return lang.new_zeros(())
     logs = torch.log_softmax(torch.stack((lang, *others.values())), dim=-1)
-    return (logs[0].exp() * (logs[0] - logs[1:])).sum((0, 2)).mean()
+    excess = logs[0] * len(others) - logs[1:].sum(0)  # (B, D), summed over the others
+    return (logs[0].exp() * excess).sum(1).mean()
 
 
 EPS = 1e-12  # below this length a node has no direction

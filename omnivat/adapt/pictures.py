@@ -1,7 +1,7 @@
 """A profile of pictures on disk or in memory: embed each, keep mean and variance."""
 
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -53,12 +53,7 @@ def pictures_in(
             "*_vis.png and *_tac.png, put them in folders vis and tac, or give --vis and --tac."
         )
     if rest not in (None, "none", "auto", "all"):
-        found = [
-            Picture(modality="tac", source=p.source, name=p.name, crop=p.crop, rest=Path(str(rest)))
-            if p.modality == "tac"
-            else p
-            for p in found
-        ]
+        found = [replace(p, rest=Path(str(rest))) if p.modality == "tac" else p for p in found]
     return found
 
 
@@ -76,12 +71,8 @@ def _of_pairs(folder: Path, rest: str | None) -> list[Picture]:
 
 
 def _by_name(folder: Path) -> list[Picture]:
-    found = []
-    for path in _images(folder):
-        modality = modality_of(path)
-        if modality:
-            found.append(Picture(modality=modality, source=path, name=show(path)))
-    return found
+    named = ((path, modality_of(path)) for path in _images(folder))
+    return [Picture(modality=modality, source=path, name=show(path)) for path, modality in named if modality]
 
 
 def modality_of(path: Path) -> str:
@@ -135,21 +126,10 @@ def profile_of_pictures(
         else:
             rows[picture.modality].append(embedded)
     on_step(Step(done=len(pictures), total=len(pictures), text=""))
-    key = _key(encoder, pictures)
-    return profile_of_rows(rows, key, domain=domain, skipped=skipped), tuple(skipped)
-
-
-def profile_of_rows(
-    rows: dict[str, list[np.ndarray]], key: tuple[str, str, str], *, domain: str = "", skipped: Iterable[Skipped] = ()
-) -> Profile:
-    """Return the profile of embeddings (W,) by modality; raises DataError if there are none."""
     channels = {name: channels_of(np.stack(some)) for name, some in rows.items() if some}
     if not channels:
         first = next((f" The first: {one.why}" for one in skipped), "")
         raise DataError(f"None of the pictures could be read.{first}")
-    return Profile(channels=channels, key=key, domain=domain)
-
-
-def _key(encoder: Encoder, pictures: Sequence[Picture]) -> tuple[str, str, str]:
     rested = RESTED if any(picture.rest for picture in pictures) else ""
-    return encoder.name, encoder.weights_hash, encoder.preprocessing + rested
+    key = encoder.name, encoder.weights_hash, encoder.preprocessing + rested
+    return Profile(channels=channels, key=key, domain=domain), tuple(skipped)

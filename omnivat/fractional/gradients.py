@@ -33,8 +33,9 @@ def restore(z: Inexact[Tensor, "*lead N"], split: Split) -> Inexact[Tensor, "*le
 def _applied(x: Inexact[Tensor, "*lead N"], split: Split, back: bool) -> Inexact[Tensor, "*lead N"]:
     """x V, or with `back` x Vᵀ."""
     if torch.compiler.is_exporting():
-        matrix = _dense(split, x)
-        return _product(x, matrix.mT if back else matrix)
+        dense = _dense(split, x)
+        matrix = dense.mT if back else dense
+        return torch.complex(x.real @ matrix, x.imag @ matrix) if x.is_complex() else x @ matrix
     if not _wants_gradient(x):
         return (restore_rows if back else analyse_rows)(split, x)
     return _Apply.apply(x, split, back)  # type: ignore[no-any-return,no-untyped-call]
@@ -58,13 +59,6 @@ def _dense(split: Split, like: Inexact[Tensor, "... N"]) -> Float[Tensor, "N N"]
     with kept_numbers():
         size, kind = like.shape[-1], like.dtype.to_real()
         return analyse_rows(split, torch.eye(size, dtype=kind, device=split.indices.device))
-
-
-def _product(x: Inexact[Tensor, "*lead N"], matrix: Float[Tensor, "N N"]) -> Inexact[Tensor, "*lead N"]:
-    """x @ matrix."""
-    if x.is_complex():
-        return torch.complex(x.real @ matrix, x.imag @ matrix)
-    return x @ matrix
 
 
 def _wants_gradient(*tensors: Tensor) -> bool:

@@ -18,9 +18,9 @@ from omnivat.gaps.unit import unit
 from omnivat.model.head import OmniVaT
 from omnivat.model.settings import HeadSettings
 from omnivat.progress import OnStep, Step, ignore
-from omnivat.projection import chain, pca
-from omnivat.projection.chain import aligned
+from omnivat.projection import pca
 from omnivat.projection.quality import trust
+from omnivat.projection.torch_umap import aligned, following
 from omnivat.stages import fitting
 from omnivat.sweep import MEASURES, STAGES, STILL, AtOrder, Features, facts_of, measured, walk
 from omnivat.unseen.masks import counted, mean_over_domains
@@ -155,7 +155,7 @@ def next_map(method: str, points: Tensor, before: Tensor | None, *, seed: int = 
     if method == "pca":
         flat = pca.project(points)
         return flat if before is None else aligned(flat, before)
-    return chain.following(points, before, seed=seed)
+    return following(points, before, seed=seed)
 
 
 def stacked(features: Features) -> Tensor:

@@ -14,7 +14,7 @@ from omnivat.evaluate import label_map
 from omnivat.gaps.unit import unit
 from omnivat.model.head import OmniVaT
 from omnivat.projection import pca
-from omnivat.projection.chain import aligned
+from omnivat.projection.torch_umap import aligned
 from omnivat.sweep import AtOrder, facts_of, measured, walk
 from omnivat.unseen.masks import counted, mean_over_domains
 

@@ -97,21 +97,6 @@ def mean_pairwise(features: Features, facts: Facts, *, gap: str) -> Values:
     yield "", torch.stack(each).mean() if each else torch.tensor(float("nan"))
 
 
-def accuracies(probabilities: Features, facts: Facts) -> Values:
-    """Yield the accuracy of the fused prediction (all, by domain) and of each other reading."""
-    yield from _scores(probabilities, facts, lambda p, labels: accuracy(labels, p.argmax(1)))
-
-
-def macro_f1s(probabilities: Features, facts: Facts, *, average: str = "present") -> Values:
-    """Yield macro-F1 of the fused prediction (over all, by domain) and of each other reading."""
-    yield from _scores(probabilities, facts, lambda p, labels: macro_f1(labels, p.argmax(1), average=average))
-
-
-def calibrations(probabilities: Features, facts: Facts) -> Values:
-    """Yield the expected calibration error of the fused prediction and of each other reading."""
-    yield from _scores(probabilities, facts, ece)
-
-
 def confusions(probabilities: Features, facts: Facts) -> Values:
     """Yield, for each class, the shares of its pairs by the class predicted from both images."""
     known = probabilities["fused"].shape[1]
@@ -123,7 +108,8 @@ def confusions(probabilities: Features, facts: Facts) -> Values:
             yield f"/{truth}>{predicted_class}", share
 
 
-def _scores(probabilities: Features, facts: Facts, score: Callable[[Tensor, Tensor], Tensor]) -> Values:
+def scores(probabilities: Features, facts: Facts, *, score: Callable[[Tensor, Tensor], Tensor]) -> Values:
+    """Yield a score of the fused prediction (all, by domain) and of each other reading."""
     for name, members in facts.parts():
         kept = members & facts.scored
         yield f"/{name}", score(probabilities["fused"][kept], facts.labels[kept])
@@ -155,9 +141,9 @@ STAGE_MEASURES: dict[str, Measure] = {
 
 # of predictions: curve names are measure[:modality]/all or measure/domain; confusion/truth>class
 PREDICTION_MEASURES: dict[str, Measure] = {
-    "accuracy": accuracies,
-    "macro_f1": macro_f1s,
-    "macro_f1_union": partial(macro_f1s, average="union"),
-    "ece": calibrations,
+    "accuracy": partial(scores, score=lambda p, labels: accuracy(labels, p.argmax(1))),
+    "macro_f1": partial(scores, score=lambda p, labels: macro_f1(labels, p.argmax(1))),
+    "macro_f1_union": partial(scores, score=lambda p, labels: macro_f1(labels, p.argmax(1), average="union")),
+    "ece": partial(scores, score=ece),
     "confusion": confusions,
 }

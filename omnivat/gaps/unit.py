@@ -1,15 +1,12 @@
-"""Scale rows to unit length; shared by the measures."""
+"""What the measures share: unit rows, the size of a set, an estimate with its error."""
 
 from dataclasses import dataclass
 
-import torch
 from jaxtyping import Float
 from torch import Tensor
 
 from omnivat.errors import ShapeError
-from omnivat.shapes import unit as scaled
-
-BLOCK = 4096  # rows scaled at once, so that temporaries stay in the cache
+from omnivat.shapes import unit as unit
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,16 +15,6 @@ class Estimate:
 
     value: Float[Tensor, ""]
     error: Float[Tensor, ""]
-
-
-def unit(x: Float[Tensor, "*any D"]) -> Float[Tensor, "*any D"]:
-    """Return each row divided by its length, denormal to the largest float; a zero row stays zero."""
-    if x.ndim == 2 and len(x) > BLOCK and not x.requires_grad:
-        out = torch.empty_like(x)
-        for rows, into in zip(x.split(BLOCK), out.split(BLOCK), strict=True):
-            into.copy_(scaled(rows))
-        return out
-    return scaled(x)
 
 
 def require_rows(least: int, **sets: Tensor) -> None:

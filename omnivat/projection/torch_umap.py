@@ -7,6 +7,7 @@ the equilibria and prevents hubs from overshooting. The start is spectral (`spec
 map."""
 
 import math
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import torch
@@ -15,6 +16,7 @@ from torch import Tensor
 from omnivat.projection import pca
 from omnivat.projection.neighbours import Neighbours, nearest, place
 from omnivat.seeding import derive_seed
+from omnivat.shapes import require_shapes
 
 BISECTIONS = 32
 
@@ -108,6 +110,7 @@ STEPS, RATE = 200, 0.5
 MOST_ROWS = 12_000  # rows in the descent; more are placed afterwards
 PLACED = 8192  # rows placed at once
 CELLS_FROM, CELLS, RING = 100_000, 128, 16
+WARM_STEPS, WARM_RATE = 60, 0.1  # of a map that starts from another
 PULL_LIMIT = 4.0  # umap-learn's bound on each part of one force
 
 
@@ -143,6 +146,40 @@ def project(
     graph = fuzzy_graph(nearest(points, min(neighbours, len(points)) - 1))
     start = spectral_map(graph, seed=seed, dimensions=dimensions) if start is None else start
     return descend(graph, start, steps=steps, rate=rate, seed=seed)
+
+
+def following(points: Tensor, before: Tensor | None, *, seed: int = 0, neighbours: int = 15) -> Tensor:
+    """Return the map (N, 2) of points (N, D), started from the map `before` if given.
+
+    The start is almost right, so a later map takes only WARM_STEPS steps. The low rate WARM_RATE keeps
+    rows in their places: maps of neighbouring orders are as trustworthy as independent ones and move
+    far less (`python -m benchmarks.projection`).
+    """
+    if before is None:
+        return project(points, seed=seed, neighbours=neighbours)
+    return project(points, seed=seed, neighbours=neighbours, steps=WARM_STEPS, rate=WARM_RATE, start=before)
+
+
+def chain(features: Iterable[Tensor], *, seed: int = 0, neighbours: int = 15) -> Iterator[Tensor]:
+    """Yield a map (N, 2) for each (N, D), each started from the one before: the same rows at orders in order."""
+    before: Tensor | None = None
+    for points in features:
+        before = following(points, before, seed=seed, neighbours=neighbours)
+        yield before
+
+
+def aligned(flat: Tensor, to: Tensor) -> Tensor:
+    """Rotate or mirror a centred map about the origin to match another.
+
+    flat, to  (N, 2) maps of the same rows, both centred
+    return    (N, 2); distances between its points do not change
+
+    Source: Schönemann, Psychometrika 31:1-10, 1966 (the orthogonal Procrustes problem).
+    """
+    require_shapes(flat=(flat, "N C"), to=(to, "N C"))
+    left, _, right = torch.linalg.svd((flat.T @ to).double())
+    turn: Tensor = (left @ right).to(flat.dtype)
+    return flat @ turn
 
 
 def sample_of(rows: int, seed: int) -> Tensor:

@@ -36,11 +36,8 @@ class Batch:
         """Return the batch on a device; itself if it is already there."""
         if self.labels.device == device:
             return self
-        moved: dict[str, Any] = {}
-        for name in self.__slots__:
-            value = getattr(self, name)
-            moved[name] = None if value is None else value.to(device)
-        return Batch(**moved)
+        values: dict[str, Any] = {name: getattr(self, name) for name in self.__slots__}
+        return Batch(**{name: None if value is None else value.to(device) for name, value in values.items()})
 
 
 def labels_of(source: Embeddings, head: HeadSettings) -> Array:

@@ -73,11 +73,11 @@ def search_order(
     return  "start" the order; "orders", "score", "spread", "round" one entry for each order scored
             (score: mean squared error on pairs left out over that of the class shares, mean of six
             classifiers: tokens and energies, each of photo only, touch only and both; 1 is chance,
-            lower is better; spread: its standard error); "between" the lowest and highest order around the best that the source
-            cannot tell from it, "ties" the best such order in each other valley, "note" both in
-            words; "seconds" and "steps" the cost of the search
+            lower is better; spread: its standard error); "between" the lowest and highest order
+            around the best that the source cannot tell from it, "ties" the best such order in each
+            other valley, "note" both in words; "seconds" and "steps" the cost of the search
 
-            The initial order in `head` has no effect. Orders outside [0, 1] repeat those inside.
+    The initial order in `head` has no effect. Orders outside [0, 1] repeat those inside.
     """
     began = time.monotonic()
     total = search_steps(head, settings)
@@ -122,7 +122,7 @@ def tied(found: Sequence[Scored], best: Scored, apart: float) -> list[float]:
     """Return the orders in other valleys that are within DOUBT standard errors of the best.
 
     The error is that of the paired difference over pairs, so it is small where both orders fail on
-    the same pairs. Orders are at least `apart` from each other, the lowest first.
+    the same pairs. Orders are further than `apart` from each other, the lowest first.
     """
     ties: list[float] = []
     for one in sorted(found, key=lambda one: one.score):

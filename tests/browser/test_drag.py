@@ -67,7 +67,7 @@ def test_every_stop_is_what_the_library_computes_now(open_page: Callable[..., An
     from omnivat.data.store import load_embeddings
     from omnivat.frames.builder import stacked
     from omnivat.projection import pca
-    from omnivat.projection.chain import aligned
+    from omnivat.projection.torch_umap import aligned
     from omnivat.sweep import walk
 
     page = open_page("?chapter=analyse")

@@ -31,7 +31,6 @@ GAPS = {
     "large": {"DRAWN": 20_000, "LEAST": 4096},
     "mmd": {"BLOCK": 1024, "ACROSS": 16_384, "MOST_ROWS": 20_000, "GROUPS": 16, "FEATURES": 64, "SAMPLE": 2048},
     "sums": {"AT_ONCE": 256},
-    "unit": {"BLOCK": 4096},
 }
 TRAIN = {
     "batches": {"SPREAD_ROWS": 512},
@@ -47,7 +46,6 @@ TRAIN = {
     "training": {"TEACHER": TrainSettings(epochs=120), "AFTER": 0.1},
 }
 PROJECTION = {
-    "chain": {"WARM_STEPS": 60, "WARM_RATE": 0.1},
     "neighbours": {"BLOCK": 1024, "EXACT": 0.001},
     "pca": {"BLOCK": 16_384},
     "quality": {"SAMPLE": 1000, "NEIGHBOURS": 15, "TRUST_SAMPLE": 200, "BLOCK": 16_384, "AT_ONCE": 32},
@@ -68,6 +66,8 @@ PROJECTION = {
         "CELLS_FROM": 100_000,
         "CELLS": 128,
         "RING": 16,
+        "WARM_STEPS": 60,
+        "WARM_RATE": 0.1,
         "PULL_LIMIT": 4.0,
     },
 }
@@ -81,7 +81,7 @@ LIMITS = {
         "projection": PROJECTION,
     }.items()
     for module, values in modules.items()
-} | {"omnivat.losses": {"EPS": 1e-12}}
+} | {"omnivat.losses": {"EPS": 1e-12}, "omnivat.shapes": {"AT_ONCE": 4096}}
 DEFAULTS = {
     "omnivat.fractional:coefficients": {"dim": -1},
     "omnivat.fractional:dfrft": {"dim": -1},
@@ -102,8 +102,8 @@ DEFAULTS = {
     "omnivat.train:train": {"seed": 0},
     "omnivat.train:Watch": {"done": 0, "whole": 0},
     "omnivat.train:Trained": {"chosen_epoch": 0},
-    "omnivat.projection.chain:chain": {"seed": 0, "neighbours": 15},
-    "omnivat.projection.chain:following": {"seed": 0, "neighbours": 15},
+    "omnivat.projection.torch_umap:chain": {"seed": 0, "neighbours": 15},
+    "omnivat.projection.torch_umap:following": {"seed": 0, "neighbours": 15},
     "omnivat.projection.neighbours:place": {"k": 8},
     "omnivat.projection.pca:project": {"seed": 0, "dimensions": 2},
     "omnivat.projection.pca:basis": {"dimensions": 2},

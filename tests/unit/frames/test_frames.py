@@ -10,7 +10,7 @@ from omnivat.frames.builder import DEFAULT_MAPS, spread, stacked
 from omnivat.frames.records import LEVELS, MapFrames, quantised
 from omnivat.gaps.unit import unit
 from omnivat.projection import pca, torch_umap
-from omnivat.projection.chain import aligned, chain
+from omnivat.projection.torch_umap import aligned, chain
 from omnivat.sweep import sweep
 
 from .small_head import ORDERS, head, pairs

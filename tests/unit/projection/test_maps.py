@@ -8,10 +8,9 @@ import torch
 
 from omnivat.errors import MissingPackageError, SettingsError, ShapeError
 from omnivat.projection import PROJECTIONS, pca, torch_umap, umap
-from omnivat.projection.chain import aligned, chain
 from omnivat.projection.neighbours import affine, nearest, place, placed
 from omnivat.projection.quality import NEIGHBOURS, drift, quality, trust
-from omnivat.projection.torch_umap import spectral_map
+from omnivat.projection.torch_umap import aligned, chain, spectral_map
 from omnivat.tables import load
 
 SCHEMES = ["pca", "umap"]
