@@ -84,7 +84,7 @@ def batches(
     for start in range(0, count, settings.batch):
         rows = slice(start, start + settings.batch)
         given = {
-            name: torch.from_numpy(_shifted(_noisy(drawn.rows(rows), noise.get(name), random), spread, name, random))
+            name: torch.from_numpy(_disturbed(drawn.rows(rows), noise.get(name), spread.get(name), random))
             for name, drawn in images.items()
         }
         yield Batch(
@@ -115,14 +115,6 @@ def _noise(source: Embeddings, fit: Array, settings: TrainSettings) -> dict[str,
     return {name: settings.noise * getattr(source, name)[fit].std(0, dtype=np.float32) for name in settings.given}
 
 
-def _noisy(rows: Array, deviation: Array | None, random: np.random.Generator) -> Array:
-    """Return rows (B, input_width) with white noise on every channel."""
-    if deviation is None:
-        return rows
-    noisy: Array = rows + deviation * random.standard_normal(rows.shape, dtype=np.float32)
-    return noisy
-
-
 def _spread(source: Embeddings, fit: Array, settings: TrainSettings, random: np.random.Generator) -> dict[str, Array]:
     """Return centred rows (M, input_width) by modality whose random sums are offsets; {} without.
 
@@ -137,13 +129,13 @@ def _spread(source: Embeddings, fit: Array, settings: TrainSettings, random: np.
     return {name: scale * (values - values.mean(0)) for name, values in rows.items()}
 
 
-def _shifted(rows: Array, spread: dict[str, Array], name: str, random: np.random.Generator) -> Array:
-    """Return rows (B, input_width) plus one random offset."""
-    if name not in spread:
-        return rows
-    weights = random.standard_normal(len(spread[name]), dtype=np.float32)
-    moved: Array = rows + weights @ spread[name]
-    return moved
+def _disturbed(rows: Array, noise: Array | None, spread: Array | None, random: np.random.Generator) -> Array:
+    """Return rows (B, input_width) with white noise on every channel, and moved by one random offset."""
+    if noise is not None:
+        rows = rows + noise * random.standard_normal(rows.shape, dtype=np.float32)
+    if spread is not None:
+        rows = rows + random.standard_normal(len(spread), dtype=np.float32) @ spread
+    return rows
 
 
 @dataclass(frozen=True, slots=True)
