@@ -30,13 +30,11 @@ class PairEncoder:
         self.precision = vis.precision if vis.precision == tac.precision else f"{vis.precision}/{tac.precision}"
         self.preprocessing = f"VIS: {self.vis.preprocessing}; TAC: {self.tac.preprocessing}"
 
-    def preprocess(self, image: "Image.Image") -> "torch.Tensor":
+    def preprocess(self, _: Any) -> "torch.Tensor":
         """Refuse: each modality has its own (`for_modality`). Raises DataError."""
         raise DataError(f"'{self.name}' has an encoder for each modality; say which one is meant.")
 
-    def embed(self, images: "torch.Tensor") -> "torch.Tensor":
-        """Refuse: each modality has its own (`for_modality`). Raises DataError."""
-        raise DataError(f"'{self.name}' has an encoder for each modality; say which one is meant.")
+    embed = preprocess
 
 
 class _Padded:
@@ -69,13 +67,13 @@ def for_modality(encoder: "Encoder", modality: str) -> "Encoder":
 DEFAULT_ENCODER = "efficientnet-lite0"
 ENCODERS = {
     "efficientnet-lite0": "omnivat.encoders.efficientnet:load_lite0",
-    "clip-vit-b32": "omnivat.encoders.clip:load_vit_b32",
-    "clip-vit-b16": "omnivat.encoders.clip:load_vit_b16",
-    "clip-vit-l14": "omnivat.encoders.clip:load_vit_l14",
-    "clip-vit-l14-336": "omnivat.encoders.clip:load_vit_l14_336",
-    "clip-rn50": "omnivat.encoders.clip:load_rn50",
-    "clip-rn101": "omnivat.encoders.clip:load_rn101",
-    "clip": "omnivat.encoders.clip:load_any",
+    "clip-vit-b32": "omnivat.encoders.clip:load",
+    "clip-vit-b16": "omnivat.encoders.clip:load",
+    "clip-vit-l14": "omnivat.encoders.clip:load",
+    "clip-vit-l14-336": "omnivat.encoders.clip:load",
+    "clip-rn50": "omnivat.encoders.clip:load",
+    "clip-rn101": "omnivat.encoders.clip:load",
+    "clip": "omnivat.encoders.clip:load",
     "sitr": "omnivat.encoders.sitr:load",
     "strip": "omnivat.encoders.strip:load_strip",
 }
@@ -130,30 +128,24 @@ def load_encoder(
 
     name            a key of ENCODERS; `hf:NAME_OR_FOLDER` for a vision model of transformers;
                     `module:function` or `file.py:function` for your own; the name of an entry point
-                                    of the group "omnivat.encoders"; or two of these, "VIS | TAC",
-                                    one for each
-                    weights         a checkpoint instead of the default one
-                    tac_weights     the same for the TAC encoder of two
+                    of the group "omnivat.encoders"; or two of these, "VIS | TAC", one for each
+    weights         a checkpoint instead of the default one
+    tac_weights     the same for the TAC encoder of two
     device          "cpu", "cuda" or "auto"
     precision       "fp32"; "bf16" is faster, with slightly different embeddings; "fp32-onnx" (the
                     default encoder on a CPU) is faster and changes only the last digits
     download        "ask", "yes" or "no": permission to fetch missing weights from the hub
-    weights_hash    expected hash, if known: without `weights`, the last file with that hash is
-                    read
+    weights_hash    expected hash, if known: without `weights`, the last file with that hash is read
 
     Raises MissingNameError for an unknown name, SettingsError for an unavailable precision or
     device, DataError if the encoder violates the contract or a checkpoint is missing; the message
     then has the command that fetches it.
     """
-    from omnivat.encoders.base import JOINED, PairEncoder
-
-    if JOINED in name:
-        vis, _, tac = name.partition(JOINED)
-        of_vis, _, of_tac = weights_hash.partition(JOINED)
-        settings = {"device": device, "precision": precision, "download": download}
-        return PairEncoder(_load_one(vis, weights, of_vis, settings), _load_one(tac, tac_weights, of_tac, settings))
     settings = {"device": device, "precision": precision, "download": download}
-    return _load_one(name, weights, weights_hash, settings)
+    if JOINED not in name:
+        return _load_one(name, weights, weights_hash, settings)
+    names, hashes = name.partition(JOINED)[::2], weights_hash.partition(JOINED)[::2]
+    return PairEncoder(*map(_load_one, names, (weights, tac_weights), hashes, (settings,) * 2))
 
 
 def _load_one(name: str, weights: Path | None, weights_hash: str, settings: dict[str, Any]) -> Encoder:
@@ -163,14 +155,14 @@ def _load_one(name: str, weights: Path | None, weights_hash: str, settings: dict
     from omnivat.encoders.wrapping import checked
 
     place = weights or (recall(weights_hash) if weights_hash else None)
-    loader = loader_of(name, ENCODERS)
-    wanted = {**settings, "device": device_from(settings["device"]), "weights": place}
+    loader, own = loader_of(name, ENCODERS), {"name": name} if name in ENCODERS else {}
+    wanted = {**settings, "device": device_from(settings["device"]), "weights": place, **own}
     found = loader(**accepted(loader, name, wanted))
     encoder = found if name in ENCODERS else checked(found, name)
     if weights is not None:
         remember(encoder.weights_hash, weights)
-    elif name.startswith("hf:") and Path(name.removeprefix("hf:")).is_dir():
-        remember(encoder.weights_hash, Path(name.removeprefix("hf:")))
+    elif name.startswith("hf:") and (folder := Path(name.removeprefix("hf:"))).is_dir():
+        remember(encoder.weights_hash, folder)
     return encoder
 
 

@@ -1,12 +1,10 @@
 """Open a CLIP checkpoint of any layout: find it, read it, check its name, load its image tower."""
 
-from collections.abc import Callable
-from functools import partial
 from pathlib import Path
 
 import torch
 
-from omnivat.encoders.clip_names import RESNET, clip_state
+from omnivat.encoders.clip_names import clip_state
 from omnivat.encoders.clip_settings import ANY, Clip, clip_settings, image_shape, require_name
 from omnivat.encoders.clip_towers import ClipTower
 from omnivat.encoders.hub import Checkpoint, find
@@ -70,23 +68,5 @@ def open_clip(name: str, weights: Path | None, *, download: str = "ask") -> Clip
 
 
 def load(name: str, *, weights: Path | None, device: torch.device, precision: str, download: str = "ask") -> ClipTower:
-    """Load the image tower of a CLIP checkpoint as an encoder."""
-    return load_tower(open_clip(name, weights, download=download), device, precision)
-
-
-def load_tower(clip: Clip, device: torch.device, precision: str) -> ClipTower:
-    """Return the image tower of a checkpoint. Raises DataError if it has none."""
-    if clip.shape is None:
-        raise DataError(f"'{clip.file}' has a text tower and no image tower; name the whole model.")
-    vit = clip.weights.kind != RESNET
-    return ClipTower(clip, clip.shape, device, precision, vit=vit)
-
-
-Loader = Callable[..., ClipTower]
-load_any: Loader = partial(load, ANY)
-load_vit_b32: Loader = partial(load, "clip-vit-b32")
-load_vit_b16: Loader = partial(load, "clip-vit-b16")
-load_vit_l14: Loader = partial(load, "clip-vit-l14")
-load_vit_l14_336: Loader = partial(load, "clip-vit-l14-336")
-load_rn50: Loader = partial(load, "clip-rn50")
-load_rn101: Loader = partial(load, "clip-rn101")
+    """Load the image tower of a CLIP checkpoint as an encoder. Raises DataError if it has none."""
+    return ClipTower(open_clip(name, weights, download=download), device, precision)

@@ -12,7 +12,7 @@ from torch import Tensor, nn
 
 from omnivat.devices import current
 from omnivat.encoders.base import JOINED
-from omnivat.encoders.clip import load_tower, open_clip
+from omnivat.encoders.clip import CHECKPOINTS, open_clip
 from omnivat.encoders.clip_settings import Clip
 from omnivat.encoders.clip_text import ClipText
 from omnivat.encoders.clip_towers import ClipTower
@@ -32,7 +32,7 @@ class LiveClip:
     """
 
     def __init__(self, clip: Clip, device: torch.device) -> None:
-        encoder: ClipTower = load_tower(clip, device, "fp32")
+        encoder = ClipTower(clip, device, "fp32")
         texts = ClipText(clip, device)
         self.image: Any = encoder.network
         self.text: Any = texts.network
@@ -114,8 +114,6 @@ def load_live(encoder: str, weights_hash: str) -> LiveClip:
     Raises DataError if the encoder is not a CLIP, if its weights are missing or have changed, or if
     it has no text tower.
     """
-    from omnivat.encoders.clip import CHECKPOINTS
-
     if JOINED in encoder or encoder not in CHECKPOINTS:
         raise DataError(
             f"Methods that learn inside CLIP need one CLIP for both images, and '{encoder}' made these "

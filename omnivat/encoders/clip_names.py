@@ -63,7 +63,7 @@ def clip_state(state: Mapping[str, Tensor]) -> ClipState | None:
         kind, image = VIT, _pick(state, "vision_model.", "visual_projection.")
         text = _pick(state, "text_model.", "text_projection.")
     else:
-        state = {_plain(key): value for key, value in state.items()}
+        state = {key.removeprefix("text."): value for key, value in state.items()}  # as open_clip may have it
         kind = RESNET if "visual.layer1.0.conv1.weight" in state else VIT
         image = _vit(state)
         if kind == RESNET:
@@ -88,11 +88,6 @@ def _unwrapped(state: Mapping[str, Tensor]) -> Mapping[str, Tensor]:
     if any(key.removeprefix("visual.") in state for key in _ANCHORS[1:]):  # an image tower alone
         return {f"visual.{key}": value for key, value in state.items()}
     return state
-
-
-def _plain(key: str) -> str:
-    """Return OpenAI's name for a weight of open_clip's models with a separate text tower."""
-    return key.removeprefix("text.") if key.startswith("text.") else key
 
 
 def _pick(state: Mapping[str, Tensor], *prefixes: str) -> State:

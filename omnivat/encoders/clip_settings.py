@@ -108,15 +108,15 @@ def _of_open_clip(file: Path, name: str) -> ClipSettings:
 def _json(file: Path, name: str) -> dict[str, Any]:
     try:
         found = json.loads(file.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise DataError(f"'{file}' is not of a CLIP model; fetch {name} again.") from error
+    except (OSError, ValueError):
+        found = None
     if not isinstance(found, dict):
         raise DataError(f"'{file}' is not of a CLIP model; fetch {name} again.")
     return found
 
 
 ANY = "clip"  # name for CLIP of any size
-HEAD = 64  # channels of one attention head in every published CLIP
+HEAD_WIDTH = 64  # channels of one attention head in every published CLIP
 
 
 @dataclass(frozen=True, slots=True)
@@ -190,14 +190,9 @@ def count(state: State, prefix: str) -> int:
     return len({key.removeprefix(prefix).split(".")[0] for key in state if key.startswith(prefix)})
 
 
-def name_of(shape: ImageShape) -> str:
-    """Return the name of a published CLIP of that shape, or "clip"."""
-    return next((name for name, known in PUBLISHED.items() if known == shape), ANY)
-
-
 def require_name(name: str, shape: ImageShape, place: object) -> str:
     """Return the name to record; raises DataError if the weights are not of `name`."""
-    found = name_of(shape)
+    found = next((known for known, published in PUBLISHED.items() if published == shape), ANY)
     if name in (ANY, found):
         return found
     raise DataError(
@@ -211,8 +206,8 @@ def heads(width: int, stated: int | None, place: object) -> int:
 
     Raises DataError if neither number divides the width.
     """
-    number = stated or width // HEAD
-    if number < 1 or width % number or (stated is None and width % HEAD):
+    number = stated or width // HEAD_WIDTH
+    if number < 1 or width % number or (stated is None and width % HEAD_WIDTH):
         raise DataError(
             f"'{place}' has layers of width {width}, whose attention heads "
             + ("cannot be found from the weights" if stated is None else f"cannot be {stated}")
@@ -236,6 +231,12 @@ class Clip:
     weights: ClipState
     settings: ClipSettings
     shape: ImageShape | None
+
+    def weight(self, state: State, key: str) -> torch.Tensor:
+        """Return a weight of `state`; raises DataError without it."""
+        if key not in state:
+            raise DataError(f"'{self.file}' lacks the weight '{key}' of {self.name}.")
+        return state[key]
 
     @property
     def image_hash(self) -> str:

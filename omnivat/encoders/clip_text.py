@@ -1,7 +1,7 @@
 """CLIP's text tower, through `transformers`: text embeddings in the space of the images."""
 
 import gzip
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -10,8 +10,8 @@ import torch
 from torch import Tensor
 
 from omnivat.encoders.clip import CHECKPOINTS, open_clip
-from omnivat.encoders.clip_settings import Clip, count, heads
-from omnivat.encoders.clip_towers import PURPOSE, filled, mlp_width, require_stated
+from omnivat.encoders.clip_settings import Clip, count
+from omnivat.encoders.clip_towers import transformer
 from omnivat.errors import DataError, MissingNameError
 from omnivat.files import cache_folder
 from omnivat.tables import need, suggestion
@@ -51,32 +51,19 @@ class ClipText:
 
 def _network(clip: Clip) -> Any:
     """Return the tower of `transformers` with the checkpoint's weights."""
-    transformers = need("transformers", purpose=PURPOSE)
-    state, stated = clip.weights.text, clip.settings.text
-    try:
-        vocabulary, width = state["text_model.embeddings.token_embedding.weight"].shape
-        longest = len(state["text_model.embeddings.position_embedding.weight"])
-        embed = len(state["text_projection.weight"])
-    except KeyError as error:
-        raise DataError(f"'{clip.file}' lacks the weight {error} of {clip.name}.") from error
-    layers = count(state, "text_model.encoder.layers.")
-    require_stated(stated, {"width": width, "layers": layers}, clip)
-    config = transformers.CLIPTextConfig(
+    state, names = clip.weights.text, ("embeddings.token_embedding", "embeddings.position_embedding")
+    words, places = (clip.weight(state, f"text_model.{name}.weight") for name in names)
+    vocabulary, width = words.shape
+    return transformer(
+        clip,
+        "text",
+        {"width": width, "layers": count(state, "text_model.encoder.layers.")},
         vocab_size=vocabulary,
-        hidden_size=width,
-        num_hidden_layers=layers,
-        num_attention_heads=heads(width, stated.get("heads"), clip.file),
-        intermediate_size=mlp_width(state, "text_model.encoder.layers.0.", clip),
-        max_position_embeddings=longest,
-        projection_dim=embed,
-        hidden_act=clip.settings.activation,
-        layer_norm_eps=clip.settings.eps,
+        max_position_embeddings=len(places),
+        projection_dim=len(clip.weight(state, "text_projection.weight")),
         bos_token_id=vocabulary - 2,
-        eos_token_id=stated.get("eos", vocabulary - 1),  # the last token in every published CLIP
+        eos_token_id=clip.settings.text.get("eos", vocabulary - 1),  # the last token in every published CLIP
     )
-    with torch.device("meta"):
-        network = transformers.CLIPTextModelWithProjection(config)
-    return filled(network, state, clip)
 
 
 def load_text_encoder(
@@ -118,17 +105,14 @@ def load_tokenizer(place: Path, *, longest: int, vocabulary: int) -> Any:
     """
     transformers = need("transformers", purpose="CLIP's tokenizer")
     folder = place if place.is_dir() else place.parent
-    found = None
-    for candidate in (folder, *sorted(cache_folder().glob("clip*"))):
+    for candidate in (folder, *sorted(cache_folder().glob("clip*")), *_packages()):
         if any(all((candidate / name).is_file() for name in names) for names in FILES):
             found = transformers.CLIPTokenizer.from_pretrained(candidate)
             break
         if (candidate / MERGES).is_file():
             found = _of_merges(transformers, candidate / MERGES)
             break
-    if found is None and (carried := _carried()) is not None:
-        found = _of_merges(transformers, carried)
-    if found is None:
+    else:
         raise DataError(
             f"'{folder}' has no tokenizer (tokenizer.json, vocab.json and merges.txt, or {MERGES}); "
             "put CLIP's there, or `pip install --no-deps open_clip_torch`, which carries it."
@@ -142,21 +126,17 @@ def load_tokenizer(place: Path, *, longest: int, vocabulary: int) -> Any:
     return found
 
 
-def _carried() -> Path | None:
-    """Return the merges file in an installed package, without importing the package."""
-    for package in CARRIERS:
-        spec = find_spec(package)
-        for folder in (spec.submodule_search_locations or ()) if spec else ():
-            if (file := Path(folder) / MERGES).is_file():
-                return file
-    return None
+def _packages() -> Iterator[Path]:
+    """Yield the folders of installed packages with the merges, without importing them."""
+    for spec in filter(None, map(find_spec, CARRIERS)):
+        yield from map(Path, spec.submodule_search_locations or ())
 
 
 def _of_merges(transformers: Any, file: Path) -> Any:
     """Build the tokenizer from OpenAI's list of merges, most frequent first."""
     lines = gzip.decompress(file.read_bytes()).decode("utf-8").split("\n")
     merges = lines[1 : MERGED + 1]
-    letters = list(_byte_letters())
+    letters = _byte_letters()
     words = [*letters, *(letter + "</w>" for letter in letters)]
     words += [line.replace(" ", "") for line in merges]
     words += ["<|startoftext|>", "<|endoftext|>"]

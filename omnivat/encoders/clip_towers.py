@@ -5,6 +5,7 @@ Radford et al., "Learning Transferable Visual Models From Natural Language Super
 have a stride, and attention instead of the last average. All sizes come from the weights.
 """
 
+from collections.abc import Mapping
 from typing import Any
 
 import torch
@@ -12,24 +13,31 @@ from PIL import Image
 from torch import Tensor, nn
 from torch.nn.functional import avg_pool2d, conv2d, linear, relu, scaled_dot_product_attention
 
-from omnivat.encoders.clip_names import State
-from omnivat.encoders.clip_settings import Clip, ImageShape, heads
+from omnivat.encoders.clip_names import RESNET, State
+from omnivat.encoders.clip_settings import HEAD_WIDTH, Clip, count, heads
 from omnivat.encoders.running import one_by_one, pixels, placed, precision_type, resized
 from omnivat.errors import DataError
 from omnivat.tables import need
-
-PURPOSE = "CLIP's ViT encoders"
 
 
 class ClipTower:
     """The image tower of CLIP, a ViT or a ResNet, as an `Encoder`."""
 
-    def __init__(self, clip: Clip, shape: ImageShape, device: torch.device, precision: str, *, vit: bool) -> None:
-        try:
-            network = _network(clip, shape) if vit else Tower(clip.weights.image)
-        except KeyError as error:
-            raise DataError(f"'{clip.file}' lacks the weight {error} of {clip.name}.") from error
-        self.name, self.is_vit = clip.name, vit
+    def __init__(self, clip: Clip, device: torch.device, precision: str) -> None:
+        shape = clip.shape
+        if shape is None:
+            raise DataError(f"'{clip.file}' has a text tower and no image tower; name the whole model.")
+        self.name, self.is_vit = clip.name, shape.kind != RESNET
+        if self.is_vit:
+            sizes = {"width": shape.width, "layers": shape.layers[0], "patch": shape.patch, "side": shape.side}
+            network = transformer(
+                clip, "vision", sizes, patch_size=shape.patch, image_size=shape.side, projection_dim=shape.embed
+            )
+        else:
+            try:
+                network = Tower(clip.weights.image)
+            except KeyError as error:
+                raise DataError(f"'{clip.file}' lacks the weight {error} of {clip.name}.") from error
         self.width = shape.embed
         self.weights_hash, self.text_hash = clip.image_hash, clip.text_hash
         self.precision = precision
@@ -48,52 +56,43 @@ class ClipTower:
         return one_by_one(self._tower, images.to(self._device, self._type))
 
     def _tower(self, images: Tensor) -> Tensor:
-        given = self.network(pixel_values=images).image_embeds if self.is_vit else self.network(images)
-        embeds: Tensor = given
+        embeds: Tensor = self.network(pixel_values=images).image_embeds if self.is_vit else self.network(images)
         return embeds
 
 
-def _network(clip: Clip, shape: ImageShape) -> Any:
-    """Return the tower of `transformers` with the checkpoint's weights."""
-    transformers = need("transformers", purpose=PURPOSE)
-    state, stated = clip.weights.image, clip.settings.image
-    sizes = {"width": shape.width, "layers": shape.layers[0], "patch": shape.patch}
-    require_stated(stated, sizes | {"side": shape.side}, clip)
-    config = transformers.CLIPVisionConfig(
-        hidden_size=shape.width,
-        num_hidden_layers=shape.layers[0],
-        num_attention_heads=heads(shape.width, stated.get("heads"), clip.file),
-        intermediate_size=mlp_width(state, "vision_model.encoder.layers.0.", clip),
-        patch_size=shape.patch,
-        image_size=shape.side,
-        projection_dim=shape.embed,
-        hidden_act=clip.settings.activation,
-        layer_norm_eps=clip.settings.eps,
-    )
-    with torch.device("meta"):
-        network = transformers.CLIPVisionModelWithProjection(config)
-    return filled(network, state, clip)
+def transformer(clip: Clip, part: str, sizes: Mapping[str, int], **own: int) -> Any:
+    """Return a tower of `transformers` with the checkpoint's weights.
 
+    part   "vision" or "text"
+    sizes  "width", "layers" and others, from the weights, that the settings beside them must state, too
+    own    settings of this tower alone
 
-def mlp_width(state: State, layer: str, clip: Clip) -> int:
-    """Return the hidden width of the perceptron in `layer`; raises DataError without one."""
-    weight = state.get(f"{layer}mlp.fc1.weight")
-    if weight is None:
-        raise DataError(f"'{clip.file}' lacks the weight {layer}mlp.fc1.weight of {clip.name}.")
-    return len(weight)
-
-
-def require_stated(stated: Any, found: dict[str, int], clip: Clip) -> None:
-    """Raise DataError for weights whose sizes differ from the settings next to them."""
-    for name, size in found.items():
+    Raises DataError for weights that are missing, or of other sizes.
+    """
+    transformers = need("transformers", purpose="CLIP's ViT encoders")
+    of_text = part == "text"
+    state, stated = (clip.weights.text, clip.settings.text) if of_text else (clip.weights.image, clip.settings.image)
+    for name, size in sizes.items():
         if stated.get(name, size) != size:
             raise DataError(
                 f"'{clip.file}' has {name} {size}, and the config.json beside it states "
                 f"{stated[name]}; put the weights and the settings of one model there."
             )
+    config = getattr(transformers, f"CLIP{part.title()}Config")(
+        hidden_size=sizes["width"],
+        num_hidden_layers=sizes["layers"],
+        num_attention_heads=heads(sizes["width"], stated.get("heads"), clip.file),
+        intermediate_size=len(clip.weight(state, f"{part}_model.encoder.layers.0.mlp.fc1.weight")),
+        hidden_act=clip.settings.activation,
+        layer_norm_eps=clip.settings.eps,
+        **own,
+    )
+    with torch.device("meta"):
+        network = getattr(transformers, f"CLIP{part.title()}ModelWithProjection")(config)
+    return _filled(network, state, clip)
 
 
-def filled(network: Any, state: State, clip: Clip) -> Any:
+def _filled(network: Any, state: State, clip: Clip) -> Any:
     """Load weights into `network`, which was built on the meta device.
 
     Buffers that checkpoints lack (positions 0, 1, 2, ...) are made here.
@@ -118,7 +117,6 @@ def filled(network: Any, state: State, clip: Clip) -> Any:
     return network.eval().requires_grad_(False)
 
 
-HEAD_WIDTH = 64  # channels of one attention head
 NORM_EPS = 1e-5
 STRIDES = (1, 2, 2, 2)  # of the four stages
 
@@ -133,7 +131,7 @@ class Tower(nn.Module):
             nn.Sequential(
                 *(
                     Bottleneck(state, f"layer{stage}.{block}", stride=stride if block == 0 else 1)
-                    for block in range(_count(state, f"layer{stage}."))
+                    for block in range(count(state, f"layer{stage}."))
                 )
             )
             for stage, stride in enumerate(STRIDES, start=1)
@@ -217,7 +215,3 @@ class AttentionPool(nn.Module):
 
     def _heads(self, x: Tensor) -> Tensor:
         return x.reshape(*x.shape[:2], -1, HEAD_WIDTH).transpose(1, 2)
-
-
-def _count(state: State, prefix: str) -> int:
-    return len({key.split(".")[1] for key in state if key.startswith(prefix)})

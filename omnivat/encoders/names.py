@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from importlib.metadata import entry_points
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from omnivat.errors import DataError, MissingNameError, SettingsError
 from omnivat.tables import load, suggestion
@@ -27,8 +27,7 @@ def loader_of(name: str, table: Mapping[str, str]) -> Callable[..., Any]:
     Raises MissingNameError for an unknown name, DataError if the named code cannot be imported.
     """
     if name in table:
-        found: Callable[..., Any] = load(table, name, kind="encoder")
-        return found
+        return cast("Callable[..., Any]", load(table, name, kind="encoder"))
     if name.startswith(IMPORTED):
         raise DataError(
             f"The embeddings of '{name.removeprefix(IMPORTED)}' were made elsewhere and imported; no "
@@ -82,15 +81,16 @@ def _imported(name: str, importer: Callable[[], Any]) -> Callable[..., Any]:
         ) from error
     if not callable(found):
         raise DataError(f"'{name}' is no function; it must return an encoder when called.")
-    function: Callable[..., Any] = found
-    return function
+    return cast("Callable[..., Any]", found)
 
 
 def _attribute(name: str) -> Any:
     """Return the function of "module:function" or "path/file.py:function"."""
     module, _, attribute = name.rpartition(":")
     file = Path(module)
-    _look_in(file.parent if file.suffix == ".py" else Path())
+    folder = str((file.parent if file.suffix == ".py" else Path()).resolve())
+    if folder not in sys.path:  # as `python -m` does; the installed command would not find code beside the file
+        sys.path.append(folder)
     if file.suffix == ".py":
         spec = importlib.util.spec_from_file_location(f"omnivat_encoder_{file.stem}", file)
         if not file.is_file() or spec is None or spec.loader is None:
@@ -102,13 +102,3 @@ def _attribute(name: str) -> Any:
     if not hasattr(loaded, attribute):
         raise DataError(f"'{module}' has no function '{attribute}' to load an encoder.")
     return getattr(loaded, attribute)
-
-
-def _look_in(folder: Path) -> None:
-    """Append a folder to the import path, as `python -m` does with the current one.
-
-    The installed command does not, so code next to an encoder's file would not be found.
-    """
-    place = str(folder.resolve())
-    if place not in sys.path:
-        sys.path.append(place)

@@ -7,26 +7,9 @@ from numpy.typing import NDArray
 
 from omnivat.tables import need
 
-LOOKS = (
-    "plain",
-    "bright",
-    "dark",
-    "blurry",
-    "sharp",
-    "noisy",
-    "grainy",
-    "smooth",
-    "rough",
-    "shiny",
-    "dull",
-    "coloured",
-    "grey",
-    "worn",
-    "clean",
-    "scratched",
-)
+_LOOKS = "plain bright dark blurry sharp noisy grainy smooth rough shiny dull coloured grey worn clean scratched"
 VIEWS = ("photo", "close-up", "tactile image", "rendering", "sensor reading")
-STYLES = tuple(f"{look} {view}" for look in LOOKS for view in VIEWS)
+STYLES = tuple(f"{look} {view}" for look in _LOOKS.split() for view in VIEWS)
 
 
 def prompts_for(material: str) -> list[str]:

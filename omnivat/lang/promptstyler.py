@@ -18,15 +18,8 @@ STYLE = f"a {WORD} style of a"
 class WordTower(Protocol):
     """A text encoder that accepts a word vector."""
 
-    @property
-    def origin(self) -> str:
-        """Name and weights, for the record."""
-        ...
-
-    @property
-    def word_width(self) -> int:
-        """W, the length of a word vector."""
-        ...
+    origin: str  # name and weights, for the record
+    word_width: int  # W, the length of a word vector
 
     def embed_with_word(self, texts: Sequence[str], word: Tensor | None = None) -> Tensor:
         """Return embeddings (N, D) of texts, differentiable in `word`.

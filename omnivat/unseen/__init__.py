@@ -1,11 +1,7 @@
 """Results of a head in unseen domains."""
 
 from omnivat.tables import late
+from omnivat.unseen.masks import counted
 
-_PUBLIC = {
-    "counted": "omnivat.unseen.masks:counted",
-    "unseen_domains": "omnivat.unseen.masks:unseen_domains",
-    "unseen_summary": "omnivat.unseen.summary:unseen_summary",
-}
-__all__ = [*_PUBLIC]
-__getattr__ = late(__name__, _PUBLIC)
+__all__ = ["counted", "unseen_summary"]
+__getattr__ = late(__name__, {"unseen_summary": "omnivat.unseen.summary:unseen_summary"})  # imports torch

@@ -55,7 +55,6 @@ def _unit(rows: Rows) -> Rows:
 
 
 READINGS = ("fused", "vis", "tac")
-UNSEEN = "unseen"  # the name of all unseen domains together
 Array = NDArray[Any]
 
 
@@ -72,16 +71,12 @@ class _Facts:
     def members(self) -> list[tuple[str, Array]]:
         """Return each domain, and all unseen ones together, with a mask (N,) of test pairs."""
         found = [(name, self.counts & (self.domain == i)) for i, name in enumerate(self.domains)]
-        return [*found, (UNSEEN, self.counts & self._strange())]
+        own = self.domains.index(self.source) if self.source in self.domains else -1
+        return [*found, ("unseen", self.counts & (self.domain != own))]
 
     def unseen(self) -> list[Array]:
         """Return the mask of each unseen domain with pairs."""
         return [mask for name, mask in self.members()[:-1] if name != self.source and mask.any()]
-
-    def _strange(self) -> Array:
-        own = self.domains.index(self.source) if self.source in self.domains else -1
-        strange: Array = self.domain != own
-        return strange
 
 
 def unseen_summary(head: Head, embeddings: Embeddings) -> dict[str, Any]:
@@ -109,7 +104,9 @@ def unseen_summary(head: Head, embeddings: Embeddings) -> dict[str, Any]:
     shares = {f"answers/{name}": (values == label) * 1.0 for name, values in predicted.items()}
     rows = judged(facts.counts, facts.domain)
     vis, tac, cosine = _alone(head, embeddings, rows)
-    shares["retrieval"] = _retrieved(facts, vis, tac, rows)
+    nearest = nearest_touch(vis, tac, facts.domain, rows)
+    shares["retrieval"] = np.full(len(label), np.nan)  # 1 if a photo's nearest touch has its class; NaN if not tested
+    shares["retrieval"][rows] = label[nearest] == label[rows]
     return {
         "source": head.source,
         "order": head.model.order,
@@ -126,17 +123,6 @@ def unseen_summary(head: Head, embeddings: Embeddings) -> dict[str, Any]:
             "cosine": cosine,
         },
     }
-
-
-def _retrieved(facts: _Facts, vis: Array, tac: Array, rows: NDArray[np.int64]) -> Array:
-    """Return (N,): 1 if a photo's nearest touch has its class, else 0; NaN if not tested.
-
-    vis   (len(rows), W), of the tested photos; tac  (N, W)
-    """
-    nearest = nearest_touch(vis, tac, facts.domain, rows)
-    right = np.full(len(facts.domain), np.nan)
-    right[rows] = facts.label[nearest] == facts.label[rows]
-    return right
 
 
 def _by_domain(facts: _Facts, shares: Mapping[str, Array]) -> list[dict[str, Any]]:
