@@ -6,6 +6,11 @@ def printable(text: str) -> str:
     return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
 
 
+def first_line(error: BaseException, most: int = 120) -> str:
+    """Return the first line of an error's text, at most `most` letters; its kind if it has none."""
+    return (str(error).strip().splitlines() or [type(error).__name__])[0][:most]
+
+
 class OmniVatError(Exception):
     """An error that the user can fix. The command line prints its sentence and exits with 1.
 

@@ -123,12 +123,11 @@ def walked(array: NDArray[Any], rows: NDArray[np.int64] | None = None, *, size: 
 
 def _mapped(path: Path, start: int, entry: Mapping[str, Any], large: int) -> NDArray[Any]:
     code, shape = NAMES[entry["dtype"]], tuple(entry["shape"])
-    if _size(entry["dtype"], shape) == 0:
+    first, end = entry["data_offsets"]
+    if first == end:
         return np.empty(shape, code)
-    offset = start + entry["data_offsets"][0]
-    size = _size(entry["dtype"], shape)
-    mode: Literal["r", "c"] = "r" if size > large else "c"
-    return np.memmap(path, dtype=code, mode=mode, offset=offset, shape=shape)
+    mode: Literal["r", "c"] = "r" if end - first > large else "c"
+    return np.memmap(path, dtype=code, mode=mode, offset=start + first, shape=shape)
 
 
 def _size(dtype: str, shape: tuple[int, ...]) -> int:

@@ -119,13 +119,8 @@ def _named(
         domain=np.array([domains.index(name) for name in texts["domain"]], np.int64),
         label=np.array([classes.index(name) for name in texts["material"]], np.int64),
         rows=rows,
-        **{name: _wide(array, max(widths.values())) for name, array in vectors.items()},
+        **{name: np.pad(array, ((0, 0), (0, max(widths.values()) - widths[name]))) for name, array in vectors.items()},
     )
-
-
-def _wide(array: Array, width: int) -> Array:
-    wide: Array = np.pad(array, ((0, 0), (0, width - array.shape[1])))
-    return wide
 
 
 def _renamed(found: Columns, columns: Mapping[str, str], place: Path) -> Columns:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from omnivat.errors import DataError, OmniVatError
+from omnivat.errors import DataError, OmniVatError, first_line
 from omnivat.tables import need
 
 Columns = dict[str, NDArray[Any]]
@@ -31,8 +31,7 @@ def read_columns(place: Path) -> Columns:
     except OmniVatError:
         raise
     except Exception as error:  # each reader has its own errors for damaged files
-        first = (str(error).strip().splitlines() or [type(error).__name__])[0][:120]
-        raise DataError(f"'{place}' cannot be read ({first}); export it again.") from error
+        raise DataError(f"'{place}' cannot be read ({first_line(error)}); export it again.") from error
 
 
 def _npz(place: Path) -> Columns:

@@ -3,7 +3,6 @@
 import json
 import re
 import unicodedata
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -52,8 +51,7 @@ def class_key(name: str) -> str:
 
 def in_order(names: set[str]) -> tuple[str, ...]:
     """Return class names, the five materials first in their usual order, then the others sorted."""
-    shared = tuple(name for name in MATERIALS if name in names)
-    return shared + tuple(sorted(names - set(shared)))
+    return (*(name for name in MATERIALS if name in names), *sorted(names.difference(MATERIALS)))
 
 
 def rules_in_text(text: str, source: str, *, glued: bool = False) -> tuple[Rule, ...]:
@@ -87,13 +85,8 @@ def _stands_for(word: str, raw: str, glued: bool) -> bool:
 
 @cache
 def _slips(raw: str) -> frozenset[str]:
-    return frozenset(_slips_of(raw)) - {raw}
-
-
-def _slips_of(raw: str) -> Iterator[str]:
-    for i, letter in enumerate(raw):
-        yield raw[:i] + letter + raw[i:]
-        if len(raw) > 5:
-            yield raw[:i] + raw[i + 1 :]
-        if i:
-            yield raw[: i - 1] + letter + raw[i - 1] + raw[i + 1 :]
+    cuts = [(raw[:i], raw[i:]) for i in range(len(raw))]
+    doubled = {a + b[0] + b for a, b in cuts}
+    missing = {a + b[1:] for a, b in cuts if len(raw) > 5}
+    swapped = {a[:-1] + b[0] + a[-1] + b[1:] for a, b in cuts[1:]}
+    return frozenset(doubled | missing | swapped) - {raw}

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from omnivat.data.pairs import PairSet
 from omnivat.data.readers import READERS, read_pairs
+from omnivat.data.readers.names import folders_in
 from omnivat.errors import DataError
 
 # reader -> name of the set
@@ -85,11 +86,6 @@ def _folders(root: Path, depth: int) -> list[Path]:
     """Return the root and the folders below it, breadth first; links are not followed."""
     found, level = [root], [root]
     for _ in range(depth):
-        level = [
-            child
-            for folder in level
-            for child in sorted(folder.iterdir())
-            if child.is_dir() and not child.is_symlink() and not child.name.startswith(".")
-        ]
+        level = [child for folder in level for child in folders_in(folder) if not child.is_symlink()]
         found += level
     return found

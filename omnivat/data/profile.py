@@ -166,12 +166,10 @@ def profiled(embeddings: Embeddings, profiles: Mapping[str, Profile], source: Pr
         owners[embeddings.header.domains.index(name)] = profile
     if not owners:
         return embeddings
-    arrays: dict[str, Any] = {}
-    for field in FIELDS:
-        array, modality = getattr(embeddings, field), field[:3]
-        if array is not None:
-            arrays[field] = _moved_array(array, embeddings.domain, owners, modality, source)
-    return replace(embeddings, **arrays)
+    arrays: dict[str, Any] = {field: array for field in FIELDS if (array := getattr(embeddings, field)) is not None}
+    return replace(
+        embeddings, **{f: _moved_array(a, embeddings.domain, owners, f[:3], source) for f, a in arrays.items()}
+    )
 
 
 def domain_of(profile: Profile, domains: Sequence[str], source: str) -> str:
@@ -204,8 +202,7 @@ def require_key(profile: Profile, key: tuple[str, str, str], width: int) -> None
 def _moved_array(
     array: Array, domain: NDArray[np.int64], owners: Mapping[int, Profile], modality: str, source: Profile
 ) -> Array:
-    changed = _empty(array.shape)
-    start = 0
+    changed, start = _empty(array.shape), 0
     for block in walked(array):
         some = slice(start, start + len(block))
         for index, profile in owners.items():

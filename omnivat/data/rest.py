@@ -69,14 +69,11 @@ def has_markers(domain: str) -> bool:
 
 def rests_of(pairs: tuple[Pair, ...]) -> dict[str, list[str]]:
     """Return domain -> hashes of the rest pictures that its pairs use, for a set's header."""
-    found: dict[str, set[Path]] = defaultdict(set)
-    for pair in pairs:
-        if pair.tac_rest is not None:
-            found[pair.domain].add(pair.tac_rest)
-    return {
-        domain: sorted(blake2b(read_bytes(file), digest_size=8).hexdigest() for file in files)
-        for domain, files in found.items()
-    }
+    found: dict[str, set[str]] = defaultdict(set)
+    for domain, file in dict.fromkeys((pair.domain, pair.tac_rest) for pair in pairs):
+        if file is not None:
+            found[domain].add(blake2b(read_bytes(file), digest_size=8).hexdigest())
+    return {domain: sorted(hashes) for domain, hashes in found.items()}
 
 
 def _nearest(folder: Path, levels: int, seen: dict[Path, Path | None]) -> Path | None:

@@ -99,19 +99,13 @@ def split_by_object(pairs: Sequence[Pair], *, seed: int, test: float = 0.3, val:
     for domain in dict.fromkeys(pair.domain for pair in pairs):
         rest = [i for i, pair in enumerate(pairs) if pair.domain == domain]
         for name, fraction in (("test", test), ("val", val / (1 - test))):
-            chosen = pairs_held_out([pairs[i] for i in rest], fraction, derive_seed(seed, name, domain))
+            objects, materials = [pairs[i].object for i in rest], [pairs[i].material for i in rest]
+            chosen = hold_out(objects, materials, fraction, seed=derive_seed(seed, name, domain))
             for index, held in zip(rest, chosen, strict=True):
                 if held:
                     split[index] = name
             rest = [i for i, held in zip(rest, chosen, strict=True) if not held]
     return tuple(replace(pair, split=name) for pair, name in zip(pairs, split, strict=True))
-
-
-def pairs_held_out(pairs: Sequence[Pair], fraction: float, seed: int) -> list[bool]:
-    """Return True for each pair held out by `hold_out`."""
-    objects = [pair.object for pair in pairs]
-    held: list[bool] = hold_out(objects, [p.material for p in pairs], fraction, seed=seed).tolist()
-    return held
 
 
 def balance(pairs: Sequence[Pair], *, seed: int) -> tuple[tuple[Pair, ...], tuple[Skipped, ...]]:

@@ -77,12 +77,11 @@ def write_columns(
     """
     require_domain_names(header.domains)
     rows = _completed(rows, len(label))
-    text = json.dumps(rows, ensure_ascii=False).encode()
     columns = {name: replace(vector, blocks=_checked(path, name, vector)) for name, vector in vectors.items()}
     columns |= {
         "domain": column(np.asarray(domain, np.int64)),
         "label": column(np.asarray(label, np.int64)),
-        "rows": column(np.frombuffer(text, dtype=np.uint8)),
+        "rows": column(np.frombuffer(_written(path, rows), dtype=np.uint8)),
     }
     names = {
         "domain": [header.domains[index] for index in domain],
@@ -105,7 +104,7 @@ def _completed(rows: Mapping[str, Sequence[str]], count: int) -> dict[str, list[
 
 def _written(path: str | Path, rows: Mapping[str, Sequence[str]]) -> bytes:
     try:
-        return json.dumps(dict(rows), ensure_ascii=False).encode()
+        return json.dumps(rows, ensure_ascii=False).encode()
     except UnicodeEncodeError as error:
         raise DataError(
             f"'{path}' was not written: the name {error.object[max(0, error.start - 20) : error.end + 20]!a} "
@@ -203,9 +202,7 @@ def _bytes(array: NDArray[Any]) -> bytes:
 def _single(array: NDArray[Any]) -> Array:
     if array.dtype not in (np.float32, np.float16):
         raise DataError(f"The embeddings are of type {array.dtype}, expected float32 or float16.")
-    if array.dtype == np.float32 or not array.flags.writeable:
-        return array
-    return array.astype(np.float32)
+    return array.astype(np.float32, copy=False) if array.flags.writeable else array
 
 
 def _header(metadata: dict[str, str]) -> Header:

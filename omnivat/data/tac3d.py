@@ -5,7 +5,7 @@ blue; no displacement is mid-grey. A data set has one scale for tangential and o
 displacement, because markers are pressed in several times as far as they are dragged.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from hashlib import blake2b
 from pathlib import Path
 from tokenize import TokenError
@@ -81,26 +81,19 @@ def draw_all(files: Sequence[Path], folder: Path) -> tuple[dict[Path, Path], dic
     """
     drawn: dict[Path, Path] = {}
     refused: dict[Path, str] = {}
-    step = -(-len(files) // MOST_FOR_SCALE) or 1
-    sample = []
-    for file in files[::step]:
-        try:
-            sample.append(load_field(file))
-        except DataError as error:
-            refused[file] = str(error)
-    scale = robust_scale(sample)
-    for file in files:
-        try:
-            drawn[file] = _draw(load_field(file), scale, folder)
-        except DataError as error:
-            refused[file] = str(error)
+
+    def fields(some: Sequence[Path]) -> Iterator[tuple[Path, Field]]:
+        for file in some:
+            try:
+                yield file, load_field(file)
+            except DataError as error:
+                refused[file] = str(error)
+
+    scale = robust_scale(field for _, field in fields(files[:: -(-len(files) // MOST_FOR_SCALE) or 1]))
+    for file, field in fields(files):
+        content = blake2b(field.tobytes() + scale.tobytes(), digest_size=12).hexdigest()
+        drawn[file] = folder / f"tac3d-{content}.png"
+        if not drawn[file].is_file():
+            with replacing(drawn[file]) as temporary:
+                Image.fromarray(field_to_rgb(field, scale)).save(temporary, format="PNG")
     return drawn, refused
-
-
-def _draw(field: Field, scale: Field, folder: Path) -> Path:
-    content = blake2b(field.tobytes() + scale.tobytes(), digest_size=12).hexdigest()
-    image = folder / f"tac3d-{content}.png"
-    if not image.is_file():
-        with replacing(image) as temporary:
-            Image.fromarray(field_to_rgb(field, scale)).save(temporary, format="PNG")
-    return image

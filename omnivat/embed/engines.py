@@ -12,9 +12,9 @@ from omnivat.embed.job import Chunk, Job, embed_one
 from omnivat.embed.parts import part_bytes
 from omnivat.encoders import Encoder
 from omnivat.encoders.cache import EmbeddingCache
-from omnivat.encoders.running import pinned_workers
 from omnivat.errors import DataError
 from omnivat.tables import need
+from omnivat.threads import pin_thread
 
 A = TypeVar("A")
 B = TypeVar("B")
@@ -31,7 +31,8 @@ def run_local(
     """
     work = partial(embed_one, encoder, job, cache=EmbeddingCache(in_memory=1024))
     pairs = (pair for chunk in chunks for pair in chunk.pairs)
-    with pinned_workers(workers) as pool:
+    pool = ThreadPoolExecutor(workers, "embed", initializer=pin_thread)
+    try:
         results = in_order(pool, work, pairs, window=AHEAD * workers)
         for chunk in chunks:
             found = []
@@ -39,6 +40,8 @@ def run_local(
                 found.append(result)
                 on_pairs(1)
             yield chunk, part_bytes(chunk, job, found)
+    finally:
+        pool.shutdown(cancel_futures=True)  # of what has not started
 
 
 def in_order(pool: ThreadPoolExecutor, work: Callable[[A], B], items: Iterable[A], *, window: int) -> Iterator[B]:
@@ -52,9 +55,6 @@ def in_order(pool: ThreadPoolExecutor, work: Callable[[A], B], items: Iterable[A
         yield under_way.popleft().result()
 
 
-PURPOSE, INSTALL = "embedding over a cluster", "'ray[data]'"
-
-
 def run_on_ray(
     chunks: Sequence[Chunk], job: Job, encoder: Encoder, *, workers: int, on_pairs: Callable[[int], None]
 ) -> Iterator[tuple[Chunk, bytes]]:
@@ -63,8 +63,7 @@ def run_on_ray(
     It uses the connected cluster, or the one of $RAY_ADDRESS, or starts Ray here.
     workers     number of worker processes, each on one core of the cluster
     """
-    ray = need("ray", purpose=PURPOSE, install=INSTALL)
-    data = need("ray.data", purpose=PURPOSE, install=INSTALL)
+    ray, data = (need(n, purpose="embedding over a cluster", install="'ray[data]'") for n in ("ray", "ray.data"))
     if not chunks:
         return
     started_here = not ray.is_initialized()

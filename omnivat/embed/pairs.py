@@ -3,15 +3,14 @@
 import logging
 import os
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 
 from omnivat.data.manifest import manifest_place, require_own
 from omnivat.data.pairs import PairSet, Skipped
 from omnivat.data.store import Header, vector_type
-from omnivat.embed.job import Chunk, Job, chunks_of
+from omnivat.embed.job import Job, chunks_of
 from omnivat.embed.parts import Part, Parts, merge
 from omnivat.errors import DataError, SettingsError
 from omnivat.files import require_writable
@@ -53,12 +52,7 @@ def embed_pairs(
 ) -> EmbedReport:
     """Embed `pairs` with the encoder of that name and write the set of embeddings to `out`.
 
-    encoder_name    a name for `load_encoder`; "VIS | TAC" for one encoder each
-    weights     a checkpoint instead of the default one
-    tac_weights the same for a separate encoder of tactile images
-    device      "cpu", "cuda" or "auto"
-    download    "ask", "yes" or "no": permission to fetch missing weights from the hub
-    precision   "fp32", "bf16" if the CPU has it, or "fp32-onnx" for the default encoder
+    encoder_name, weights, tac_weights, device, precision, download  as for `load_encoder`
     engine      "local", or "ray" for a cluster; both write the same file
     flips       also embed mirrored images, for training
     workers     images in parallel; default: every core
@@ -82,8 +76,20 @@ def embed_pairs(
         download=download,
     )
     begun = time.monotonic()
-    work = partial(run, job=job, workers=workers or usable_cores())
-    finished, resumed, header = _embedded(pairs, job, out, work, on_step, dtype, manifest)
+    encoder, parts, total = job.load(), Parts(out), len(pairs.pairs)
+    with parts.claimed():
+        chunks = list(chunks_of(pairs.pairs, encoder, job))
+        waiting = [chunk for chunk in chunks if parts.read(chunk) is None]
+        resumed = total - sum(len(chunk.pairs) for chunk in waiting)
+        if resumed:
+            _log.info("%d pairs were embedded by an earlier run", resumed)
+        on_pairs = _progress(total, resumed, on_step)
+        for chunk, content in run(waiting, job, encoder, workers=workers or usable_cores(), on_pairs=on_pairs):
+            parts.write(chunk, content)
+        finished = [part for chunk in chunks if (part := parts.read(chunk)) is not None]
+        _require_all(finished, len(chunks), pairs, parts)
+        header = merge(out, finished, pairs, encoder, job, dtype=dtype, manifest=manifest)
+        parts.remove()
     return EmbedReport(
         out=out,
         header=header,
@@ -106,36 +112,6 @@ def _require_sound(pairs: PairSet, out: Path, workers: int | None, dtype: str, m
             f"There are no pairs to embed in {pairs.origin or 'what was given'}; "
             "check the items that the reader skipped."
         )
-
-
-def _embedded(
-    pairs: PairSet,
-    job: Job,
-    out: Path,
-    work: Callable[..., Iterator[tuple[Chunk, bytes]]],
-    on_step: OnStep,
-    dtype: str,
-    manifest: str,
-) -> tuple[list[Part], int, Header]:
-    """Embed what is not finished and write the set.
-
-    return  its parts, the number of pairs from earlier runs, and the set's header
-    """
-    encoder, parts, total = job.load(), Parts(out), len(pairs.pairs)
-    with parts.claimed():
-        chunks = list(chunks_of(pairs.pairs, encoder, job))
-        waiting = [chunk for chunk in chunks if parts.read(chunk) is None]
-        resumed = total - sum(len(chunk.pairs) for chunk in waiting)
-        if resumed:
-            _log.info("%d pairs were embedded by an earlier run", resumed)
-        on_pairs = _progress(total, resumed, on_step)
-        for chunk, content in work(waiting, encoder=encoder, on_pairs=on_pairs):
-            parts.write(chunk, content)
-        finished = [part for chunk in chunks if (part := parts.read(chunk)) is not None]
-        _require_all(finished, len(chunks), pairs, parts)
-        header = merge(out, finished, pairs, encoder, job, dtype=dtype, manifest=manifest)
-        parts.remove()
-    return finished, resumed, header
 
 
 def usable_cores() -> int:

@@ -24,7 +24,9 @@ class PairEncoder:
 
     def __init__(self, vis: "Encoder", tac: "Encoder") -> None:
         self.width = max(vis.width, tac.width)
-        self.vis, self.tac = (one if one.width == self.width else _Padded(one, self.width) for one in (vis, tac))
+        self.vis, self.tac = (
+            one if one.width == self.width else NamedEncoder(one, one.name, self.width) for one in (vis, tac)
+        )
         self.name = JOINED.join((vis.name, tac.name))
         self.weights_hash = JOINED.join((vis.weights_hash, tac.weights_hash))
         self.precision = vis.precision if vis.precision == tac.precision else f"{vis.precision}/{tac.precision}"
@@ -37,23 +39,30 @@ class PairEncoder:
     embed = preprocess
 
 
-class _Padded:
-    """An encoder with embeddings padded with zeros to `width`."""
+class NamedEncoder:
+    """An encoder under a name: embeddings become float32, with zeros up to `width` if that is larger."""
 
-    def __init__(self, inner: "Encoder", width: int) -> None:
-        self._inner = inner
-        self.name, self.weights_hash = inner.name, inner.weights_hash
-        self.precision = inner.precision
-        self.width = width
-        self.preprocessing = f"{inner.preprocessing}, {inner.width} values and zeros up to {width}"
+    def __init__(self, inner: Any, name: str, width: int = 0) -> None:
+        self._inner, self.name = inner, name
+        self.width = max(width, int(inner.width))
+        self._zeros = self.width - int(inner.width)
+        more = f", {inner.width} values and zeros up to {width}" if self._zeros else ""
+        self.preprocessing, self.weights_hash = f"{inner.preprocessing}{more}", str(inner.weights_hash)
+        self.precision = str(getattr(inner, "precision", "fp32"))
+        self.text_hash = str(getattr(inner, "text_hash", ""))
 
     def preprocess(self, image: "Image.Image") -> "torch.Tensor":
-        return self._inner.preprocess(image)
+        """Convert an RGB image to the tensor (C, H, W) for `embed`."""
+        pixels: torch.Tensor = self._inner.preprocess(image)
+        return pixels
 
     def embed(self, images: "torch.Tensor") -> "torch.Tensor":
-        from torch.nn.functional import pad
+        """Return the embeddings (B, D), float32."""
+        import torch
 
-        return pad(self._inner.embed(images), (0, self.width - self._inner.width))
+        with torch.inference_mode():
+            vectors: torch.Tensor = self._inner.embed(images)
+            return torch.nn.functional.pad(vectors.float(), (0, self._zeros)) if self._zeros else vectors.float()
 
 
 def for_modality(encoder: "Encoder", modality: str) -> "Encoder":

@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from functools import lru_cache, partial
 from hashlib import blake2b
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -163,18 +163,14 @@ def embed_pair(
 
     Raises DataError as `read_image` does.
     """
-    return (
-        None if vis is None else embed_image(for_modality(encoder, "vis"), vis, cache, name=_name(vis, "VIS")),
-        None
-        if tac is None
-        else embed_image(
-            for_modality(encoder, "tac"), tac, cache, crop=tac_crop, rest=tac_rest, name=_name(tac, "TAC")
-        ),
-    )
 
+    def one(source: Source | None, modality: str, **views: Any) -> Array | None:
+        if source is None:
+            return None
+        name = f"the {modality.upper()} image" if isinstance(source, bytes | Image.Image) else str(source)
+        return embed_image(for_modality(encoder, modality), source, cache, name=name, **views)
 
-def _name(source: Source, modality: str) -> str:
-    return f"the {modality} image" if isinstance(source, bytes | Image.Image) else str(source)
+    return one(vis, "vis"), one(tac, "tac", crop=tac_crop, rest=tac_rest)
 
 
 def _keys(encoder: Encoder, source: bytes | Image.Image, crop: int, flips: Sequence[bool], calm: bytes) -> list[str]:

@@ -7,10 +7,12 @@ import json
 import os
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from hashlib import blake2b
 from importlib.util import find_spec
 from pathlib import Path
+from urllib.request import getproxies
 
 from omnivat.data.embeddings import Header
 from omnivat.errors import DataError, SettingsError, WriteError
@@ -38,7 +40,9 @@ def fetch(repository: str, *, megabytes: int = 0, download: str = "ask") -> Path
         return "Downloads need `pip install huggingface_hub`."
     if (cached := _cached(repository)) is not None:
         return cached
-    if download == "no" or _offline():
+    from huggingface_hub import constants
+
+    if download == "no" or constants.HF_HUB_OFFLINE:
         return "Downloads are off (--offline, or $HF_HUB_OFFLINE)."
     size = f" ({megabytes} MB)" if megabytes else ""
     if download == "ask" and not _agreed(f"Download {repository}{size} from the hub? [y/N] "):
@@ -51,6 +55,8 @@ def fetch(repository: str, *, megabytes: int = 0, download: str = "ask") -> Path
 
 def explained(error: Exception, repository: str) -> str:
     """Return one sentence with the reason of a failed download and the remedy."""
+    from huggingface_hub import constants
+
     kind, status = type(error).__name__, _status(error)
     if status in (401, 403) or "Gated" in kind:
         return f"The hub refuses {repository} without a login ({kind}); run `hf auth login`."
@@ -59,12 +65,11 @@ def explained(error: Exception, repository: str) -> str:
     if status == 407 or "Proxy" in kind:
         return f"The proxy refused the connection to the hub ({kind}); check $HTTPS_PROXY."
     if status:
-        return f"The hub at {_endpoint()} replied with status {status}; try again later."
-    names = ("HTTPS_PROXY", "https_proxy", "HTTP_PROXY", "http_proxy")
-    proxy = next((os.environ[name] for name in names if os.environ.get(name)), "")
+        return f"The hub at {constants.ENDPOINT} replied with status {status}; try again later."
+    proxy = next((path for scheme in ("https", "http") if (path := getproxies().get(scheme))), "")
     behind = f" through the proxy {proxy}" if proxy else ""
     return (
-        f"The hub at {_endpoint()} cannot be reached{behind} ({kind}); set $HTTPS_PROXY if this "
+        f"The hub at {constants.ENDPOINT} cannot be reached{behind} ({kind}); set $HTTPS_PROXY if this "
         "machine is behind a proxy."
     )
 
@@ -73,11 +78,8 @@ def _cached(repository: str) -> Path | None:
     """Return the folder of a model with weights in the hub's cache, or None."""
     from huggingface_hub import try_to_load_from_cache
 
-    for name in WEIGHTS:
-        found = try_to_load_from_cache(repository, name)
-        if isinstance(found, str):
-            return Path(found).parent
-    return None
+    found = (try_to_load_from_cache(repository, name) for name in WEIGHTS)
+    return next((Path(file).parent for file in found if isinstance(file, str)), None)
 
 
 def _downloaded(repository: str) -> Path:
@@ -102,18 +104,6 @@ def _agreed(question: str, ask: Callable[[str], str] = input) -> bool:
         return ask(question).strip().lower() in ("y", "yes")
     except EOFError:
         return False
-
-
-def _offline() -> bool:
-    from huggingface_hub import constants
-
-    return bool(constants.HF_HUB_OFFLINE)
-
-
-def _endpoint() -> str:
-    from huggingface_hub import constants
-
-    return str(constants.ENDPOINT)
 
 
 def _status(error: BaseException | None) -> int | None:
@@ -175,7 +165,7 @@ def find(checkpoint: Checkpoint, weights: Path | None, *, download: str = "ask")
     )
 
 
-NEWEST = 200  # entries kept
+MEMORY, NEWEST = "encoders.json", 200  # in the cache folder; entries kept
 
 
 def remember(weights_hash: str, place: Path) -> None:
@@ -186,10 +176,8 @@ def remember(weights_hash: str, place: Path) -> None:
         return
     places.pop(weights_hash, None)
     places[weights_hash] = path
-    try:
-        write_json(_file(), dict(list(places.items())[-NEWEST:]))
-    except WriteError:
-        return
+    with suppress(WriteError):
+        write_json(cache_folder() / MEMORY, dict(list(places.items())[-NEWEST:]))
 
 
 def recall(weights_hash: str) -> Path | None:
@@ -204,13 +192,9 @@ def images_key(header: Header) -> str:
     return "images " + blake2b(text.encode(), digest_size=8).hexdigest()
 
 
-def _file() -> Path:
-    return cache_folder() / "encoders.json"
-
-
 def _read() -> dict[str, str]:
     try:
-        found = json.loads(_file().read_text(encoding="utf-8"))
+        found = json.loads((cache_folder() / MEMORY).read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return {}
     return {str(k): str(v) for k, v in found.items()} if isinstance(found, dict) else {}

@@ -16,9 +16,9 @@ import torch
 from torch import Tensor, nn
 
 from omnivat.encoders import hub
-from omnivat.encoders.running import SIDE, pixels, resized
+from omnivat.encoders.running import SIDE
 from omnivat.encoders.wrapping import IMAGENET_MEAN, IMAGENET_STD, TorchEncoder
-from omnivat.errors import DataError
+from omnivat.errors import DataError, first_line
 from omnivat.tables import need
 
 FEATURES, CLASS_TOKEN = "projected image features", "class token"
@@ -39,15 +39,8 @@ def load(
     network = _network(folder)
     side, mean, std = _image_settings(folder, network.config)
     run, about = _run_and_pooling(network, side)
-    wrapped = _Tower(network, run)
-    if _patches(network) is None:
-        return TorchEncoder(wrapped, side=side, mean=mean, std=std, about=about, device=device, precision=precision)
     return TorchEncoder(
-        wrapped,
-        prepare=partial(pixels, mean=mean, std=std, side=side),
-        about=f"{resized(side, mean, std)}, {about}",
-        device=device,
-        precision=precision,
+        _Tower(network, run), side=side, mean=mean, std=std, about=about, device=device, precision=precision
     )
 
 
@@ -84,8 +77,7 @@ def _network(folder: Path) -> Any:
             folder, local_files_only=True, output_loading_info=True, dtype=torch.float32
         )
     except Exception as error:  # transformers has a different error for each kind of damaged folder
-        first = (str(error).strip().splitlines() or [type(error).__name__])[0][:160]
-        raise DataError(f"'{folder}' cannot be loaded as a model of transformers: {first}") from error
+        raise DataError(f"'{folder}' cannot be loaded as a model of transformers: {first_line(error, 160)}") from error
     missing = sorted(key for key in info["missing_keys"] if not _unused(network, key))
     if missing or info.get("mismatched_keys"):
         wrong = missing or [str(key) for key in info["mismatched_keys"]]
@@ -154,10 +146,9 @@ def _inputs(images: Tensor, patch: int | None) -> dict[str, Tensor]:
     """Return the arguments of the model for images (B, 3, side, side)."""
     if patch is None:
         return {"pixel_values": images}
-    count, channels, high, wide = images.shape
-    grid = images.reshape(count, channels, high // patch, patch, wide // patch, patch)
+    grid = images.unflatten(3, (-1, patch)).unflatten(2, (-1, patch))  # (B, 3, rows, patch, columns, patch)
     rows = grid.permute(0, 2, 4, 3, 5, 1).flatten(1, 2).flatten(2)  # (B, N, patch * patch * 3)
-    shape = torch.tensor([[high // patch, wide // patch]] * count, device=images.device)
+    shape = torch.tensor([[grid.shape[2], grid.shape[4]]] * len(images), device=images.device)
     mask = torch.ones(rows.shape[:2], dtype=torch.long, device=images.device)
     return {"pixel_values": rows, "pixel_attention_mask": mask, "spatial_shapes": shape}
 

@@ -1,8 +1,6 @@
 """Shared by encoders: pixels to tensors, hashes of weights, and running image by image."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from hashlib import blake2b
 from typing import TypeVar
 
@@ -12,7 +10,7 @@ from PIL import Image
 
 from omnivat.errors import SettingsError
 from omnivat.shapes import require_shapes
-from omnivat.threads import one_thread, pin_thread
+from omnivat.threads import one_thread
 
 M = TypeVar("M", bound=torch.nn.Module)
 SIDE = 224  # pixels, as in the paper; other sizes only if the weights require them
@@ -82,8 +80,7 @@ def cpu_has_bf16() -> bool:
     oneDNN reports bf16 for every processor with AVX-512, and emulates missing instructions, slower
     than fp32. On x86, the CPU's own flags are therefore read.
     """
-    usable = torch.backends.mkldnn.is_available()
-    if not usable or not torch.ops.mkldnn._is_mkldnn_bf16_supported():
+    if not torch.backends.mkldnn.is_available() or not torch.ops.mkldnn._is_mkldnn_bf16_supported():
         return False
     found = torch.cpu.get_capabilities()
     native = found.get("avx512_bf16") or found.get("amx_bf16")
@@ -105,21 +102,5 @@ def one_by_one(network: Callable[[torch.Tensor], torch.Tensor], images: torch.Te
     """
     require_shapes(images=(images, "B C H W"))
     with torch.inference_mode(), one_thread():
-        return torch.cat([network(_alone(image)).float() for image in images])
-
-
-def _alone(image: torch.Tensor) -> torch.Tensor:
-    return image[None].clone(memory_format=torch.channels_last)
-
-
-@contextmanager
-def pinned_workers(count: int) -> Iterator[ThreadPoolExecutor]:
-    """Yield a pool of `count` threads with one torch thread each.
-
-    Leaving the block early cancels work that has not started.
-    """
-    pool = ThreadPoolExecutor(count, "embed", initializer=pin_thread)
-    try:
-        yield pool
-    finally:
-        pool.shutdown(cancel_futures=True)
+        alone = (image[None].clone(memory_format=torch.channels_last) for image in images)
+        return torch.cat([network(image).float() for image in alone])

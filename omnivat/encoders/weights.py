@@ -10,7 +10,7 @@ from safetensors.torch import load_file
 from torch import Tensor
 
 from omnivat.encoders.archives import is_script, read_script
-from omnivat.errors import DataError
+from omnivat.errors import DataError, first_line
 
 WEIGHTS = (
     "model.safetensors",
@@ -56,7 +56,7 @@ def read_weights(place: Path, name: str) -> Weights:
         state, training = _unwrapped(found)
     except Exception as error:  # a damaged file may raise any error in three readers
         raise DataError(
-            f"'{file}' cannot be read as weights of {name} ({_short(error)}); fetch it again, or "
+            f"'{file}' cannot be read as weights of {name} ({first_line(error)}); fetch it again, or "
             "save its state dict as a .safetensors file."
         ) from error
     # Copied, because numbers in a mapped file may be unaligned, and the last digits of a product
@@ -115,7 +115,3 @@ def _without_prefix(state: dict[str, Tensor]) -> dict[str, Tensor]:
         if state and all(key.startswith(prefix) for key in state):
             return _without_prefix({key.removeprefix(prefix): v for key, v in state.items()})
     return state
-
-
-def _short(error: Exception) -> str:
-    return (str(error).strip().splitlines() or [type(error).__name__])[0][:120]

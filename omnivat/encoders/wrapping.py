@@ -16,9 +16,11 @@ import torch
 from PIL import Image
 from torch import Tensor, nn
 
+from omnivat.encoders.base import NamedEncoder
 from omnivat.encoders.running import one_by_one, pixels, placed, precision_type, resized, state_hash
 from omnivat.errors import DataError
 
+GREY = Image.new("RGB", (64, 64), (128, 120, 110))  # a test picture
 IMAGENET_MEAN, IMAGENET_STD = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)
 
 
@@ -75,13 +77,12 @@ class TorchEncoder:
         return one_by_one(self._forward, images.to(self._device, self._type))
 
     def _forward(self, images: Tensor) -> Tensor:
-        given = self._network(images)
-        vectors: Tensor = given if self._pool is None else self._pool(given)
-        return vectors
+        given: Tensor = self._network(images)
+        return given if self._pool is None else self._pool(given)
 
     def _probed(self) -> int:
         """Return D, after checking that two runs on a grey image give the same finite vector."""
-        grey = self.preprocess(Image.new("RGB", (64, 64), (128, 120, 110)))
+        grey = self.preprocess(GREY)
         if self._device.type == "meta":
             return int(self._forward(grey[None].to("meta", self._type)).shape[-1])
         first, second = (self.embed(grey[None]) for _ in range(2))
@@ -101,7 +102,7 @@ class TorchEncoder:
 TEXTS = ("preprocessing", "weights_hash")
 
 
-def checked(encoder: Any, name: str) -> "NamedEncoder":
+def checked(encoder: Any, name: str) -> NamedEncoder:
     """Return `encoder` under `name`. Raises DataError with the missing part.
 
     One test image must give one finite float32 vector of the stated width.
@@ -116,7 +117,7 @@ def checked(encoder: Any, name: str) -> "NamedEncoder":
         if not isinstance(getattr(encoder, part), str) or not getattr(encoder, part):
             raise DataError(f"'{name}' has no text in {part}; it identifies the weights.")
     found = NamedEncoder(encoder, name)
-    pixels = found.preprocess(Image.new("RGB", (64, 64), (128, 120, 110)))
+    pixels = found.preprocess(GREY)
     if not isinstance(pixels, Tensor) or pixels.ndim != 3:
         raise DataError(f"preprocess of '{name}' gave no tensor (C, H, W) for an image.")
     vector = found.embed(pixels[None])
@@ -127,26 +128,3 @@ def checked(encoder: Any, name: str) -> "NamedEncoder":
     if not vector.is_meta and not vector.isfinite().all():
         raise DataError(f"embed of '{name}' gave NaN or infinite values for a grey image.")
     return found
-
-
-class NamedEncoder:
-    """A custom encoder under its name; embeddings become float32 on the CPU."""
-
-    def __init__(self, inner: Any, name: str) -> None:
-        self._inner = inner
-        self.name = name
-        self.width = int(inner.width)
-        self.preprocessing, self.weights_hash = str(inner.preprocessing), str(inner.weights_hash)
-        self.precision = str(getattr(inner, "precision", "fp32"))
-        self.text_hash = str(getattr(inner, "text_hash", ""))
-
-    def preprocess(self, image: Image.Image) -> Tensor:
-        """Convert an RGB image to the tensor (C, H, W) for `embed`."""
-        pixels: Tensor = self._inner.preprocess(image)
-        return pixels
-
-    def embed(self, images: Tensor) -> Tensor:
-        """Return the embeddings (B, D), float32."""
-        with torch.inference_mode():
-            vectors: Tensor = self._inner.embed(images)
-        return vectors.float()

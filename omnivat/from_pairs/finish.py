@@ -62,8 +62,7 @@ def head_from_pairs(
     plan = plan_training(embeddings, source, part=part, head=head, training=training, bank=bank, seed=seed)
     watch = Watch(on_step=on_step, cancelled=cancelled)
     if on_epoch is not None:
-        reports = _Reports(plan, on_epoch, measure_every, snapshot)
-        watch = replace(watch, on_epoch=reports.take)
+        watch = replace(watch, on_epoch=_reporter(plan, on_epoch, measure_every, snapshot))
     return trained_head(plan, repeat=repeat, calibrate=calibrate, watch=watch)
 
 
@@ -108,25 +107,22 @@ def _trained(plan: TrainingPlan, watch: Watch, resume: Path | None) -> Trained:
     return train(plan.pairs, plan.settings, plan.training, bank=plan.bank, seed=plan.seed, resume=resume, watch=watch)
 
 
-class _Reports:
-    """Turns records of epochs into reports."""
+def _reporter(
+    plan: TrainingPlan, show: OnReport, every: int, snapshot: bool
+) -> Callable[[dict[str, float], OmniVaT], None]:
+    """Return a function that turns the record of an epoch into a report, with measures if due."""
+    total, meter = plan.training.epochs, Meter(plan.embeddings, plan.settings.classes, plan.source)
 
-    def __init__(self, plan: TrainingPlan, show: OnReport, every: int, snapshot: bool) -> None:
-        self.total, self.show, self.every = plan.training.epochs, show, every
-        self.snapshot = snapshot
-        self.meter = Meter(plan.embeddings, plan.settings.classes, plan.source)
+    def take(record: dict[str, float], model: OmniVaT) -> None:
+        epoch, losses = int(record["epoch"]) + 1, {name: record[name] for name in LOSSES}
+        report = EpochReport(epoch=epoch, total=total, losses=losses, order=record["order"])
+        if epoch == total or (every and epoch % every == 0):
+            found = meter.at(model, record["order"])
+            points = meter.map(found) if snapshot else None
+            report = replace(report, measures=meter.measures(found), map=points)
+        show(report)
 
-    def take(self, record: dict[str, float], model: OmniVaT) -> None:
-        """Report one epoch, with measures if due."""
-        epoch = int(record["epoch"]) + 1
-        report = EpochReport(
-            epoch=epoch, total=self.total, losses={name: record[name] for name in LOSSES}, order=record["order"]
-        )
-        if epoch == self.total or (self.every and epoch % self.every == 0):
-            found = self.meter.at(model, record["order"])
-            points = self.meter.map(found) if self.snapshot else None
-            report = replace(report, measures=self.meter.measures(found), map=points)
-        self.show(report)
+    return take
 
 
 def _calibration(plan: TrainingPlan, order: float, watch: Watch) -> tuple[Calibration | None, str]:
@@ -152,31 +148,24 @@ def _familiarity(source: Embeddings, labels: NDArray[np.int64]) -> Familiarity |
 def _metrics(plan: TrainingPlan, head: Head, trained: Trained) -> dict[str, Any]:
     """Return the contents of metrics.json for one training."""
     records = evaluate(head, plan.embeddings)
+    summary = _summary(plan.seed, head, records)
     found = {
         "selection": plan.training.selection,
         "chosen_epoch": trained.chosen_epoch,
-        "order": trained.model.order,
-        "target_accuracy": _mean(records),
-        "target_macro_f1": _mean(records, "macro_f1"),
+        **{name: value for name, value in summary.items() if name not in ("seed", "domains")},
         "domains": records,
         "epochs": trained.epochs,
-        "seeds": [_summary(plan.seed, head, records)],
+        "seeds": [summary],
     }
     return {**found, "order_search": trained.search} if trained.search else found
 
 
 def _summary(seed: int, head: Head, records: Sequence[dict[str, Any]]) -> dict[str, Any]:
     """Return the scores of one seed: means over targets, and of each domain."""
+    means = {score: target_mean(target_scores(records), score) for score in ("accuracy", "macro_f1")}
     return {
         "seed": seed,
         "order": head.model.order,
-        "target_accuracy": _mean(records),
-        "target_macro_f1": _mean(records, "macro_f1"),
+        **{f"target_{s}": None if math.isnan(mean) else mean for s, mean in means.items()},  # JSON has no NaN
         "domains": {r["domain"]: r["scores"]["fused"] for r in records if r["scores"]},
     }
-
-
-def _mean(records: Sequence[dict[str, Any]], score: str = "accuracy") -> float | None:
-    """Return a mean over targets; None without any, since JSON has no NaN."""
-    mean = target_mean(target_scores(records), score)
-    return None if math.isnan(mean) else mean

@@ -16,6 +16,9 @@ from omnivat.model.settings import HeadSettings
 from omnivat.train import TrainSettings
 from omnivat.train.batches import held_out, labels_of
 
+PACKAGES = ("torch", "numpy", "safetensors")  # whose versions a head keeps
+FROM_DATA = ("classes", "input_width", "lang_width")
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrainingPlan:
@@ -54,7 +57,7 @@ class TrainingPlan:
             "seed": self.seed,
             "train": settings_dict(self.training),
             "lang": {"origin": bank.origin, "hash": bank.hash} if bank else None,
-            "versions": _versions(),
+            "versions": {"python": platform.python_version(), **{name: version(name) for name in PACKAGES}},
         }
 
 
@@ -86,7 +89,10 @@ def plan_training(
         raise DataError(f"'{source}' has no pairs{what} to train on; choose another domain.")
     present = set(pairs.label.tolist())
     classes = tuple(name for k, name in enumerate(embeddings.header.classes) if k in present)
-    texts = _bank(bank, classes) if training.lang else None
+    texts = None
+    if training.lang:
+        loaded = bank if isinstance(bank, LangBank) else load_bank(bank or DEFAULT_BANK)
+        texts = loaded.for_classes(classes)
     values = {
         "classes": classes,
         "input_width": embeddings.width,
@@ -123,7 +129,7 @@ def plan_like(
     """
     head.require_embeddings(embeddings)
     own = source in ("", head.source)
-    kept = {k: v for k, v in settings_dict(head.settings).items() if k not in _FROM_DATA}
+    kept = {k: v for k, v in settings_dict(head.settings).items() if k not in FROM_DATA}
     return plan_training(
         embeddings,
         source or head.source,
@@ -133,16 +139,3 @@ def plan_like(
         bank=bank,
         seed=int(head.provenance.get("seed", 0)),
     )
-
-
-_FROM_DATA = ("classes", "input_width", "lang_width")
-
-
-def _bank(bank: LangBank | Path | None, classes: tuple[str, ...]) -> LangBank:
-    loaded = bank if isinstance(bank, LangBank) else load_bank(bank or DEFAULT_BANK)
-    return loaded.for_classes(classes)
-
-
-def _versions() -> dict[str, str]:
-    packages = {name: version(name) for name in ("torch", "numpy", "safetensors")}
-    return {"python": platform.python_version(), **packages}

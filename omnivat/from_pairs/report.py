@@ -32,8 +32,8 @@ class EpochReport:
     order     the learned p after the epoch
     measures  "modality_gap/f_hat", "domain_gap/f_hat", "margin/f_hat" of all pairs;
               "accuracy/source_test", "accuracy/unseen" (both images; ":vis" or ":tac" for one
-                        modality alone) of test pairs. Empty if not measured
-              map       (2N, 2) PCA of F̂, VIS rows first, aligned with the previous map; or None
+              modality alone) of test pairs. Empty if not measured
+    map       (2N, 2) PCA of F̂, VIS rows first, aligned with the previous map; or None
     """
 
     epoch: int

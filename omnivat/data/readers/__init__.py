@@ -1,5 +1,6 @@
 """Readers of pairs: one file for each data set, one table, one entry point."""
 
+import os
 from collections.abc import Callable
 from importlib import import_module
 from inspect import Parameter, signature
@@ -8,7 +9,7 @@ from typing import Any
 
 from omnivat.data.domains import require_domain_names
 from omnivat.data.pairs import PairSet
-from omnivat.data.readers.names import exists, show
+from omnivat.data.readers.names import show
 from omnivat.errors import DataError, SettingsError
 from omnivat.tables import load, suggestion
 
@@ -20,7 +21,7 @@ READERS = {
     "objectfolder_real": "omnivat.data.readers.objectfolder_real:read",
     "touch_and_go": "omnivat.data.readers.touch_and_go:read",
     "folder": "omnivat.data.readers.folder:read",
-    "loose": "omnivat.data.readers.loose:read",
+    "loose": "omnivat.data.readers.folder:read_loose",
 }
 
 
@@ -54,7 +55,7 @@ def read_pairs(
     SettingsError for an option that the reader lacks.
     """
     path = Path(source)
-    if not exists(path):
+    if not os.path.exists(path):  # also for a name too long, or a looping link
         raise DataError(f"There is no folder or file at '{show(path)}'. Check the path.")
     name = recognised(path) if reader == "auto" else reader
     read = load(READERS, name, kind="reader")

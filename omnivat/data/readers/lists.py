@@ -2,6 +2,7 @@
 
 import csv
 import json
+from collections.abc import Sequence
 from io import StringIO
 from pathlib import Path
 from typing import Any
@@ -47,23 +48,27 @@ def read_cells(file: Path) -> list[list[str]]:
     return [row for row in rows if any(row)]
 
 
+def read_rows(file: Path, needed: Sequence[str]) -> list[dict[str, str]]:
+    """Return the rows of a CSV by the names in its first row. Raises DataError without a `needed` one."""
+    header, *cells = read_cells(file) or [[]]
+    header = [name.lower() for name in header]
+    for name in needed:
+        if name not in header:
+            raise DataError(
+                f"'{show(file)}' has no column '{name}'; expected a first row with {', '.join(needed)}."
+                f"{suggestion(name, header)}"
+            )
+    return [dict(zip(header, row, strict=False)) for row in cells]
+
+
 def read_names(file: Path, key: str, value: str) -> dict[str, str]:
     """Return one named column by another, for a CSV with names in its first row.
 
     Raises DataError if a column is missing, or a key has two values.
     """
-    rows = read_cells(file)
-    header = [name.lower() for name in rows[0]] if rows else []
-    for name in (key, value):
-        if name not in header:
-            raise DataError(
-                f"'{show(file)}' has no column '{name}'; expected a first row with {key}, {value}."
-                f"{suggestion(name, header)}"
-            )
     named: dict[str, str] = {}
-    for row in rows[1:]:
-        cells = dict(zip(header, row, strict=False))
-        name, text = cells.get(key, ""), cells.get(value, "")
+    for row in read_rows(file, (key, value)):
+        name, text = row.get(key, ""), row.get(value, "")
         if name and named.setdefault(name, text) != text:
             raise DataError(f"'{show(file)}' gives '{show(name)}' two values for {value}. Keep one.")
     return named

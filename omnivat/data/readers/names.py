@@ -3,17 +3,13 @@
 import os
 import re
 from collections.abc import Iterator
+from os.path import isfile as is_file  # unlike Path.is_file, it never raises for long names
 from pathlib import Path
 
 from omnivat.errors import printable
 
-IMAGE_SUFFIXES = frozenset(
-    f".{suffix}"
-    for suffix in (
-        *("png", "apng", "jpg", "jpeg", "jpe", "jfif", "webp", "bmp", "dib", "tif", "tiff"),
-        *("gif", "ppm", "pgm", "pnm", "tga", "jp2", "j2k", "avif"),
-    )
-)
+SUFFIXES = "png apng jpg jpeg jpe jfif webp bmp dib tif tiff gif ppm pgm pnm tga jp2 j2k avif"
+IMAGE_SUFFIXES = frozenset(f".{suffix}" for suffix in SUFFIXES.split())
 
 
 def show(path: Path | str) -> str:
@@ -29,16 +25,6 @@ def is_text(name: str) -> bool:
 def is_image_name(name: str) -> bool:
     """True if a file's suffix, in any case, is that of an image."""
     return os.path.splitext(name)[1].lower() in IMAGE_SUFFIXES
-
-
-def exists(path: Path) -> bool:
-    """True if something readable exists; False for a broken or looping link."""
-    return os.path.exists(path)
-
-
-def is_file(path: Path) -> bool:
-    """True if this is a file; unlike Path.is_file, it never raises for long names."""
-    return os.path.isfile(path)
 
 
 def visible(folder: Path) -> Iterator[os.DirEntry[str]]:
@@ -62,16 +48,12 @@ def folders_in(folder: Path) -> list[Path]:
 
 def leads_upwards(folder: Path) -> bool:
     """True if a link leads to one of its own parent folders."""
-    return folder.is_symlink() and Path(os.path.realpath(folder)) in (
-        Path(os.path.realpath(folder.parent)),
-        *Path(os.path.realpath(folder.parent)).parents,
-    )
+    return folder.is_symlink() and Path(os.path.realpath(folder.parent)).is_relative_to(os.path.realpath(folder))
 
 
 def number_of(path: Path) -> int | None:
     """Return the number at the end of a file's stem, if any."""
-    number = re.search(r"[0-9]+$", path.stem)
-    return int(number[0]) if number else None
+    return int(number[0]) if (number := re.search(r"[0-9]+$", path.stem)) else None
 
 
 def frames_in(folder: Path, suffixes: frozenset[str] = IMAGE_SUFFIXES) -> dict[int, Path]:

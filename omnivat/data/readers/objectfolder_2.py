@@ -54,11 +54,7 @@ def read(
     raw = materials_of_objects(source, Path(objects) if objects else source / "objects.csv")
     things = _things(source, raw, strict, left_out)
     pairs = [pair for thing in things for pair in _pairs(source, thing, things[thing], left_out)]
-    lost: tuple[Skipped, ...] = ()
-    if split == "release":
-        pairs, lost = _released(source, pairs)
-    else:
-        pairs, lost = _drawn(pairs, seed)
+    pairs, lost = _released(source, pairs) if split == "release" else _drawn(pairs, seed)
     if not pairs:
         raise DataError(f"No pairs of ObjectFolder 2.0 in '{show(source)}'.{left_out.reasons()}")
     return PairSet(
@@ -184,9 +180,7 @@ def _drawn(pairs: list[Pair], seed: int) -> tuple[list[Pair], tuple[Skipped, ...
     things: dict[tuple[str, str], dict[str, list[Pair]]] = defaultdict(lambda: defaultdict(list))
     for pair in pairs:
         things[pair.domain, pair.material][pair.object].append(pair)
-    rarest = {
-        domain: min(len(members) for (name, _), members in things.items() if name == domain) for domain, _ in things
-    }
+    rarest = {d: min(len(members) for (name, _), members in things.items() if name == d) for d, _ in things}
     drawn: list[Pair] = []
     for (domain, material), members in things.items():
         order = list(members)

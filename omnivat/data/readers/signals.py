@@ -8,6 +8,7 @@ Three layouts: that of dexrob/BioTac_slide_20_50 (`mat1/mat1_10_bio.csv`), any f
 import csv
 import re
 import wave
+from collections import defaultdict
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import islice
@@ -28,7 +29,7 @@ from omnivat.errors import DataError, SettingsError
 from omnivat.tables import load
 
 LAYOUT = "<domain>/<class>/<name>.csv or .wav, or .npz with signal (N, n) and material (N,)"
-BIOTAC = re.compile(r"(?P<material>mat\d+)_\d+_bio\.csv", re.IGNORECASE)
+BIOTAC = re.compile(r"mat\d+_\d+_bio\.csv", re.IGNORECASE)
 DYNAMIC = tuple(f"pac{k}" for k in range(1, 23))  # 22 samples of dynamic pressure in a row
 MOST = 10_000_000  # samples of one recording
 SIGNAL_READERS = {  # tried in this order
@@ -85,7 +86,7 @@ def read_biotac(root: Path) -> Recordings:
     """
     return _collected(
         root,
-        [("BioTac", _material(file), file) for file in _biotac_files(root)],
+        [("BioTac", file.name.partition("_")[0].lower(), file) for file in _biotac_files(root)],
         lambda file: _columns(file, DYNAMIC).reshape(-1),
         "BioTac vibrations, 22 samples of dynamic pressure a row",
     )
@@ -210,10 +211,9 @@ def signal_embeddings(
 
 def _tests(recordings: tuple[Recording, ...], share: float, seed: int) -> set[int]:
     """Return the indices of the test recordings: a share of each class of each domain."""
-    random, chosen = np.random.default_rng(seed), set[int]()
-    groups: dict[tuple[str, str], list[int]] = {}
+    random, chosen, groups = np.random.default_rng(seed), set[int](), defaultdict[tuple[str, str], list[int]](list)
     for index, one in enumerate(recordings):
-        groups.setdefault((one.domain, one.material), []).append(index)
+        groups[one.domain, one.material].append(index)
     for group in groups.values():
         chosen.update(random.permutation(group)[: round(share * len(group))].tolist())
     return chosen
@@ -236,11 +236,6 @@ def _biotac_files(root: Path) -> Iterator[Path]:
 
 def _array_files(root: Path) -> list[Path]:
     return [root / e.name for e in visible(root) if e.name.lower().endswith(".npz")]
-
-
-def _material(file: Path) -> str:
-    match = BIOTAC.fullmatch(file.name)
-    return match["material"].lower() if match else ""
 
 
 def _collected(

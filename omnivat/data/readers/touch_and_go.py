@@ -110,7 +110,8 @@ def _listed(files: dict[str, Path], left_out: Tally) -> Iterator[Frame]:
             path, _, label = line.rpartition(",")
             clip, _, name = path.strip().partition("/")
             number, label = Path(name).stem, label.strip()
-            if not (_plain(clip) and number.isascii() and number.isdigit() and label):
+            plain = clip not in ("", ".", "..") and not set(clip) & {"\\", "\0"}
+            if not (plain and number.isascii() and number.isdigit() and label):
                 left_out.add(show(file.name), "lines that are not <clip>/<number>.jpg,<label>")
             elif label == INCONCLUSIVE:
                 left_out.add(show(file.name), "label -1, inconclusive")
@@ -120,10 +121,6 @@ def _listed(files: dict[str, Path], left_out: Tally) -> Iterator[Frame]:
             else:
                 seen[clip, int(number)] = label
                 yield Frame(clip, int(number), label, split)
-
-
-def _plain(clip: str) -> bool:
-    return bool(clip) and clip not in (".", "..") and "\\" not in clip and "\0" not in clip
 
 
 def _label_names(places: tuple[Path, ...]) -> dict[str, str]:

@@ -4,8 +4,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from omnivat.data.materials import NO_CLASS, class_key
+from omnivat.data.readers.lists import read_rows
 from omnivat.data.readers.names import show
-from omnivat.data.recordings.clips import HALVES, Clip, Track, labelled_rows
+from omnivat.data.recordings.clips import HALVES, Clip, Track
 from omnivat.data.recordings.lerobot import INFO, LeRobot
 from omnivat.data.recordings.writing import write_pairs
 from omnivat.errors import DataError, SettingsError
@@ -48,7 +49,7 @@ def clips_of(
 def _videos(file: Path, domain: str) -> list[Clip]:
     """Return the recordings of a table: vis and tac name videos; start and end are seconds."""
     clips = []
-    for number, row in enumerate(labelled_rows(file, ("material",)), start=2):
+    for number, row in enumerate(read_rows(file, ("material",)), start=2):
 
         def seconds(name: str, row: dict[str, str] = row, number: int = number) -> float | None:
             if not row.get(name):

@@ -1,12 +1,8 @@
 """A recording of one contact: its tracks of pictures, and its labels."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-
-from omnivat.data.readers.lists import read_cells
-from omnivat.data.readers.names import show
-from omnivat.errors import DataError
 
 HALVES = ("vis", "tac")
 
@@ -33,12 +29,3 @@ class Clip:
     material: str
     object: str
     split: str = ""
-
-
-def labelled_rows(file: Path, needed: Sequence[str]) -> list[dict[str, str]]:
-    """Return the rows of a CSV by the names in its first row."""
-    header, *cells = read_cells(file) or [[]]
-    header = [name.lower() for name in header]
-    if missing := [name for name in needed if name not in header]:
-        raise DataError(f"'{show(file)}' has no column '{missing[0]}'; expected {', '.join(needed)}.")
-    return [dict(zip(header, row, strict=False)) for row in cells]

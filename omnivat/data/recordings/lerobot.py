@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Any
 
 from omnivat.data.materials import NO_CLASS, class_key
-from omnivat.data.readers.lists import read_json, read_lines
+from omnivat.data.readers.lists import read_json, read_lines, read_rows
 from omnivat.data.readers.names import show
-from omnivat.data.recordings.clips import Clip, Track, labelled_rows
+from omnivat.data.recordings.clips import Clip, Track
 from omnivat.data.recordings.tracks import parquet_rows
 from omnivat.errors import DataError
 
@@ -53,7 +53,8 @@ class LeRobot:
         photo, touches = self._chosen(vis, tac)
         episodes = self._episodes()
         tasks = {one["task"] for one in episodes}
-        table = _labels(labels) if labels else {}
+        rows = read_rows(labels, ("episode", "material")) if labels else ()
+        table = {row["episode"]: row for row in rows}
         clips = []
         for one in episodes:
             number = one["episode_index"]
@@ -149,7 +150,3 @@ def _task(tasks: Any) -> str:
         return tasks
     first = next(iter(tasks), "") if isinstance(tasks, list | tuple) else ""
     return first if isinstance(first, str) else ""
-
-
-def _labels(file: Path) -> dict[str, dict[str, str]]:
-    return {row["episode"]: row for row in labelled_rows(file, ("episode", "material"))}

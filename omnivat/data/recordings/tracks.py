@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from omnivat.data.images import MAX_PIXELS, read_image
 from omnivat.data.readers.names import show
 from omnivat.data.recordings.clips import Track
-from omnivat.errors import DataError
+from omnivat.errors import DataError, first_line
 from omnivat.tables import need
 
 if TYPE_CHECKING:
@@ -86,6 +86,5 @@ def parquet_rows(file: Path, columns: list[str] | None = None, filters: Any = No
     try:
         table = parquet.read_table(file, columns=columns, filters=filters)
     except Exception as error:  # pyarrow has its own kinds for damaged files
-        first = (str(error).strip().splitlines() or [type(error).__name__])[0][:120]
-        raise DataError(f"'{show(file)}' cannot be read ({show(first)}).") from error
+        raise DataError(f"'{show(file)}' cannot be read ({first_line(error)}).") from error
     return list(table.to_pylist())
