@@ -119,6 +119,12 @@ class Embeddings:
         return np.flatnonzero(keep)
 
 
+def indices(names: Sequence[str], values: Sequence[str]) -> NDArray[np.int64]:
+    """Return the index (N,) of each value among names."""
+    place = {name: index for index, name in enumerate(names)}
+    return np.array([place[value] for value in values], np.int64)
+
+
 def _rows(array: Array, index: NDArray[Any]) -> Array:
     chosen: Array = np.empty((len(index), *array.shape[1:]), np.float32)
     start = 0

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from omnivat.data.embeddings import Array, Embeddings, Header
+from omnivat.data.embeddings import Array, Embeddings, Header, indices
 from omnivat.data.foreign_files import read_columns
 from omnivat.data.materials import in_order
 from omnivat.data.store import ROW_NAMES, VECTORS
@@ -75,52 +75,42 @@ def import_embeddings(
         texts["material"] = [material] * count
     _require_names(texts, place)
     texts["material"] = _materials(texts["material"], classes, place)
-    return _named(place, encoder, vectors, found, texts, preprocessing, origin, simulated)
-
-
-def _named(
-    place: Path,
-    encoder: str,
-    vectors: Mapping[str, Array],
-    found: Columns,
-    texts: dict[str, list[str]],
-    preprocessing: str,
-    origin: str,
-    simulated: bool,
-) -> Embeddings:
-    """Return the embeddings with their header and row names."""
-    count = len(texts["material"])
     widths = {name: array.shape[1] for name, array in vectors.items()}
     how = preprocessing or "made elsewhere"
     if len(set(widths.values())) > 1:
         how += f" ({', '.join(f'{name} {width}' for name, width in widths.items())} values, then zeros)"
-    domains = tuple(dict.fromkeys(texts["domain"]))
-    classes = in_order(set(texts["material"]))
+    header = Header(
+        encoder=PREFIX + encoder.strip(),
+        weights_hash=blake2b(encoder.strip().encode(), digest_size=8).hexdigest(),
+        preprocessing=how,
+        domains=tuple(dict.fromkeys(texts["domain"])),
+        classes=in_order(set(texts["material"])),
+        simulated=simulated,
+        origin=origin or f"imported from {place.name}",
+    )
+    return Embeddings(
+        header=header,
+        domain=indices(header.domains, texts["domain"]),
+        label=indices(header.classes, texts["material"]),
+        rows=_rows(found, texts, place),
+        **{name: np.pad(array, ((0, 0), (0, max(widths.values()) - widths[name]))) for name, array in vectors.items()},
+    )
+
+
+def _rows(found: Columns, texts: Mapping[str, list[str]], place: Path) -> dict[str, list[str]]:
+    """Return the named columns; files and objects without a name have the row's number."""
+    count = len(texts["material"])
     rows = {name: texts.get(name, [""] * count) for name in ROW_NAMES}
     for name in ("vis", "tac"):
-        given = found.get(f"{name}_file")
+        own = found.get(f"{name}_file")
         rows[name] = (
             [f"{place.stem}/{row}_{name}" for row in range(count)]
-            if given is None
-            else _texts(given, f"{name}_file", count, place)
+            if own is None
+            else _texts(own, f"{name}_file", count, place)
         )
     if not any(rows["object"]):
         rows["object"] = [f"{place.stem}/{row}" for row in range(count)]
-    return Embeddings(
-        header=Header(
-            encoder=PREFIX + encoder.strip(),
-            weights_hash=blake2b(encoder.strip().encode(), digest_size=8).hexdigest(),
-            preprocessing=how,
-            domains=domains,
-            classes=classes,
-            simulated=simulated,
-            origin=origin or f"imported from {place.name}",
-        ),
-        domain=np.array([domains.index(name) for name in texts["domain"]], np.int64),
-        label=np.array([classes.index(name) for name in texts["material"]], np.int64),
-        rows=rows,
-        **{name: np.pad(array, ((0, 0), (0, max(widths.values()) - widths[name]))) for name, array in vectors.items()},
-    )
+    return rows
 
 
 def _renamed(found: Columns, columns: Mapping[str, str], place: Path) -> Columns:

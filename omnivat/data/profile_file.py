@@ -20,11 +20,6 @@ KEY = ("encoder", "weights_hash", "preprocessing")
 
 def save_profile(file: str | Path, profile: Profile) -> None:
     """Write a profile, completely or not at all."""
-    with replacing(file) as temporary:
-        _write(temporary, profile)
-
-
-def _write(file: Path, profile: Profile) -> None:
     columns: dict[str, Column] = {}
     counts: dict[str, str] = {}
     for name, one in profile.channels.items():
@@ -33,7 +28,8 @@ def _write(file: Path, profile: Profile) -> None:
     header = dict(zip(KEY, profile.key, strict=True)) | {"domain": profile.domain} | counts
     if profile.step != 1:
         header["step"] = repr(profile.step)
-    write_arrays(file, columns, {"format": FORMAT, **header})
+    with replacing(file) as temporary:
+        write_arrays(temporary, columns, {"format": FORMAT, **header})
 
 
 def load_profile(file: str | Path) -> Profile:

@@ -14,6 +14,7 @@ from safetensors import SafetensorError
 from safetensors.numpy import save
 
 from omnivat.data.arrays import Column, read_arrays
+from omnivat.data.embeddings import indices
 from omnivat.data.pairs import Pair, PairSet, Skipped
 from omnivat.data.rest import RESTED, rests_of
 from omnivat.data.store import ROW_NAMES, Header, vector_type, write_columns
@@ -133,8 +134,8 @@ def merge(
         out,
         header,
         vectors,
-        domain=_indices(header.domains, [pair.domain for pair in found.pairs]),
-        label=_indices(header.classes, [pair.material for pair in found.pairs]),
+        domain=indices(header.domains, [pair.domain for pair in found.pairs]),
+        label=indices(header.classes, [pair.material for pair in found.pairs]),
         rows=_names(found.pairs),
         manifest=manifest,
     )
@@ -147,11 +148,6 @@ def _vectors(parts: Sequence[Part], name: str) -> Iterator[NDArray[Any]]:
     for part in parts:
         if part.pairs:
             yield read_arrays(part.file)[0][name]
-
-
-def _indices(names: Sequence[str], values: Sequence[str]) -> NDArray[np.int64]:
-    place = {name: index for index, name in enumerate(names)}
-    return np.array([place[value] for value in values], np.int64)
 
 
 def _names(pairs: Sequence[Pair]) -> dict[str, list[str]]:

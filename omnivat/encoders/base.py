@@ -23,6 +23,8 @@ class PairEncoder:
     """
 
     def __init__(self, vis: "Encoder", tac: "Encoder") -> None:
+        from omnivat.encoders.wrapping import NamedEncoder
+
         self.width = max(vis.width, tac.width)
         self.vis, self.tac = (
             one if one.width == self.width else NamedEncoder(one, one.name, self.width) for one in (vis, tac)
@@ -37,32 +39,6 @@ class PairEncoder:
         raise DataError(f"'{self.name}' has an encoder for each modality; say which one is meant.")
 
     embed = preprocess
-
-
-class NamedEncoder:
-    """An encoder under a name: embeddings become float32, with zeros up to `width` if that is larger."""
-
-    def __init__(self, inner: Any, name: str, width: int = 0) -> None:
-        self._inner, self.name = inner, name
-        self.width = max(width, int(inner.width))
-        self._zeros = self.width - int(inner.width)
-        more = f", {inner.width} values and zeros up to {width}" if self._zeros else ""
-        self.preprocessing, self.weights_hash = f"{inner.preprocessing}{more}", str(inner.weights_hash)
-        self.precision = str(getattr(inner, "precision", "fp32"))
-        self.text_hash = str(getattr(inner, "text_hash", ""))
-
-    def preprocess(self, image: "Image.Image") -> "torch.Tensor":
-        """Convert an RGB image to the tensor (C, H, W) for `embed`."""
-        pixels: torch.Tensor = self._inner.preprocess(image)
-        return pixels
-
-    def embed(self, images: "torch.Tensor") -> "torch.Tensor":
-        """Return the embeddings (B, D), float32."""
-        import torch
-
-        with torch.inference_mode():
-            vectors: torch.Tensor = self._inner.embed(images)
-            return torch.nn.functional.pad(vectors.float(), (0, self._zeros)) if self._zeros else vectors.float()
 
 
 def for_modality(encoder: "Encoder", modality: str) -> "Encoder":

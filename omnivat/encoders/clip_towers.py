@@ -11,11 +11,11 @@ from typing import Any
 import torch
 from PIL import Image
 from torch import Tensor, nn
-from torch.nn.functional import avg_pool2d, conv2d, linear, relu, scaled_dot_product_attention
+from torch.nn.functional import avg_pool2d, linear, relu, scaled_dot_product_attention
 
 from omnivat.encoders.clip_names import RESNET, State
 from omnivat.encoders.clip_settings import HEAD_WIDTH, Clip, count, heads
-from omnivat.encoders.running import one_by_one, pixels, placed, precision_type, resized
+from omnivat.encoders.running import FoldedConv, one_by_one, pixels, placed, precision_type, resized
 from omnivat.errors import DataError
 from omnivat.tables import need
 
@@ -117,7 +117,6 @@ def _filled(network: Any, state: State, clip: Clip) -> Any:
     return network.eval().requires_grad_(False)
 
 
-NORM_EPS = 1e-5
 STRIDES = (1, 2, 2, 2)  # of the four stages
 
 
@@ -126,7 +125,7 @@ class Tower(nn.Module):
 
     def __init__(self, state: State) -> None:
         super().__init__()
-        self.stem = nn.ModuleList(Conv(state, f"conv{i}", f"bn{i}", stride=2 if i == 1 else 1) for i in (1, 2, 3))
+        self.stem = nn.ModuleList(FoldedConv(state, f"conv{i}", f"bn{i}", stride=2 if i == 1 else 1) for i in (1, 2, 3))
         self.stages = nn.ModuleList(
             nn.Sequential(
                 *(
@@ -154,32 +153,16 @@ class Tower(nn.Module):
         return pooled
 
 
-class Conv(nn.Module):
-    """A convolution with its batch normalisation folded in."""
-
-    def __init__(self, state: State, conv: str, norm: str, *, stride: int = 1) -> None:
-        super().__init__()
-        scale = state[f"{norm}.weight"] / torch.sqrt(state[f"{norm}.running_var"] + NORM_EPS)
-        self.weight: Tensor
-        self.bias: Tensor
-        self.register_buffer("weight", state[f"{conv}.weight"] * scale[:, None, None, None])
-        self.register_buffer("bias", state[f"{norm}.bias"] - state[f"{norm}.running_mean"] * scale)
-        self.stride = stride
-
-    def forward(self, x: Tensor) -> Tensor:
-        return conv2d(x, self.weight, self.bias, self.stride, padding=self.weight.shape[-1] // 2)
-
-
 class Bottleneck(nn.Module):
     """Narrow, filter, pool, widen; add the input, pooled and widened to fit."""
 
     def __init__(self, state: State, name: str, *, stride: int) -> None:
         super().__init__()
-        self.narrow = Conv(state, f"{name}.conv1", f"{name}.bn1")
-        self.filter = Conv(state, f"{name}.conv2", f"{name}.bn2")
-        self.widen = Conv(state, f"{name}.conv3", f"{name}.bn3")
+        self.narrow = FoldedConv(state, f"{name}.conv1", f"{name}.bn1")
+        self.filter = FoldedConv(state, f"{name}.conv2", f"{name}.bn2")
+        self.widen = FoldedConv(state, f"{name}.conv3", f"{name}.bn3")
         fits = f"{name}.downsample.0.weight" not in state
-        self.fit = None if fits else Conv(state, f"{name}.downsample.0", f"{name}.downsample.1")
+        self.fit = None if fits else FoldedConv(state, f"{name}.downsample.0", f"{name}.downsample.1")
         self.stride = stride
 
     def forward(self, x: Tensor) -> Tensor:

@@ -4,7 +4,7 @@ Architecture: Tan and Le, "EfficientNet", ICML 2019, in its Lite variant (ReLU6 
 no squeeze-and-excitation). Each batch normalisation is folded into the convolution before it.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import torch
@@ -13,7 +13,7 @@ from torch import Tensor, nn
 from torch.nn.functional import conv2d, pad, relu6
 
 from omnivat.encoders.onnx_runtime import in_half, in_onnx_runtime, translate
-from omnivat.encoders.running import ONNX, SIDE, one_by_one, pixels, placed, precision_type, state_hash
+from omnivat.encoders.running import ONNX, SIDE, FoldedConv, one_by_one, pixels, placed, precision_type, state_hash
 from omnivat.errors import DataError
 from omnivat.files import replacing
 from omnivat.tables import need
@@ -21,15 +21,8 @@ from omnivat.tables import need
 NAME, WIDTH = "efficientnet-lite0", 1280
 MEAN = (127 / 255,) * 3
 STD = (128 / 255,) * 3
-STAGES = (  # (repeats, kernel, stride of the first block, expansion, channels out)
-    (1, 3, 1, 1, 16),
-    (2, 3, 2, 6, 24),
-    (2, 5, 2, 6, 40),
-    (3, 3, 2, 6, 80),
-    (3, 5, 1, 6, 112),
-    (4, 5, 2, 6, 192),
-    (1, 3, 1, 6, 320),
-)
+# Blocks of each stage, and the stride of its first; every block but the network's first widens.
+STAGES = ((1, 1), (2, 2), (2, 2), (3, 2), (3, 1), (4, 2), (1, 1))
 NORM_EPS = 1e-3
 
 
@@ -38,9 +31,12 @@ class Lite0(nn.Module):
 
     def __init__(self, state: dict[str, Tensor]) -> None:
         super().__init__()
-        self.stem = Conv(state, "_conv_stem", "_bn0", stride=2)
-        self.blocks = nn.ModuleList(_blocks(state))
-        self.head = Conv(state, "_conv_head", "_bn1")
+        strides = [stride if block == 0 else 1 for blocks, stride in STAGES for block in range(blocks)]
+        self.stem = Conv(state, "_conv_stem", "_bn0", stride=2, eps=NORM_EPS)
+        self.blocks = nn.ModuleList(
+            Block(state, f"_blocks.{i}", stride, widens=i > 0) for i, stride in enumerate(strides)
+        )
+        self.head = Conv(state, "_conv_head", "_bn1", eps=NORM_EPS)
 
     def forward(self, x: Tensor) -> Tensor:
         x = relu6(self.stem(x), inplace=True)
@@ -52,11 +48,11 @@ class Lite0(nn.Module):
 class Block(nn.Module):
     """Inverted bottleneck: widen, filter each channel, narrow; add the input if shapes match."""
 
-    def __init__(self, state: dict[str, Tensor], name: str, *, stride: int, widens: bool) -> None:
+    def __init__(self, state: dict[str, Tensor], name: str, stride: int, *, widens: bool) -> None:
         super().__init__()
-        self.widen = Conv(state, f"{name}._expand_conv", f"{name}._bn0") if widens else None
-        self.filter = Conv(state, f"{name}._depthwise_conv", f"{name}._bn1", stride=stride)
-        self.narrow = Conv(state, f"{name}._project_conv", f"{name}._bn2")
+        self.widen = Conv(state, f"{name}._expand_conv", f"{name}._bn0", eps=NORM_EPS) if widens else None
+        self.filter = Conv(state, f"{name}._depthwise_conv", f"{name}._bn1", stride=stride, eps=NORM_EPS)
+        self.narrow = Conv(state, f"{name}._project_conv", f"{name}._bn2", eps=NORM_EPS)
         self.stride = stride
 
     def forward(self, x: Tensor) -> Tensor:
@@ -65,45 +61,22 @@ class Block(nn.Module):
         return out.add_(x) if self.stride == 1 and out.shape == x.shape else out
 
 
-class Conv(nn.Module):
-    """A convolution with its batch normalisation folded in, padded as TensorFlow's "SAME"."""
-
-    def __init__(self, state: dict[str, Tensor], conv: str, norm: str, *, stride: int = 1) -> None:
-        super().__init__()
-        weight = state[f"{conv}.weight"]
-        scale = state[f"{norm}.weight"] / torch.sqrt(state[f"{norm}.running_var"] + NORM_EPS)
-        bias = state[f"{norm}.bias"] - state[f"{norm}.running_mean"] * scale
-        self.register_buffer("weight", weight * scale[:, None, None, None])
-        self.register_buffer("bias", bias)
-        self.weight: Tensor
-        self.bias: Tensor
-        self.stride = stride
-        self.groups = weight.shape[0] if weight.shape[1] == 1 else 1
+class Conv(FoldedConv):
+    """The same, padded as TensorFlow's "SAME", perhaps one filter a channel."""
 
     def forward(self, x: Tensor) -> Tensor:
-        before, after = _same_padding(x.shape[-1], self.weight.shape[-1], self.stride)
+        size, kernel, stride = x.shape[-1], self.weight.shape[-1], self.stride
+        groups = len(self.weight) if self.weight.shape[1] == 1 else 1
+        total = max((-(-size // stride) - 1) * stride + kernel - size, 0)
+        before, after = total // 2, total - total // 2
         if before == after:  # the convolution pads, without a copy
-            return conv2d(x, self.weight, self.bias, self.stride, before, groups=self.groups)
+            return conv2d(x, self.weight, self.bias, stride, before, groups=groups)
         if torch.compiler.is_exporting():  # ONNX Runtime merges the two
-            x = pad(x, (before, after, before, after))
-            return conv2d(x, self.weight, self.bias, self.stride, groups=self.groups)
+            return conv2d(pad(x, (before, after, before, after)), self.weight, self.bias, stride, groups=groups)
         # Padding by one more window on every side costs less than a padded copy; the first is dropped.
-        wide = conv2d(x, self.weight, self.bias, self.stride, before + self.stride, groups=self.groups)
-        inner = slice(1, 1 - (-x.shape[-1] // self.stride))
+        wide = conv2d(x, self.weight, self.bias, stride, before + stride, groups=groups)
+        inner = slice(1, 1 - (-size // stride))
         return wide[..., inner, inner]
-
-
-def _same_padding(size: int, kernel: int, stride: int) -> tuple[int, int]:
-    total = max((-(-size // stride) - 1) * stride + kernel - size, 0)
-    return total // 2, total - total // 2
-
-
-def _blocks(state: dict[str, Tensor]) -> Iterator[Block]:
-    index = 0
-    for repeats, _, stride, expansion, _ in STAGES:
-        for repeat in range(repeats):
-            yield Block(state, f"_blocks.{index}", stride=stride if repeat == 0 else 1, widens=expansion != 1)
-            index += 1
 
 
 class EfficientNetLite0:

@@ -7,6 +7,7 @@ from typing import TypeVar
 import numpy as np
 import torch
 from PIL import Image
+from torch.nn.functional import conv2d
 
 from omnivat.errors import SettingsError
 from omnivat.shapes import require_shapes
@@ -85,6 +86,24 @@ def cpu_has_bf16() -> bool:
     found = torch.cpu.get_capabilities()
     native = found.get("avx512_bf16") or found.get("amx_bf16")
     return bool(native) or not str(found.get("architecture")).startswith("x86")
+
+
+class FoldedConv(torch.nn.Module):
+    """A convolution with its batch normalisation folded in, padded by half its kernel."""
+
+    def __init__(
+        self, state: Mapping[str, torch.Tensor], conv: str, norm: str, *, stride: int = 1, eps: float = 1e-5
+    ) -> None:
+        super().__init__()
+        scale = state[f"{norm}.weight"] / torch.sqrt(state[f"{norm}.running_var"] + eps)
+        self.weight: torch.Tensor
+        self.bias: torch.Tensor
+        self.register_buffer("weight", state[f"{conv}.weight"] * scale[:, None, None, None])
+        self.register_buffer("bias", state[f"{norm}.bias"] - state[f"{norm}.running_mean"] * scale)
+        self.stride = stride
+
+    def forward(self, x: torch.Tensor) -> torch.Tensor:
+        return conv2d(x, self.weight, self.bias, self.stride, padding=self.weight.shape[-1] // 2)
 
 
 def placed(network: M, device: torch.device, dtype: torch.dtype) -> M:

@@ -16,7 +16,6 @@ import torch
 from PIL import Image
 from torch import Tensor, nn
 
-from omnivat.encoders.base import NamedEncoder
 from omnivat.encoders.running import one_by_one, pixels, placed, precision_type, resized, state_hash
 from omnivat.errors import DataError
 
@@ -102,7 +101,7 @@ class TorchEncoder:
 TEXTS = ("preprocessing", "weights_hash")
 
 
-def checked(encoder: Any, name: str) -> NamedEncoder:
+def checked(encoder: Any, name: str) -> "NamedEncoder":
     """Return `encoder` under `name`. Raises DataError with the missing part.
 
     One test image must give one finite float32 vector of the stated width.
@@ -128,3 +127,27 @@ def checked(encoder: Any, name: str) -> NamedEncoder:
     if not vector.is_meta and not vector.isfinite().all():
         raise DataError(f"embed of '{name}' gave NaN or infinite values for a grey image.")
     return found
+
+
+class NamedEncoder:
+    """An encoder under a name: embeddings become float32, with zeros up to `width` if that is larger."""
+
+    def __init__(self, inner: Any, name: str, width: int = 0) -> None:
+        self._inner, self.name = inner, name
+        self.width = max(width, int(inner.width))
+        self._zeros = self.width - int(inner.width)
+        more = f", {inner.width} values and zeros up to {width}" if self._zeros else ""
+        self.preprocessing, self.weights_hash = f"{inner.preprocessing}{more}", str(inner.weights_hash)
+        self.precision = str(getattr(inner, "precision", "fp32"))
+        self.text_hash = str(getattr(inner, "text_hash", ""))
+
+    def preprocess(self, image: Image.Image) -> Tensor:
+        """Convert an RGB image to the tensor (C, H, W) for `embed`."""
+        pixels: Tensor = self._inner.preprocess(image)
+        return pixels
+
+    def embed(self, images: Tensor) -> Tensor:
+        """Return the embeddings (B, D), float32."""
+        with torch.inference_mode():
+            vectors: Tensor = self._inner.embed(images)
+            return torch.nn.functional.pad(vectors.float(), (0, self._zeros)) if self._zeros else vectors.float()

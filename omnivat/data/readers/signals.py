@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from omnivat.data.embeddings import Embeddings, Header
+from omnivat.data.embeddings import Embeddings, Header, indices
 from omnivat.data.foreign import PREFIX
 from omnivat.data.foreign_files import read_columns
 from omnivat.data.materials import class_key, in_order
@@ -202,8 +202,8 @@ def signal_embeddings(
         header=header,
         vis=vectors,
         tac=vectors.copy(),
-        domain=np.array([domains.index(one.domain) for _, one, _, _ in rows], np.int64),
-        label=np.array([classes.index(one.material) for _, one, _, _ in rows], np.int64),
+        domain=indices(domains, [one.domain for _, one, _, _ in rows]),
+        label=indices(classes, [one.material for _, one, _, _ in rows]),
         rows=texts,
     )
     return made, found.skipped
@@ -301,5 +301,4 @@ def _wav(file: Path) -> NDArray[np.float64]:
         return (bytes_[:, 0].astype(np.float64) - 128) / 128
     whole = np.zeros((len(bytes_), 4), np.uint8)
     whole[:, 4 - width :] = bytes_  # little-endian: the sign is in the last byte
-    signal: NDArray[np.float64] = whole.view("<i4")[:, 0] / 2.0**31
-    return signal
+    return np.asarray(whole.view("<i4")[:, 0] / 2.0**31)

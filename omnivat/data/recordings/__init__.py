@@ -50,27 +50,23 @@ def _videos(file: Path, domain: str) -> list[Clip]:
     """Return the recordings of a table: vis and tac name videos; start and end are seconds."""
     clips = []
     for number, row in enumerate(read_rows(file, ("material",)), start=2):
-
-        def seconds(name: str, row: dict[str, str] = row, number: int = number) -> float | None:
-            if not row.get(name):
-                return None
+        seconds: dict[str, float] = {}
+        for name in filter(row.get, ("start", "end", "tac_delay")):
             try:
-                return float(row[name])
+                seconds[name] = float(row[name])
             except ValueError as error:
                 raise DataError(f"'{show(file)}', row {number}: {name} is no number of seconds.") from error
-
-        start, end = seconds("start") or 0.0, seconds("end")
+        start, delay = seconds.get("start", 0.0), {"vis": 0.0, "tac": seconds.get("tac_delay", 0.0)}
         names = {half: row[half] for half in HALVES if row.get(half)}
         if not names:
             raise DataError(f"'{show(file)}', row {number}: name a video under vis or tac.")
-        delay = {"vis": 0.0, "tac": seconds("tac_delay") or 0.0}
         clips.append(
             Clip(
                 name=f"row {number}",
                 tracks={
                     half: Track(file=file.parent / name, start=start + delay[half]) for half, name in names.items()
                 },
-                length=None if end is None else end - start,
+                length=seconds["end"] - start if "end" in seconds else None,
                 domain=row.get("domain") or domain or file.absolute().parent.name,
                 material=class_key(row["material"]) or NO_CLASS,
                 object=row.get("object") or f"row {number}",
