@@ -105,8 +105,7 @@ class Embeddings:
     def rows_of(self, name: str, *, split: str = "", part: str = "") -> NDArray[np.int64]:
         """Return the rows of one domain, optionally of one split or part, ascending.
 
-        If the data have no split ("" in every row), all pairs are kept.
-        Raises DataError if the set lacks the domain.
+        If the data have no split ("" in every row), all pairs are kept. Raises DataError if the set lacks the domain.
         """
         if name not in self.header.domains:
             known = ", ".join(self.header.domains)

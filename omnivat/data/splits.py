@@ -29,9 +29,8 @@ def hold_out(
     seed      the same seed holds out the same pairs
     return    (N,) True where held out
 
-    A class of two or more objects has pairs on both sides, unless objects of several classes
-    prevent it. A class of one object is never held out. Raises DataError if the fraction is out of
-    range or the lengths differ.
+    A class of two or more objects has pairs on both sides, unless objects of several classes prevent it. A class of one
+    object is never held out. Raises DataError if the fraction is out of range or the lengths differ.
     """
     if not 0 <= fraction < 1:
         raise DataError(f"The fraction to hold out is {fraction}; choose 0 or more and below 1.")

@@ -72,8 +72,7 @@ def write_columns(
 ) -> None:
     """Write a set of embeddings block by block, completely or not at all.
 
-    Raises DataError when a value is not finite or too large for float16, or a domain is called
-    "all".
+    Raises DataError when a value is not finite or too large for float16, or a domain is called "all".
     """
     require_domain_names(header.domains)
     rows = _completed(rows, len(label))

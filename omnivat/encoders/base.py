@@ -122,9 +122,8 @@ def load_encoder(
     download        "ask", "yes" or "no": permission to fetch missing weights from the hub
     weights_hash    expected hash, if known: without `weights`, the last file with that hash is read
 
-    Raises MissingNameError for an unknown name, SettingsError for an unavailable precision or
-    device, DataError if the encoder violates the contract or a checkpoint is missing; the message
-    then has the command that fetches it.
+    Raises MissingNameError for an unknown name, SettingsError for an unavailable precision or device, DataError if the
+    encoder violates the contract or a checkpoint is missing; the message then has the command that fetches it.
     """
     settings = {"device": device, "precision": precision, "download": download}
     if JOINED not in name:
@@ -156,8 +155,7 @@ def text_encoder(
 ) -> "Callable[[Sequence[str]], np.ndarray[Any, Any]]":
     """Return a function that embeds texts (B) as float32 (B, D) in the space of encoder `name`.
 
-    Raises MissingNameError for an encoder without a text tower, DataError if a checkpoint is
-    missing.
+    Raises MissingNameError for an encoder without a text tower, DataError if a checkpoint is missing.
     """
     from omnivat.encoders.clip_text import load_text_encoder
 

@@ -1,9 +1,8 @@
 """Embed each image or pair once: a small cache in memory over files on disk, keyed by content.
 
-The key hashes the bytes of the image, the encoder, its weights, precision and preprocessing, the
-crop and the mirroring. An entry is one small file: a checksum, then float32 values. It is written
-to a temporary file and moved into place, so two processes cannot corrupt it. An entry with a wrong
-checksum is computed again.
+The key hashes the bytes of the image, the encoder, its weights, precision and preprocessing, the crop and the
+mirroring. An entry is one small file: a checksum, then float32 values. It is written to a temporary file and moved into
+place, so two processes cannot corrupt it. An entry with a wrong checksum is computed again.
 """
 
 import threading

@@ -1,8 +1,7 @@
 """Map the weights of all CLIP layouts to one set of names.
 
-Image tower of a ViT and text tower: the names of `transformers`. Image tower of a ResNet: the names
-of OpenAI without `visual.`. open_clip uses OpenAI's names; some of its models put `text.` before
-those of the text tower.
+Image tower of a ViT and text tower: the names of `transformers`. Image tower of a ResNet: the names of OpenAI without
+`visual.`. open_clip uses OpenAI's names; some of its models put `text.` before those of the text tower.
 """
 
 from collections.abc import Mapping

@@ -71,8 +71,7 @@ def load_text_encoder(
 ) -> ClipText:
     """Load the text tower of the image encoder called `name`.
 
-    Raises MissingNameError for an encoder without one, DataError if a checkpoint is missing or
-    has only an image tower.
+    Raises MissingNameError for an encoder without one, DataError if a checkpoint is missing or has only an image tower.
     """
     if name not in CHECKPOINTS:
         raise MissingNameError(

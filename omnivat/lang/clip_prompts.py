@@ -16,8 +16,7 @@ FILLER = "x"  # a token whose vector is replaced
 class ClipPrompts:
     """A `CLIPTextModelWithProjection` of transformers and its tokenizer, as a `PromptTower`.
 
-    A prompt is CONTEXT CLASS and a full stop. The context vectors are given; everything else is
-    CLIP's and frozen.
+    A prompt is CONTEXT CLASS and a full stop. The context vectors are given; everything else is CLIP's and frozen.
     """
 
     def __init__(self, network: Any, tokenizer: Any) -> None:

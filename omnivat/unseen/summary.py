@@ -82,9 +82,8 @@ class _Facts:
 def unseen_summary(head: Head, embeddings: Embeddings) -> dict[str, Any]:
     """Return the page's record; docs/page.md describes its keys.
 
-    Every share is computed on test pairs, at exactly the learned order. `readings` are "fused"
-    (both images), "vis" and "tac" (one image, the other one absent). "pairs" has values of each
-    pair as arrays (N,).
+    Every share is computed on test pairs, at exactly the learned order. `readings` are "fused" (both images), "vis" and
+    "tac" (one image, the other one absent). "pairs" has values of each pair as arrays (N,).
 
     Raises DataError if the embeddings have another encoder or no pairs.
     """

@@ -68,8 +68,7 @@ def read(
 def materials_of_objects(source: Path, table: Path) -> dict[int, str]:
     """Return each labelled object's material, after checking it against label.json.
 
-    Raises DataError unless every number of label.json matches one material and every material one
-    number.
+    Raises DataError unless every number of label.json matches one material and every material one number.
     """
     labels = _labels(source / "label.json")
     materials = _materials(table)

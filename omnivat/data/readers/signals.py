@@ -81,8 +81,7 @@ def read_signals(source: Path | str, *, reader: str = "auto") -> Recordings:
 def read_biotac(root: Path) -> Recordings:
     """Return the vibrations of a copy of dexrob/BioTac_slide_20_50; its materials are classes.
 
-    A row of a file holds the 22 samples pac1 to pac22 of 10 ms; rows are laid end to end, so the
-    rate is 2.2 kHz.
+    A row of a file holds the 22 samples pac1 to pac22 of 10 ms; rows are laid end to end, so the rate is 2.2 kHz.
     """
     return _collected(
         root,
@@ -161,9 +160,8 @@ def signal_embeddings(
     most        windows of a recording, evenly spaced
     test_share  of the recordings of each class; a recording is one object, never in both parts
 
-    A window is centred and scaled to a largest magnitude of 1. There is no photo: VIS repeats TAC,
-    so train with modalities=tac. Raises DataError without two classes or any window, SettingsError
-    for a setting out of range.
+    A window is centred and scaled to a largest magnitude of 1. There is no photo: VIS repeats TAC, so train with
+    modalities=tac. Raises DataError without two classes or any window, SettingsError for a setting out of range.
     """
     if window < 8 or most < 1 or not 0 <= test_share < 1:
         raise SettingsError(

@@ -33,9 +33,8 @@ def read(source: Path, *, strict: bool = False, seed: int = 0) -> PairSet:
     strict  keep the five materials only
     seed    not used: every pair is kept
 
-    A row without an image or a name, or a repeated row, is skipped and listed.
-    Raises DataError for another kind of file, an unknown split, the same images under two names, or
-    no pairs.
+    A row without an image or a name, or a repeated row, is skipped and listed. Raises DataError for another kind of
+    file, an unknown split, the same images under two names, or no pairs.
     """
     file = source / "pairs.csv" if source.is_dir() else source
     pairs: list[Pair] = []

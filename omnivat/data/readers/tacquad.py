@@ -140,8 +140,7 @@ def _overrides(file: Path, *, required: bool) -> dict[str, str]:
 def material_of(item: str, caption: str, overrides: dict[str, str], *, strict: bool = False) -> tuple[str, str]:
     """Return an item's material, or "" and the reason.
 
-    An override has priority, then the item's name, then the caption. A text with two materials is
-    ignored.
+    An override has priority, then the item's name, then the caption. A text with two materials is ignored.
     """
     if item in overrides:
         return overrides[item], "" if overrides[item] else "left out by the table of materials"
