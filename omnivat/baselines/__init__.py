@@ -15,45 +15,34 @@ BASELINES = {
     "linear_probe_sum": "omnivat.baselines.linear_probe:fit_sum",
     "erm_mlp": "omnivat.baselines.erm_mlp:fit",
     "baseline": "omnivat.baselines.baseline:fit",
-    "promptstyler": "omnivat.baselines.promptstyler:fit",
-    "promptstyler_ce": "omnivat.baselines.promptstyler:fit_cross_entropy",
-    "zero_shot": "omnivat.baselines.zero_shot:fit",
-    "zero_shot_styles": "omnivat.baselines.zero_shot:fit_styles",
+    "promptstyler": "omnivat.baselines.text:fit_promptstyler",
+    "promptstyler_ce": "omnivat.baselines.text:fit_promptstyler_ce",
+    "zero_shot": "omnivat.baselines.text:fit_zero_shot",
+    "zero_shot_styles": "omnivat.baselines.text:fit_zero_shot_styles",
     "spg": "omnivat.baselines.spg:fit",
     "mmrl": "omnivat.baselines.mmrl:fit",
     "mixup": "omnivat.baselines.classics:fit_mixup",
     "mixstyle": "omnivat.baselines.classics:fit_mixstyle",
     "fourier": "omnivat.baselines.classics:fit_fourier",
     "sam": "omnivat.baselines.classics:fit_sam",
-    "coral": "omnivat.baselines.coral:fit",
-    "sitr_supcon": "omnivat.baselines.sitr_supcon:fit",
-    "vt_cmc_head": "omnivat.baselines.vt_cmc_head:fit",
+    "coral": "omnivat.baselines.classics:fit_coral",
+    "sitr_supcon": "omnivat.baselines.contrastive:fit_sitr",
+    "vt_cmc_head": "omnivat.baselines.contrastive:fit_vt_cmc",
     "ldc": "omnivat.baselines.ldc:fit",
-    "ldc_icd": "omnivat.baselines.ldc_icd:fit",
+    "ldc_icd": "omnivat.baselines.ldc:fit_icd",
     "robust_vish": "omnivat.baselines.robust_vish:fit",
 }
-# Not in the default list: slower, or variants of another row.
-OPTIONAL = (
-    "robust_vish",
-    "promptstyler_ce",
-    "zero_shot_styles",
-    "spg",
-    "mmrl",
-    "ldc",
-    "mixup",
-    "mixstyle",
-    "fourier",
-    "sam",
-    "coral",
-    "sitr_supcon",
-)
 
 
 class Label(NamedTuple):
-    """A method in tables: its name, and a note on how it differs from the published method."""
+    """A method in tables: its name, and a note on how it differs from the published method.
+
+    optional  not in the default list: slower, or a variant of another row
+    """
 
     name: str
     note: str = ""
+    optional: bool = False
 
 
 LABELS = {
@@ -74,30 +63,36 @@ LABELS = {
     "promptstyler_ce": Label(
         "PromptStyler, cross-entropy",
         "exact but for the loss, rate (0.05, cosine) and decay, those of a public re-implementation",
+        optional=True,
     ),
     "zero_shot": Label("CLIP zero-shot", 'exact: "a photo of a CLASS.", the model\'s own logit scale'),
-    "zero_shot_styles": Label("CLIP zero-shot, mean of styles", "ours: the LANG bank's styles"),
+    "zero_shot_styles": Label("CLIP zero-shot, mean of styles", "ours: the LANG bank's styles", optional=True),
     "spg": Label(
         "SPG",
         "exact over pooled embeddings but for random crops, with the rate and the clips that its code "
         "has for other sets than PACS; one noise vector for all, so that results repeat",
+        optional=True,
     ),
-    "mmrl": Label("MMRL", "exact but for random crops, through both live towers; VIS and TAC are images alike"),
-    "mixup": Label("mixup", "exact, over frozen embeddings"),
-    "mixstyle": Label("MixStyle-vector", "surrogate: statistics over axes, not over a map's places"),
-    "fourier": Label("FACT-vector", "surrogate: amplitudes of the embedding, not of the image"),
-    "sam": Label("SAM", "exact, over frozen embeddings"),
-    "coral": Label("CORAL VIS-TAC", "surrogate: aligns the modalities, for there is one domain"),
+    "mmrl": Label(
+        "MMRL", "exact but for random crops, through both live towers; VIS and TAC are images alike", optional=True
+    ),
+    "mixup": Label("mixup", "exact, over frozen embeddings", optional=True),
+    "mixstyle": Label("MixStyle-vector", "surrogate: statistics over axes, not over a map's places", optional=True),
+    "fourier": Label("FACT-vector", "surrogate: amplitudes of the embedding, not of the image", optional=True),
+    "sam": Label("SAM", "exact, over frozen embeddings", optional=True),
+    "coral": Label("CORAL VIS-TAC", "surrogate: aligns the modalities, for there is one domain", optional=True),
     "sitr_supcon": Label(
         "SITR-SupCon",
         "surrogate, touch alone: its contrastive loss over frozen embeddings; no transformer of its "
         "own and no calibration presses",
+        optional=True,
     ),
     "vt_cmc_head": Label("VT CMC-head", "contrastive head and probe only: the encoders are not pre-trained on touch"),
     "ldc": Label(
         "LDC",
         "exact but for random crops, its list of prompts and its search of a mix, through the live image "
         "tower; VIS and TAC are images alike",
+        optional=True,
     ),
     "ldc_icd": Label(
         "LDC-ICD",
@@ -105,5 +100,8 @@ LABELS = {
         "embedding are concatenated, not added, a gate for each class, no BatchNorm, gradients clipped at "
         "5; base logits come from source class means where no text of the image encoder is at hand",
     ),
-    "robust_vish": Label("RobustVisH-2", "two branches: the kinaesthetic one has no counterpart in these data"),
+    "robust_vish": Label(
+        "RobustVisH-2", "two branches: the kinaesthetic one has no counterpart in these data", optional=True
+    ),
 }
+OPTIONAL = tuple(name for name, label in LABELS.items() if label.optional)

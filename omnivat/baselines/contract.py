@@ -1,9 +1,9 @@
 """Input and output of every baseline: one source domain in, a prediction function out."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any
 
 import torch
 from PIL import Image
@@ -15,6 +15,7 @@ from omnivat.errors import DataError
 
 if TYPE_CHECKING:
     from omnivat.encoders.clip_live import LiveClip
+    from omnivat.lang.clip_prompts import ClipPrompts
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,10 +44,6 @@ class Live:
     load: "Callable[[], LiveClip]"
     rows: Tensor
 
-    def select(self, rows: Tensor) -> "Live":
-        """Return the pairs with these indices (n,)."""
-        return replace(self, rows=self.rows[rows])
-
     def images(self, name: str, rows: Tensor, given: ImageInput) -> Tensor:
         """Return the "vis" or "tac" images (B, 3, side, side) of the pairs `rows` (B,)."""
         return torch.stack([given(self.read(name, int(row))) for row in self.rows[rows]])
@@ -66,27 +63,15 @@ def live_towers(source: "Source", what: str) -> "tuple[Live, LiveClip, ImageInpu
             f"which are not at hand. {source.why_not_live}".strip()
         )
     clip = source.live.load()
-    return source.live, clip, ImageInput(side=clip.side, mean=clip.mean, std=clip.std)
+    return source.live, clip, input_of(clip)
+
+
+def input_of(clip: "LiveClip") -> ImageInput:
+    """Return the preprocessing of a live CLIP."""
+    return ImageInput(side=clip.side, mean=clip.mean, std=clip.std)
 
 
 COPIES = 4  # of each image with noise, for methods that are solved
-
-
-class PromptTower(Protocol):
-    """A text tower that accepts learned vectors instead of words."""
-
-    @property
-    def word_width(self) -> int:
-        """W, the length of a word vector."""
-        ...
-
-    def words(self, text: str) -> Tensor:
-        """Return the word vectors (T, W) of a text, without start and end tokens."""
-        ...
-
-    def embed_contexts(self, contexts: Tensor, classes: Sequence[str]) -> Tensor:
-        """Return text embeddings (B, K, D) of "CONTEXT CLASS." for contexts (B, T, W)."""
-        ...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -108,7 +93,6 @@ class Source:
     noise               white noise in training, in standard deviations of each channel
     epochs              of a method trained by gradient steps; 0: its own
     settled             names of candidates that another seed chose on this source
-
     Raises DataError if an embedding is not finite.
     """
 
@@ -124,7 +108,7 @@ class Source:
     why_no_lang: str = ""
     plain: Tensor | None = None
     logit_scale: float | None = None
-    prompts: "Callable[[], PromptTower] | None" = None
+    prompts: "Callable[[], ClipPrompts] | None" = None
     live: Live | None = None
     why_not_live: str = ""
     seed: int = 0
@@ -148,18 +132,18 @@ class Source:
         """D, the encoder's width."""
         return self.vis.shape[1]
 
+    @property
+    def images(self) -> dict[str, Tensor]:
+        """VIS and TAC (N, D) by name."""
+        return {"vis": self.vis, "tac": self.tac}
+
     def select(self, rows: Tensor) -> "Source":
         """Return the pairs with these indices (n,)."""
-        return replace(
-            self,
-            vis=self.vis[rows],
-            tac=self.tac[rows],
-            labels=self.labels[rows],
-            objects=tuple(self.objects[row] for row in rows.tolist()),
-            vis_flip=None if self.vis_flip is None else self.vis_flip[rows],
-            tac_flip=None if self.tac_flip is None else self.tac_flip[rows],
-            live=None if self.live is None else self.live.select(rows),
-        )
+        names = ("vis", "tac", "labels", "vis_flip", "tac_flip")
+        own: dict[str, Any] = {n: found[rows] for n in names if (found := getattr(self, n)) is not None}
+        if self.live is not None:
+            own["live"] = replace(self.live, rows=self.live.rows[rows])
+        return replace(self, objects=tuple(self.objects[row] for row in rows.tolist()), **own)
 
     def both_views(self) -> "Source":
         """Return every pair, then its mirrored copy if mirrored images are available.
@@ -187,10 +171,13 @@ class Source:
 
     def drawn(self, rows: Tensor) -> tuple[Tensor, Tensor]:
         """Return VIS and TAC of the rows, each mirrored with probability 1/2, then with noise."""
-        return (
-            self._noisy(_drawn(self.vis, self.vis_flip, rows), self.vis),
-            self._noisy(_drawn(self.tac, self.tac_flip, rows), self.tac),
-        )
+        return self._drawn(self.vis, self.vis_flip, rows), self._drawn(self.tac, self.tac_flip, rows)
+
+    def _drawn(self, plain: Tensor, flipped: Tensor | None, rows: Tensor) -> Tensor:
+        if flipped is None:
+            return self._noisy(plain[rows], plain)
+        mirror = torch.rand(len(rows), 1) < 0.5
+        return self._noisy(torch.where(mirror, flipped[rows], plain[rows]), plain)
 
     def _noisy(self, rows: Tensor, every: Tensor) -> Tensor:
         """Return rows (B, D) with noise in the standard deviations of all rows (N, D)."""
@@ -199,21 +186,13 @@ class Source:
         return rows + self.noise * every.std(0, correction=0) * torch.randn_like(rows)
 
 
-def _drawn(plain: Tensor, flipped: Tensor | None, rows: Tensor) -> Tensor:
-    if flipped is None:
-        return plain[rows]
-    mirror = torch.rand(len(rows), 1) < 0.5
-    return torch.where(mirror, flipped[rows], plain[rows])
-
-
 Predict = Callable[[Tensor, Tensor], dict[str, Tensor]]
-Features = Callable[[Tensor, Tensor], dict[str, Tensor]]
 
 
 def embeddings_themselves(vis: Tensor, tac: Tensor) -> dict[str, Tensor]:
     """Return unit embeddings by modality and concatenated, for methods without features."""
-    unit = {"vis": normalize(vis, dim=-1), "tac": normalize(tac, dim=-1)}
-    return {**unit, "pair": torch.cat((unit["vis"], unit["tac"]), dim=-1)}
+    seen, felt = normalize(vis, dim=-1), normalize(tac, dim=-1)
+    return {"vis": seen, "tac": felt, "pair": torch.cat((seen, felt), dim=-1)}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -230,15 +209,28 @@ class Fitted:
     """
 
     predict: Predict
-    features: Features = embeddings_themselves
+    features: Predict = embeddings_themselves
     chosen: dict[str, float | str] = field(default_factory=dict)
     parameters: int = 0
     images: ImageInput | None = None
 
 
-def fused(by_modality: dict[str, Tensor]) -> dict[str, Tensor]:
-    """Add the mean of the modalities' probabilities (N, K) as "fused": late fusion."""
-    return {"fused": torch.stack(list(by_modality.values())).mean(0), **by_modality}
+def late(alone: Callable[[str, Tensor], Tensor]) -> Predict:
+    """Return the method that predicts one modality by `alone`, and both by the mean: late fusion.
+
+    alone  ("vis" or "tac", rows (B, D)) -> probabilities (B, K)
+    """
+
+    def predict(vis: Tensor, tac: Tensor) -> dict[str, Tensor]:
+        seen, felt = alone("vis", vis), alone("tac", tac)
+        return {"fused": torch.stack((seen, felt)).mean(0), "vis": seen, "tac": felt}
+
+    return predict
+
+
+def sized(rows: Tensor) -> Tensor:
+    """Return rows (B, D) at length √D, so that an entry is about 1: the input of a network."""
+    return rows.shape[1] ** 0.5 * normalize(rows, dim=-1)
 
 
 def joined(vis: Tensor, tac: Tensor) -> dict[str, Tensor]:

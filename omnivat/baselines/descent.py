@@ -4,9 +4,15 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from typing import TypeVar
 
 import torch
 from torch import Tensor, nn
+
+from omnivat.baselines.contract import Source, seeded
+from omnivat.seeding import derive_seed
+
+M = TypeVar("M", bound=nn.Module)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -25,6 +31,24 @@ class Descent:
     eps: float = 1e-8  # of AdamW
 
 
+def learned(
+    source: Source, build: Callable[[], M], how: Descent, loss: Callable[[M, Tensor], Tensor], *stream: str
+) -> M:
+    """Return a module trained on a source, frozen; its weights and batches are drawn from `stream`.
+
+    loss  (module, rows (B,) of the pairs of a step) -> () to minimise
+    """
+    with seeded(derive_seed(source.seed, *stream)):
+        module = build()
+        descend(module, len(source), how, partial(loss, module))
+    return module.requires_grad_(False)
+
+
+def size(module: nn.Module) -> int:
+    """Return the number of a module's parameters."""
+    return sum(weight.numel() for weight in module.parameters())
+
+
 def descend(module: nn.Module, count: int, how: Descent, loss: Callable[[Tensor], Tensor]) -> None:
     """Train `module` in place on `count` pairs.
 
@@ -33,11 +57,9 @@ def descend(module: nn.Module, count: int, how: Descent, loss: Callable[[Tensor]
     """
     optimiser: torch.optim.Optimizer
     if how.method == "adam":
-        optimiser = torch.optim.AdamW(
-            module.parameters(), how.lr, weight_decay=how.weight_decay, eps=how.eps, fused=True
-        )
+        optimiser = torch.optim.AdamW(module.parameters(), weight_decay=how.weight_decay, eps=how.eps, fused=True)
     else:
-        optimiser = torch.optim.SGD(module.parameters(), lr=how.lr, momentum=0.9, weight_decay=how.weight_decay)
+        optimiser = torch.optim.SGD(module.parameters(), momentum=0.9, weight_decay=how.weight_decay)
     total = how.epochs * math.ceil(count / how.batch)
     step = 0
     module.train()

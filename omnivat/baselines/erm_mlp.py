@@ -3,21 +3,23 @@
 Photo only and touch only are perceptrons of one modality, trained the same way.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 import torch
 from torch import Tensor, nn
 from torch.nn.functional import cross_entropy, normalize
 
-from omnivat.baselines.contract import Fitted, Source, joined, seeded
-from omnivat.baselines.descent import Descent, descend
+from omnivat.baselines.contract import Fitted, Source, joined
+from omnivat.baselines.descent import Descent, learned, size
 from omnivat.baselines.evidence import best
-from omnivat.seeding import derive_seed
 
 HIDDEN, EPOCHS = 256, 20
-INPUTS = {"fused": ("vis", "tac"), "vis": ("vis",), "tac": ("tac",)}
+Inputs = Mapping[str, tuple[str, ...]]  # reading -> modalities that its perceptron gets
+Loss = Callable[[nn.Module, Tensor], Tensor]
+FUSED: Inputs = {"fused": ("vis", "tac")}  # enough to choose settings
+INPUTS: Inputs = {**FUSED, "vis": ("vis",), "tac": ("tac",)}
 CANDIDATES = {f"lr {lr:g}, decay {decay:g}": (lr, decay) for lr in (3e-4, 1e-3) for decay in (1e-2, 1.0)}
-Predictor = Callable[[Tensor, Tensor], Tensor]
 
 
 class Perceptron(nn.Module):
@@ -44,45 +46,33 @@ class Perceptron(nn.Module):
 
 def fit(source: Source) -> Fitted:
     """Train with AdamW; held-out objects choose learning rate and weight decay."""
-    chosen = best(source, CANDIDATES, lambda part, choice: predictor(_train(part, *choice, INPUTS["fused"])), repeats=1)
-    models = {name: _train(source, *CANDIDATES[chosen], inputs) for name, inputs in INPUTS.items()}
-    return of_perceptrons(models, {"training": chosen})
+    chosen = best(source, CANDIDATES, lambda part, choice: _fitted(part, choice, FUSED), repeats=1)
+    return replace(_fitted(source, CANDIDATES[chosen], INPUTS), chosen={"training": chosen})
 
 
-def of_perceptrons(models: dict[str, Perceptron], chosen: dict[str, float | str]) -> Fitted:
-    """Return the method that predicts with one perceptron for each of `INPUTS`."""
+def _fitted(source: Source, choice: tuple[float, float], inputs: Inputs) -> Fitted:
+    how = Descent(lr=choice[0], epochs=source.epochs or EPOCHS, weight_decay=choice[1], method="adam")
 
-    @torch.inference_mode()
+    def loss(model: nn.Module, rows: Tensor) -> Tensor:
+        return cross_entropy(model(*source.drawn(rows)), source.labels[rows])
+
+    return perceptrons(source, inputs, how, loss, "erm-mlp")
+
+
+def perceptrons(source: Source, inputs: Inputs, how: Descent, loss: Loss, stream: str) -> Fitted:
+    """Train one perceptron for each reading in `inputs`; features need all of `INPUTS`."""
+    classes = len(source.classes)
+    models = {
+        name: learned(source, lambda own=own: Perceptron(source.width, classes, own), how, loss, stream)
+        for name, own in inputs.items()
+    }
+
     def features(vis: Tensor, tac: Tensor) -> dict[str, Tensor]:
         own = {name: model.features(vis, tac) for name, model in models.items()}
         return {**joined(own["vis"], own["tac"]), "pair": own["fused"]}
 
     return Fitted(
-        predict=lambda vis, tac: {n: predictor(model)(vis, tac) for n, model in models.items()},
+        predict=lambda vis, tac: {name: model(vis, tac).softmax(-1) for name, model in models.items()},
         features=features,
-        chosen=chosen,
-        parameters=sum(p.numel() for p in models["fused"].parameters()),
+        parameters=size(models["fused"]),
     )
-
-
-def predictor(model: nn.Module) -> Predictor:
-    """Return (vis, tac) -> probabilities (B, K)."""
-
-    @torch.inference_mode()
-    def predict(vis: Tensor, tac: Tensor) -> Tensor:
-        probabilities: Tensor = model(vis, tac).softmax(-1)
-        return probabilities
-
-    return predict
-
-
-def _train(source: Source, lr: float, decay: float, inputs: tuple[str, ...]) -> Perceptron:
-    with seeded(derive_seed(source.seed, "erm-mlp")):
-        model = Perceptron(source.width, len(source.classes), inputs)
-        descend(
-            model,
-            len(source),
-            Descent(lr=lr, epochs=source.epochs or EPOCHS, weight_decay=decay, method="adam"),
-            lambda rows: cross_entropy(model(*source.drawn(rows)), source.labels[rows]),
-        )
-    return model

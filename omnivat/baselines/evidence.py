@@ -8,7 +8,7 @@ import torch
 from torch import Tensor
 from torch.nn.functional import nll_loss
 
-from omnivat.baselines.contract import Source
+from omnivat.baselines.contract import Fitted, Source
 from omnivat.data.splits import hold_out
 from omnivat.seeding import derive_seed
 
@@ -58,27 +58,18 @@ def log_loss(probabilities: Tensor, labels: Tensor) -> float:
 
 
 def best(
-    source: Source,
-    candidates: Mapping[str, C],
-    fit: Callable[[Source, C], Callable[[Tensor, Tensor], Tensor]],
-    *,
-    repeats: int = REPEATS,
+    source: Source, candidates: Mapping[str, C], fit: Callable[[Source, C], Fitted], *, repeats: int = REPEATS
 ) -> str:
     """Return the candidate with the lowest log loss on held-out objects; accuracy breaks ties.
 
-    fit      (part of the source, candidate) -> (vis, tac) -> probabilities (B, K)
     return   its name; what another seed chose on this source (`Source.settled`); the first
              candidate if it is the only one or nothing can be held out
     """
-    first = next(iter(candidates))
     if found := [name for name in candidates if name in source.settled]:
         return found[0]
-    splits = folds(source, repeats) if len(candidates) > 1 else []
-    if not splits:
-        return first
     scores = {name: Score() for name in candidates}
-    for rows, held in splits:
+    for rows, held in folds(source, repeats) if len(candidates) > 1 else []:
         part, rest = source.select(rows), source.select(held)
         for name, candidate in candidates.items():
-            scores[name].add(fit(part, candidate)(rest.vis, rest.tac), rest.labels)
-    return max(scores, key=lambda name: scores[name].rank)
+            scores[name].add(fit(part, candidate).predict(rest.vis, rest.tac)["fused"], rest.labels)
+    return max(scores, key=lambda name: scores[name].rank)  # the first one of equals

@@ -12,29 +12,24 @@ import torch
 from torch import Tensor
 from torch.nn.functional import normalize
 
-from omnivat.baselines.contract import Fitted, Source, fused, joined
+from omnivat.baselines.contract import Fitted, Source, joined, late
 from omnivat.baselines.logistic import Logistic, fit_logistic
+from omnivat.stages import IMAGES
 
 Mix = Callable[[Tensor, Tensor], Tensor]
-_KEPT: dict[str, tuple[Logistic, Logistic]] = {}  # probes by a hash of the source
+_KEPT: dict[str, dict[str, Logistic]] = {}  # probes by a hash of the source
 
 
 def fit(source: Source) -> Fitted:
     """Fit one probe on VIS and one on TAC; "fused" is the mean of their probabilities."""
-    vis, tac = _one_each(source)
-
-    def predict(seen: Tensor, touched: Tensor) -> dict[str, Tensor]:
-        return fused({"vis": vis.probabilities(seen), "tac": tac.probabilities(touched)})
-
+    probes = _one_each(source)
+    chosen: dict[str, float | str] = {}
+    for name, one in probes.items():
+        chosen |= {f"C of {name.upper()}": one.strength, f"scaling of {name.upper()}": one.kind}
     return Fitted(
-        predict=predict,
-        chosen={
-            "C of VIS": vis.strength,
-            "scaling of VIS": vis.kind,
-            "C of TAC": tac.strength,
-            "scaling of TAC": tac.kind,
-        },
-        parameters=vis.parameters + tac.parameters,
+        predict=late(lambda name, rows: probes[name].probabilities(rows)),
+        chosen=chosen,
+        parameters=sum(one.parameters for one in probes.values()),
     )
 
 
@@ -50,14 +45,10 @@ def fit_sum(source: Source) -> Fitted:
 
 def _fit_mixed(source: Source, mix: Mix) -> Fitted:
     both = fit_logistic(source, lambda pairs: mix(pairs.vis, pairs.tac))
-    vis, tac = _one_each(source)
+    one_each = fit(source).predict
 
     def predict(seen: Tensor, touched: Tensor) -> dict[str, Tensor]:
-        return {
-            "fused": both.probabilities(mix(seen, touched)),
-            "vis": vis.probabilities(seen),
-            "tac": tac.probabilities(touched),
-        }
+        return one_each(seen, touched) | {"fused": both.probabilities(mix(seen, touched))}
 
     return Fitted(
         predict=predict,
@@ -67,7 +58,7 @@ def _fit_mixed(source: Source, mix: Mix) -> Fitted:
     )
 
 
-def _one_each(source: Source) -> tuple[Logistic, Logistic]:
+def _one_each(source: Source) -> dict[str, Logistic]:
     """Return a probe of VIS and a probe of TAC; the probes of the last two sources are cached.
 
     The three methods share them.
@@ -79,7 +70,7 @@ def _one_each(source: Source) -> tuple[Logistic, Logistic]:
     if key not in _KEPT:
         while len(_KEPT) > 1:
             _KEPT.pop(next(iter(_KEPT)))
-        _KEPT[key] = (fit_logistic(source, lambda pairs: pairs.vis), fit_logistic(source, lambda pairs: pairs.tac))
+        _KEPT[key] = {n: fit_logistic(source, lambda pairs, n=n: pairs.images[n]) for n in IMAGES}
     return _KEPT[key]
 
 

@@ -13,10 +13,6 @@ from omnivat.baselines.contract import Source
 from omnivat.baselines.evidence import Score, folds
 
 STRENGTHS = tuple(10.0**power for power in range(-5, 5))  # C: the inverse of the penalty
-# Z-scores of every axis are not offered: small sources favour them, but axes that hardly vary in
-# the
-# source become huge on another sensor (docs/log.md).
-SCALINGS = ("unit",)
 View = Callable[[Source], Tensor]
 
 
@@ -33,11 +29,12 @@ class Scaling:
         return (rows - self.mean) * self.scale
 
 
-def scaling(rows: Tensor, kind: str) -> Scaling:
+def scaling(rows: Tensor, kind: str = "unit") -> Scaling:
     """Return the scaling for rows (N, D).
 
     "unit"      unit length, centred, one scale for all axes (mean squared length D)
-    "standard"  mean 0 and variance 1 on each axis; a constant axis becomes 0
+    "standard"  mean 0 and variance 1 on each axis; a constant axis becomes 0. Probes do not use it: small
+                sources favour it, but axes that hardly vary in the source become huge on another sensor
     """
     unit = kind == "unit"
     rows = normalize(rows, dim=-1) if unit else rows
@@ -56,7 +53,7 @@ class Logistic:
     weight: Tensor
     bias: Tensor
     strength: float
-    kind: str
+    kind: str = "unit"  # of the scaling
 
     def probabilities(self, rows: Tensor) -> Tensor:
         """Return class probabilities (B, K) of rows (B, D), in their precision."""
@@ -142,30 +139,24 @@ class Problem:
 
 
 def fit_logistic(source: Source, view: View) -> Logistic:
-    """Fit one view of the source; held-out objects choose C and scaling.
+    """Fit one view of the source; held-out objects choose C, which is 1 without any.
 
     view  Source -> rows (N, D): VIS, TAC or both concatenated
     """
-    kind, strength = _choose(source, view)
-    full = source.both_views()
-    rows = view(full).double()
-    scale = scaling(rows, kind)
-    weight, bias = solve(scale(rows), full.labels, len(source.classes), strength)
-    return Logistic(scaling=scale, weight=weight, bias=bias, strength=strength, kind=kind)
-
-
-def _choose(source: Source, view: View) -> tuple[str, float]:
-    """Return the best scaling and C on held-out objects; unit and 1 without evidence."""
-    scores: dict[tuple[str, float], Score] = {}
+    scores: dict[float, Score] = {}
     for fitted, held in folds(source):
         part, rest = source.select(fitted).both_views(), source.select(held)
-        raw, test = view(part).double(), view(rest).double()
-        for kind in SCALINGS:
-            scale = scaling(raw, kind)
-            problem = Problem.of(scale(raw), part.labels, len(source.classes))
-            found = problem.start()
-            for strength in STRENGTHS:  # each starts at the previous solution
-                found = problem.solved(strength, found)
-                predicted = linear(scale(test), *problem.parameters(found)).softmax(-1)
-                scores.setdefault((kind, strength), Score()).add(predicted, rest.labels)
-    return max(scores, key=lambda choice: scores[choice].rank) if scores else ("unit", 1.0)
+        rows, test = view(part).double(), view(rest).double()
+        scale = scaling(rows)
+        problem = Problem.of(scale(rows), part.labels, len(source.classes))
+        found = problem.start()
+        for strength in STRENGTHS:  # each starts at the previous solution
+            found = problem.solved(strength, found)
+            predicted = linear(scale(test), *problem.parameters(found)).softmax(-1)
+            scores.setdefault(strength, Score()).add(predicted, rest.labels)
+    best = max(scores, key=lambda strength: scores[strength].rank) if scores else 1.0
+    full = source.both_views()
+    rows = view(full).double()
+    scale = scaling(rows)
+    weight, bias = solve(scale(rows), full.labels, len(source.classes), best)
+    return Logistic(scaling=scale, weight=weight, bias=bias, strength=best)

@@ -9,17 +9,18 @@ as in the OmniVaT paper; in towers with other depths than twelve, the last seven
 upper ones.
 """
 
+from collections.abc import Callable, Sequence
 from copy import deepcopy
+from typing import Any
 
 import torch
 from torch import Tensor, nn
 from torch.nn.functional import cosine_similarity, cross_entropy, normalize
 
-from omnivat.baselines.contract import Fitted, ImageInput, Live, Source, fused, joined, live_towers, seeded
-from omnivat.baselines.descent import Descent, descend
+from omnivat.baselines.contract import Fitted, Source, joined, late, live_towers
+from omnivat.baselines.descent import Descent, learned, size
 from omnivat.encoders.clip_live import LiveClip
 from omnivat.errors import DataError
-from omnivat.seeding import derive_seed
 
 TOKENS, WIDTH, UPPER = 5, 512, 7  # shared vectors, their length, layers that get them
 SHARE, KEEP = 0.7, 0.5  # of the class token's loss; weight of staying near CLIP
@@ -50,13 +51,7 @@ class Representations(nn.Module):
     def images(self, images: Tensor) -> tuple[Tensor, Tensor]:
         """Return unit embeddings (B, D) of images, of the class token and of the shared tokens."""
         (clip,) = self._towers
-        tokens = clip.image_tokens(images)
-        first = len(clip.image_layers) - self.upper
-        for number, layer in enumerate(clip.image_layers):
-            if number >= first:
-                own = self.to_image[number - first](self.tokens)
-                tokens = _inserted(tokens, own, anew=number == first)
-            tokens = layer(tokens, None)
+        tokens = self._upper(clip.image_tokens(images), clip.image_layers, self.to_image, lambda f, x: f(x, None))
         last = clip.image.vision_model.post_layernorm(tokens[:, 1 : 1 + TOKENS]).mean(1)
         plain, shared = clip.image_end(tokens[:, 0]), self.projection(last)
         return normalize(plain, dim=-1), normalize(shared, dim=-1)
@@ -64,25 +59,25 @@ class Representations(nn.Module):
     def texts(self, tokens: Tensor, ends: Tensor) -> Tensor:
         """Return unit embeddings (K, D) of texts as they enter the first layer, read at `ends`."""
         (clip,) = self._towers
-        first = len(clip.text_layers) - self.upper
-        for number, layer in enumerate(clip.text_layers):
-            if number >= first:
-                own = self.to_text[number - first](self.tokens)
-                tokens = _inserted(tokens, own, anew=number == first)
-            tokens = clip.text_layer(layer, tokens)
+        tokens = self._upper(tokens, clip.text_layers, self.to_text, clip.text_layer)
         return normalize(clip.text_end(tokens, ends + TOKENS), dim=-1)
+
+    def _upper(self, tokens: Tensor, layers: Sequence[Any], maps: nn.ModuleList, step: Callable[..., Tensor]) -> Tensor:
+        """Pass tokens (B, T, W) through a tower's layers; the upper ones get shared tokens after the first token."""
+        first = len(layers) - self.upper
+        for number, layer in enumerate(layers):
+            if number >= first:
+                own = maps[number - first](self.tokens).expand(len(tokens), -1, -1)
+                rest = tokens[:, 1:] if number == first else tokens[:, 1 + TOKENS :]
+                tokens = torch.cat((tokens[:, :1], own, rest), dim=1)
+            tokens = step(layer, tokens)
+        return tokens
 
 
 def _maps(width: int, count: int) -> nn.ModuleList:
     """Return a map for each layer, all with equal initial weights."""
     first = nn.Linear(WIDTH, width)
     return nn.ModuleList(deepcopy(first) for _ in range(count))
-
-
-def _inserted(tokens: Tensor, own: Tensor, *, anew: bool) -> Tensor:
-    """Insert `own` (5, W) after the first of tokens (B, T, W), or replace earlier ones."""
-    rest = tokens[:, 1:] if anew else tokens[:, 1 + TOKENS :]
-    return torch.cat((tokens[:, :1], own.expand(len(tokens), -1, -1), rest), dim=1)
 
 
 def fit(source: Source) -> Fitted:
@@ -96,42 +91,11 @@ def fit(source: Source) -> Fitted:
             "MMRL puts tokens between the layers of a ViT, and these embeddings are of a ResNet; embed "
             "the pairs with a CLIP ViT."
         )
-    with seeded(derive_seed(source.seed, "mmrl")):
-        model = Representations(clip)
-        _train(model, clip, source, live, given)
-    model.requires_grad_(False)
+    named = [PROMPT.format(name) for name in source.classes]
     with torch.no_grad():
-        texts = model.texts(*_prompts(clip, source.classes))
+        prompts, own = clip.text_tokens(named), clip.embed_texts(named)
 
-    @torch.no_grad()
-    def predict(vis: Tensor, tac: Tensor) -> dict[str, Tensor]:
-        found = features(vis, tac)
-        alone = {name: (SCALE * found[name] @ texts.cpu().T).softmax(-1) for name in ("vis", "tac")}
-        return fused(alone)
-
-    @torch.no_grad()
-    def features(vis: Tensor, tac: Tensor) -> dict[str, Tensor]:
-        rows = [model.images(images.to(clip.device))[0].cpu() for images in (vis, tac)]
-        return joined(*rows)
-
-    return Fitted(
-        predict=predict,
-        features=features,
-        parameters=sum(weight.numel() for weight in model.parameters()),
-        images=given,
-    )
-
-
-def _prompts(clip: LiveClip, classes: tuple[str, ...]) -> tuple[Tensor, Tensor]:
-    return clip.text_tokens([PROMPT.format(name) for name in classes])
-
-
-def _train(model: Representations, clip: LiveClip, source: Source, live: Live, given: ImageInput) -> None:
-    with torch.no_grad():
-        prompts = _prompts(clip, source.classes)
-        own = clip.embed_texts([PROMPT.format(name) for name in source.classes])
-
-    def loss(rows: Tensor) -> Tensor:
+    def loss(model: Representations, rows: Tensor) -> Tensor:
         images = live.drawn(rows, given).to(clip.device)
         labels = source.labels[rows].repeat(2).to(clip.device)
         with torch.no_grad():
@@ -142,4 +106,17 @@ def _train(model: Representations, clip: LiveClip, source: Source, live: Live, g
         moved = 2 - cosine_similarity(plain, before).mean() - cosine_similarity(texts, own).mean()
         return SHARE * right[0] + (1 - SHARE) * right[1] + KEEP * moved
 
-    descend(model, len(source), HOW, loss)
+    model = learned(source, lambda: Representations(clip), HOW, loss, "mmrl")
+
+    @torch.no_grad()
+    def features(images: Tensor) -> Tensor:
+        return model.images(images.to(clip.device))[0].cpu()
+
+    with torch.no_grad():
+        texts = model.texts(*prompts).cpu()
+    return Fitted(
+        predict=late(lambda _, images: (SCALE * features(images) @ texts.T).softmax(-1)),
+        features=lambda vis, tac: joined(features(vis), features(tac)),
+        parameters=size(model),
+        images=given,
+    )

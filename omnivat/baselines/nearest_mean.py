@@ -1,10 +1,12 @@
 """Nearest class mean: the class whose mean direction in the source is closest."""
 
+from dataclasses import replace
+
 import torch
 from torch import Tensor
 from torch.nn.functional import normalize
 
-from omnivat.baselines.contract import Fitted, Predict, Source, fused
+from omnivat.baselines.contract import Fitted, Source, late
 from omnivat.baselines.evidence import best
 
 CANDIDATES = {
@@ -16,39 +18,24 @@ CANDIDATES = {
 
 def fit(source: Source) -> Fitted:
     """Store a mean direction for each class and modality; held-out objects choose the settings."""
-    chosen = best(source, CANDIDATES, lambda part, choice: lambda v, t: _model(part, *choice)(v, t)["fused"])
-    return Fitted(
-        predict=_model(source, *CANDIDATES[chosen]),
-        chosen={"means": chosen},
-        parameters=2 * len(source.classes) * source.width,
-    )
+    chosen = best(source, CANDIDATES, _fitted)
+    return replace(_fitted(source, CANDIDATES[chosen]), chosen={"means": chosen})
 
 
-def _model(source: Source, centred: bool, sharpness: float) -> Predict:
-    full = source.both_views()
-    names = {"vis": full.vis, "tac": full.tac}
-    middle, means = {}, {}
-    for name, rows in names.items():
-        unit = normalize(rows, dim=-1)
-        middle[name] = unit.mean(0) if centred else torch.zeros_like(unit[0])
-        means[name] = class_directions(unit - middle[name], full.labels, len(source.classes))
+def _fitted(source: Source, choice: tuple[bool, float]) -> Fitted:
+    (centred, sharpness), full = choice, source.both_views()
+    unit = {name: normalize(rows, dim=-1) for name, rows in full.images.items()}
+    middle = {name: rows.mean(0) if centred else torch.zeros_like(rows[0]) for name, rows in unit.items()}
+    means = {n: class_directions(rows - middle[n], full.labels, len(full.classes)) for n, rows in unit.items()}
 
-    def predict(vis: Tensor, tac: Tensor) -> dict[str, Tensor]:
-        return fused(
-            {
-                name: _nearest(normalize(rows, dim=-1) - middle[name], means[name], sharpness)
-                for name, rows in (("vis", vis), ("tac", tac))
-            }
-        )
+    def alone(name: str, rows: Tensor) -> Tensor:
+        rows = normalize(normalize(rows, dim=-1) - middle[name], dim=-1)
+        return (sharpness * rows @ means[name].T).softmax(-1)
 
-    return predict
+    return Fitted(predict=late(alone), parameters=2 * len(source.classes) * source.width)
 
 
 def class_directions(rows: Tensor, labels: Tensor, classes: int) -> Tensor:
     """Return the mean direction (K, D) of each class's rows (N, D); zero for an absent class."""
     sums = rows.new_zeros(classes, rows.shape[1]).index_add_(0, labels, normalize(rows, dim=-1))
     return normalize(sums, dim=-1)
-
-
-def _nearest(rows: Tensor, means: Tensor, sharpness: float) -> Tensor:
-    return (sharpness * normalize(rows, dim=-1) @ means.T).softmax(-1)

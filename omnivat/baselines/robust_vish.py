@@ -9,10 +9,9 @@ import torch
 from torch import Tensor, nn
 from torch.nn.functional import cross_entropy
 
-from omnivat.baselines.contract import Fitted, Source, seeded
-from omnivat.baselines.descent import Descent, descend
+from omnivat.baselines.contract import Fitted, Source
+from omnivat.baselines.descent import Descent, learned, size
 from omnivat.baselines.logistic import scaling
-from omnivat.seeding import derive_seed
 
 WIDTH, KERNELS, HEADS = (128, 256, 128), (8, 5, 3), 3
 HOW = Descent(lr=1e-3, epochs=100, batch=8, method="adam", weight_decay=0.0)
@@ -60,23 +59,17 @@ class RobustVisH(nn.Module):
 def fit(source: Source, how: Descent = HOW) -> Fitted:
     """Train with AdamW and a cosine rate from 1e-3, the middle of the published cyclic rate."""
     scale_vis, scale_tac = scaling(source.vis, "standard"), scaling(source.tac, "standard")
-    with seeded(derive_seed(source.seed, "robust-vish")):
-        model = RobustVisH(len(source.classes))
 
-        def loss(rows: Tensor) -> Tensor:
-            vis, tac = source.drawn(rows)
-            return cross_entropy(model(scale_vis(vis), scale_tac(tac)), source.labels[rows])
+    def loss(model: RobustVisH, rows: Tensor) -> Tensor:
+        vis, tac = source.drawn(rows)
+        return cross_entropy(model(scale_vis(vis), scale_tac(tac)), source.labels[rows])
 
-        descend(model, len(source), how, loss)
+    model = learned(source, lambda: RobustVisH(len(source.classes)), how, loss, "robust-vish")
 
-    @torch.inference_mode()
     def predict(vis: Tensor, tac: Tensor) -> dict[str, Tensor]:
         seen, touched = scale_vis(vis), scale_tac(tac)
-        given = {
-            "fused": (seen, touched),
-            "vis": (seen, torch.zeros_like(touched)),
-            "tac": (torch.zeros_like(seen), touched),
-        }
+        no_photo, no_touch = torch.zeros_like(seen), torch.zeros_like(touched)
+        given = {"fused": (seen, touched), "vis": (seen, no_touch), "tac": (no_photo, touched)}
         return {name: model(*rows).softmax(-1) for name, rows in given.items()}
 
-    return Fitted(predict=predict, parameters=sum(p.numel() for p in model.parameters()))
+    return Fitted(predict=predict, parameters=size(model))

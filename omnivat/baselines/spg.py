@@ -17,9 +17,11 @@ import torch
 from torch import Tensor, nn
 from torch.nn.functional import cross_entropy, mse_loss, normalize
 
-from omnivat.baselines.contract import Fitted, PromptTower, Source, fused, seeded
-from omnivat.baselines.zero_shot import LOGIT_SCALE, texts_of_the_image_encoder
+from omnivat.baselines.contract import Fitted, Source, late, seeded
+from omnivat.baselines.descent import size
+from omnivat.baselines.text import LOGIT_SCALE, texts_of_the_image_encoder
 from omnivat.errors import DataError
+from omnivat.lang.clip_prompts import ClipPrompts
 from omnivat.seeding import derive_seed
 
 START = "a photo of a"  # the initial prompt: four word vectors
@@ -54,17 +56,10 @@ class Discriminator(nn.Module):
     def __init__(self, width: int, shape: tuple[int, ...]) -> None:
         super().__init__()
         size = shape[0] * shape[1] + width
-        self.layers = nn.Sequential(
-            nn.Linear(size, 512),
-            nn.LeakyReLU(0.2),
-            nn.Linear(512, 512),
-            nn.Dropout(0.4),
-            nn.LeakyReLU(0.2),
-            nn.Linear(512, 512),
-            nn.Dropout(0.4),
-            nn.LeakyReLU(0.2),
-            nn.Linear(512, 1),
-        )
+        layers: list[nn.Module] = [nn.Linear(size, 512), nn.LeakyReLU(0.2)]
+        for _ in range(2):
+            layers += [nn.Linear(512, 512), nn.Dropout(0.4), nn.LeakyReLU(0.2)]
+        self.layers = nn.Sequential(*layers, nn.Linear(512, 1))
         _start(self)
 
     def forward(self, prompt: Tensor, image: Tensor) -> Tensor:
@@ -102,13 +97,10 @@ def fit(source: Source) -> Fitted:
         generator = learn_generator(source, prompt)
         noise = torch.randn(1, NOISE)
     probabilities = _reader(generator, noise, tower, source.classes, scale)
-    return Fitted(
-        predict=lambda vis, tac: fused({"vis": probabilities(vis), "tac": probabilities(tac)}),
-        parameters=sum(p.numel() for p in generator.parameters()),
-    )
+    return Fitted(predict=late(lambda _, rows: probabilities(rows)), parameters=size(generator))
 
 
-def learn_prompt(source: Source, tower: PromptTower, scale: float) -> Tensor:
+def learn_prompt(source: Source, tower: ClipPrompts, scale: float) -> Tensor:
     """Return the prompt (T, W) that separates the source's classes: CoOp, one context for all."""
     prompt = tower.words(START).detach().clone().requires_grad_(True)
     images, labels = _images(source)
@@ -176,7 +168,7 @@ def _images(source: Source) -> tuple[Tensor, Tensor]:
 
 
 def _reader(
-    generator: Generator, noise: Tensor, tower: PromptTower, classes: tuple[str, ...], scale: float
+    generator: Generator, noise: Tensor, tower: ClipPrompts, classes: tuple[str, ...], scale: float
 ) -> Callable[[Tensor], Tensor]:
     """Return (B, D) -> probabilities (B, K); each image has its own prompt and texts."""
 

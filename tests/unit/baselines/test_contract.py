@@ -11,12 +11,11 @@ from PIL import Image
 from torch import Tensor
 
 from omnivat.baselines import BASELINES, LABELS
-from omnivat.baselines.classics import fourier, mixstyle, mixup
+from omnivat.baselines.classics import coral_loss, fourier, mixstyle, mixup
 from omnivat.baselines.contract import Fitted, ImageInput, Live, Source
-from omnivat.baselines.coral import coral_loss
+from omnivat.baselines.contrastive import supcon_loss
 from omnivat.baselines.mmrl import PROMPT
-from omnivat.baselines.promptstyler import SCALE, arcface, scaled_cosines
-from omnivat.baselines.sitr_supcon import supcon_loss
+from omnivat.baselines.text import SCALE, arcface, scaled_cosines
 from omnivat.encoders.clip import open_clip
 from omnivat.encoders.clip_live import LiveClip
 from omnivat.encoders.running import CLIP_MEAN, CLIP_STD

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 import torch
 
-from omnivat.baselines.contract import COPIES, Source
+from omnivat.baselines.contract import COPIES, Fitted, Source
 from omnivat.baselines.evidence import Score, best, folds, log_loss
 
 
@@ -38,9 +38,9 @@ def test_the_candidate_with_the_lower_log_loss_wins(source):
         def predict(vis, tac):
             held = torch.tensor([i for i in range(24) if (source.vis[i] == vis).all(-1).any()])
             truth = torch.nn.functional.one_hot(source.labels[held], 3).float()
-            return (sharpness * truth).softmax(-1)
+            return {"fused": (sharpness * truth).softmax(-1)}
 
-        return predict
+        return Fitted(predict=predict)
 
     assert best(source, answers, fit) == "surer"
     assert best(source, {"wrong": -5.0, "right": 1.0}, fit) == "right"

@@ -7,10 +7,10 @@ import torch
 
 from omnivat.baselines import BASELINES, LABELS, OPTIONAL, spg
 from omnivat.baselines.contract import Source
+from omnivat.baselines.contrastive import contrastive_loss
 from omnivat.baselines.descent import Descent, descend, rate
-from omnivat.baselines.promptstyler import PAPER
 from omnivat.baselines.robust_vish import fit as fit_robust_vish
-from omnivat.baselines.vt_cmc_head import contrastive_loss
+from omnivat.baselines.text import PAPER
 from omnivat.errors import DataError
 from omnivat.tables import load
 
