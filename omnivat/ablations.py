@@ -41,14 +41,9 @@ FULL = Row("OmniVaT")
 BASELINE = Row("Baseline", base="baseline")
 
 
-def _generation(kind: str, label: str) -> Row:
-    return Row(f"OmniVaT ({label})", head={"generation": kind})
-
-
 def _modalities(lang: bool, names: tuple[str, ...]) -> Row:
-    label = " / ".join(name.upper() for name in (("lang",) if lang else ()) + names)
-    train = {"lang": lang, "modalities": "+".join(names)}
-    return Row(label, train=train, modalities=names)
+    label = "LANG / " * lang + " / ".join(names).upper()
+    return Row(label, train={"lang": lang, "modalities": "+".join(names)}, modalities=names)
 
 
 ONLY_MFFA = {"generation": "none"}
@@ -70,9 +65,9 @@ ABLATIONS = {
         "Feature generation, seven nodes each",
         rows={
             "baseline": BASELINE,
-            "interpolation": _generation("interpolation", "linear interpolation"),
-            "series": _generation("series", "series"),
-            "parallel": _generation("parallel", "parallel"),
+            "interpolation": Row("OmniVaT (linear interpolation)", head={"generation": "interpolation"}),
+            "series": Row("OmniVaT (series)", head={"generation": "series"}),
+            "parallel": Row("OmniVaT (parallel)", head={"generation": "parallel"}),
             "full": FULL,
         },
     ),
@@ -159,9 +154,7 @@ ABLATIONS = {
         "Expansion E",
         sources=("TAG",),
         axis="E",
-        rows={
-            f"E {count}": Row(f"E = {count}", head={"expansion": count}, value=count) for count in (1, 2, 3, 4, 6, 8)
-        },
+        rows={f"E {n}": Row(f"E = {n}", head={"expansion": n}, value=n) for n in (1, 2, 3, 4, 6, 8)},
     ),
     "balance": Ablation(
         "Balance weight λ of L_MMA",
@@ -176,10 +169,7 @@ ABLATIONS = {
 
 
 def chosen(names: tuple[str, ...]) -> dict[str, Ablation]:
-    """Return ablations by name; without names, all.
-
-    Raises MissingNameError with the nearest name.
-    """
+    """Return ablations by name; without names, all. Raises MissingNameError with the nearest name."""
     return {name: entry(ABLATIONS, name, kind="ablation") for name in names or ABLATIONS}
 
 

@@ -1,6 +1,6 @@
 """Evaluate a head on sets of embeddings: accuracy and macro-F1 for each domain."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,6 @@ from omnivat.data.store import Embeddings
 from omnivat.errors import DataError
 from omnivat.gaps.confusion import accuracy, confusion, macro_f1
 from omnivat.model.head import OmniVaT
-from omnivat.model.output import HeadOutput
 from omnivat.progress import OnStep, Step, ignore
 
 Rows = NDArray[np.int64]
@@ -37,11 +36,9 @@ def predicted_probabilities(
     order       quarter turns; None: the learned one
     modalities  input of the head: "vis", "tac" or both
     rows        indices of the pairs; None: all
-
     Raises DataError if there are no pairs.
     """
-    outputs = _outputs(model, embeddings, order, modalities, rows)
-    return _joined([output.readings for output in outputs])
+    return _predicted("readings", model, embeddings, order, modalities, rows)
 
 
 def predicted_logits(
@@ -51,24 +48,22 @@ def predicted_logits(
 
     Raises DataError if there are no pairs.
     """
-    return _joined([output.reading_logits for output in _outputs(model, embeddings, None, modalities)])
-
-
-def _joined(batches: Sequence[dict[str, Tensor]]) -> dict[str, Tensor]:
-    if not batches:
-        raise DataError("There are no pairs to predict.")
-    return {name: torch.cat([batch[name].cpu() for batch in batches]) for name in batches[0]}
+    return _predicted("reading_logits", model, embeddings, None, modalities, None)
 
 
 @torch.inference_mode()
-def _outputs(
-    model: OmniVaT, embeddings: Embeddings, order: float | None, modalities: Sequence[str], rows: Rows | None = None
-) -> Iterator[HeadOutput]:
-    device = model.classifier.device
-    blocks = [walked(getattr(embeddings, name), rows, size=CHUNK) for name in modalities]
-    for some in zip(*blocks, strict=True):
+def _predicted(
+    what: str, model: OmniVaT, embeddings: Embeddings, order: float | None, modalities: Sequence[str], rows: Rows | None
+) -> dict[str, Tensor]:
+    """Return a property of `HeadOutput` for all pairs, some at a time."""
+    device, found = model.classifier.device, []
+    for some in zip(*(walked(getattr(embeddings, name), rows, size=CHUNK) for name in modalities), strict=True):
         given = {n: torch.from_numpy(b).to(device) for n, b in zip(modalities, some, strict=True)}
-        yield model(given.get("vis"), given.get("tac"), order=order)
+        output = model(given.get("vis"), given.get("tac"), order=order)
+        found.append({name: values.cpu() for name, values in getattr(output, what).items()})
+    if not found:
+        raise DataError("There are no pairs to predict.")
+    return {name: torch.cat([part[name] for part in found]) for name in found[0]}
 
 
 def label_map(head_classes: Sequence[str], data_classes: Sequence[str]) -> np.ndarray[Any, Any]:
@@ -98,15 +93,14 @@ def evaluate(
     training pairs. Pairs of classes that the head lacks are left out and counted. F1 averages the
     classes present in the domain; the "union" variant also averages classes that were only
     predicted.
-
     Raises DataError if the embeddings are from another encoder.
     """
     head.require_embeddings(embeddings)
     given = trained_modalities(head) if modalities is None else tuple(modalities)
     records, done = [], 0
-    for name in embeddings.header.domains:
+    for index, name in enumerate(embeddings.header.domains):
         records.append(_evaluate_domain(head, embeddings, name, order, given))
-        done += int((embeddings.domain == embeddings.header.domains.index(name)).sum())
+        done += int((embeddings.domain == index).sum())
         on_step(Step(done=done, total=len(embeddings), text=name))
     return records
 
@@ -134,18 +128,16 @@ def _evaluate_domain(
         head.model, embeddings, order=order, modalities=modalities, rows=rows[known]
     )
     predicted = {name: values.argmax(-1) for name, values in probabilities.items()}
-    record["scores"] = {name: _scores(truth, labels) for name, labels in predicted.items()}
+    record["scores"] = {name: scores(truth, labels) for name, labels in predicted.items()}
     record["classes"] = list(classes)
     record["confusion"] = confusion(truth, predicted["fused"], len(classes)).tolist()
     return record
 
 
-def _scores(truth: Tensor, predicted: Tensor) -> dict[str, float]:
-    return {
-        "accuracy": float(accuracy(truth, predicted)),
-        "macro_f1": float(macro_f1(truth, predicted)),
-        "macro_f1_union": float(macro_f1(truth, predicted, average="union")),
-    }
+def scores(truth: Tensor, predicted: Tensor, *, union: bool = True) -> dict[str, float]:
+    """Return ACC and macro-F1 of predicted classes (N,), and F1 over the union with the predicted ones."""
+    found = {"accuracy": float(accuracy(truth, predicted)), "macro_f1": float(macro_f1(truth, predicted))}
+    return found | ({"macro_f1_union": float(macro_f1(truth, predicted, average="union"))} if union else {})
 
 
 def target_scores(records: Iterable[Mapping[str, Any]]) -> list[Mapping[str, Any]]:

@@ -5,14 +5,15 @@ same settings. It predicts the held-out pairs as they are and under imitated sen
 (omnivat/selection.py). With plain pairs alone, a head would be as confident on a new sensor as on
 its own."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import torch
 from torch import Tensor
 
-from omnivat.calibration.fit import fit_calibration
+from omnivat.calibration import fit_calibration
 from omnivat.data.arrays import copied
 from omnivat.data.store import Embeddings
 from omnivat.errors import DataError
@@ -38,17 +39,16 @@ class HeldOut:
     plain: Tensor  # (N,) bool
 
 
-def held_out_logits(model: OmniVaT, fold: Evidence, *, modalities: Sequence[str] = ("vis", "tac")) -> HeldOut:
-    """Return a model's logits on the held-out pairs of a fold, plain and under imitated sensors."""
-    parts, labels, plain = [], [], []
-    for name, pairs in fold.held.items():
-        parts.append(predicted_logits(model, pairs, modalities=modalities))
-        labels.append(label_map(model.settings.classes, pairs.header.classes)[pairs.label])
-        plain.append(np.full(len(pairs), name == "held out"))
+def held_out_logits(
+    fold: Evidence, classes: Sequence[str], logits: Callable[[Embeddings], Mapping[str, Tensor]]
+) -> HeldOut:
+    """Return a method's logits on the held-out pairs of a fold, plain and under imitated sensors."""
+    parts = [logits(pairs) for pairs in fold.held.values()]
+    labels = [label_map(classes, pairs.header.classes)[pairs.label] for pairs in fold.held.values()]
     return HeldOut(
         logits={name: torch.cat([part[name] for part in parts]) for name in parts[0]},
         labels=torch.from_numpy(np.concatenate(labels)),
-        plain=torch.from_numpy(np.concatenate(plain)),
+        plain=torch.cat([torch.full((len(p),), name == "held out") for name, p in fold.held.items()]),
     )
 
 
@@ -68,7 +68,8 @@ def calibration_of(
     """
     fold = evidence(source, FOLD)
     trained = train(fold.fit, head, settings, bank=bank, seed=seed, watch=watch)
-    found = held_out_logits(trained.model, fold, modalities=settings.given)
+    logits = partial(predicted_logits, trained.model, modalities=settings.given)
+    found = held_out_logits(fold, head.classes, logits)
     return fit_calibration(found.logits, found.labels, fusion=head.fusion)
 
 
@@ -77,7 +78,6 @@ def lang_guard(model: OmniVaT, pairs: Embeddings, bank: LangBank, *, seed: int =
 
     pairs  test pairs of the source; classes that the head lacks are left out
     bank   LANG of the head's classes; each pair gets a random style of its class
-
     Raises DataError if there are no pairs.
     """
     labels = label_map(model.settings.classes, pairs.header.classes)[pairs.label]
@@ -101,16 +101,9 @@ def guided_probabilities(model: OmniVaT, pairs: Embeddings, texts: Tensor, label
     labels  (N,) not used by the head: class tokens are the class-agnostic ones
     """
     found = []
-    for start in range(0, len(pairs), CHUNK):
-        rows = slice(start, start + CHUNK)
-        own = labels[rows]
-        output = model.training_pass(
-            torch.from_numpy(copied(pairs.vis[rows])),
-            torch.from_numpy(copied(pairs.tac[rows])),
-            texts[rows].to(model.dtype),
-            own,
-            lang_on=torch.ones_like(own, dtype=torch.bool),
-            token_on=torch.zeros_like(own, dtype=torch.bool),
-        )
+    for rows in torch.arange(len(pairs)).split(CHUNK):
+        vis, tac = (torch.from_numpy(copied(x[rows.numpy()])) for x in (pairs.vis, pairs.tac))
+        on = torch.ones(len(rows), dtype=torch.bool)
+        output = model.training_pass(vis, tac, texts[rows].to(model.dtype), labels[rows], lang_on=on, token_on=~on)
         found.append(fuse("mean", output.logits, None, model.calibration))
     return torch.cat(found)

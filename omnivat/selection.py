@@ -1,9 +1,8 @@
 """Source-side evidence for choosing settings: held-out objects of the source, plain and shifted.
 
-Targets are never used. Held-out objects alone measure how well a method fits its source, but a new
-sensor also shifts all embeddings of a modality. An imitated sensor applies one random offset and
-one random scale to all held-out pairs of a modality, drawn at the scale of the source's spread.
-Several draws imitate several unknown sensors, of two kinds:
+Targets are never used. Held-out objects alone measure how well a method fits its source, but a new sensor also shifts
+all embeddings of a modality. An imitated sensor applies one random offset and one random scale to all held-out pairs of
+a modality, drawn at the scale of the source's spread. Several draws imitate several unknown sensors, of two kinds:
 
 axes    each axis is shifted independently, including axes that hardly vary
 spread  the offset is drawn from the distribution of the source's pairs, along the directions in
@@ -40,7 +39,6 @@ def evidence(source: Embeddings, fold: int, *, shifts: int = SHIFTS, strength: f
     fold      number of the fold; the same for every method
     shifts    imitated sensors of each kind
     strength  their size in standard deviations of the source
-
     Raises DataError if no object can be held out.
     """
     seed = derive_seed(0, "evidence", fold)
@@ -72,32 +70,16 @@ def shift(pairs: Embeddings, reference: Embeddings, strength: float, seed: int, 
     The draw is the same for all pairs of a modality.
     """
     random = np.random.default_rng(seed)
-    move = _along_axes if kind == "axes" else _along_spread
-    return replace(
-        pairs,
-        vis=move(pairs.vis, reference.vis, strength, random),
-        tac=move(pairs.tac, reference.tac, strength, random),
-        vis_flip=None,
-        tac_flip=None,
-    )
 
+    def move(rows: NDArray[Any], known: NDArray[Any]) -> NDArray[np.float32]:
+        mean = known.mean(0)
+        stretch = 1 + strength * random.uniform(-0.5, 0.5, len(mean) if kind == "axes" else None)
+        if kind == "axes":
+            offset = strength * known.std(0) * random.normal(size=len(mean))
+        else:  # covariance: that of the reference
+            offset = strength * (random.normal(size=len(known)) / len(known) ** 0.5 @ (known - mean))
+        moved: NDArray[np.float32] = (mean + (rows - mean) * stretch + offset).astype(np.float32)
+        return moved
 
-def _along_axes(
-    rows: NDArray[Any], reference: NDArray[Any], strength: float, random: np.random.Generator
-) -> NDArray[np.float32]:
-    mean, std = reference.mean(0), reference.std(0)
-    stretch = 1 + strength * random.uniform(-0.5, 0.5, len(mean))
-    offset = strength * std * random.normal(size=len(mean))
-    moved: NDArray[np.float32] = (mean + (rows - mean) * stretch + offset).astype(np.float32)
-    return moved
-
-
-def _along_spread(
-    rows: NDArray[Any], reference: NDArray[Any], strength: float, random: np.random.Generator
-) -> NDArray[np.float32]:
-    mean = reference.mean(0)
-    stretch = 1 + strength * random.uniform(-0.5, 0.5)
-    mix = random.normal(size=len(reference)) / len(reference) ** 0.5
-    offset = strength * (mix @ (reference - mean))  # covariance: that of the reference
-    moved: NDArray[np.float32] = (mean + (rows - mean) * stretch + offset).astype(np.float32)
-    return moved
+    vis, tac = move(pairs.vis, reference.vis), move(pairs.tac, reference.tac)
+    return replace(pairs, vis=vis, tac=tac, vis_flip=None, tac_flip=None)

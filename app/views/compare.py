@@ -62,7 +62,7 @@ def _fitted(resources: Resources, method: str) -> dict[str, Any]:
 
     from omnivat.baselines import BASELINES
     from omnivat.data.arrays import copied
-    from omnivat.protocol.choosing import source_arrays
+    from omnivat.protocol.fitting import source_arrays
     from omnivat.protocol.methods import methods_named
     from omnivat.protocol.run import Run, task_of
     from omnivat.tables import load
@@ -94,8 +94,7 @@ def scores_of(
     Pairs of other classes than `classes` are left out, and training pairs from "unseen". None if no pair remains.
     """
     from omnivat.evaluate import label_map
-    from omnivat.unseen import counted
-    from omnivat.unseen.masks import mean_over_domains
+    from omnivat.unseen import counted, mean_over_domains
 
     label = label_map(list(classes), embeddings.header.classes)[embeddings.label]
     right, known = predicted == label, label >= 0

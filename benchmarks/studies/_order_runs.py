@@ -15,7 +15,7 @@ from omnivat.from_pairs import plan_training
 from omnivat.model.head import OmniVaT
 from omnivat.simulate.chirps import ChirpSettings
 from omnivat.train import TrainSettings, train
-from omnivat.unseen.masks import counted, mean_over_domains
+from omnivat.unseen import counted, mean_over_domains
 
 CHIRP_HEAD = {"theta_init": "signed"}  # a spike of any phase must reach a token
 SENSORS = TrainSettings(epochs=60)

@@ -30,7 +30,7 @@ from omnivat.encoders.efficientnet import EfficientNetLite0, load_lite0
 from omnivat.fractional import dfrft
 from omnivat.heads import default_embeddings
 from omnivat.reports.intervals import t_interval
-from omnivat.unseen.masks import counted, mean_over_domains
+from omnivat.unseen import counted, mean_over_domains
 
 STOPS = (0.0, 0.25, 0.5, 0.75, 1.0)
 SIDE = 64  # samples of a row of a picture

@@ -32,7 +32,7 @@ from omnivat.from_pairs import plan_training
 from omnivat.heads import default_embeddings
 from omnivat.model.head import OmniVaT
 from omnivat.train import TrainSettings, train
-from omnivat.unseen.masks import counted, mean_over_domains
+from omnivat.unseen import counted, mean_over_domains
 
 # helpful settings (docs/order.md): noise, large steps, orders slightly beyond [0, 1]
 EVERY = TrainSettings(batch=64, lr=0.1, noise=2.0, order_low=-0.1, order_high=1.1)

@@ -42,7 +42,7 @@ from omnivat.stages import IMAGES
 from omnivat.train import train
 from omnivat.train.batches import labels_of
 from omnivat.train.order_search import RIDGE
-from omnivat.unseen.masks import counted
+from omnivat.unseen import counted
 
 MARGIN = 0.5  # points: orders and seeds are equivalent within it (docs/log.md)
 OUT = Path("docs/benchmarks/order_squares.jsonl.gz")

@@ -121,7 +121,7 @@ def averaged(draws: Sequence[list[dict[str, Any]]]) -> list[dict[str, Any]]:
 
 def summary(records: Sequence[dict[str, Any]], source: str) -> dict[str, Any]:
     """Return the records of `evaluate` as `omnivat.figures.strangers` takes them."""
-    from omnivat.unseen.masks import of_domains, wilson
+    from omnivat.unseen import of_domains, wilson
 
     domains, strange = [], []
     for record in (one for one in records if one["scores"]):

@@ -202,7 +202,7 @@ def _curves(
     options: argparse.Namespace, head: "Head", embeddings: "Embeddings", orders: Stops, wanted: Wanted
 ) -> dict[str, list[float | None]]:
     from omnivat.sweep import sweep
-    from omnivat.sweep.cluster import curves_on_ray
+    from omnivat.sweep.curves import curves_on_ray
 
     with progress_bar("sweep") as show:
         if options.engine == "ray":

@@ -56,17 +56,19 @@ def run_all(
     pairs, texts = _opened(embeddings, bank)
     shared = records.provenance(pairs, texts)
     records.mend(out)
-    known = {r["key"] for r in records.read(out) if r["format"] == records.FORMAT}
+    known = {r["key"]: r for r in records.read(out) if r["format"] == records.FORMAT}
     waiting = [run for run in runs if _key(run, pairs, texts, shared) not in known]
     first, done = min((run.seed for run in runs), default=0), 0
     for part in stages(waiting, first):
-        found = {r["key"]: r for r in records.read(out) if r["format"] == records.FORMAT}
-        priors = [None if run.seed == first else found.get(_key(at(run, first), pairs, texts, shared)) for run in part]
-        part = [with_choice(run, prior) for run, prior in zip(part, priors, strict=True)]
+        for place, run in enumerate(part):
+            if run.seed != first and chooses(run):
+                prior = known.get(_key(replace(run, seed=first), pairs, texts, shared))
+                part[place] = replace(run, prior=choice_of(prior)) if prior else run
         for record in _results(part, embeddings, bank, jobs, engine):
             done += 1
-            line = shared | record
-            records.append(out, {"key": records.key(line), **line})
+            line = {"key": records.key(shared | record), **shared, **record}
+            known[line["key"]] = line
+            records.append(out, line)
             text = f"{record['label']}, {record['source']}, seed {record['seed']}"
             on_step(Step(done=done, total=len(waiting), text=text))
     return done
@@ -83,16 +85,6 @@ def stages(runs: Sequence[Run], first: int) -> list[list[Run]]:
 def chooses(run: Run) -> bool:
     """True if a run uses held-out objects of its source before it trains."""
     return run.calibrate or bool(run.method.candidates) or run.method.base != HEAD
-
-
-def at(run: Run, seed: int) -> Run:
-    """Return the same run at another seed."""
-    return replace(run, seed=seed)
-
-
-def with_choice(run: Run, record: dict[str, Any] | None) -> Run:
-    """Return a run with the choices in the record of the first seed."""
-    return replace(run, prior=choice_of(record)) if record and chooses(run) else run
 
 
 def _key(run: Run, pairs: Embeddings, bank: LangBank | None, shared: dict[str, Any]) -> str:
@@ -128,16 +120,16 @@ def _one_by_one(runs: Sequence[Run], embeddings: Path, bank: Path | None) -> Ite
             yield execute(run, pairs, texts)
 
 
-_OPEN: dict[str, tuple[Embeddings, LangBank | None]] = {}  # of a worker process
+_OPEN: list[tuple[Embeddings, LangBank | None]] = []  # of a worker process
 
 
 def _prepare(embeddings: Path, bank: Path | None) -> None:
     pin_thread()
-    _OPEN["files"] = _opened(embeddings, bank)
+    _OPEN.append(_opened(embeddings, bank))
 
 
 def _work(run: Run) -> dict[str, Any]:
-    return execute(run, *_OPEN["files"])
+    return execute(run, *_OPEN[0])
 
 
 def _by_ray(runs: Sequence[Run], embeddings: Path, bank: Path | None) -> Iterator[dict[str, Any]]:

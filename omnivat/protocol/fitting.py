@@ -3,9 +3,10 @@
 Choices and temperatures use held-out objects of the source, a quarter of each class. For one seed,
 the head and the baselines hold out the same objects (`omnivat.baselines.evidence.folds`)."""
 
-from collections.abc import Iterable
-from dataclasses import replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from functools import partial
+from typing import Any, TypeVar
 
 import numpy as np
 import torch
@@ -13,34 +14,156 @@ from torch import Tensor
 from torch.nn.functional import nll_loss
 
 from omnivat.baselines import BASELINES
-from omnivat.baselines.contract import Fitted
-from omnivat.calibration import fit_calibration
+from omnivat.baselines.contract import Fitted, Predict, Source
+from omnivat.baselines.evidence import folds
+from omnivat.calibration import fit_calibration, fit_temperature
 from omnivat.config import settings_from
 from omnivat.data.store import Embeddings
+from omnivat.errors import DataError
 from omnivat.evaluate import label_map, predicted_logits
 from omnivat.held_out import HeldOut, held_out_logits, lang_guard
 from omnivat.lang.bank import LangBank
-from omnivat.model.fusion import Calibration
+from omnivat.lang.clip_prompts import load_prompts
+from omnivat.model.fusion import LATE, Calibration, fused_logs
 from omnivat.model.head import OmniVaT, parameter_count
 from omnivat.model.settings import HeadSettings
-from omnivat.protocol.choosing import (
-    Choice,
-    Outcome,
-    choice_record,
-    chosen_fusion,
-    fold_of,
-    source_arrays,
-    tensor,
-    with_fused,
-)
-from omnivat.protocol.images import inputs, require_own_images
+from omnivat.protocol.images import inputs, live_of, require_own_images, tensor
 from omnivat.protocol.methods import HEAD, Method
 from omnivat.protocol.settings import Task
-from omnivat.selection import Evidence
+from omnivat.seeding import derive_seed
+from omnivat.selection import Evidence, evidence_of
 from omnivat.tables import load
 from omnivat.train import TrainSettings, train
 
 SMALLEST = 1e-12  # probabilities are raised to this before a logarithm
+BRANCHES = ("vis_branch", "tac_branch")  # of a head, inside a pair
+T = TypeVar("T")
+
+
+def source_arrays(found: Task, bank: LangBank | None, seed: int, pairs: Embeddings | None = None) -> Source:
+    """Return training pairs as arrays for baselines; `pairs` None: all of the task.
+
+    A LANG bank that lacks a class is left out; `why_no_lang` has the reason.
+    """
+    pairs = found.train if pairs is None else pairs
+    labels = label_map(found.classes, pairs.header.classes)[pairs.label]
+    texts, why = _or_why(lambda: bank.for_classes(found.classes)) if bank else (None, "No LANG bank is used.")
+    live, why_not_live = _or_why(lambda: live_of(pairs))
+    of_text: dict[str, Any] = {"why_no_lang": why}
+    if texts is not None:
+        of_text = {
+            "lang": tensor(texts.embeddings),
+            "lang_of_images": texts.is_of(pairs.header),
+            "plain": None if texts.plain is None else tensor(texts.plain),
+            "logit_scale": texts.logit_scale,
+            "prompts": partial(load_prompts, texts.encoder, texts.text_hash) if texts.text_hash else None,
+        }
+    return Source(
+        vis=tensor(pairs.vis),
+        tac=tensor(pairs.tac),
+        vis_flip=None if pairs.vis_flip is None else tensor(pairs.vis_flip),
+        tac_flip=None if pairs.tac_flip is None else tensor(pairs.tac_flip),
+        labels=torch.from_numpy(labels),
+        objects=tuple(pairs.rows["object"]),
+        classes=found.classes,
+        **of_text,
+        live=live,
+        why_not_live=why_not_live,
+        seed=derive_seed(seed, "baselines", found.setting.source.domain),
+    )
+
+
+def _or_why(get: Callable[[], T]) -> tuple[T | None, str]:
+    try:
+        return get(), ""
+    except DataError as error:
+        return None, str(error)
+
+
+def fold_of(found: Task, seed: int) -> Evidence | None:
+    """Return the first fold of the baselines; None if no object can be held out."""
+    splits = folds(source_arrays(found, None, seed), 1)
+    if not splits:
+        return None
+    held = np.zeros(len(found.train), dtype=bool)
+    held[splits[0][1].numpy()] = True
+    return evidence_of(found.train, held, derive_seed(seed, "imitated sensors"))
+
+
+Logits = Callable[[Embeddings], dict[str, Tensor]]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Choice:
+    """Choices made on held-out objects of a source: once for each source, for all seeds.
+
+    candidate    name of the head's settings among `Method.candidates`
+    fusion       late fusion that held-out pairs favour; "fused" remains the method's own fusion
+    calibration  temperatures, and the share of a learned fusion
+    losses       held-out log loss of each candidate
+    settled      names of the candidates that a baseline chose
+    """
+
+    candidate: str = ""
+    fusion: str = "mean"
+    calibration: Calibration = field(default_factory=Calibration)
+    losses: Mapping[str, float] = field(default_factory=dict)
+    settled: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Outcome:
+    """A fitted method, and the contents of its record.
+
+    logits       pairs -> reading -> logits or log-probabilities (N, K) before any temperature:
+                 "fused", "vis", "tac" and, of a head, "vis_branch", "tac_branch" and "pair"
+    features     pairs -> "vis", "tac" and "pair" -> (N, W), the last features before classification
+    choice       choices made on held-out objects
+    separate     readings for late fusion; empty if the method fuses features
+    """
+
+    logits: Logits
+    features: Logits
+    choice: Choice
+    separate: tuple[str, str] | None
+    chosen: dict[str, Any] = field(default_factory=dict)
+    parameters: int = 0
+    guard: dict[str, float] | None = None
+
+
+def choice_record(choice: Choice) -> dict[str, Any]:
+    """Return a choice for the record."""
+    head = {"settings": choice.candidate, "held-out log loss": dict(choice.losses)} if choice.losses else {}
+    return {"fusion": choice.fusion, **head}
+
+
+def fusions(logits: Mapping[str, Tensor], separate: tuple[str, str], share: float) -> dict[str, Tensor]:
+    """Return logits (N, K) of every late fusion of two readings, and of the summed features if there are any."""
+    vis, tac = (logits[name] for name in separate)
+    mixed = {kind: fused_logs(kind, vis, tac, share) for kind in LATE}
+    return mixed | ({"feature": logits["pair"]} if "pair" in logits else {})
+
+
+def chosen_fusion(logits: Mapping[str, Tensor], labels: Tensor) -> str:
+    """Return the late fusion with the lowest log loss on held-out pairs, each at its own temperature.
+
+    logits  as for `fit_calibration`; fusion needs two branches
+    """
+    if "vis_branch" not in logits:
+        return "mean"
+    mixed = fusions(logits, BRANCHES, fit_calibration(logits, labels).share)
+
+    def loss(kind: str) -> float:
+        tempered_logs = torch.log_softmax(mixed[kind] / fit_temperature(mixed[kind], labels), dim=-1)
+        return round(float(nll_loss(tempered_logs, labels)), 9)
+
+    return min(mixed, key=loss)
+
+
+def with_fused(logits: Mapping[str, Tensor], fusion: str, share: float = 0.5) -> dict[str, Tensor]:
+    """Add "fused": the fused branches, or the only modality."""
+    single = "vis_branch" not in logits
+    return {**logits, "fused": next(iter(logits.values())) if single else fusions(logits, BRANCHES, share)[fusion]}
 
 
 def fit_baseline(
@@ -59,21 +182,20 @@ def fit_baseline(
     if fitted.images is not None:
         for pairs in (found.train, found.source_test, *found.targets.values()):
             require_own_images(pairs)
-    late = is_late_fusion(fitted, found.train)
+    few = _joined(fitted.predict, fitted, found.train.select(np.arange(len(found.train)) < 8))
+    late = torch.allclose(few["fused"], (few["vis"] + few["tac"]) / 2, atol=1e-6)
     # Temperatures also use imitated sensors, which shift embeddings, not images.
     wanted = calibrate and prior is None and fitted.images is None
     fold = fold_of(found, seed) if wanted else None
     if fold is not None:
-        part = start(fold.fit)
-        logits, labels = _held_logs(part, fold, found.classes)
+        held = held_out_logits(fold, found.classes, partial(_baseline_logs, start(fold.fit)))
+        logits = held.logits
         if late:
             logits |= {"vis_branch": logits["vis"], "tac_branch": logits["tac"]}
-        fusion = chosen_fusion(logits, labels) if late else "mean"
-        calibration = fit_calibration(logits, labels)
-        choice = Choice(fusion=fusion, calibration=calibration)
+        choice = Choice(fusion=chosen_fusion(logits, held.labels), calibration=fit_calibration(logits, held.labels))
     return Outcome(
         logits=partial(_baseline_logs, fitted),
-        features=lambda pairs: _joined(fitted.features(*given) for given in inputs(fitted, pairs)),
+        features=partial(_joined, fitted.features, fitted),
         choice=choice,
         separate=("vis", "tac") if late else None,
         chosen=dict(fitted.chosen) | (choice_record(choice) if late else {}),
@@ -81,28 +203,14 @@ def fit_baseline(
     )
 
 
-def is_late_fusion(fitted: Fitted, pairs: Embeddings) -> bool:
-    """True if a method's prediction from both images is the mean of its single readings."""
-    few = pairs.select(np.arange(len(pairs)) < 8)
-    found = _joined(fitted.predict(*given) for given in inputs(fitted, few))
-    return torch.allclose(found["fused"], (found["vis"] + found["tac"]) / 2, atol=1e-6)
-
-
-def _held_logs(fitted: Fitted, fold: Evidence, classes: tuple[str, ...]) -> tuple[dict[str, Tensor], Tensor]:
-    parts = [_baseline_logs(fitted, pairs) for pairs in fold.held.values()]
-    labels = [label_map(classes, p.header.classes)[p.label] for p in fold.held.values()]
-    logits = {name: torch.cat([part[name] for part in parts]) for name in parts[0]}
-    return logits, torch.from_numpy(np.concatenate(labels))
-
-
 def _baseline_logs(fitted: Fitted, pairs: Embeddings) -> dict[str, Tensor]:
-    found = _joined(fitted.predict(*given) for given in inputs(fitted, pairs))
+    found = _joined(fitted.predict, fitted, pairs)
     return {name: values.clamp_min(SMALLEST).log() for name, values in found.items()}
 
 
-def _joined(parts: Iterable[dict[str, Tensor]]) -> dict[str, Tensor]:
-    """Concatenate the parts of each array."""
-    found = list(parts)
+def _joined(read: Predict, fitted: Fitted, pairs: Embeddings) -> dict[str, Tensor]:
+    """Return what `read`, of a fitted method, returns for all pairs."""
+    found = [read(*given) for given in inputs(fitted, pairs)]
     return {name: torch.cat([part[name] for part in found]) for name in found[0]}
 
 
@@ -112,15 +220,9 @@ def head_settings(
     """Return a method's settings on a task; `candidate` names one of `method.candidates`."""
     changes = method.candidates.get(candidate, {})
     training = settings_from(TrainSettings, {**method.train, **changes.get("train", {})})
-    lang_width = bank.width if bank and training.lang else 1
-    values = {
-        "classes": found.classes,
-        "input_width": found.train.width,
-        "lang_width": lang_width,
-        **method.head,
-        **changes.get("head", {}),
-    }
-    return settings_from(HeadSettings, values), training
+    width = bank.width if bank and training.lang else 1
+    given = {"classes": found.classes, "input_width": found.train.width, "lang_width": width}
+    return settings_from(HeadSettings, {**given, **method.head, **changes.get("head", {})}), training
 
 
 def fit_head(
@@ -136,10 +238,12 @@ def fit_head(
         logits=partial(_head_logits, model, method),
         features=partial(_head_features, model, method.modalities),
         choice=choice,
-        separate=("vis_branch", "tac_branch") if both else None,
+        separate=BRANCHES if both else None,
         chosen={"order": model.order, **choice_record(choice)},
         parameters=parameter_count(head),
-        guard=_guard(model, found, bank if training.lang and both else None, seed),
+        guard=lang_guard(model, found.source_test, bank.for_classes(found.classes), seed=seed)
+        if bank and training.lang and both and len(found.source_test)
+        else None,
     )
 
 
@@ -153,9 +257,11 @@ def _choose_head(method: Method, found: Task, bank: LangBank | None, seed: int, 
     held: dict[str, HeldOut] = {}
     for name in names:
         model = _trained(method, found, bank, seed, name, fold.fit)
-        held[name] = held_out_logits(model, fold, modalities=method.modalities)
+        held[name] = held_out_logits(
+            fold, found.classes, partial(predicted_logits, model, modalities=method.modalities)
+        )
     losses = {name: held_out_loss(one, fusion) for name, one in held.items()}
-    best = min(losses, key=lambda name: losses[name])
+    best = min(losses, key=losses.__getitem__)
     own = held[best]
     return Choice(
         candidate=best,
@@ -196,12 +302,6 @@ def _head_features(model: OmniVaT, modalities: tuple[str, ...], pairs: Embedding
     rows = {n: tensor(getattr(pairs, n)) if n in modalities else None for n in ("vis", "tac")}
     alone = {name: model(*(x if n == name else None for n, x in rows.items())).f_hat[name] for name in modalities}
     return {**alone, "pair": torch.cat(list(model(rows["vis"], rows["tac"]).f_hat.values()), -1)}
-
-
-def _guard(model: OmniVaT, found: Task, bank: LangBank | None, seed: int) -> dict[str, float] | None:
-    if bank is None or not len(found.source_test):
-        return None
-    return lang_guard(model, found.source_test, bank.for_classes(found.classes), seed=seed)
 
 
 def fit(

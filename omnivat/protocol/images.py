@@ -7,16 +7,17 @@ embed` stores that folder in this machine's cache; `--images` sets another.
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import torch
 from PIL import Image
 from torch import Tensor
 
-from omnivat.baselines.contract import Fitted, ImageInput, Live
+from omnivat.baselines.contract import Fitted, Live, input_of
 from omnivat.data.images import central_square, read_image
 from omnivat.data.store import Embeddings
-from omnivat.encoders.clip_live import LiveClip, load_live
+from omnivat.encoders.clip_live import load_live
 from omnivat.encoders.hub import images_key, recall
 from omnivat.errors import DataError
 
@@ -48,19 +49,16 @@ def _read(pairs: Embeddings, root: Path, name: str, row: int) -> Image.Image:
 def require_own_images(pairs: Embeddings) -> None:
     """Check that the images belong to the embeddings, on the first pair.
 
-    Raises DataError for missing or different images, and for shifted embeddings, such as those of
-    imitated sensors.
+    Raises DataError for missing or different images, and for shifted embeddings, such as those of imitated sensors.
     """
     if not len(pairs):
         return
     live = live_of(pairs)
-    clip: LiveClip = live.load()
-    given = ImageInput(side=clip.side, mean=clip.mean, std=clip.std)
+    clip = live.load()
     for name, rows in (("vis", pairs.vis), ("tac", pairs.tac)):
         with torch.no_grad():
-            image = live.images(name, torch.tensor([0]), given).to(clip.device)
-            found = clip.embed(image).cpu()
-        wanted = torch.from_numpy(np.array(rows[:1]))
+            found = clip.embed(live.images(name, torch.tensor([0]), input_of(clip)).to(clip.device)).cpu()
+        wanted = tensor(rows[:1])
         away = float((found - wanted).norm() / wanted.norm())
         if not away <= MOST:
             raise DataError(
@@ -73,7 +71,7 @@ def require_own_images(pairs: Embeddings) -> None:
 def inputs(fitted: Fitted, pairs: Embeddings) -> Iterator[tuple[Tensor, Tensor]]:
     """Yield a method's input: all embeddings, or images, some at a time."""
     if fitted.images is None:
-        yield _tensor(pairs.vis), _tensor(pairs.tac)
+        yield tensor(pairs.vis), tensor(pairs.tac)
         return
     live = live_of(pairs)
     for rows in torch.arange(len(pairs)).split(TOGETHER):
@@ -81,5 +79,6 @@ def inputs(fitted: Fitted, pairs: Embeddings) -> Iterator[tuple[Tensor, Tensor]]
         yield vis, tac
 
 
-def _tensor(array: np.ndarray) -> Tensor:
+def tensor(array: Any) -> Tensor:
+    """Return a float32 copy as a tensor."""
     return torch.from_numpy(np.array(array, dtype=np.float32))

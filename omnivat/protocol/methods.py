@@ -4,11 +4,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from omnivat.baselines import BASELINES, LABELS, OPTIONAL
+from omnivat.baselines import BASELINES, LABELS, OPTIONAL, Label
 from omnivat.errors import MissingNameError, SettingsError
 from omnivat.tables import unknown
 
 HEAD = "omnivat"
+NOISY = ("noise", "epochs")  # settings of training that baselines take, too
 # Parts of the head as separate rows: changed settings, label and note.
 VARIANTS: dict[str, tuple[str, dict[str, Any], dict[str, Any]]] = {
     "mffa_alone": ("MFFA alone", {"generation": "none"}, {}),
@@ -54,7 +55,7 @@ class Method:
         if self.base != HEAD and self.base not in BASELINES:
             known = (HEAD, *VARIANTS, *ABLATED, *BASELINES)
             raise MissingNameError(unknown(self.base, known, kind="method"))
-        if self.base != HEAD and (self.head or not self.train.keys() <= {"noise", "epochs"}):
+        if self.base != HEAD and (self.head or not self.train.keys() <= set(NOISY)):
             raise SettingsError(
                 f"'{self.base}' takes no settings but noise and epochs: it chooses its own on the "
                 f"source. Settings are for {HEAD}."
@@ -70,33 +71,20 @@ def methods_named(
     """Return the methods; settings and candidates go to the head and its variants.
 
     With noise, the baselines get it too, and methods of gradient steps as many epochs.
-
     Raises MissingNameError, with the nearest name, for an unknown method.
     """
     if len(set(names)) < len(names):
         raise SettingsError(f"A method is named twice in {', '.join(names)}.")
-    return [_named(name, head, train, candidates or {}) for name in names]
-
-
-def _named(
-    name: str,
-    head: Mapping[str, Any],
-    train: Mapping[str, Any],
-    candidates: Mapping[str, Mapping[str, Mapping[str, Any]]],
-) -> Method:
-    if name == HEAD:
-        return Method(name=name, head=head, train=train, candidates=candidates, label="OmniVaT")
-    if name in VARIANTS or name in ABLATED:
-        label, own_head, own_train = (VARIANTS | ABLATED)[name]
-        return Method(
-            name=name,
-            head={**head, **own_head},
-            train={**train, **own_train},
-            candidates=candidates,
-            label=label,
-            ablated=name in ABLATED,
-        )
-    label = LABELS[name].name if name in LABELS else name
-    note = LABELS[name].note if name in LABELS else ""
-    own = {key: train[key] for key in ("noise", "epochs") if key in train and train.get("noise")}
-    return Method(name=name, base=name, train=own, label=label, note=note)
+    heads = {HEAD: ("OmniVaT", {}, {})} | VARIANTS | ABLATED
+    own = {key: train[key] for key in NOISY if key in train and train.get("noise")}
+    found = []
+    for name in names:
+        if name in heads:
+            label, of_head, of_train = heads[name]
+            settings: dict[str, Any] = {"head": {**head, **of_head}, "train": {**train, **of_train}}
+            ablated = name in ABLATED
+            found.append(Method(name=name, label=label, candidates=candidates or {}, ablated=ablated, **settings))
+        else:
+            label, note, _ = LABELS.get(name, Label(name))
+            found.append(Method(name=name, base=name, train=own, label=label, note=note))
+    return found

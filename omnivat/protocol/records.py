@@ -6,7 +6,7 @@ import os
 import platform
 from collections.abc import Iterator, Mapping
 from hashlib import blake2b
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -54,10 +54,7 @@ def provenance(embeddings: Embeddings, bank: LangBank | None) -> dict[str, Any]:
 
 
 def key(record: Mapping[str, Any]) -> str:
-    """Return the key of a run: equal runs have equal keys.
-
-    Versions and times are not part of it.
-    """
+    """Return the key of a run: equal runs have equal keys. Versions and times are not part of it."""
     parts = [record[name] for name in ("method", "base", "settings", "source", "part", "seed", "fold")]
     parts += [record["data"]["fingerprint"], (record["lang"] or {}).get("hash", "")]
     text = json.dumps(parts, sort_keys=True)
@@ -89,8 +86,7 @@ def lines(path: Path, *kinds: str) -> Iterator[dict[str, Any]]:
     if not path.is_file():
         return
     content = path.read_bytes()
-    text = (gzip.decompress(content) if path.suffix == ".gz" else content).decode()
-    found = text.split("\n")
+    found = (gzip.decompress(content) if path.suffix == ".gz" else content).decode().split("\n")
     for number, line in enumerate(found, start=1):
         if not line.strip():
             continue
@@ -107,22 +103,15 @@ def lines(path: Path, *kinds: str) -> Iterator[dict[str, Any]]:
 
 def mend(path: Path) -> None:
     """Remove an incomplete last line, so that lines can follow."""
-    if not path.is_file():
-        return
-    content = path.read_bytes()
-    whole = content.rfind(b"\n") + 1
-    if whole < len(content):
-        with path.open("r+b") as handle:
-            handle.truncate(whole)
+    if path.is_file():
+        os.truncate(path, path.read_bytes().rfind(b"\n") + 1)
 
 
 def _versions() -> dict[str, str]:
     """Return versions, and the processor's instructions: they change the last bits of a training."""
-    found = {"python": platform.python_version(), "omnivat": __version__}
-    found["instructions"] = torch.backends.cpu.get_cpu_capability()
-    for name in ("torch", "numpy", "scipy"):
-        try:
-            found[name] = version(name)
-        except PackageNotFoundError:
-            continue
-    return found
+    return {
+        "python": platform.python_version(),
+        "omnivat": __version__,
+        "instructions": torch.backends.cpu.get_cpu_capability(),
+        **{name: version(name) for name in ("torch", "numpy", "scipy")},
+    }

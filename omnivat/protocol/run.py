@@ -11,8 +11,7 @@ from omnivat.data.store import Embeddings
 from omnivat.errors import OmniVatError
 from omnivat.lang.bank import LangBank
 from omnivat.model.fusion import Calibration
-from omnivat.protocol.choosing import Choice
-from omnivat.protocol.fitting import fit, head_settings
+from omnivat.protocol.fitting import Choice, fit, head_settings
 from omnivat.protocol.methods import HEAD, Method
 from omnivat.protocol.scoring import object_numbers, score
 from omnivat.protocol.settings import Task, task
@@ -70,8 +69,9 @@ def execute(run: Run, embeddings: Embeddings, bank: LangBank | None) -> dict[str
     numbers = object_numbers(embeddings) if run.fold is None else None
     if len(found.source_test):
         record["source_test"] = score(outcome, found.source_test, found.classes, numbers)
+    parts = {side.domain: side.part for side in found.setting.targets}
     record["targets"] = {
-        name: {"part": _part(found, name), **score(outcome, pairs, found.classes, numbers)}
+        name: {"part": parts.get(paper_name(name), ""), **score(outcome, pairs, found.classes, numbers)}
         for name, pairs in found.targets.items()
     }
     return record
@@ -113,8 +113,3 @@ def resolved(run: Run, found: Task, bank: LangBank | None) -> dict[str, Any]:
         "modalities": list(run.method.modalities),
         "candidates": {name: dict(c) for name, c in run.method.candidates.items()},
     }
-
-
-def _part(found: Task, name: str) -> str:
-    sides = {side.domain: side.part for side in found.setting.targets}
-    return sides.get(paper_name(name), "")

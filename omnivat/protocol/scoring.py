@@ -16,13 +16,12 @@ from torch import Tensor
 
 from omnivat.data.packing import DIGITS, compact, digits, odds
 from omnivat.data.store import Embeddings
-from omnivat.evaluate import label_map
+from omnivat.evaluate import label_map, scores
 from omnivat.gaps.calibration import aurc, ece, nll
-from omnivat.gaps.confusion import accuracy, macro_f1
 from omnivat.gaps.sums import cosine_margin
-from omnivat.model.fusion import FUSIONS, fused_logs, tempered
+from omnivat.model.fusion import tempered
 from omnivat.model.output import READINGS
-from omnivat.protocol.choosing import Outcome
+from omnivat.protocol.fitting import Outcome, fusions
 
 
 def score(
@@ -40,12 +39,14 @@ def score(
         return record | {"scores": {}}
     pairs, truth = pairs.select(known), torch.from_numpy(labels[known])
     logits = outcome.logits(pairs)
-    mixed = fusions(outcome, logits)
+    calibration = outcome.choice.calibration
+    mixed = fusions(logits, outcome.separate, calibration.share) if outcome.separate else {}
     readings = {name: logits[name] for name in READINGS if name in logits}
-    record["scores"] = {name: _scores(values, truth) for name, values in readings.items()}
-    record["scores"]["fused"] |= confidence(logits["fused"], truth, outcome.choice.calibration.temperature["fused"])
-    record["fusions"] = {name: _short_scores(values, truth) for name, values in mixed.items()}
-    record["margins"] = {name: _number(cosine_margin(rows, truth)) for name, rows in outcome.features(pairs).items()}
+    record["scores"] = {name: scores(truth, values.argmax(-1)) for name, values in readings.items()}
+    record["scores"]["fused"] |= confidence(logits["fused"], truth, calibration.temperature["fused"])
+    record["fusions"] = {name: scores(truth, values.argmax(-1), union=False) for name, values in mixed.items()}
+    margins = {name: float(cosine_margin(rows, truth)) for name, rows in outcome.features(pairs).items()}
+    record["margins"] = {name: None if math.isnan(value) else value for name, value in margins.items()}
     if numbers is not None and len(classes) <= len(DIGITS):
         record["truth"] = digits(truth.tolist())
         record["objects"] = compact([numbers[name] for name in named_objects(pairs)])
@@ -53,11 +54,6 @@ def score(
         record["answers"] = {name: digits(v.argmax(-1).tolist()) for name, v in predicted.items()}
         record["odds"] = odds(logits["fused"].numpy())
     return record
-
-
-def _scores(logits: Tensor, truth: Tensor) -> dict[str, float]:
-    union = macro_f1(truth, logits.argmax(-1), average="union")
-    return {**_short_scores(logits, truth), "macro_f1_union": float(union)}
 
 
 def confidence(logits: Tensor, truth: Tensor, temperature: float) -> dict[str, float]:
@@ -69,29 +65,6 @@ def confidence(logits: Tensor, truth: Tensor, temperature: float) -> dict[str, f
 
 
 CONFIDENCE = {"ece": ece, "nll": nll, "aurc": aurc}
-
-
-def fusions(outcome: Outcome, logits: Mapping[str, Tensor]) -> dict[str, Tensor]:
-    """Return logits (N, K) of every late fusion, and of the summed features if there are any."""
-    if outcome.separate is None:
-        return {}
-    first, second = (logits[name] for name in outcome.separate)
-    share = outcome.choice.calibration.share
-    return {
-        kind: logits["pair"] if kind == "feature" else fused_logs(kind, first, second, share)
-        for kind in FUSIONS
-        if kind != "feature" or "pair" in logits
-    }
-
-
-def _short_scores(logits: Tensor, truth: Tensor) -> dict[str, float]:
-    predicted = logits.argmax(-1)
-    return {"accuracy": float(accuracy(truth, predicted)), "macro_f1": float(macro_f1(truth, predicted))}
-
-
-def _number(value: Tensor) -> float | None:
-    found = float(value)
-    return None if math.isnan(found) else found
 
 
 def named_objects(pairs: Embeddings) -> list[str]:

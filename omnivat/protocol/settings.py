@@ -1,7 +1,8 @@
 """The eight SDG-VTL settings: one seen domain, its unseen targets, parts and classes."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
+
+import numpy as np
 
 from omnivat.data.domains import DOMAINS, paper_name
 from omnivat.data.store import Embeddings
@@ -34,15 +35,15 @@ class Setting:
 def _setting(source: str) -> Setting:
     """Build one row: TacQuad sensors train on one part and are tested on the other."""
     domain = DOMAINS[source]
-    tacquad = bool(domain.series)
-    learn = ("outdoor" if "outdoor" in domain.series else "indoor") if tacquad else ""
-    tested_part = ("indoor" if learn == "outdoor" else "outdoor") if tacquad else ""
-    targets = []
-    for name, other in DOMAINS.items():
-        if name == source or {name, source} == SAME_SENSOR:
-            continue
-        targets.append(Side(domain=name, part=tested_part if other.series else ""))
-    return Setting(source=Side(domain=source, part=learn), targets=tuple(targets), ceramic=domain.ceramic)
+    learn, tested = ("outdoor", "indoor") if "outdoor" in domain.series else ("indoor", "outdoor")
+    if not domain.series:
+        learn = tested = ""
+    targets = tuple(
+        Side(domain=name, part=tested if other.series else "")
+        for name, other in DOMAINS.items()
+        if name != source and {name, source} != SAME_SENSOR
+    )
+    return Setting(source=Side(domain=source, part=learn), targets=targets, ceramic=domain.ceramic)
 
 
 SETTINGS = {name: _setting(name) for name in DOMAINS}
@@ -56,8 +57,8 @@ class Task:
     classes: tuple[str, ...]
     train: Embeddings
     source_test: Embeddings  # test pairs of the source; may be empty
-    targets: dict[str, Embeddings]  # by the name in the data
-    missing: tuple[str, ...]  # targets of the paper that are not in the data
+    targets: dict[str, Embeddings]  # by the name in the data, those with a class that was learned
+    missing: tuple[str, ...]  # the other targets of the paper
 
 
 def available(embeddings: Embeddings) -> tuple[str, ...]:
@@ -69,17 +70,11 @@ def available(embeddings: Embeddings) -> tuple[str, ...]:
     return tuple(name for name in SETTINGS if name in present) or embeddings.learnable
 
 
-def own_setting(source: str, domains: Sequence[str]) -> Setting:
-    """Return the setting of a domain that is not in the paper: all others are its targets."""
-    sides = tuple(Side(domain=paper_name(name)) for name in domains if name != source)
-    return Setting(source=Side(domain=paper_name(source)), targets=sides, ceramic=True)
-
-
 def task(embeddings: Embeddings, source: str) -> Task:
     """Return the task of one source on these embeddings.
 
-    source  the paper's name, that of its simulated domain, or any domain of the embeddings
-
+    source  the paper's name, that of its simulated domain, or any domain of the embeddings, whose
+            targets are all others
     Raises DataError if the source is unknown or has no training pairs.
     """
     setting = SETTINGS.get(paper_name(source))
@@ -88,7 +83,8 @@ def task(embeddings: Embeddings, source: str) -> Task:
         if source not in domains:
             hint = suggestion(paper_name(source), [*SETTINGS, *domains])
             raise DataError(f"'{source}' is not one of the paper's domains, nor of these embeddings.{hint}")
-        setting = own_setting(source, domains)
+        sides = tuple(Side(domain=paper_name(name)) for name in domains if name != source)
+        setting = Setting(source=Side(domain=paper_name(source)), targets=sides, ceramic=True)
     names = {paper_name(name): name for name in embeddings.header.domains}
     if setting.source.domain not in names:
         raise DataError(
@@ -102,32 +98,24 @@ def task(embeddings: Embeddings, source: str) -> Task:
         raise DataError(f"'{own}' has no pairs of {setting.source} to train on.")
     test = embeddings.in_domain(own, split="test", part=setting.source.part)
     present = set(train.label.tolist())
-    targets = {
-        names[side.domain]: _without(embeddings.in_domain(names[side.domain], split="test", part=side.part), dropped)
-        for side in setting.targets
-        if side.domain in names
-    }
+    targets, missing = {}, []
+    for side in setting.targets:
+        name = names.get(side.domain, "")
+        pairs = _without(embeddings.in_domain(name, split="test", part=side.part), dropped) if name else None
+        if pairs is None or present.isdisjoint(pairs.label.tolist()):
+            missing.append(str(side))
+        else:
+            targets[name] = pairs
     return Task(
         setting=setting,
         classes=tuple(name for index, name in enumerate(embeddings.header.classes) if index in present),
         train=train,
         source_test=_without(test, dropped) if any(test.rows["split"]) else test.select(test.label < 0),
-        targets={name: pairs for name, pairs in targets.items() if _shares_classes(pairs, present)},
-        missing=tuple(
-            str(side)
-            for side in setting.targets
-            if side.domain not in names or not _shares_classes(targets[names[side.domain]], present)
-        ),
+        targets=targets,
+        missing=tuple(missing),
     )
 
 
-def _shares_classes(pairs: Embeddings, classes: set[int]) -> bool:
-    """True if any pair has a class that was learned."""
-    return not classes.isdisjoint(pairs.label.tolist())
-
-
 def _without(pairs: Embeddings, classes: tuple[str, ...]) -> Embeddings:
-    """Return the pairs of other classes than these."""
     index = [i for i, name in enumerate(pairs.header.classes) if name in classes]
-    keep = ~(pairs.label[:, None] == index).any(1) if index else pairs.label >= 0
-    return pairs.select(keep)
+    return pairs.select(~np.isin(pairs.label, index))

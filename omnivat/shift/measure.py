@@ -39,16 +39,27 @@ def interval(values: Array, objects: Array, *, seed: int = 0) -> tuple[float, fl
     return float(low), float(high)
 
 
-def share(part: str, measure: str, values: Array, objects: Array, **more: Any) -> Record:
+def share(part: str, measure: str, values: Array, objects: Array, *place: str, note: str = "") -> Record:
     """Return the record of a mean over pairs, with its interval."""
     low, high = interval(values, objects)
-    return record(part, measure, float(values.mean()), low=low, high=high, n=len(values), **more)
+    return record(part, measure, float(values.mean()), *place, low=low, high=high, n=len(values), note=note)
 
 
-def record(part: str, measure: str, value: float, **more: Any) -> Record:
-    """Return one line of the table of numbers."""
-    empty = {"modality": "", "from": "", "to": "", "low": None, "high": None, "n": "", "note": ""}
-    return {"part": part, "measure": measure, "value": value, **empty, **more}
+def record(
+    part: str, measure: str, value: float, modality: str = "", first: str = "", second: str = "", **more: Any
+) -> Record:
+    """Return one line of the table of numbers; `first` and `second` are the columns "from" and "to"."""
+    place = {"modality": modality, "from": first, "to": second}
+    return {
+        "part": part,
+        "measure": measure,
+        "value": value,
+        **place,
+        "low": None,
+        "high": None,
+        "n": "",
+        "note": "",
+    } | more
 
 
 def gaps(found: Features, on_step: OnStep) -> list[Record]:
@@ -58,15 +69,14 @@ def gaps(found: Features, on_step: OnStep) -> list[Record]:
     BLOCKS blocks of objects. "no gap" is the same measure between two random halves of one domain.
     """
     sizes = {name: len(found.members(name)) for name in found.domains}
-    names = [n for n in sorted(sizes, key=lambda n: -sizes[n]) if sizes[n] >= LEAST][:MOST_DOMAINS]
-    names = [name for name in found.domains if name in names]
+    largest = sorted(sizes, key=lambda n: -sizes[n])[:MOST_DOMAINS]
     rows = {m: found.rows(m) for m in found.modalities}
-    members = {name: found.members(name) for name in names}
+    members = {n: found.members(n) for n in found.domains if n in largest and sizes[n] >= LEAST}
     objects = found.objects
     random = np.random.default_rng(derive_seed(0, "blocks"))
     block = random.permutation(objects.max() + 1)[objects] % BLOCKS
     records = []
-    for done, (name, _) in enumerate(GAPS.items()):
+    for done, name in enumerate(GAPS):
         gap: Callable[[Tensor, Tensor], Tensor] = load(GAPS, name, kind="gap")
         whole = _of(rows, members, gap)
         parts = []
@@ -75,8 +85,7 @@ def gaps(found: Features, on_step: OnStep) -> list[Record]:
             parts.append(_of(rows, kept, gap))
             text = f"{name}, block {left_out + 1} of {BLOCKS}"
             on_step(Step(done=done * BLOCKS + left_out + 1, total=len(GAPS) * BLOCKS, text=text))
-        records += _summed(name, whole, parts)
-        records += _halves(name, rows, members, gap)
+        records += _summed(name, whole, parts) + _halves(name, rows, members, gap)
     return records
 
 
@@ -113,10 +122,8 @@ def _summed(measure: str, whole: Gaps, parts: list[Gaps]) -> list[Record]:
         most = 2.0 if measure == "proxy_a" else np.inf
         ends = {"low": max(0.0, mean - T_BLOCKS * error), "high": min(most, mean + T_BLOCKS * error)}
         note = f"mean, {len(keys)} {'pairs of domains' if modality else 'domains'}"
-        records.append(record(part, measure, mean, modality=modality, note=note, **ends))
-        for key in keys:
-            sides = {"from": key[1], "to": key[2] if modality else ""}
-            records.append(record(part, measure, whole[key], modality=modality, **sides))
+        records.append(record(part, measure, mean, modality, note=note, **ends))
+        records += [record(part, measure, whole[m, a, b], m, a, b if m else "") for m, a, b in keys]
     return records
 
 
@@ -124,14 +131,11 @@ def _halves(measure: str, rows: Mapping[str, Tensor], members: Mapping[str, Arra
     random = np.random.default_rng(derive_seed(0, "halves"))
     found = []
     for modality, every in rows.items():
-        values = []
-        for own in members.values():
-            mixed = random.permutation(own)
-            first, second = mixed[: len(mixed) // 2], mixed[len(mixed) // 2 :]
-            values.append(_one(gap, every[first], every[second]))
+        mixed = [random.permutation(own) for own in members.values()]
+        values = [_one(gap, every[m[: len(m) // 2]], every[m[len(m) // 2 :]]) for m in mixed]
         if values:
             note = "mean over domains of two random halves of one domain"
-            found.append(record("no gap", measure, float(np.nanmean(values)), modality=modality, note=note))
+            found.append(record("no gap", measure, float(np.nanmean(values)), modality, note=note))
     return found
 
 
@@ -150,20 +154,18 @@ def retrieval(found: Features) -> list[Record]:
         if len(own) < 2:
             continue
         cosines = vis[own] @ tac[own].T
-        for sides, table in ((("photo", "touch"), cosines), (("touch", "photo"), cosines.T)):
+        for place, table in (((domain, "photo", "touch"), cosines), ((domain, "touch", "photo"), cosines.T)):
             right = table.diagonal()[:, None]
             ranks = ((table > right).sum(1) + ((table == right).sum(1) - 1) / 2 + 1).numpy()
-            more = {"from": sides[0], "to": sides[1], "modality": domain}
             for k in DEPTHS:
                 note = f"chance {min(1.0, k / len(own)):.4f}"
-                records.append(share("retrieval", f"recall@{k}", ranks <= k, objects[own], note=note, **more))
+                records.append(share("retrieval", f"recall@{k}", ranks <= k, objects[own], *place, note=note))
             note = f"of {len(own)}; chance {(len(own) + 1) / 2:g}"
-            records.append(record("retrieval", "median rank", float(np.median(ranks)), n=len(own), note=note, **more))
+            records.append(record("retrieval", "median rank", float(np.median(ranks)), *place, n=len(own), note=note))
             if found.labelled:
                 precision, level = _precision(table, label[own])
-                records.append(
-                    share("retrieval", "mAP of the class", precision, objects[own], note=f"chance {level:.4f}", **more)
-                )
+                note = f"chance {level:.4f}"
+                records.append(share("retrieval", "mAP of the class", precision, objects[own], *place, note=note))
     return records
 
 
@@ -190,12 +192,10 @@ def neighbours(found: Features) -> list[Record]:
         home, level, right, chance = [], [], [], []
         for some in np.array_split(np.arange(len(rows)), -(-len(rows) // 512)):
             cosines = rows[some] @ rows.T
-            near = cosines.clone()
-            near[torch.from_numpy(objects[some][:, None] == objects[None])] = -2
-            k = min(NEAR, len(rows) - 1)
             same = domain[some][:, None] == domain[None]
             others = objects[some][:, None] != objects[None]
-            home.append(same[np.arange(len(some))[:, None], near.topk(k).indices.numpy()].mean(1))
+            near = cosines.masked_fill(torch.from_numpy(~others), -2).topk(min(NEAR, len(rows) - 1)).indices
+            home.append(np.take_along_axis(same, near.numpy(), 1).mean(1))
             level.append((same & others).sum(1) / np.maximum(1, others.sum(1)))
             cosines[torch.from_numpy(same)] = -2
             right.append(label[cosines.argmax(1).numpy()] == label[some])
@@ -205,28 +205,9 @@ def neighbours(found: Features) -> list[Record]:
         values = np.concatenate(home)
         for name in ("", *found.domains):
             own = found.members(name) if name else np.arange(len(values))
-            note = f"{mixed:.4f} if domains were mixed" if not name else ""
-            records.append(
-                share(
-                    "neighbours",
-                    f"own domain among {NEAR} nearest",
-                    values[own],
-                    objects[own],
-                    modality=modality,
-                    note=note,
-                    **{"from": name},
-                )
-            )
+            note, what = f"{mixed:.4f} if domains were mixed" if not name else "", f"own domain among {NEAR} nearest"
+            records.append(share("neighbours", what, values[own], objects[own], modality, name, note=note))
         if found.labelled:
-            note = f"chance {float(np.concatenate(chance).mean()):.4f}"
-            records.append(
-                share(
-                    "neighbours",
-                    "class of the nearest in another domain",
-                    np.concatenate(right),
-                    objects,
-                    modality=modality,
-                    note=note,
-                )
-            )
+            note, what = f"chance {float(np.concatenate(chance).mean()):.4f}", "class of the nearest in another domain"
+            records.append(share("neighbours", what, np.concatenate(right), objects, modality, note=note))
     return records

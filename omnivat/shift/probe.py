@@ -17,6 +17,7 @@ FOLDS = 3  # of objects, for the accuracy at home
 PROFILE = 20  # pictures of the target without labels; they are not tested
 LEAST = 10  # pairs of a domain with a probe
 STRENGTH = 1.0  # C, the inverse of the penalty
+MEASURES = ("home", "away", "away, with a profile")
 VIEWS = {"vis": ("vis",), "tac": ("tac",), "both": ("vis", "tac")}
 Array = NDArray[Any]
 
@@ -41,31 +42,18 @@ def probes(found: Features, on_step: OnStep) -> list[Record]:
         raw = [np.array(getattr(data, name), np.float32) for name in views[view]]
         own = places[source]
         fitted = fitted_probe(joined([rows[own] for rows in raw]), data.label[own])
-        records.append(
-            record(
-                "probe",
-                "home",
-                _home(raw, data.label, own, objects),
-                modality=view,
-                n=len(own),
-                **{"from": source, "to": source},
-            )
-        )
-        for target in names:
-            if target == source:
-                continue
+        records.append(record("probe", "home", _home(raw, data.label, own, objects), view, source, source, n=len(own)))
+        for target in (name for name in names if name != source):
             profile, rest = tested[target]
             kept = rest[np.isin(data.label[rest], np.unique(data.label[own]))]
             if not len(kept):
                 continue
             plain = [rows[kept] for rows in raw]
             known = [moved(rows[kept], channels_of(rows[profile]), channels_of(rows[own])) for rows in raw]
-            for measure, rows in (("away", plain), ("away, with a profile", known)):
+            for measure, rows in zip(MEASURES[1:], (plain, known), strict=True):
                 right = float((fitted(joined(rows)) == data.label[kept]).mean())
-                sides = {"from": source, "to": target}
-                records.append(record("probe", measure, right, modality=view, n=len(kept), **sides))
-        total = len(views) * len(names)
-        on_step(Step(done=done + 1, total=total, text=f"probe of {source}, {view}"))
+                records.append(record("probe", measure, right, view, source, target, n=len(kept)))
+        on_step(Step(done=done + 1, total=len(views) * len(names), text=f"probe of {source}, {view}"))
     return records + [line for view in views for line in _means(records, view, names)]
 
 
@@ -95,9 +83,8 @@ def _home(raw: list[Array], label: Array, own: Array, objects: Array) -> float:
     kinds = np.unique(objects[own])
     if len(kinds) < FOLDS:
         return float("nan")
-    mixed = np.random.default_rng(derive_seed(0, "home")).permutation(kinds)
-    fold = {kind: k % FOLDS for k, kind in enumerate(mixed)}
-    part = np.array([fold[kind] for kind in objects[own]])
+    fold = np.argsort(np.random.default_rng(derive_seed(0, "home")).permutation(len(kinds))) % FOLDS
+    part = fold[np.searchsorted(kinds, objects[own])]
     right = []
     for k in range(FOLDS):
         train, test = own[part != k], own[part == k]
@@ -112,12 +99,11 @@ def _means(records: list[Record], view: str, names: list[str]) -> list[Record]:
     random = np.random.default_rng(derive_seed(0, "domains"))
     drawn = random.integers(len(names), size=(1000, len(names)))
     found, tables = [], {}
-    for measure in ("home", "away", "away, with a profile"):
-        table = np.full((len(names), len(names)), np.nan)
+    for measure in MEASURES:
+        tables[measure] = np.full((len(names), len(names)), np.nan)
         for one in records:
             if one["measure"] == measure and one["modality"] == view:
-                table[names.index(one["from"]), names.index(one["to"])] = one["value"]
-        tables[measure] = table
+                tables[measure][names.index(one["from"]), names.index(one["to"])] = one["value"]
     home = np.repeat(np.diag(tables["home"])[:, None], len(names), 1)
     tables["loss: home less away"] = home - tables["away"]
     tables["gain of the profile"] = tables["away, with a profile"] - tables["away"]
@@ -132,5 +118,5 @@ def _means(records: list[Record], view: str, names: list[str]) -> list[Record]:
             ends = {"low": float(low), "high": float(high)}
         what = "domains" if measure == "home" else "pairs of domains"
         note = f"mean, {int((~np.isnan(table)).sum())} {what}"
-        found.append(record("probe", measure, float(np.nanmean(table)), modality=view, note=note, **ends))
+        found.append(record("probe", measure, float(np.nanmean(table)), view, note=note, **ends))
     return found

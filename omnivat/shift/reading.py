@@ -67,28 +67,26 @@ def read_features(
 
     columns  name here -> name in the file, as for `omnivat import`; `vis` or `tac` may be absent, as
              may `material` and `domain`
-
     Raises DataError, one sentence with the file and the fault.
     """
     if file.suffix.lower() == ".safetensors":
-        data = load_embeddings(file)
-        read: tuple[Embeddings, tuple[str, ...], bool] = data, _pictured(data), True
+        found = features_of(load_embeddings(file), seed=seed)
     else:
-        read = _foreign(file, encoder, domain, classes, columns, simulated)
-    if len(read[0]) < 2:
-        raise DataError(f"'{file}' has {len(read[0])} pair(s); 2 or more are needed.")
-    return _drawn(*read, seed)
+        found = features_of(*_foreign(file, encoder, domain, classes, columns, simulated), seed=seed)
+    if found.drawn_of < 2:
+        raise DataError(f"'{file}' has {found.drawn_of} pair(s); 2 or more are needed.")
+    return found
 
 
-def features_of(data: Embeddings, *, seed: int = 0) -> Features:
-    """Return the features of a set that is loaded; see `read_features`."""
-    return _drawn(data, _pictured(data), True, seed)
-
-
-def _drawn(found: Embeddings, modalities: tuple[str, ...], labelled: bool, seed: int) -> Features:
-    labelled = labelled and len(np.unique(found.label)) > 1
+def features_of(
+    data: Embeddings, modalities: tuple[str, ...] = (), labelled: bool = True, *, seed: int = 0
+) -> Features:
+    """Return the features of a set that is loaded; see `read_features`. modalities  (): by its pictures"""
     return Features(
-        embeddings=found.sampled(MOST, seed=seed), modalities=modalities, labelled=labelled, drawn_of=len(found)
+        embeddings=data.sampled(MOST, seed=seed),
+        modalities=modalities or _pictured(data),
+        labelled=labelled and len(np.unique(data.label)) > 1,
+        drawn_of=len(data),
     )
 
 

@@ -15,7 +15,7 @@ from omnivat.progress import OnStep, Step, ignore
 from omnivat.projection import PROJECTIONS
 from omnivat.projection.quality import quality
 from omnivat.shift.measure import DEPTHS, Record, gaps, neighbours, record, retrieval
-from omnivat.shift.probe import PROFILE, probes
+from omnivat.shift.probe import MEASURES, PROFILE, probes
 from omnivat.shift.reading import Features
 from omnivat.shift.words import NEIGHBOURS, VIEWS, methods, notes
 from omnivat.tables import load
@@ -38,14 +38,12 @@ def write_report(found: Features, out: Path, *, seed: int = 0, on_step: OnStep =
     drawn |= _charts(found, records)
     records += trusts
     words = methods(found, seed)
-    files = [out / "numbers.csv", out / "methods.txt"]
-    write_csv(files[0], COLUMNS, ([one[name] for name in COLUMNS] for one in records))
-    write_text(files[1], words + "\n")
-    for name, one in drawn.items():
-        files.append(figures.write(out / "figures" / f"{name}.svg", one))
-    page = figures.html_page("Domain shift", _page(found, records, drawn, words))
-    write_text(out / "report.html", page)
-    return [*files, out / "report.html"]
+    table, text, page = (out / name for name in ("numbers.csv", "methods.txt", "report.html"))
+    write_csv(table, COLUMNS, ([one[name] for name in COLUMNS] for one in records))
+    write_text(text, words + "\n")
+    files = [figures.write(out / "figures" / f"{name}.svg", one) for name, one in drawn.items()]
+    write_text(page, figures.html_page("Domain shift", _page(found, records, drawn, words)))
+    return [table, text, *files, page]
 
 
 def numbers(found: Features, on_step: OnStep = ignore) -> list[Record]:
@@ -72,8 +70,8 @@ def _maps(found: Features, seed: int) -> tuple[Drawn, list[Record]]:
         if len(points) > 2 * NEIGHBOURS:
             score = quality(points, flat, k=NEIGHBOURS, seed=seed)
             trust = f"trustworthiness {score.trustworthiness:.3f}, recall {score.recall:.3f} at {NEIGHBOURS} neighbours"
-            for measure in ("trustworthiness", "recall"):
-                records.append(record("map", f"{method} {measure}", getattr(score, measure), n=len(points)))
+            scores = {"trustworthiness": score.trustworthiness, "recall": score.recall}
+            records += [record("map", f"{method} {m}", value, n=len(points)) for m, value in scores.items()]
         colourings = {"domain": (data.domain, data.header.domains)}
         if found.labelled and method == "umap":
             colourings["class"] = (data.label, data.header.classes)
@@ -91,7 +89,6 @@ def _maps(found: Features, seed: int) -> tuple[Drawn, list[Record]]:
 
 
 def _charts(found: Features, records: Sequence[Record]) -> Drawn:
-    """Return the figures of the numbers."""
     drawn: Drawn = {}
     for measure in ("centroid", "proxy_a"):
         table = _gap_record(found, records, measure)
@@ -102,9 +99,8 @@ def _charts(found: Features, records: Sequence[Record]) -> Drawn:
     if chosen:
         kept = _few(chosen, "modality")
         rows = [{**r, "row": r["modality"], "series": f"{r['from']} to {r['to']}"} for r in kept]
-        for name in dict.fromkeys(r["modality"] for r in kept):
-            chance = depth / len(found.members(name))
-            rows.append({"row": name, "series": "chance", "value": chance})
+        names = dict.fromkeys(r["modality"] for r in kept)
+        rows += [{"row": n, "series": "chance", "value": depth / len(found.members(n))} for n in names]
         drawn["retrieval"] = figures.dots(
             rows,
             title=f"Own partner among the {depth} nearest",
@@ -125,8 +121,7 @@ def _charts(found: Features, records: Sequence[Record]) -> Drawn:
             level=float(level["note"].split()[0]),
             caption="100 %: every neighbour is of the same domain. Dashed: the share if domains were mixed. Bars: 95 % intervals over objects.",
         )
-    order = ("home", "away", "away, with a profile")
-    means = [r for r in records if r["part"] == "probe" and r["note"] and r["measure"] in order]
+    means = [r for r in records if r["part"] == "probe" and r["note"] and r["measure"] in MEASURES]
     if means:
         drawn["probe"] = figures.dots(
             [{**r, "row": VIEWS[r["modality"]], "series": r["measure"]} for r in means],
@@ -140,7 +135,6 @@ def _charts(found: Features, records: Sequence[Record]) -> Drawn:
 
 
 def _few(records: Sequence[Record], key: str) -> list[Record]:
-    """Return the records of the first domains; the table holds all."""
     names = list(dict.fromkeys(one[key] for one in records))[:MOST_ROWS]
     return [one for one in records if one[key] in names]
 
@@ -177,19 +171,15 @@ def _page(found: Features, records: Sequence[Record], drawn: Drawn, words: str) 
     parts += [one for name, one in drawn.items() if name.startswith("map")]
     if any(one["part"].endswith(" gap") and one["note"] for one in records if one["part"] != "no gap"):
         parts += ["<h2>Gaps, means with 95 % intervals</h2>" + _gap_table(records)]
-    parts += [one for name, one in drawn.items() if name.startswith("gaps")]
-    if "retrieval" in drawn:
-        parts += [drawn["retrieval"]]
-    if "neighbours" in drawn:
-        parts += [drawn["neighbours"]]
+    parts += [one for name, one in drawn.items() if not name.startswith("map")]
     if "probe" in drawn:
-        rows = [r for r in records if r["part"] == "probe" and r["note"]]
         head = ("probe of", "accuracy", "over", "mean", "95 % interval")
-        cells = []
-        for r in rows:
-            over = r["note"].removeprefix("mean, ")
-            cells.append((VIEWS[r["modality"]], r["measure"], over, _number(r["value"]), _ends(r)))
-        parts += [drawn["probe"], _table(head, cells, words=3)]
+        cells = [
+            (VIEWS[r["modality"]], r["measure"], r["note"].removeprefix("mean, "), _number(r["value"]), _ends(r))
+            for r in records
+            if r["part"] == "probe" and r["note"]
+        ]
+        parts += [_table(head, cells, words=3)]
     parts += [
         f"<h2>Methods</h2><p>{escape(words)}</p><p>Every number is in numbers.csv; the figures are in figures/ as SVG.</p>"
     ]
@@ -201,11 +191,9 @@ def _gap_table(records: Sequence[Record]) -> str:
     floors = {(r["measure"], r["modality"]): r["value"] for r in records if r["part"] == "no gap"}
     cells = []
     for one in means:
-        level = floors.get((one["measure"], one["modality"]))
+        level = _number(floors.get((one["measure"], one["modality"])))
         what = "between photos and touches" if not one["modality"] else f"between domains, {VIEWS[one['modality']]}"
-        cells.append(
-            (NAMES[one["measure"]], what, _number(one["value"]), _ends(one), "–" if level is None else _number(level))
-        )
+        cells.append((NAMES[one["measure"]], what, _number(one["value"]), _ends(one), level))
     head = ("measure", "gap", "mean", "95 % interval", "two halves of one domain")
     return _table(head, cells, words=2)
 
@@ -221,7 +209,7 @@ def _table(head: Sequence[str], rows: Sequence[Sequence[str]], *, words: int) ->
     return '<div class="table"><table>' + "".join(f"<tr>{line}</tr>" for line in lines) + "</table></div>"
 
 
-def _number(value: float) -> str:
+def _number(value: float | None) -> str:
     return "–" if value is None or math.isnan(value) else f"{value:.3f}"
 
 

@@ -82,7 +82,6 @@ def methods(found: Features, seed: int) -> str:
 
 
 def _made(found: Features) -> str:
-    """Return what the features are of."""
     data = found.embeddings
     sizes = ", ".join(f"{name} {len(found.members(name))}" for name in found.domains)
     objects = int(found.objects.max()) + 1

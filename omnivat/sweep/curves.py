@@ -1,7 +1,7 @@
 """Gaps and scores of a set as functions of p: one curve for each measure and stage."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -11,7 +11,8 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from omnivat.data.store import Embeddings
+from omnivat.checkpoint import load_head
+from omnivat.data.store import Embeddings, load_embeddings
 from omnivat.files import write_csv, write_json
 from omnivat.gaps.measures import PREDICTION_MEASURES, STAGE_MEASURES, SUM_MEASURES, Facts
 from omnivat.gaps.unit import unit
@@ -19,6 +20,8 @@ from omnivat.model.head import OmniVaT
 from omnivat.progress import OnStep, Step, ignore
 from omnivat.stages import STILL
 from omnivat.sweep.walk import CHUNK, AtOrder, coarse_first, require_known, walk
+from omnivat.tables import need
+from omnivat.threads import one_thread
 
 Curves = Mapping[str, Sequence[float | None]]
 
@@ -86,26 +89,18 @@ def sweep(
     """
     require_known(measures, (*STAGE_MEASURES, *PREDICTION_MEASURES), "measure")
     classes, facts = facts_of(embeddings, model.settings.classes, model.classifier.device)
-    predictions = [name for name in measures if name in PREDICTION_MEASURES]
+    predictions = any(name in PREDICTION_MEASURES for name in measures)
+    count = len(embeddings) if predictions else 0
     result = Sweep(
         orders=np.array(orders, dtype=np.float64),
         classes=classes,
         label=facts.labels.cpu().numpy(),
-        probabilities=np.zeros(
-            (len(orders), len(embeddings) if predictions else 0, len(model.settings.classes)), dtype=np.float32
-        ),
+        probabilities=np.zeros((len(orders), count, len(model.settings.classes)), dtype=np.float32),
     )
     visits = coarse_first(len(orders))
-    summed = all(name in SUM_MEASURES for name in measures if name in STAGE_MEASURES)
+    sums = facts if all(name in SUM_MEASURES for name in measures if name in STAGE_MEASURES) else None
     walked = walk(
-        model,
-        embeddings,
-        orders,
-        stages=stages,
-        predictions=bool(predictions),
-        visits=visits,
-        chunk=chunk,
-        sums_for=facts if summed else None,
+        model, embeddings, orders, stages=stages, predictions=predictions, visits=visits, chunk=chunk, sums_for=sums
     )
     for done, found in enumerate(walked, start=1):
         for stage, name, value in measured(found, facts, measures):
@@ -140,12 +135,9 @@ def _of_stage(found: AtOrder, stage: str, facts: Facts, measures: Sequence[str])
     units = {name: unit(rows) for name, rows in features.items()} if whole else {}
     for name in measures:
         if name in whole:
-            values = STAGE_MEASURES[name](units, facts)
+            yield from ((name, *found) for found in STAGE_MEASURES[name](units, facts))
         elif name in SUM_MEASURES and sums is not None:
-            values = SUM_MEASURES[name](sums, facts)
-        else:
-            continue
-        yield from ((name, suffix, value) for suffix, value in values)
+            yield from ((name, *found) for found in SUM_MEASURES[name](sums, facts))
 
 
 def facts_of(
@@ -156,7 +148,7 @@ def facts_of(
     Pairs of a class that the head lacks count in gaps, not in scores.
     """
     header = embeddings.header
-    classes = (*known, *(name for name in header.classes if name not in known))
+    classes = tuple(dict.fromkeys((*known, *header.classes)))
     index = torch.tensor([classes.index(name) for name in header.classes], dtype=torch.long)
     labels = index[torch.from_numpy(np.array(embeddings.label))].to(device)
     return classes, Facts(
@@ -166,3 +158,49 @@ def facts_of(
         domain_names=header.domains,
         scored=labels < len(known),
     )
+
+
+def curves_on_ray(
+    head: Path,
+    embeddings: Path,
+    orders: Sequence[float],
+    *,
+    stages: Sequence[str],
+    measures: Sequence[str],
+    on_step: OnStep = ignore,
+) -> dict[str, NDArray[np.float64]]:
+    """Return the curves (P,) that `omnivat.sweep.sweep` gives, by name; each order is one task.
+
+    head, embeddings  paths that every machine of the cluster can read
+    orders            P quarter turns
+
+    It uses the connected cluster, or the one of $RAY_ADDRESS, or starts Ray here.
+    """
+    ray = need("ray", purpose="a sweep on a cluster", install="ray")
+    ray.init(ignore_reinit_error=True)
+    remote: Callable[..., Any] = ray.remote(_at).remote
+    moving = tuple(stage for stage in stages if stage not in STILL)
+    files = str(Path(head).absolute()), str(Path(embeddings).absolute())
+    tasks = {
+        remote(*files, float(order), stages if index == 0 else moving, tuple(measures)): index
+        for index, order in enumerate(orders)
+    }
+    curves: dict[str, NDArray[np.float64]] = {}
+    waiting = list(tasks)
+    while waiting:
+        (done,), waiting = ray.wait(waiting, num_returns=1)
+        index = tasks[done]
+        for name, value in ray.get(done).items():
+            still = name.split("/")[1] in STILL  # it holds for every order
+            curve = curves.setdefault(name, np.full(len(orders), np.nan))
+            curve[slice(None) if still else index] = value
+        on_step(Step(done=len(tasks) - len(waiting), total=len(tasks), text=f"order {orders[index]:.2f}"))
+    return curves
+
+
+def _at(head: str, embeddings: str, order: float, stages: Sequence[str], measures: Sequence[str]) -> dict[str, float]:
+    """Return every curve's value at one order, in a worker of one core."""
+    with one_thread():
+        model = load_head(head).model
+        found = sweep(model, load_embeddings(embeddings), [order], stages=stages, measures=measures)
+    return {name: float(values[0]) for name, values in found.curves.items()}

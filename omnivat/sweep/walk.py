@@ -32,7 +32,7 @@ class AtOrder:
                    first order visited, also those that do not
     probabilities  reading -> (N, K): "fused", "vis" and "tac" alone, "vis_branch" and "tac_branch"
                    inside the pair; empty if predictions were not requested
-                   sums           stage -> sums of its rows, instead of features if requested
+    sums           stage -> sums of its rows, instead of features if requested
     """
 
     index: int
@@ -70,18 +70,15 @@ def walk(
     sums_for  yield sums of the features by these labels and domains instead of features; memory is
               then that of the predictions
 
-    If no requested result depends on the order, only the first order is visited.
-
-    Raises SettingsError for an unknown stage or an order that is not finite, DataError if there
-    are no pairs.
+    If no requested result depends on the order, only the first order is visited. Raises SettingsError for an unknown
+    stage or an order that is not finite, DataError if there are no pairs.
     """
     require_known(stages, STAGES, "stage")
     if model is None and (predictions or set(stages) - {"raw"}):
         raise SettingsError("Only the raw stage needs no head; give one.")
     if chunk < 1 or not np.isfinite(np.array(orders, dtype=np.float64)).all():
         raise SettingsError("chunk must be 1 or more and every order a finite number.")
-    if not len(embeddings):
-        raise DataError("There are no pairs in these embeddings; choose a set with pairs.")
+    _require_pairs(embeddings)
     visits = list(range(len(orders))) if visits is None else list(visits)
     moving = [stage for stage in stages if stage not in STILL]
     if not moving and not predictions:
@@ -109,22 +106,21 @@ def walk(
 class _Found:
     """Collect the results at one order, some rows at a time."""
 
-    def __init__(self, count: int, sums_for: Facts | None) -> None:
+    def __init__(self, count: int, facts: Facts | None) -> None:
         self.whole: dict[str, dict[str, Tensor]] = {}
         self.sums: dict[str, Sums] = {}
-        self._count, self._facts = count, sums_for
+        self.count, self.facts = count, facts
 
     def take(self, stage: str, found: Features, rows: slice) -> None:
         """Add the features of some rows, or their predictions if the stage is ""."""
-        facts = self._facts
-        if stage and facts is not None:
+        if stage and (facts := self.facts) is not None:
             sums = self.sums.setdefault(stage, facts.sums())
             sums.add(found, facts.labels[rows], facts.domains[rows])
             return
         into = self.whole.setdefault(stage, {})
         for name, values in found.items():
             if name not in into:
-                into[name] = values.new_empty(self._count, *values.shape[1:])
+                into[name] = values.new_empty(self.count, *values.shape[1:])
             into[name][rows] = values
 
 
@@ -135,12 +131,10 @@ def stage_blocks(
     """Yield the features of one stage at one order, `chunk` pairs at a time, with their slice.
 
     model  may be None at "raw"; order  None: the learned one
-
     Raises SettingsError for an unknown stage, DataError if there are no pairs.
     """
     require_known([stage], STAGES, "stage")
-    if not len(embeddings):
-        raise DataError("There are no pairs in these embeddings; choose a set with pairs.")
+    _require_pairs(embeddings)
     if model is None or stage == "raw":
         yield from _raw_chunks(model, embeddings, chunk)
         return
@@ -152,6 +146,7 @@ def stage_blocks(
 @torch.no_grad()
 def coefficients_of(model: OmniVaT, embeddings: Embeddings) -> PairCoefficients:
     """Return the coefficients of all pairs."""
+    _require_pairs(embeddings)
     _, raw = next(_raw_chunks(model, embeddings, len(embeddings)))
     return model.coefficients(raw["vis"], raw["tac"])
 
@@ -163,8 +158,7 @@ def _outputs(
     """Yield the head's outputs for `chunk` pairs at a time, from kept coefficients if possible."""
     if kept is None:
         for rows, raw in _raw_chunks(model, embeddings, chunk):
-            own = model.coefficients(raw["vis"], raw["tac"])
-            yield rows, model.from_coefficients(own, order)
+            yield rows, model.from_coefficients(model.coefficients(**raw), order)
         return
     for start in range(0, len(kept), chunk):
         rows = slice(start, start + chunk)
@@ -181,7 +175,12 @@ def _raw_chunks(model: OmniVaT | None, embeddings: Embeddings, chunk: int) -> It
     both = zip(walked(embeddings.vis, size=chunk), walked(embeddings.tac, size=chunk), strict=True)
     for place, (vis, tac) in enumerate(both):
         rows = slice(place * chunk, (place + 1) * chunk)
-        yield (rows, {"vis": torch.from_numpy(vis).to(device), "tac": torch.from_numpy(tac).to(device)})
+        yield rows, {"vis": torch.from_numpy(vis).to(device), "tac": torch.from_numpy(tac).to(device)}
+
+
+def _require_pairs(embeddings: Embeddings) -> None:
+    if not len(embeddings):
+        raise DataError("There are no pairs in these embeddings; choose a set with pairs.")
 
 
 def require_known(names: Sequence[str], known: Sequence[str], kind: str) -> None:
