@@ -57,7 +57,7 @@ def looked_at(head: "Head", vis: "torch.Tensor | None", tac: "torch.Tensor | Non
     The quantile is the share of the training images with a less similar nearest neighbour. Empty if
     the head's folder lacks the training embeddings.
     """
-    from omnivat.calibration.familiarity import UNLIKE
+    from omnivat.calibration import UNLIKE
 
     if head.familiarity is None:
         return {}
@@ -80,9 +80,9 @@ def first(resources: Resources) -> dict[str, Any]:
     import numpy as np
     import torch
 
-    from omnivat.calibration.familiarity import UNLIKE
+    from omnivat.calibration import UNLIKE
     from omnivat.data.arrays import copied
-    from omnivat.unseen.masks import counted
+    from omnivat.unseen import counted
 
     head, embeddings = resources.head(), resources.embeddings()
     head.require_embeddings(embeddings)

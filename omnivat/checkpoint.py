@@ -6,11 +6,10 @@ and None.
 """
 
 import shutil
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from glob import escape
 from pathlib import Path
-from tempfile import mkdtemp
 from time import time
 from typing import Any
 
@@ -19,7 +18,7 @@ from safetensors import SafetensorError
 from safetensors.torch import load_file, save
 from torch import Tensor
 
-from omnivat.calibration.familiarity import Familiarity, load_familiarity, save_familiarity
+from omnivat.calibration import Familiarity, load_familiarity, save_familiarity
 from omnivat.config import settings_dict, settings_from
 from omnivat.data.profile import Profile, domain_of, moved, profiled, require_key
 from omnivat.data.profile_file import load_profile, save_profile
@@ -27,7 +26,7 @@ from omnivat.data.rest import RESTED
 from omnivat.data.store import Embeddings
 from omnivat.devices import current
 from omnivat.errors import DataError, SettingsError
-from omnivat.files import UNFINISHED_S, hash_of, require_writable, write_json, writing
+from omnivat.files import UNFINISHED_S, hash_of, replacing_folder, require_writable, write_json
 from omnivat.model.fusion import Calibration, plain
 from omnivat.model.head import OmniVaT
 from omnivat.model.settings import HeadSettings
@@ -127,37 +126,25 @@ def save_head(folder: str | Path, head: Head) -> Path:
     """
     target = Path(folder)
     require_head_folder(target)
-    with writing(target):
-        target.parent.mkdir(parents=True, exist_ok=True)
-        _sweep(target)
-        temporary = Path(mkdtemp(dir=target.parent, prefix=f".{target.name}."))
-        _fill(temporary, target, head)
-    return target
-
-
-def _fill(temporary: Path, target: Path, head: Head) -> None:
-    """Write a head to a new folder, then replace `target` by it."""
-    try:
+    _sweep(target)
+    record = {
+        "format": FORMAT,
+        "head": settings_dict(head.settings),
+        "encoder": head.encoder,
+        "provenance": head.provenance,
+        "calibration": plain(head.model.calibration),
+    }
+    with replacing_folder(target) as folder:
         tensors = {name: t.detach().contiguous() for name, t in head.model.state_dict().items()}
-        (temporary / WEIGHTS).write_bytes(save(tensors, metadata={"format": FORMAT}))
-        record = {
-            "format": FORMAT,
-            "head": settings_dict(head.settings),
-            "encoder": head.encoder,
-            "provenance": head.provenance,
-            "calibration": plain(head.model.calibration),
-        }
-        write_json(temporary / SETTINGS, record)
-        write_json(temporary / METRICS, head.metrics)
+        (folder / WEIGHTS).write_bytes(save(tensors, metadata={"format": FORMAT}))
+        (folder / WEIGHTS).chmod(0o644)
+        write_json(folder / SETTINGS, record)
+        write_json(folder / METRICS, head.metrics)
         if head.familiarity is not None:
-            save_familiarity(temporary / FAMILIARITY, head.familiarity)
+            save_familiarity(folder / FAMILIARITY, head.familiarity)
         if head.profile is not None:
-            save_profile(temporary / PROFILE, head.profile)
-        temporary.chmod(0o755)
-        (temporary / WEIGHTS).chmod(0o644)
-        _swap(temporary, target)
-    finally:
-        shutil.rmtree(temporary, ignore_errors=True)
+            save_profile(folder / PROFILE, head.profile)
+    return target
 
 
 def require_head_folder(folder: str | Path, *, also: Sequence[str] = ()) -> None:
@@ -165,7 +152,6 @@ def require_head_folder(folder: str | Path, *, also: Sequence[str] = ()) -> None
 
     folder  may be missing; an older head in it may be replaced
     also    names of further allowed files
-
     Raises DataError naming a file that is not part of a head, WriteError if the folder is not
     writable.
     """
@@ -187,19 +173,10 @@ def _sweep(target: Path) -> None:
     for left in target.parent.glob(f".{escape(target.name)}.*"):
         if not left.is_dir() or time() - left.stat().st_mtime < UNFINISHED_S:
             continue
-        if left.name.endswith(".old") and not target.exists():
-            left.rename(target)
-        else:
-            shutil.rmtree(left, ignore_errors=True)
-
-
-def _swap(new: Path, target: Path) -> None:
-    """Replace `target` by `new`."""
-    old = new.with_name(new.name + ".old")
-    if target.exists():
-        target.rename(old)
-    new.rename(target)
-    shutil.rmtree(old, ignore_errors=True)
+        aside = left if left.name.endswith(".old") else left / "old"  # of earlier versions, and of this one
+        if aside.is_dir() and not target.exists():
+            aside.rename(target)
+        shutil.rmtree(left, ignore_errors=True)
 
 
 def load_head(folder: str | Path, *, dtype: torch.dtype | None = None) -> Head:
@@ -213,36 +190,37 @@ def load_head(folder: str | Path, *, dtype: torch.dtype | None = None) -> Head:
     path = Path(folder)
     if not path.is_dir():
         raise DataError(f"No head at '{path}'. Train one with `python -m omnivat train --out {path}`.")
-    _require(path / SETTINGS)
-    record = read_object(path / SETTINGS)
+    file = path / SETTINGS
+    _require(file)
+    record = read_object(file)
     if record.get("format") != FORMAT:
-        raise DataError(f"'{path / SETTINGS}' is not the settings of a head ('{FORMAT}').")
+        raise DataError(f"'{file}' is not the settings of a head ('{FORMAT}').")
     try:
         older = {"standardize": False}  # heads from before profiles take embeddings as they come
         settings = settings_from(HeadSettings, older | record["head"])
-        encoder = texts(record["encoder"], f"{path / SETTINGS} (encoder)")
+        encoder = texts(record["encoder"], f"{file} (encoder)")
         if missing := [name for name in ENCODER if name not in encoder]:
-            raise DataError(f"'{path / SETTINGS}' lacks the encoder's {missing[0]}.")
+            raise DataError(f"'{file}' lacks the encoder's {missing[0]}.")
         provenance = record["provenance"]
-        if not isinstance(provenance, dict):
-            raise DataError(f"'{path / SETTINGS}' should hold its provenance as an object.")
-        _require_training(provenance.get("train", {}), path / SETTINGS)
+        _require_provenance(provenance, file)
     except (KeyError, TypeError, AttributeError, SettingsError) as error:
         why = f"{error!s:.300}"
-        raise DataError(f"'{path / SETTINGS}' does not describe a head: {why.rstrip('.')}.") from error
+        raise DataError(f"'{file}' does not describe a head: {why.rstrip('.')}.") from error
     model = _load_weights(path / WEIGHTS, settings)
-    model.calibration = _calibration(path / SETTINGS, record.get("calibration"))
+    model.calibration = _calibration(file, record.get("calibration"))
     model = model.to(device=current(), dtype=dtype)
-    metrics = read_object(path / METRICS) if (path / METRICS).is_file() else {}
+    profile = load_profile(path / PROFILE) if (path / PROFILE).is_file() else None
+    if profile and (profile.width != settings.input_width or set(profile.channels) != set(IMAGES)):
+        raise DataError(f"'{path / PROFILE}' does not fit this head; copy the head folder again.")
     return Head(
         model=model.eval().requires_grad_(False),
         settings=settings,
         encoder=encoder,
         provenance=provenance,
-        metrics=metrics,
+        metrics=read_object(path / METRICS) if (path / METRICS).is_file() else {},
         path=path,
         familiarity=load_familiarity(path / FAMILIARITY, settings.input_width),
-        profile=_profile(path / PROFILE, settings.input_width),
+        profile=profile,
     )
 
 
@@ -260,31 +238,22 @@ def _calibration(file: Path, given: Any) -> Calibration:
         share = float(given["share"])
     except (KeyError, TypeError, ValueError) as error:
         raise DataError(f"'{file}' holds a calibration that cannot be read: {error!r}.") from error
-    if not all(0 < t < 1e6 for t in temperature.values()) or not 0 <= share <= 1:
-        raise DataError(
-            f"'{file}' holds temperatures {temperature} and share {share}; temperatures are above 0 "
-            "and the share is 0 to 1. Copy the head folder again."
-        )
-    return Calibration(temperature=temperature, share=share)
+    if all(0 < t < 1e6 for t in temperature.values()) and 0 <= share <= 1:
+        return Calibration(temperature=temperature, share=share)
+    raise DataError(
+        f"'{file}' holds temperatures {temperature} and share {share}; temperatures are above 0 "
+        "and the share is 0 to 1. Copy the head folder again."
+    )
 
 
-def _require_training(train: Any, file: Path) -> None:
-    """Raise DataError if the training settings that others read are of another kind."""
+def _require_provenance(provenance: Any, file: Path) -> None:
+    """Raise DataError if the provenance, or training settings that others read, are of another kind."""
+    if not isinstance(provenance, dict):
+        raise DataError(f"'{file}' should hold its provenance as an object.")
+    train = provenance.get("train", {})
     kinds = {"order_draw": str, "modalities": str, "order_low": int | float, "order_high": int | float}
-    if not isinstance(train, dict) or any(
-        not isinstance(train[name], kind) for name, kind in kinds.items() if name in train
-    ):
+    if not isinstance(train, dict) or not all(isinstance(train[n], kinds[n]) for n in kinds.keys() & train.keys()):
         raise DataError(f"'{file}' should hold its training settings as an object; train it again.")
-
-
-def _profile(file: Path, width: int) -> Profile | None:
-    """Return the source's profile, or None for a head without one."""
-    if not file.is_file():
-        return None
-    profile = load_profile(file)
-    if profile.width != width or set(profile.channels) != set(IMAGES):
-        raise DataError(f"'{file}' does not fit this head; copy the head folder again.")
-    return profile
 
 
 def _load_weights(file: Path, settings: HeadSettings) -> OmniVaT:
@@ -296,28 +265,27 @@ def _load_weights(file: Path, settings: HeadSettings) -> OmniVaT:
         raise DataError(f"'{file}' cannot be read ({error}); copy the head folder again.") from error
     with torch.device("meta"):
         model = OmniVaT(settings)
-    try:
-        _check_tensors(tensors, model.state_dict())
-    except ValueError as error:
-        raise DataError(f"'{file}' does not fit its settings: {error}.") from error
+    wanted = model.state_dict()
+    for name in (*wanted, *sorted(tensors.keys() - wanted.keys())):
+        if why := _misfit(name, tensors.get(name), wanted.get(name)):
+            raise DataError(f"'{file}' does not fit its settings: {name} {why}.")
     model.load_state_dict(tensors, assign=True)
     return model
 
 
-def _check_tensors(given: Mapping[str, torch.Tensor], wanted: Mapping[str, torch.Tensor]) -> None:
-    for name, tensor in wanted.items():
-        if name not in given:
-            raise ValueError(f"{name} is missing")
-        if given[name].shape != tensor.shape:
-            raise ValueError(f"{name} has shape {tuple(given[name].shape)}, expected {tuple(tensor.shape)}")
-        if given[name].is_floating_point() != tensor.is_floating_point():
-            raise ValueError(f"{name} is of type {given[name].dtype}, expected {tensor.dtype}")
-        if not given[name].isfinite().all():
-            raise ValueError(f"{name} holds NaN or infinite values")
-        if name.endswith("order") and (given[name].abs() > LIMIT).any():
-            raise ValueError(f"{name} is beyond {LIMIT:g} quarter turns")
-    if extra := sorted(set(given) - set(wanted)):
-        raise ValueError(f"{extra[0]} is not part of such a head")
+def _misfit(name: str, given: Tensor | None, wanted: Tensor | None) -> str:
+    if given is None:
+        return "is missing"
+    if wanted is None:
+        return "is not part of such a head"
+    if given.shape != wanted.shape:
+        return f"has shape {tuple(given.shape)}, expected {tuple(wanted.shape)}"
+    if given.is_floating_point() != wanted.is_floating_point():
+        return f"is of type {given.dtype}, expected {wanted.dtype}"
+    if not given.isfinite().all():
+        return "holds NaN or infinite values"
+    far = name.endswith("order") and (given.abs() > LIMIT).any()
+    return f"is beyond {LIMIT:g} quarter turns" if far else ""
 
 
 def _require(file: Path) -> None:

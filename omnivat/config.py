@@ -4,6 +4,7 @@ import json
 import types
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, fields, is_dataclass
+from functools import cache
 from typing import Any, NamedTuple, TypeVar, Union, get_args, get_origin, get_type_hints
 
 from omnivat.errors import SettingsError
@@ -64,11 +65,7 @@ def settings_from(kind: type[S], values: Mapping[str, Any]) -> S:
 
     Raises SettingsError for an unknown name (and suggests the nearest) or a wrong type.
     """
-    hints = get_type_hints(kind)
-    for name in values:
-        if name not in hints:
-            raise SettingsError(f"{kind.__name__} has no setting '{name}'.{suggestion(name, hints) or _list(hints)}")
-    return kind(**{name: _fit(hints[name], value, name) for name, value in values.items()})
+    return kind(**{name: _fit(kind, name, value) for name, value in values.items()})
 
 
 def parse_assignments(kind: type[Any], texts: Sequence[str]) -> dict[str, Any]:
@@ -76,18 +73,16 @@ def parse_assignments(kind: type[Any], texts: Sequence[str]) -> dict[str, Any]:
 
     Raises SettingsError for a text without "=", an unknown name or a value that does not parse.
     """
-    hints, values = get_type_hints(kind), {}
+    values = {}
     for text in texts:
         name, equals, raw = text.partition("=")
         if not equals:
             raise SettingsError(f"--set got '{text}'; write it as key=value.")
-        if name not in hints:
-            raise SettingsError(f"{kind.__name__} has no setting '{name}'.{suggestion(name, hints) or _list(hints)}")
         try:
             value = json.loads(raw)
         except ValueError:
             value = {"True": True, "False": False, "None": None}.get(raw, raw)
-        values[name] = _fit(hints[name], value, name)
+        values[name] = _fit(kind, name, value)
     return values
 
 
@@ -103,12 +98,12 @@ def field_names(kind: type[Any]) -> list[str]:
     return [field.name for field in fields(kind)]
 
 
-def _list(hints: Mapping[str, Any]) -> str:
-    return " There are " + ", ".join(hints) + "."
-
-
-def _fit(hint: Any, value: Any, name: str) -> Any:
-    """Return `value` converted to `hint`, or raise an error with the expected type."""
+def _fit(kind: type[Any], name: str, value: Any) -> Any:
+    hints = _hints(kind)
+    if name not in hints:
+        hint = suggestion(name, hints) or f" There are {', '.join(hints)}."
+        raise SettingsError(f"{kind.__name__} has no setting '{name}'.{hint}")
+    hint = hints[name]
     options = get_args(hint) if get_origin(hint) in (Union, types.UnionType) else (hint,)
     for option in options:
         fitted = _fit_one(option, value)
@@ -119,22 +114,15 @@ def _fit(hint: Any, value: Any, name: str) -> Any:
 
 
 _NO = object()
+_hints = cache(get_type_hints)
 
 
 def _fit_one(hint: Any, value: Any) -> Any:
-    origin = get_origin(hint)
-    if hint is type(None):
-        return None if value is None else _NO
-    if origin is tuple:
-        inner = get_args(hint)[0]
-        if not isinstance(value, list | tuple):
-            return _NO
-        fitted = tuple(_fit_one(inner, item) for item in value)
+    if get_origin(hint) is tuple and isinstance(value, list | tuple):
+        fitted = tuple(_fit_one(get_args(hint)[0], item) for item in value)
         return _NO if _NO in fitted else fitted
-    if hint is float and isinstance(value, int | float) and not isinstance(value, bool):
+    boolean = isinstance(value, bool)  # which is an int, too
+    if hint is float and isinstance(value, int | float) and not boolean:
         return float(value)
-    if hint is int and isinstance(value, int) and not isinstance(value, bool):
-        return value
-    if hint in (bool, str) and isinstance(value, hint):
-        return value
-    return _NO
+    plain = hint in (int, bool, str, type(None)) and isinstance(value, hint)
+    return value if plain and (hint is bool or not boolean) else _NO

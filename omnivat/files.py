@@ -35,12 +35,17 @@ def replacing(path: str | Path) -> Iterator[Path]:
     with writing(target):
         target.parent.mkdir(parents=True, exist_ok=True)
         sweep_unfinished(target)
-        with _temporary(target) as temporary:
-            yield temporary
-            with temporary.open("rb") as written:
-                os.fsync(written.fileno())
-            os.chmod(temporary, 0o644)
-            os.replace(temporary, target)
+        with NamedTemporaryFile(dir=target.parent, prefix=f".{target.name}.", suffix=".tmp", delete=False) as handle:
+            temporary = Path(handle.name)
+            locked(handle)
+            try:
+                yield temporary
+                with temporary.open("rb") as written:
+                    os.fsync(written.fileno())
+                os.chmod(temporary, 0o644)
+                os.replace(temporary, target)
+            finally:
+                temporary.unlink(missing_ok=True)
 
 
 def safe_cell(value: object) -> object:
@@ -89,14 +94,18 @@ def replacing_folder(path: Path) -> Iterator[Path]:
     parent = path.absolute().parent
     with writing(path):
         parent.mkdir(parents=True, exist_ok=True)
-        with TemporaryDirectory(dir=parent, prefix=f".{path.name}.") as beside:
-            made = Path(beside) / "new"
+        with TemporaryDirectory(dir=parent, prefix=f".{path.name}.", ignore_cleanup_errors=True) as beside:
+            made, old = Path(beside) / "new", Path(beside) / "old"
             made.mkdir()
             yield made
             made.chmod(0o755)
-            if path.exists():
-                os.replace(path, Path(beside) / "old")
-            os.replace(made, path)
+            try:
+                if path.exists():
+                    os.replace(path, old)
+                os.replace(made, path)
+            finally:
+                if old.exists() and not path.exists():
+                    os.replace(old, path)
 
 
 def sweep_unfinished(target: Path) -> None:
@@ -122,18 +131,6 @@ def locked(handle: IO[Any]) -> bool | None:
     except OSError:
         return False
     return True
-
-
-@contextmanager
-def _temporary(target: Path) -> Iterator[Path]:
-    """Yield a new file next to `target`; it is removed when the block ends."""
-    with NamedTemporaryFile(dir=target.parent, prefix=f".{target.name}.", suffix=".tmp", delete=False) as handle:
-        temporary = Path(handle.name)
-        locked(handle)
-        try:
-            yield temporary
-        finally:
-            temporary.unlink(missing_ok=True)
 
 
 def require_writable(path: str | Path, suffix: str = "") -> None:

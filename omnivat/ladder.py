@@ -22,7 +22,7 @@ from omnivat.evaluate import label_map, predicted_probabilities
 from omnivat.files import write_json
 from omnivat.heads import LADDERS, ladder_file, ladder_key
 from omnivat.protocol.records import lines
-from omnivat.unseen.masks import counted, of_domains, wilson
+from omnivat.unseen import counted, of_domains, wilson
 
 FORMAT = "omnivat-ladder-1"
 METHOD = "omnivat"  # in the records: the light head, trained as the default one

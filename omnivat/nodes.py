@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import torch
 from torch import Tensor
-from torch.nn.functional import normalize
+from torch.nn.functional import normalize, one_hot
 
 from omnivat.checkpoint import Head
 from omnivat.data.store import Embeddings
@@ -58,19 +58,18 @@ def tree_facts(model: OmniVaT, nodes: Tensor, labels: Tensor | None = None) -> T
     if labels is not None:
         known = labels >= 0
         right = (probabilities.argmax(-1)[known] == labels[known, None]).double().mean(0)
+    levels = []
+    for group in groups(kind, nodes.shape[1]):
+        own = nodes[:, group.start : group.stop]
+        units = normalize(own, dim=-1)
+        levels.append(Level(nodes=group, cosines=(units @ units.mT).mean(0), nod=float(nod_loss([own[:, :1], own]))))
     return TreeFacts(
         parents=parents(kind, nodes.shape[1]),
         lengths=nodes.norm(dim=-1).mean(0),
         probabilities=probabilities.mean(0),
         right=right,
-        levels=[_level(nodes, group) for group in groups(kind, nodes.shape[1])],
+        levels=levels,
     )
-
-
-def _level(nodes: Tensor, group: range) -> Level:
-    own = nodes[:, group.start : group.stop]
-    directions = normalize(own, dim=-1)
-    return Level(nodes=group, cosines=(directions @ directions.mT).mean(0), nod=float(nod_loss([own[:, :1], own])))
 
 
 @torch.no_grad()
@@ -78,23 +77,17 @@ def node_votes(head: Head, embeddings: Embeddings) -> list[NodeVote]:
     """Return each node's most frequent class over a set, at the learned p.
 
     A node with a share near 1 gives the same class for almost every pair.
-
     Raises DataError if the head has no nodes or does not fit the embeddings.
     """
     head.require_embeddings(embeddings)
     kept = coefficients_of(head.model, embeddings)
-    counts: Tensor | None = None
+    classes, counts = head.settings.classes, torch.zeros(())
     for start in range(0, len(kept), CHUNK):
         nodes = head.model.from_coefficients(kept[start : start + CHUNK], nodes=True).nodes
         if nodes is None:
             raise DataError("This head generates no nodes: it was trained without DTG.")
-        predicted = head.model.classify(nodes).argmax(-1)  # (B, N)
-        hot = torch.nn.functional.one_hot(predicted, len(head.settings.classes)).sum(0)
-        counts = hot if counts is None else counts + hot
-    if counts is None:
-        raise DataError("There are no pairs in these embeddings; choose a set with pairs.")
-    most = counts.max(dim=1)
+        counts = counts + one_hot(head.model.classify(nodes).argmax(-1), len(classes)).sum(0)  # (N, K)
     return [
-        NodeVote(label=head.settings.classes[int(best)], share=int(count) / len(kept))
-        for count, best in zip(most.values, most.indices, strict=True)
+        NodeVote(label=classes[best], share=int(count) / len(kept))
+        for count, best in zip(*(one.tolist() for one in counts.max(dim=1)), strict=True)
     ]

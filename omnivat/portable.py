@@ -27,7 +27,13 @@ OUTPUTS = (
 )
 
 
-class PortableHead(nn.Module):
+class _Portable(nn.Module):
+    def __init__(self, model: nn.Module) -> None:
+        super().__init__()
+        self.model: Any = model
+
+
+class PortableHead(_Portable):
     """A head's prediction of one pair at P orders, as a graph of tensors alone.
 
     vis, tac    (1, input_width) raw embeddings
@@ -38,12 +44,8 @@ class PortableHead(nn.Module):
                 the row for teaching (1, input_width) and attention (P, Q, T)
     """
 
-    def __init__(self, model: nn.Module) -> None:
-        super().__init__()
-        self.model = model
-
     def forward(self, vis: Tensor, tac: Tensor, orders: Tensor, directions: Tensor) -> tuple[Tensor, ...]:
-        head: Any = self.model
+        head = self.model
         raw = {"vis": vis, "tac": tac}
         found = {
             name: reference.mffa(head, name, reference.embedded(head, name, raw[name]), orders[row])
@@ -68,10 +70,9 @@ class PortableHead(nn.Module):
             rest += [torch.zeros(1) if weights is None else weights]
         return (*readings, *rest)
 
-    def _mean(self, bars: Sequence[Tensor]) -> Tensor | float:
-        head: Any = self.model
-        nodes = reference.tree(head, list(bars), torch.stack(list(bars)).sum(0))
-        return nodes.mean(1) if nodes is not None and head.settings.tree_at_inference else 0.0
+    def _mean(self, bars: list[Tensor]) -> Tensor | float:
+        nodes = reference.tree(self.model, bars, torch.stack(bars).sum(0))
+        return nodes.mean(1) if nodes is not None and self.model.settings.tree_at_inference else 0.0
 
 
 def write_head(file: Path, head: Head) -> None:
@@ -79,25 +80,31 @@ def write_head(file: Path, head: Head) -> None:
 
     Raises MissingPackageError if a package of ONNX is not installed.
     """
-    model, width = deepcopy(head.model).float(), head.settings.input_width
-    reference.eigenbasis(head.settings.width, model.dtype, torch.device("cpu"))  # a constant of it
-    row, orders = torch.ones(1, width), torch.rand(2, 3, dtype=torch.float64)
+    row, orders = torch.ones(1, head.settings.input_width), torch.rand(2, 3, dtype=torch.float64)
     many, classes = (torch.export.Dim(name, min=2, max=4096) for name in ("stops", "classes"))
+    given = row, row.clone(), orders, head.model.directions().detach().float()
+    _write(file, head, PortableHead, given, INPUTS, OUTPUTS, (None, None, {1: many}, {0: classes}))
+
+
+def _write(
+    file: Path,
+    head: Head,
+    portable: type[_Portable],
+    given: tuple[Tensor, ...],
+    inputs: Sequence[str],
+    outputs: Sequence[str],
+    shapes: tuple[Any, ...],
+) -> None:
+    model = deepcopy(head.model).float()
+    reference.eigenbasis(head.settings.width, model.dtype, torch.device("cpu"))  # a constant of the graph
     with replacing(file) as whole:
-        translate(
-            PortableHead(model),
-            (row, row.clone(), orders, model.directions().detach()),
-            whole,
-            input_names=INPUTS,
-            output_names=OUTPUTS,
-            dynamic_shapes=(None, None, {1: many}, {0: classes}),
-        )
+        translate(portable(model), given, whole, input_names=inputs, output_names=outputs, dynamic_shapes=shapes)
 
 
 STAGED = STAGES[1:]  # all but the raw embedding
 
 
-class PortableStages(nn.Module):
+class PortableStages(_Portable):
     """Every stage of B pairs at orders of their own, and the nodes of their trees.
 
     vis, tac  (B, input_width) raw embeddings
@@ -106,12 +113,8 @@ class PortableStages(nn.Module):
               the pair, of VIS alone and of TAC alone: nodes (B, N, D) and their probabilities (B, N, K)
     """
 
-    def __init__(self, model: nn.Module) -> None:
-        super().__init__()
-        self.model = model
-
     def forward(self, vis: Tensor, tac: Tensor, orders: Tensor) -> tuple[Tensor, ...]:
-        head: Any = self.model
+        head = self.model
         out = reference.predict(head, {"vis": vis, "tac": tac}, orders)
         bars = {name: one.f_bar for name, one in out.features.items()}
         stages = {
@@ -131,18 +134,9 @@ def write_stages(file: Path, head: Head) -> None:
 
     Raises MissingPackageError if a package of ONNX is not installed.
     """
-    model, width = deepcopy(head.model).float(), head.settings.input_width
-    reference.eigenbasis(head.settings.width, model.dtype, torch.device("cpu"))
     names = [f"{stage}_{name}" for stage in STAGED for name in IMAGES]
     if head.settings.generation != "none":
         names += [f"{of}{what}" for of in ("", "vis_", "tac_") for what in ("nodes", "shares")]
-    many, rows = torch.export.Dim("pairs", min=2, max=4096), torch.rand(3, width)
-    with replacing(file) as whole:
-        translate(
-            PortableStages(model),
-            (rows, rows.clone(), torch.rand(3, dtype=torch.float64)),
-            whole,
-            input_names=(*IMAGES, "orders"),
-            output_names=names,
-            dynamic_shapes=({0: many}, {0: many}, {0: many}),
-        )
+    many, rows = torch.export.Dim("pairs", min=2, max=4096), torch.rand(3, head.settings.input_width)
+    given = rows, rows.clone(), torch.rand(3, dtype=torch.float64)
+    _write(file, head, PortableStages, given, (*IMAGES, "orders"), names, ({0: many},) * 3)

@@ -1,6 +1,5 @@
 """Predict the material of pairs, independent of the batch."""
 
-from collections.abc import Sequence
 from typing import Any
 
 import torch
@@ -8,7 +7,7 @@ from torch import Tensor
 
 from omnivat.checkpoint import Head
 from omnivat.data.profile import Profile
-from omnivat.stages import optional_order
+from omnivat.stages import IMAGES, optional_order
 
 PRECISION = torch.float64  # heads in this dtype give the same digits in any batch
 
@@ -28,23 +27,23 @@ def predict_embeddings(
               modality, if the head has its training embeddings
     """
     if profile is not None:
-        vis, tac = (
-            None if rows is None else head.moved(name, rows, profile) for name, rows in (("vis", vis), ("tac", tac))
-        )
-    device = head.model.classifier.device
-    given = [None if rows is None else rows.to(device) for rows in (vis, tac)]
+        vis, tac = (x if x is None else head.moved(name, x, profile) for name, x in (("vis", vis), ("tac", tac)))
+    given = [None if rows is None else rows.to(head.model.classifier.device) for rows in (vis, tac)]
     readings = head.model(*given, order=optional_order(order)).readings
     found = {name: values.cpu() for name, values in readings.items()}
-    fused = found["fused"]
-    alone = {name: found[name] for name in ("vis", "tac") if name in found}
-    branches = {name: found[f"{name}_branch"] for name in alone if f"{name}_branch" in found}
+    classes, fused = head.settings.classes, found["fused"]
     looked = head.familiarity.look(vis, tac) if head.familiarity else None
+
+    def named(row: int, ending: str = "") -> dict[str, dict[str, float]]:
+        own = {name: found[name + ending][row].tolist() for name in IMAGES if name + ending in found}
+        return {name: dict(zip(classes, values, strict=True)) for name, values in own.items()}
+
     return [
         {
-            "prediction": head.settings.classes[int(fused[row].argmax())],
-            "probabilities": _named(head.settings.classes, fused[row]),
-            "modalities": {name: _named(head.settings.classes, values[row]) for name, values in alone.items()},
-            **_branches(head.settings.classes, branches, row),
+            "prediction": classes[int(fused[row].argmax())],
+            "probabilities": dict(zip(classes, fused[row].tolist(), strict=True)),
+            "modalities": named(row),
+            **({"branches": branches} if (branches := named(row, "_branch")) else {}),
             "temperature": dict(head.model.calibration.temperature),
             "familiarity": looked[row] if looked else {},
             "order": head.model.order if order is None else order,
@@ -52,13 +51,3 @@ def predict_embeddings(
         }
         for row in range(len(fused))
     ]
-
-
-def _named(classes: Sequence[str], values: Tensor) -> dict[str, float]:
-    return dict(zip(classes, values.tolist(), strict=True))
-
-
-def _branches(classes: Sequence[str], branches: dict[str, Tensor], row: int) -> dict[str, dict[str, dict[str, float]]]:
-    if not branches:
-        return {}
-    return {"branches": {name: _named(classes, values[row]) for name, values in branches.items()}}

@@ -73,9 +73,7 @@ def _require_plain(value: Any, deeper: int) -> None:
     if isinstance(value, str):
         require_writable_text(value)
     elif isinstance(value, dict):
-        for key, inner in value.items():
-            require_writable_text(key)
-            _require_plain(inner, deeper - 1)
+        _require_plain([*value, *value.values()], deeper)
     elif isinstance(value, list):
         for inner in value:
             _require_plain(inner, deeper - 1)
@@ -108,10 +106,7 @@ def name_list(value: Any, name: str, most: int) -> tuple[str, ...]:
 
 
 def columns_in(content: bytes, name: str, most: int) -> dict[str, list[str]]:
-    """Return columns of texts from JSON bytes; there may be millions of texts.
-
-    Raises DataError for anything else.
-    """
+    """Return columns of texts from JSON bytes; there may be millions of texts. Raises DataError for anything else."""
     try:
         columns = json.loads(content)
     except (ValueError, RecursionError) as error:
@@ -119,26 +114,18 @@ def columns_in(content: bytes, name: str, most: int) -> dict[str, list[str]]:
     if not isinstance(columns, dict) or len(columns) > most:
         raise DataError(f"'{name}' should be a JSON object of up to {most} columns.")
     for title, column in columns.items():
-        if not _all_writable(title, column):
-            raise DataError(
-                f"Column {title!a:.60} of '{name}' is not a list of texts that can be written; make the file again."
-            )
+        try:
+            if not isinstance(column, list):
+                raise TypeError
+            for start in range(0, max(1, len(column)), 10_000):
+                "".join([title, *column[start : start + 10_000]]).encode()
+        except (TypeError, UnicodeEncodeError) as error:
+            why = "is not a list of texts that can be written; make the file again."
+            raise DataError(f"Column {title!a:.60} of '{name}' {why}") from error
     return columns
 
 
-def _all_writable(title: str, column: Any) -> bool:
-    if not isinstance(column, list) or not all(type(text) is str for text in column):
-        return False
-    try:
-        for start in range(0, len(column), 10_000):
-            "".join([title, *column[start : start + 10_000]]).encode()
-    except UnicodeEncodeError:
-        return False
-    return True
-
-
 def _kind(value: Any) -> str:
-    """Return the kind of a value, for an error."""
     if isinstance(value, dict | list):
         return f"a {'mapping' if isinstance(value, dict) else 'list'} of {len(value):,}"
     return f"{value!r:.40}"
@@ -173,10 +160,8 @@ def tensor_table(
 
 
 def _is_entry(entry: Any, types: tuple[str, ...]) -> bool:
-    if not isinstance(entry, dict) or entry.get("dtype") not in types:
-        return False
-    shape, places = entry.get("shape"), entry.get("data_offsets")
-    if not isinstance(shape, list) or not isinstance(places, list):
-        return False
-    sizes = [*shape, *places]
-    return all(type(n) is int and n >= 0 for n in sizes) and len(shape) <= MOST_AXES and len(places) == 2
+    match entry:
+        case {"dtype": str(kind), "shape": [*shape], "data_offsets": [first, last]}:
+            sizes = [*shape, first, last]
+            return kind in types and len(shape) <= MOST_AXES and all(type(n) is int and n >= 0 for n in sizes)
+    return False

@@ -6,17 +6,12 @@ from omnivat.errors import SettingsError
 
 IMAGES = ("vis", "tac")
 MODALITIES = ("lang", *IMAGES)
-
-
 STAGES = ("raw", "frft", "relu", "f_bar", "f_hat")
 # Raw embedding and raw DFrFT have the same distances and cosines at every order, because the
 # transform is unitary.
 STILL = ("raw", "frft")
-STAGE_TITLES = dict(
-    zip(STAGES, ("raw embedding E", "raw DFrFT", "F after ReLU", "F after FrATT", "F after DTG"), strict=True)
-)
-
-
+TITLES = ("raw embedding E", "raw DFrFT", "F after ReLU", "F after FrATT", "F after DTG")
+STAGE_TITLES = dict(zip(STAGES, TITLES, strict=True))
 LIMIT = 4.0  # quarter turns; the transform repeats after 4
 RANGE = "a number of quarter turns from -4 to 4"
 
@@ -26,13 +21,14 @@ def checked_order(order: Any, *, name: str = "order") -> float:
 
     order  quarter turns, from -4 to 4
     name   its name in the error
-
     Raises SettingsError for anything else; the message has the equivalent order in range, if any.
     """
     number = isinstance(order, int | float) and not isinstance(order, bool)
     if number and abs(order) <= LIMIT:
         return float(order)
-    raise SettingsError(f"{name} is {_shown(order)}; give {RANGE}.{_same_as(order) if number else ''}")
+    exact = number and (isinstance(order, int) or abs(order) < 1e15)  # not NaN, infinite, or without fraction
+    same = f" The transform has period 4, so use {order % 4:g}." if exact else ""
+    raise SettingsError(f"{name} is {_shown(order)}; give {RANGE}.{same}")
 
 
 def fitting(learned: float, width: int) -> tuple[float, float]:
@@ -52,13 +48,6 @@ def _shown(order: Any) -> str:
         return "a whole number of more than 40 digits"  # Python refuses to write very long ones
     text = repr(order)
     return text if len(text) <= 40 else f"{text[:39]}…"
-
-
-def _same_as(order: float) -> str:
-    """Return the equivalent order within one period."""
-    if isinstance(order, float) and not abs(order) < 1e15:  # NaN, infinite, or without fraction
-        return ""
-    return f" The transform has period 4, so use {order % 4:g}."
 
 
 def optional_order(order: Any, *, name: str = "order") -> float | None:

@@ -24,10 +24,7 @@ def unknown(name: str, known: Iterable[str], *, kind: str) -> str:
 
 
 def entry(table: Mapping[str, T], name: str, *, kind: str) -> T:
-    """Return `table[name]`.
-
-    Raises MissingNameError with the known names and the nearest one.
-    """
+    """Return `table[name]`. Raises MissingNameError with the known names and the nearest one."""
     if name not in table:
         raise MissingNameError(unknown(name, table, kind=kind))
     return table[name]

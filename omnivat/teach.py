@@ -11,6 +11,7 @@ class directions      means in F-hat join the directions that the head has learn
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import torch
@@ -22,18 +23,14 @@ from omnivat.baselines.logistic import Problem
 from omnivat.checkpoint import Head
 from omnivat.errors import DataError, SettingsError
 from omnivat.model.head import OmniVaT
+from omnivat.model.settings import HeadSettings
 from omnivat.progress import OnStep, Step, ignore
 from omnivat.stages import IMAGES
 
 FEWEST = 2  # objects of a class, and classes
 MOST = 2000  # lessons
-LOGISTIC, MEAN, NEIGHBOUR, DIRECTIONS = (
-    "logistic regression",
-    "nearest class mean",
-    "nearest neighbour",
-    "class directions",
-)
-METHODS = (LOGISTIC, MEAN, NEIGHBOUR, DIRECTIONS)
+METHODS = ("logistic regression", "nearest class mean", "nearest neighbour", "class directions")
+LOGISTIC, MEAN, NEIGHBOUR, DIRECTIONS = METHODS
 STRENGTH, TOTAL = 1.0, 20  # C; weight of a class's lessons together, in pairs
 SHARPNESS = 10.0  # of cosines
 Rows = NDArray[np.float64]
@@ -92,9 +89,8 @@ def taught(head: Head, lessons: Sequence[Lesson], method: str = "") -> Head:
 
     method  one of METHODS; "": chosen by leaving objects out, or logistic regression with too few
 
-    Features and stages do not change. A class that the head lacks is added. With a method other
-    than class directions, the order p has no influence on the prediction.
-    Raises DataError without lessons, or with more than 2,000.
+    Features and stages do not change. A class that the head lacks is added. With a method other than class directions,
+    the order p has no influence on the prediction. Raises DataError without lessons, or with more than 2,000.
     """
     work = _Work(head, lessons)
     if not method:
@@ -118,12 +114,16 @@ def judged(head: Head, lessons: Sequence[Lesson], on_step: OnStep = ignore) -> R
 def _missing(lessons: Sequence[Lesson]) -> str:
     """Return what is missing before lessons can be judged, or ""."""
     objects: dict[str, set[str]] = {}
-    for index, one in enumerate(lessons):
-        objects.setdefault(one.label, set()).add(one.object or f"\0{index}")
+    for one, name in zip(lessons, _objects(lessons), strict=True):
+        objects.setdefault(one.label, set()).add(name)
     if sum(len(own) >= FEWEST for own in objects.values()) >= FEWEST:
         return ""
     there = ", ".join(f"{label} {len(own)}" for label, own in objects.items()) or "none yet"
     return f"Label two or more pairs of each of two or more classes first, of different objects; there are: {there}."
+
+
+def _objects(lessons: Sequence[Lesson]) -> list[str]:
+    return [one.object or f"\0{index}" for index, one in enumerate(lessons)]
 
 
 class _Work:
@@ -138,34 +138,36 @@ class _Work:
                 "with `python -m omnivat train` instead."
             )
         self.head, self.lessons = head, lessons
-        own = head.settings.classes
-        names = dict.fromkeys(one.label for one in lessons)
-        self.classes = (*own, *(name for name in names if name not in own))
+        self.classes = tuple(dict.fromkeys([*head.settings.classes, *(one.label for one in lessons)]))
         self.labels = np.array([self.classes.index(one.label) for one in lessons])
         self.rows = np.concatenate([_row(head.model, one) for one in lessons])
         self.source, self.source_labels = _training_rows(head)
-        known = dict.fromkeys(one.object or f"\0{i}" for i, one in enumerate(lessons))
-        place = {name: index for index, name in enumerate(known)}
-        self.objects = np.array([place[one.object or f"\0{i}"] for i, one in enumerate(lessons)])
+        names = _objects(lessons)
+        place = {name: index for index, name in enumerate(dict.fromkeys(names))}
+        self.objects = np.array([place[name] for name in names])
         self.means = torch.stack([_mean_direction(head.model, one) for one in lessons])
         self.methods = METHODS if len(self.source) else (DIRECTIONS, MEAN, NEIGHBOUR)
-        self._problem: tuple[Problem, Labels] | None = None
         self._start: Rows | None = None
+
+    @cached_property
+    def _problem(self) -> Problem:
+        """All rows in the basis of their span, which is computed once."""
+        both = torch.from_numpy(np.concatenate((self.source, self.rows)))
+        labels = torch.from_numpy(np.concatenate((self.source_labels, self.labels)))
+        return Problem.of(both, labels, len(self.classes))
 
     def report(self, on_step: OnStep) -> Report:
         """Leave each object out and predict its lessons by every method."""
         before = [_said(self.head, one) for one in self.lessons]
         found = {name: np.zeros(len(self.lessons), np.int64) for name in self.methods}
-        every = np.unique(self.objects)
-        for done, held in enumerate(every):
-            on_step(Step(done=done, total=len(every)))
-            out = self.objects == held
+        apart = [self.objects == held for held in np.unique(self.objects)]
+        for done, out in enumerate(apart):
+            on_step(Step(done=done, total=len(apart)))
             for name in self.methods:
                 found[name][out] = self._predicted(name, ~out, out)
         right = {name: said == self.labels for name, said in found.items()}
         after = np.empty(len(self.lessons), np.int64)
-        for held in np.unique(self.objects):
-            out = self.objects == held
+        for out in apart:
             best = self._best({name: int(values[~out].sum()) for name, values in right.items()})
             after[out] = found[best][out]
         scores = {name: int(values.sum()) for name, values in right.items()}
@@ -183,9 +185,8 @@ class _Work:
 
         Half of √N is about the standard error of a difference of two counts of N lessons.
         """
-        first, best = self.methods[0], max(self.methods, key=lambda name: right[name])
-        clear = right[best] - right[first] > len(self.lessons) ** 0.5 / 2
-        return best if clear else first
+        first, best = self.methods[0], max(self.methods, key=right.__getitem__)
+        return best if right[best] - right[first] > len(self.lessons) ** 0.5 / 2 else first
 
     def _predicted(self, method: str, kept: NDArray[np.bool_], out: NDArray[np.bool_]) -> Labels:
         if method == DIRECTIONS:
@@ -194,8 +195,7 @@ class _Work:
             said = [_said(other, self.lessons[row]) for row in np.flatnonzero(out).tolist()]
             return np.array([self.classes.index(name) for name in said])
         rows, bias, owner = self.deciding(method, kept)
-        scores = self.rows[out] @ rows.T + bias
-        answers: Labels = owner[scores.argmax(1)]
+        answers: Labels = owner[(self.rows[out] @ rows.T + bias).argmax(1)]
         return answers
 
     def deciding(self, method: str, kept: NDArray[np.bool_]) -> tuple[Rows, Rows, Labels]:
@@ -210,50 +210,37 @@ class _Work:
         owner = np.concatenate((labels, self.source_labels[rest]))
         if method == MEAN:
             names = np.unique(owner)
-            rows = np.stack([rows[owner == name].mean(0) for name in names])
-            owner = names
+            rows, owner = np.stack([rows[owner == name].mean(0) for name in names]), names
         rows = rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-12)
         return SHARPNESS * rows, np.zeros(len(rows)), owner
 
     def _logistic(self, kept: NDArray[np.bool_]) -> tuple[Rows, Rows]:
-        """Return weights (K, 2 W) and biases (K,); the span of the rows is computed once."""
+        """Return weights (K, 2 W) and biases (K,); the search begins at the last solution."""
         each = len(self.lessons) / len(np.unique(self.labels))
         times = int(np.clip(TOTAL // each, 2, TOTAL))
-        count, many = len(self.source), np.flatnonzero(kept)
-        if self._problem is None:
-            both = torch.from_numpy(np.concatenate((self.source, self.rows)))
-            labels = np.concatenate((self.source_labels, self.labels))
-            whole = Problem.of(both, torch.from_numpy(labels), len(self.classes))
-            self._problem = whole, labels
-        whole, labels = self._problem
-        index = np.concatenate((np.arange(count), np.tile(count + many, times)))
-        part = replace(whole, inside=whole.inside[index], labels=labels[index])
-        start = part.start() if self._start is None else self._start
-        found = part.solved(STRENGTH, start, tolerance=1e-4)
-        self._start = found
-        weight, bias = part.parameters(found)
+        count, whole = len(self.source), self._problem
+        index = np.concatenate((np.arange(count), np.tile(count + np.flatnonzero(kept), times)))
+        part = replace(whole, inside=whole.inside[index], labels=whole.labels[index])
+        self._start = part.solved(STRENGTH, part.start() if self._start is None else self._start, tolerance=1e-4)
+        weight, bias = part.parameters(self._start)
         return weight.numpy(), bias.numpy()
 
     def head_of(self, method: str) -> Head:
         """Return the head taught by all lessons."""
         labels = [one.label for one in self.lessons]
         found = _with_means(self.head, self.means, labels)
-        provenance = {**found.provenance, "taught_by": method}
+        found = replace(found, provenance={**found.provenance, "taught_by": method})
         if method == DIRECTIONS:
-            return replace(found, provenance=provenance)
+            return found
         rows, bias, owner = self.deciding(method, np.ones(len(labels), bool))
-        settings = replace(found.settings, taught=len(rows))
-        with torch.device("meta"):
-            model = OmniVaT(settings)
         dtype = found.model.dtype
-        stacked = torch.from_numpy(np.stack(np.split(rows, 2, axis=1))).to(dtype)
-        state = dict(found.model.state_dict())
-        state |= {"taught_rows": stacked, "taught_bias": torch.from_numpy(bias).to(dtype)}
-        state["taught_class"] = torch.from_numpy(owner)
-        model.load_state_dict(state, assign=True)
-        model.calibration = found.model.calibration
-        model = model.eval().requires_grad_(False)
-        return replace(found, model=model, settings=settings, provenance=provenance)
+        own = {
+            "taught_rows": torch.from_numpy(np.stack(np.split(rows, 2, axis=1))).to(dtype),
+            "taught_bias": torch.from_numpy(bias).to(dtype),
+            "taught_class": torch.from_numpy(owner),
+        }
+        settings = replace(found.settings, taught=len(rows))
+        return _with_state(found, settings, {**found.model.state_dict(), **own})
 
 
 @torch.no_grad()
@@ -280,8 +267,7 @@ def _training_rows(head: Head) -> tuple[Rows, Labels]:
 @torch.no_grad()
 def _mean_direction(model: OmniVaT, lesson: Lesson) -> Tensor:
     """Return the mean (D,) of the unit F̂ of the pair's images."""
-    features = model(lesson.vis, lesson.tac).f_hat
-    return torch.stack([normalize(rows, dim=-1)[0] for rows in features.values()]).mean(0)
+    return torch.cat([normalize(rows, dim=-1) for rows in model(lesson.vis, lesson.tac).f_hat.values()]).mean(0)
 
 
 @torch.no_grad()
@@ -293,8 +279,8 @@ def _said(head: Head, lesson: Lesson) -> str:
 def _with_means(head: Head, means: Tensor, labels: Sequence[str]) -> Head:
     """Return the head with directions of class means (B, D) added to its own, by label."""
     own = head.settings.classes
-    classes = (*own, *(label for label in dict.fromkeys(labels) if label not in own))
-    state = {name: tensor.detach() for name, tensor in head.model.state_dict().items()}
+    classes = tuple(dict.fromkeys([*own, *labels]))
+    state = {n: x.detach() for n, x in head.model.state_dict().items() if not n.startswith("taught_")}
     extra = len(classes) - len(own)
     directions = normalize(state["classifier"], dim=-1)
     lengths = state["classifier"].norm(dim=-1).mean()
@@ -306,18 +292,14 @@ def _with_means(head: Head, means: Tensor, labels: Sequence[str]) -> Head:
         bank, seen = state["mffa.bank"], state["mffa.bank_seen"]
         state["mffa.bank"] = torch.cat((bank, bank.new_zeros(len(bank), extra, bank.shape[2])), 1)
         state["mffa.bank_seen"] = torch.cat((seen, seen.new_zeros(extra)))
-    state = {name: tensor for name, tensor in state.items() if not name.startswith("taught_")}
-    settings = replace(head.settings, classes=classes, taught=0)
+    counts = {label: list(labels).count(label) for label in dict.fromkeys(labels)}
+    found = replace(head, provenance={**head.provenance, "taught": counts}, metrics={}, path=None)
+    return _with_state(found, replace(head.settings, classes=classes, taught=0), state)
+
+
+def _with_state(head: Head, settings: HeadSettings, state: dict[str, Tensor]) -> Head:
     with torch.device("meta"):
         model = OmniVaT(settings)
     model.load_state_dict(state, assign=True)
     model.calibration = head.model.calibration
-    counts = {label: list(labels).count(label) for label in dict.fromkeys(labels)}
-    return replace(
-        head,
-        model=model.eval().requires_grad_(False),
-        settings=settings,
-        provenance={**head.provenance, "taught": counts},
-        metrics={},
-        path=None,
-    )
+    return replace(head, model=model.eval().requires_grad_(False), settings=settings)

@@ -121,8 +121,7 @@ def in_processes(
     prepare  called once in each process, with `given`
     check    called twice a second; its error cancels what has not started
 
-    Processes end with their parent. Otherwise, those of a killed process would wait for ever and keep
-    their memory.
+    Processes end with their parent. Otherwise, those of a killed process would wait for ever and keep their memory.
     """
     pool = ProcessPoolExecutor(count, mp_context=get_context("spawn"), initializer=_begin, initargs=(prepare, given))
     try:

@@ -12,6 +12,7 @@ import torch
 from torch import Tensor
 
 from omnivat.fractional import dfrft
+from omnivat.stages import IMAGES
 
 SAMPLES = 64  # of a signal
 SPIKE_ORDER = 0.35  # order at which each signal is one spike, as in the chirps set
@@ -19,7 +20,6 @@ SPIKES = (22, 43)  # sample of the spike of the photo's and of the touch's signa
 POINTS = 40  # of a cloud
 CENTRES = ((1.15, 0.55), (0.1, -1.1))  # of the photo's and the touch's cloud
 WIDTH = 0.3  # standard deviation of a cloud
-NAMES = ("vis", "tac")
 DIGITS = 3
 
 
@@ -35,7 +35,9 @@ def toy(orders: Sequence[float]) -> dict[str, Any]:
     """
     signals, clouds = _signals(), _clouds()
     turned = {name: torch.stack([dfrft(x, p) for p in orders]) for name, x in signals.items()}
-    spun = {name: _spun(z, orders) for name, z in clouds.items()}
+    angle = -torch.pi / 2 * torch.as_tensor(orders, dtype=torch.float64)
+    turns = torch.polar(torch.ones_like(angle), angle)[:, None]  # of the transform's first coefficient
+    spun = {name: turns * z for name, z in clouds.items()}
     planes = {name: torch.view_as_real(x) for name, x in turned.items()}
     flat = {name: torch.view_as_real(x) for name, x in spun.items()}
     return {
@@ -49,13 +51,9 @@ def toy(orders: Sequence[float]) -> dict[str, Any]:
 
 def _signals() -> dict[str, Tensor]:
     """Return two real chirps (64,) of length one."""
-    found = {}
-    for name, place in zip(NAMES, SPIKES, strict=True):
-        spike = torch.zeros(SAMPLES, dtype=torch.float64)
-        spike[place] = 1
-        chirp = dfrft(spike, -SPIKE_ORDER).real
-        found[name] = chirp / chirp.norm()
-    return found
+    spikes = torch.eye(SAMPLES, dtype=torch.float64)[list(SPIKES)]
+    chirps = [dfrft(spike, -SPIKE_ORDER).real for spike in spikes]
+    return {name: chirp / chirp.norm() for name, chirp in zip(IMAGES, chirps, strict=True)}
 
 
 def _clouds() -> dict[str, Tensor]:
@@ -63,14 +61,8 @@ def _clouds() -> dict[str, Tensor]:
     random = np.random.default_rng(7)
     return {
         name: torch.from_numpy((np.array(centre) + WIDTH * random.standard_normal((POINTS, 2))) @ np.array([1, 1j]))
-        for name, centre in zip(NAMES, CENTRES, strict=True)
+        for name, centre in zip(IMAGES, CENTRES, strict=True)
     }
-
-
-def _spun(points: Tensor, orders: Sequence[float]) -> Tensor:
-    """Return points (40,) turned by p quarter turns, as the transform turns its first coefficient."""
-    angle = -torch.pi / 2 * torch.as_tensor(orders, dtype=torch.float64)
-    return torch.polar(torch.ones_like(angle), angle)[:, None] * points
 
 
 def _apart(parts: dict[str, Tensor], middle: Any) -> dict[str, list[float]]:

@@ -21,7 +21,7 @@ from omnivat.shift.probe import fitted_probe, joined
 from omnivat.shift.reading import Features
 from omnivat.train import TrainSettings, Watch, train
 from omnivat.train.loop import steps_of
-from omnivat.unseen.masks import wilson
+from omnivat.unseen import wilson
 
 STEPS = 1500  # of all trainings together: under a minute on two cores
 FOLDS, FEW = 5, 200  # up to FEW pairs; with more, 3

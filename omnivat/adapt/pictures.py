@@ -1,6 +1,6 @@
 """A profile of pictures on disk or in memory: embed each, keep mean and variance."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -36,17 +36,13 @@ def pictures_in(
 
     vis, tac  folders of one modality each, instead of `folder`
     rest      as --tac-rest of `embed`
-
     Raises DataError if there are none.
     """
     if folder is None:
-        found = [
-            Picture(modality=name, source=path, name=show(path))
-            for name, place in (("vis", vis), ("tac", tac))
-            for path in (_images(place) if place else ())
-        ]
+        places = (("vis", vis), ("tac", tac))
+        found = [_picture(name, path) for name, place in places for path in (_images(place) if place else ())]
     else:
-        found = _of_pairs(folder, rest) or _by_name(folder)
+        found = _of_pairs(folder, rest) or [_picture(m, path) for path in _images(folder) if (m := modality_of(path))]
     if not found:
         raise DataError(
             f"No photos or tactile images are in '{show(folder or vis or tac or '')}'. Name them "
@@ -57,22 +53,18 @@ def pictures_in(
     return found
 
 
+def _picture(modality: str, path: Path) -> Picture:
+    return Picture(modality=modality, source=path, name=show(path))
+
+
 def _of_pairs(folder: Path, rest: str | None) -> list[Picture]:
     """Return the pictures of a folder of pairs in a known layout; [] for another folder."""
     try:
         pairs = with_rest(read_pairs(folder), rest or "none").pairs
     except OmniVatError:
         return []
-    photos = dict.fromkeys(pair.vis for pair in pairs)
-    return [Picture(modality="vis", source=path, name=show(path)) for path in photos] + [
-        Picture(modality="tac", source=pair.tac, name=show(pair.tac), crop=pair.tac_crop, rest=pair.tac_rest)
-        for pair in pairs
-    ]
-
-
-def _by_name(folder: Path) -> list[Picture]:
-    named = ((path, modality_of(path)) for path in _images(folder))
-    return [Picture(modality=modality, source=path, name=show(path)) for path, modality in named if modality]
+    photos = [_picture("vis", path) for path in dict.fromkeys(pair.vis for pair in pairs)]
+    return photos + [replace(_picture("tac", p.tac), crop=p.tac_crop, rest=p.tac_rest) for p in pairs]
 
 
 def modality_of(path: Path) -> str:
@@ -103,7 +95,6 @@ def profile_of_pictures(
     """Embed pictures and return their profile, and those that could not be read.
 
     cancelled  stops before the next picture when it returns True; the pictures so far count
-
     Raises DataError if no picture can be read.
     """
     rows: dict[str, list[np.ndarray]] = {name: [] for name in IMAGES}
@@ -126,10 +117,17 @@ def profile_of_pictures(
         else:
             rows[picture.modality].append(embedded)
     on_step(Step(done=len(pictures), total=len(pictures), text=""))
+    rested = RESTED if any(picture.rest for picture in pictures) else ""
+    key = encoder.name, encoder.weights_hash, encoder.preprocessing + rested
+    return profile_of_rows(rows, key, domain=domain, skipped=skipped), tuple(skipped)
+
+
+def profile_of_rows(
+    rows: dict[str, list[np.ndarray]], key: tuple[str, str, str], *, domain: str = "", skipped: Iterable[Skipped] = ()
+) -> Profile:
+    """Return the profile of embeddings (W,) by modality; raises DataError if there are none."""
     channels = {name: channels_of(np.stack(some)) for name, some in rows.items() if some}
     if not channels:
         first = next((f" The first: {one.why}" for one in skipped), "")
         raise DataError(f"None of the pictures could be read.{first}")
-    rested = RESTED if any(picture.rest for picture in pictures) else ""
-    key = encoder.name, encoder.weights_hash, encoder.preprocessing + rested
-    return Profile(channels=channels, key=key, domain=domain), tuple(skipped)
+    return Profile(channels=channels, key=key, domain=domain)

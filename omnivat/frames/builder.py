@@ -23,7 +23,7 @@ from omnivat.projection.quality import trust
 from omnivat.projection.torch_umap import aligned, following
 from omnivat.stages import fitting
 from omnivat.sweep import MEASURES, STAGES, STILL, AtOrder, Features, facts_of, measured, walk
-from omnivat.unseen.masks import counted, mean_over_domains
+from omnivat.unseen import counted, mean_over_domains
 
 METHODS = ("pca", "umap")
 MOST_NAMES = 256  # an index is one byte

@@ -16,7 +16,7 @@ from omnivat.model.head import OmniVaT
 from omnivat.projection import pca
 from omnivat.projection.torch_umap import aligned
 from omnivat.sweep import AtOrder, facts_of, measured, walk
-from omnivat.unseen.masks import counted, mean_over_domains
+from omnivat.unseen import counted, mean_over_domains
 
 GAPS = ("modality_gap", "domain_gap", "margin")
 LOSSES = ("loss", "mma", "nod", "cross_entropy")

@@ -10,7 +10,7 @@ from app.familiar import familiar, first
 from app.resources import Resources
 from omnivat.calibration import familiarity_of
 from omnivat.data.store import save_embeddings
-from omnivat.unseen.masks import counted
+from omnivat.unseen import counted
 
 
 @pytest.fixture

@@ -185,12 +185,12 @@ def test_what_killed_writers_of_a_head_left_goes_and_the_head_they_put_aside_ret
 
     from omnivat.checkpoint import _sweep
 
-    half, aside, young = (tmp_path / f".head.{name}" for name in ("a", "b.old", "c"))
-    for folder in (half, aside, young):
-        folder.mkdir()
-        (folder / "settings.json").write_text(folder.name)
+    half, aside, young = (tmp_path / f".head.{name}" for name in ("a", "b", "c"))
+    for folder, part in ((half, "new"), (aside, "old"), (young, "new")):
+        (folder / part).mkdir(parents=True)
+        (folder / part / "settings.json").write_text(folder.name)
     for folder in (half, aside):
         os.utime(folder, (1, 1))
     _sweep(tmp_path / "head")
     assert sorted(p.name for p in tmp_path.iterdir()) == [".head.c", "head"]
-    assert (tmp_path / "head" / "settings.json").read_text() == ".head.b.old"
+    assert (tmp_path / "head" / "settings.json").read_text() == ".head.b"

@@ -12,9 +12,16 @@ from omnivat.frames.builder import UnseenAccuracy
 from omnivat.frames.records import with_learned
 from omnivat.model.head import build_head
 from omnivat.model.settings import HeadSettings
-from omnivat.unseen import counted, unseen_summary
-from omnivat.unseen.masks import mean_over_domains, of_domains, wilson
-from omnivat.unseen.summary import judged, nearest_touch
+from omnivat.unseen import (
+    counted,
+    judged,
+    mean_over_domains,
+    nearest_touch,
+    of_domains,
+    unseen_domains,
+    unseen_summary,
+    wilson,
+)
 
 SOURCE = "TAG-sim"
 

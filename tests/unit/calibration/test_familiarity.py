@@ -6,7 +6,7 @@ import pytest
 import torch
 from torch.nn.functional import normalize
 
-from omnivat.calibration.familiarity import (
+from omnivat.calibration import (
     MOST_ROWS,
     familiarity_of,
     load_familiarity,

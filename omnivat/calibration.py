@@ -1,11 +1,12 @@
-"""Familiarity: distance of an image to the training images, relative to their own distances.
+"""Calibration of a head's confidence, from held-out source pairs, and how familiar an image is.
 
-The distance is the cosine in E, the encoder's space, to the nearest training image of the modality.
-A cosine alone means little, so it is compared with the training set: the cosine of each training
-image to the nearest image of another object. A quantile of 0.02 means that 98 % of the training
-images have a closer neighbour."""
+Familiarity is the distance of an image to the training images, relative to their own distances: the cosine in E, the
+encoder's space, to the nearest training image of the modality. A cosine alone means little, so it is compared with the
+training set: the cosine of each training image to the nearest image of another object. A quantile of 0.02 means that
+98 % of the training images have a closer neighbour.
+"""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -14,11 +15,95 @@ import torch
 from safetensors import SafetensorError
 from safetensors.torch import load_file, save
 from torch import Tensor
-from torch.nn.functional import normalize
+from torch.nn.functional import nll_loss, normalize
 
 from omnivat.errors import DataError
+from omnivat.model.fusion import Calibration, fused_logs
 from omnivat.schema import FLOATS, tensor_table
 from omnivat.stages import IMAGES
+
+LOWEST, HIGHEST = 0.05, 20.0  # temperatures
+STEPS = 32  # of the golden section; relative error 1e-6
+SHARES = 21  # evenly from 0 to 1
+GOLDEN = (5**0.5 - 1) / 2
+
+
+def fit_temperature(logits: Tensor, labels: Tensor) -> float:
+    """Return the temperature in [0.05, 20] with the lowest mean negative log-likelihood.
+
+    logits  (N, K) logits or log-probabilities;  labels  (N,)
+
+    The loss is convex in 1/T, so the golden section in log T finds its minimum.
+    Raises DataError without pairs.
+    Source: Guo et al., ICML 2017.
+    """
+    if not len(labels):
+        raise DataError("A temperature needs held-out pairs; there are none.")
+    values = logits.double()
+
+    def loss(log_temperature: float) -> float:
+        return _nll(values / _exp(log_temperature), labels)
+
+    low, high = torch.tensor([LOWEST, HIGHEST], dtype=torch.float64).log().tolist()
+    left, right = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
+    at_left, at_right = loss(left), loss(right)
+    for _ in range(STEPS):
+        if at_left <= at_right:
+            high, right, at_right = right, left, at_left
+            left = high - GOLDEN * (high - low)
+            at_left = loss(left)
+        else:
+            low, left, at_left = left, right, at_right
+            right = low + GOLDEN * (high - low)
+            at_right = loss(right)
+    return _exp((low + high) / 2)
+
+
+def fit_share(vis: Tensor, tac: Tensor, labels: Tensor) -> float:
+    """Return the weight of VIS, 0 to 1, with the best weighted log-probabilities.
+
+    vis, tac  (N, K) logits;  labels  (N,)
+
+    Every share is scored at its own best temperature, so that confidence does not affect the
+    choice. Ties go to the share nearest to 0.5.
+    """
+
+    def loss(share: float) -> tuple[float, float]:
+        mixed = fused_logs("learned", vis.double(), tac.double(), share)
+        return round(_nll(mixed / fit_temperature(mixed, labels), labels), 9), abs(share - 0.5)
+
+    shares: list[float] = torch.linspace(0, 1, SHARES, dtype=torch.float64).tolist()
+    return min(shares, key=loss)
+
+
+def fit_calibration(logits: Mapping[str, Tensor], labels: Tensor, *, fusion: str = "mean") -> Calibration:
+    """Return temperatures for "fused", "vis" and "tac", and the share of a learned fusion.
+
+    logits  of held-out pairs: "vis" and "tac" with the other image absent; "vis_branch" and
+            "tac_branch" inside the pair, "pair" of the summed features. A missing one keeps temperature 1
+    fusion  late fusion of the branches
+    """
+    temperature = {name: fit_temperature(logits[name], labels) if name in logits else 1.0 for name in ("vis", "tac")}
+    share = 0.5
+    if "vis_branch" in logits and "tac_branch" in logits:
+        branches = logits["vis_branch"], logits["tac_branch"]
+        share = fit_share(*branches, labels)
+        fused = logits["pair"] if fusion == "feature" else fused_logs(fusion, *branches, share)
+        temperature["fused"] = fit_temperature(fused, labels)
+    elif "fused" in logits:
+        temperature["fused"] = fit_temperature(logits["fused"], labels)
+    else:
+        temperature["fused"] = next(temperature[n] for n in ("vis", "tac") if n in logits)
+    return Calibration(temperature=temperature, share=share)
+
+
+def _nll(logits: Tensor, labels: Tensor) -> float:
+    return float(nll_loss(torch.log_softmax(logits, dim=-1), labels))
+
+
+def _exp(value: float) -> float:
+    return float(torch.tensor(value, dtype=torch.float64).exp())
+
 
 MOST_ROWS = 2000  # training images for each modality; bounds the file and the search
 QUANTILES = 101
@@ -48,17 +133,13 @@ class Familiarity:
         vis, tac  (B, D) raw embeddings of the head's encoder; one may be None
         """
         given = {n: x for n, x in (("vis", vis), ("tac", tac)) if x is not None and n in self.rows}
-        found = {name: self._one(name, rows) for name, rows in given.items()}
-        count = max((len(rows) for rows in given.values()), default=0)
-        return [{name: records[i] for name, records in found.items()} for i in range(count)]
-
-    def _one(self, name: str, rows: Tensor) -> list[dict[str, Any]]:
-        cosines = nearest_cosine(rows, self.rows[name])
-        places = quantile_of(cosines, self.quantiles[name])
-        return [
-            {"cosine": round(c, 4), "quantile": round(q, 3), "words": words(q)}
-            for c, q in zip(cosines.tolist(), places.tolist(), strict=True)
-        ]
+        found: list[dict[str, dict[str, Any]]] = [{} for _ in next(iter(given.values()), ())]
+        for name, rows in given.items():
+            cosines = nearest_cosine(rows, self.rows[name])
+            places = quantile_of(cosines, self.quantiles[name])
+            for one, c, q in zip(found, cosines.tolist(), places.tolist(), strict=True):
+                one[name] = {"cosine": round(c, 4), "quantile": round(q, 3), "words": words(q)}
+        return found
 
 
 def words(quantile: float) -> str:
@@ -74,7 +155,6 @@ def familiarity_of(
     vis, tac  (N, D) raw embeddings; at most 2,000 evenly spread rows are kept of each
     objects   N names; an image's neighbours of the same object do not count
     labels    (N,) class indices, kept for teaching
-
     Raises DataError if all images are of one object.
     """
     given = {n: x for n, x in (("vis", vis), ("tac", tac)) if x is not None}
@@ -103,15 +183,13 @@ def nearest_cosine(
     """
     units = normalize(rows.float(), dim=-1)
     others = normalize(reference.float(), dim=-1)
-    found = []
-    for start in range(0, len(units), CHUNK):
-        part = slice(start, start + CHUNK)
+    found = units.new_zeros(len(units))
+    for part in torch.arange(len(units)).split(CHUNK):
         cosines = units[part] @ others.T
         if owner is not None and reference_owner is not None:
-            same = owner[part, None] == reference_owner[None]
-            cosines = cosines.masked_fill(same, -1.0)
-        found.append(cosines.amax(1))
-    return torch.cat(found) if found else units.new_zeros(0)
+            cosines = cosines.masked_fill(owner[part, None] == reference_owner[None], -1.0)
+        found[part] = cosines.amax(1)
+    return found
 
 
 def quantile_of(values: Tensor, quantiles: Tensor) -> Tensor:
@@ -148,10 +226,8 @@ def load_familiarity(file: Path, width: int) -> Familiarity | None:
     except (SafetensorError, OSError) as error:
         raise DataError(f"'{file}' cannot be read ({error}); copy the head folder again.") from error
     names = [name for name in IMAGES if name in tensors]
-    fits = names and all(
-        tensors[n].ndim == 2 and tensors[n].shape[1] == width and f"{n}_quantiles" in tensors for n in names
-    )
     count = len(tensors[names[0]]) if names else 0
+    fits = names and all(tensors[n].shape[1:] == (width,) and f"{n}_quantiles" in tensors for n in names)
     others = [tensors[key] for key in ("labels", *(f"{n}_lengths" for n in names)) if key in tensors]
     if not fits or any(one.shape != (count,) for one in others):
         raise DataError(f"'{file}' does not fit this head; copy the head folder again.")

@@ -1,6 +1,6 @@
-"""Results of a head in unseen domains in one record: accuracy, intervals, confusion, retrieval."""
+"""Results of a head in unseen domains: test pairs, 95 % intervals of shares, confusion and retrieval in one record."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,11 +13,79 @@ from omnivat.data.arrays import walked
 from omnivat.data.embeddings import Embeddings
 from omnivat.evaluate import CHUNK, label_map, predicted_probabilities
 from omnivat.gaps.unit import unit
-from omnivat.unseen.masks import counted, of_domains, wilson
 
-Rows = NDArray[np.floating[Any]]
+READINGS = ("fused", "vis", "tac")
+UNSEEN = "unseen"  # the name of all unseen domains together
+Array = NDArray[Any]
 BLOCK = 1024  # photos compared at once; bounds the memory
 MOST = 2000  # photos of a domain; a larger one is thinned evenly
+Mask = NDArray[np.bool_]
+Z = 1.959963984540054  # normal quantile of a two-sided 95 % interval
+DRAWS = 2000
+
+
+def wilson(right: float, total: int) -> tuple[float, float]:
+    """Return the 95 % interval of a share, after Wilson (1927); it stays within 0 and 1.
+
+    >>> low, high = wilson(60, 100)
+    >>> round(low, 3), round(high, 3)
+    (0.502, 0.691)
+    """
+    if total < 1:
+        return 0.0, 1.0
+    share, square = right / total, Z * Z / total
+    middle = (share + square / 2) / (1 + square)
+    half = Z * np.sqrt(share * (1 - share) / total + square / (4 * total)) / (1 + square)
+    return float(max(0.0, middle - half)), float(min(1.0, middle + half))
+
+
+def of_domains(counts: Sequence[tuple[int, int]], *, seed: int = 0) -> tuple[float, float]:
+    """Return the 95 % interval of the mean share over domains: (right, total) of each.
+
+    Bootstrap: domains are drawn with replacement, then pairs within each. The interval therefore
+    covers other domains of this kind, not only other pairs of these domains.
+    """
+    right, total = (np.array(part, dtype=np.int64) for part in zip(*counts, strict=True))
+    random = np.random.default_rng(seed)
+    drawn = random.integers(len(total), size=(DRAWS, len(total)))
+    shares = random.binomial(total[drawn], right[drawn] / total[drawn]) / total[drawn]
+    low, high = np.quantile(shares.mean(axis=1), [0.025, 0.975])
+    return float(low), float(high)
+
+
+def counted(embeddings: Embeddings, source: str) -> Mask:
+    """Return a mask (N,) of the test pairs of a head trained on `source`.
+
+    If a domain has a split, its test part counts; otherwise all its pairs do. A source without a
+    split has no test pairs, because the head may have been trained on all of them.
+    """
+    split = np.array(embeddings.rows.get("split") or [""] * len(embeddings), dtype=object)
+    keep = np.zeros(len(embeddings), dtype=bool)
+    for index, name in enumerate(embeddings.header.domains):
+        own = embeddings.domain == index
+        stated = any(split[own])
+        keep |= own & (split == "test") if stated else own & (name != source)
+    return keep
+
+
+def unseen_domains(embeddings: Embeddings, source: str) -> tuple[str, ...]:
+    """Return the unseen domains of a head trained on `source`."""
+    return tuple(name for name in embeddings.header.domains if name != source)
+
+
+def mean_over_domains(right: NDArray[Any], embeddings: Embeddings, source: str, keep: Mask) -> float | None:
+    """Return the mean over unseen domains of each domain's share of `right` (N,) among `keep`.
+
+    None if the source is not among the domains or no unseen domain has a test pair.
+    """
+    if source not in embeddings.header.domains:
+        return None
+    shares = [
+        right[own].mean()
+        for index, name in enumerate(embeddings.header.domains)
+        if name != source and (own := keep & (embeddings.domain == index)).any()
+    ]
+    return float(np.mean(shares)) if shares else None
 
 
 def judged(keep: NDArray[np.bool_], domain: NDArray[Any], most: int = MOST) -> NDArray[np.int64]:
@@ -31,7 +99,7 @@ def judged(keep: NDArray[np.bool_], domain: NDArray[Any], most: int = MOST) -> N
     return np.sort(np.concatenate(chosen)) if chosen else np.zeros(0, dtype=np.int64)
 
 
-def nearest_touch(vis: Rows, tac: Rows, domain: NDArray[Any], rows: NDArray[np.int64]) -> NDArray[np.int64]:
+def nearest_touch(vis: Array, tac: Array, domain: NDArray[Any], rows: NDArray[np.int64]) -> NDArray[np.int64]:
     """Return for each of `rows` the row of the touch with the largest cosine in its domain.
 
     vis     (len(rows), W), photos of `rows`; tac  (N, W); all of any length. A photo's own touch
@@ -43,19 +111,13 @@ def nearest_touch(vis: Rows, tac: Rows, domain: NDArray[Any], rows: NDArray[np.i
         among = np.flatnonzero(domain == name)
         touches = _unit(tac[among])
         places = np.flatnonzero(domain[rows] == name)
-        for start in range(0, len(places), BLOCK):
-            part = places[start : start + BLOCK]
+        for part in np.split(places, range(BLOCK, len(places), BLOCK)):
             found[part] = among[np.argmax(_unit(vis[part]) @ touches.T, axis=1)]
     return found
 
 
-def _unit(rows: Rows) -> Rows:
-    unit: Rows = rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-12)
-    return unit
-
-
-READINGS = ("fused", "vis", "tac")
-Array = NDArray[Any]
+def _unit(rows: Array) -> Array:
+    return np.asarray(rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-12))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,23 +130,23 @@ class _Facts:
     label: Array  # (N,) index among the head's classes, or -1
     counts: Array  # (N,) bool: test pairs of the head's classes
 
-    def members(self) -> list[tuple[str, Array]]:
-        """Return each domain, and all unseen ones together, with a mask (N,) of test pairs."""
-        found = [(name, self.counts & (self.domain == i)) for i, name in enumerate(self.domains)]
-        own = self.domains.index(self.source) if self.source in self.domains else -1
-        return [*found, ("unseen", self.counts & (self.domain != own))]
+    @property
+    def members(self) -> dict[str, Array]:
+        """Each domain with a mask (N,) of its test pairs."""
+        return {name: self.counts & (self.domain == i) for i, name in enumerate(self.domains)}
 
-    def unseen(self) -> list[Array]:
-        """Return the mask of each unseen domain with pairs."""
-        return [mask for name, mask in self.members()[:-1] if name != self.source and mask.any()]
+    @property
+    def unseen(self) -> Array:
+        """Mask (N,) of the test pairs of all unseen domains."""
+        return self.counts & ~self.members.get(self.source, np.zeros(len(self.counts), bool))
 
 
 def unseen_summary(head: Head, embeddings: Embeddings) -> dict[str, Any]:
     """Return the page's record; docs/page.md describes its keys.
 
-    Every share is computed on test pairs, at exactly the learned order. `readings` are "fused" (both images), "vis" and
-    "tac" (one image, the other one absent). "pairs" has values of each pair as arrays (N,).
-
+    Every share is computed on test pairs, at exactly the learned order. `readings` are "fused"
+    (both images), "vis" and "tac" (one image, the other one absent). "pairs" has values of each
+    pair as arrays (N,).
     Raises DataError if the embeddings have another encoder or no pairs.
     """
     head.require_embeddings(embeddings)
@@ -103,17 +165,28 @@ def unseen_summary(head: Head, embeddings: Embeddings) -> dict[str, Any]:
     shares = {f"answers/{name}": (values == label) * 1.0 for name, values in predicted.items()}
     rows = judged(facts.counts, facts.domain)
     vis, tac, cosine = _alone(head, embeddings, rows)
-    nearest = nearest_touch(vis, tac, facts.domain, rows)
-    shares["retrieval"] = np.full(len(label), np.nan)  # 1 if a photo's nearest touch has its class; NaN if not tested
-    shares["retrieval"][rows] = label[nearest] == label[rows]
+    shares["retrieval"] = np.full(len(label), np.nan)  # of photos that are not tested
+    shares["retrieval"][rows] = label[nearest_touch(vis, tac, facts.domain, rows)] == label[rows]
+    looks = embeddings.rows.get("looks_like", []) or [""] * len(label)  # unseen pairs that look like another class
+    alike = np.array([bool(name) for name in looks], bool) & facts.unseen
     return {
         "source": head.source,
         "order": head.model.order,
         "classes": list(classes),
         "chance": 1 / len(classes),
-        "domains": _by_domain(facts, shares),
+        "domains": [
+            {
+                "name": name,
+                "is_source": name == facts.source,
+                "pairs": int(mask.sum()),
+                **{key: _share(right[mask]) for key, right in shares.items()},
+            }
+            for name, mask in facts.members.items()
+        ],
         "unseen": {name: _over_domains(facts, right) for name, right in shares.items()},
-        "look_alikes": _look_alikes(facts, shares, embeddings.rows.get("looks_like", [])),
+        "look_alikes": {"pairs": int(alike.sum()), **{key: _share(right[alike]) for key, right in shares.items()}}
+        if alike.any()
+        else None,
         "confusion": {name: _confusions(facts, values, len(classes)) for name, values in predicted.items()},
         "pairs": {
             "counts": facts.counts,
@@ -122,18 +195,6 @@ def unseen_summary(head: Head, embeddings: Embeddings) -> dict[str, Any]:
             "cosine": cosine,
         },
     }
-
-
-def _by_domain(facts: _Facts, shares: Mapping[str, Array]) -> list[dict[str, Any]]:
-    return [
-        {
-            "name": name,
-            "is_source": name == facts.source,
-            "pairs": int(mask.sum()),
-            **{key: _share(right[mask]) for key, right in shares.items()},
-        }
-        for name, mask in facts.members()[:-1]
-    ]
 
 
 def _share(right: Array) -> dict[str, float] | None:
@@ -148,26 +209,18 @@ def _share(right: Array) -> dict[str, float] | None:
 def _over_domains(facts: _Facts, right: Array) -> dict[str, float] | None:
     """Return the mean over unseen domains with its interval, or None without any."""
     known = ~np.isnan(right)
-    counts = [(int(right[m & known].sum()), int((m & known).sum())) for m in facts.unseen()]
+    masks = [mask for name, mask in facts.members.items() if name != facts.source and mask.any()]
+    counts = [(int(right[m & known].sum()), int((m & known).sum())) for m in masks]
     if not counts:
         return None
     low, high = of_domains(counts)
     return {"share": float(np.mean([r / n for r, n in counts])), "low": low, "high": high}
 
 
-def _look_alikes(facts: _Facts, shares: Mapping[str, Array], looks_like: Sequence[str]) -> dict[str, Any] | None:
-    """Return the shares of unseen pairs that look like another class, or None without any."""
-    alike = np.array([bool(name) for name in looks_like] or [False] * len(facts.domain))
-    mask = alike & facts.members()[-1][1]
-    if not mask.any():
-        return None
-    return {"pairs": int(mask.sum()), **{key: _share(right[mask]) for key, right in shares.items()}}
-
-
 def _confusions(facts: _Facts, predicted: Array, classes: int) -> dict[str, list[list[int]]]:
     """Return counts (K, K), true class by predicted class, of each domain and all unseen ones."""
     found = {}
-    for name, mask in facts.members():
+    for name, mask in (facts.members | {UNSEEN: facts.unseen}).items():
         cells = facts.label[mask] * classes + predicted[mask]
         found[name] = np.bincount(cells, minlength=classes**2).reshape(classes, classes).tolist()
     return found
