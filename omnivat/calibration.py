@@ -114,18 +114,12 @@ WORDS = ((UNLIKE, "unlike the training images"), (2.0, "familiar"))
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Familiarity:
-    """Training images as unit vectors, and the quantiles of their nearest cosines.
+    """Training images as unit vectors, and the quantiles of their nearest cosines, by modality."""
 
-    rows       modality -> (N, D) unit rows
-    quantiles  modality -> (101,) ascending cosines, from quantile 0 to 1
-    lengths    modality -> (N,) lengths of the rows before; empty for an older head
-    labels     (N,) class indices of the head; None for an older head
-    """
-
-    rows: dict[str, Tensor]
-    quantiles: dict[str, Tensor]
-    lengths: dict[str, Tensor] = field(default_factory=dict)
-    labels: Tensor | None = None
+    rows: dict[str, Tensor]  # (N, D) of unit length
+    quantiles: dict[str, Tensor]  # (101,) ascending cosines, from quantile 0 to 1
+    lengths: dict[str, Tensor] = field(default_factory=dict)  # (N,) of the rows before; empty for an older head
+    labels: Tensor | None = None  # (N,) class indices of the head; None for an older head
 
     def look(self, vis: Tensor | None, tac: Tensor | None) -> list[dict[str, dict[str, Any]]]:
         """Return one record for each pair: modality -> cosine, quantile in [0, 1] and words.

@@ -114,7 +114,11 @@ def _fit(kind: type[Any], name: str, value: Any) -> Any:
 
 
 _NO = object()
-_hints = cache(get_type_hints)
+
+
+@cache
+def _hints(kind: Any) -> dict[str, Any]:
+    return get_type_hints(kind)
 
 
 def _fit_one(hint: Any, value: Any) -> Any:

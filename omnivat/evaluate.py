@@ -1,6 +1,6 @@
 """Evaluate a head on sets of embeddings: accuracy and macro-F1 for each domain."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,7 @@ from omnivat.errors import DataError
 from omnivat.gaps.confusion import accuracy, confusion, macro_f1
 from omnivat.model.head import OmniVaT
 from omnivat.progress import OnStep, Step, ignore
+from omnivat.stages import IMAGES
 
 Rows = NDArray[np.int64]
 CHUNK = 512  # pairs in a forward pass; it bounds the memory for any set
@@ -56,14 +57,31 @@ def _predicted(
     what: str, model: OmniVaT, embeddings: Embeddings, order: float | None, modalities: Sequence[str], rows: Rows | None
 ) -> dict[str, Tensor]:
     """Return a property of `HeadOutput` for all pairs, some at a time."""
-    device, found = model.classifier.device, []
-    for some in zip(*(walked(getattr(embeddings, name), rows, size=CHUNK) for name in modalities), strict=True):
-        given = {n: torch.from_numpy(b).to(device) for n, b in zip(modalities, some, strict=True)}
+    found = []
+    for _, given in blocks(embeddings, model.classifier.device, modalities, rows):
         output = model(given.get("vis"), given.get("tac"), order=order)
         found.append({name: values.cpu() for name, values in getattr(output, what).items()})
     if not found:
         raise DataError("There are no pairs to predict.")
     return {name: torch.cat([part[name] for part in found]) for name in found[0]}
+
+
+def blocks(
+    embeddings: Embeddings,
+    device: torch.device | None = None,
+    modalities: Sequence[str] = IMAGES,
+    rows: Rows | None = None,
+    *,
+    size: int = CHUNK,
+) -> Iterator[tuple[slice, dict[str, Tensor]]]:
+    """Yield `size` pairs at a time by modality, with their places among `rows` (None: all pairs)."""
+    start = 0
+    for some in zip(*(walked(getattr(embeddings, name), rows, size=size) for name in modalities), strict=True):
+        yield (
+            slice(start, start + size),
+            {n: torch.from_numpy(b).to(device) for n, b in zip(modalities, some, strict=True)},
+        )
+        start += size
 
 
 def label_map(head_classes: Sequence[str], data_classes: Sequence[str]) -> np.ndarray[Any, Any]:

@@ -71,20 +71,15 @@ def _require_plain(value: Any, deeper: int) -> None:
     if deeper < 0:
         raise ValueError(f"it is nested more than {DEEPEST} deep")
     if isinstance(value, str):
-        require_writable_text(value)
+        try:
+            value.encode()
+        except UnicodeEncodeError as error:  # a lone surrogate, which no file or page can contain
+            raise ValueError(f"a text with half a character, {value[:20]!r}") from error
     elif isinstance(value, dict):
         _require_plain([*value, *value.values()], deeper)
     elif isinstance(value, list):
         for inner in value:
             _require_plain(inner, deeper - 1)
-
-
-def require_writable_text(text: str) -> None:
-    """Raise ValueError for a lone surrogate, which no file or page can contain."""
-    try:
-        text.encode()
-    except UnicodeEncodeError as error:
-        raise ValueError(f"a text with half a character, {text[:20]!r}") from error
 
 
 def texts(value: Any, name: str) -> dict[str, str]:

@@ -39,15 +39,12 @@ Labels = NDArray[np.int64]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Lesson:
-    """One labelled pair as raw embeddings (1, input_width); one of the two may be None.
-
-    object  its name: pairs of one object are left out together; "": an object of its own
-    """
+    """One labelled pair as raw embeddings (1, input_width); one of the two may be None."""
 
     label: str
     vis: Tensor | None
     tac: Tensor | None
-    object: str = ""
+    object: str = ""  # its name: pairs of one object are left out together; "": an object of its own
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -62,16 +59,11 @@ class Judged:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Report:
-    """What teaching brings.
+    """What teaching brings."""
 
-    judged  each lesson. The method is chosen without it: by the other objects' predictions
-    method  the best method over all lessons, which `taught` uses
-    right   method -> lessons that it predicts rightly, each object left out
-    """
-
-    judged: tuple[Judged, ...]
-    method: str
-    right: Mapping[str, int]
+    judged: tuple[Judged, ...]  # each lesson. The method is chosen without it: by the other objects' predictions
+    method: str  # the best method over all lessons, which `taught` uses
+    right: Mapping[str, int]  # method -> lessons that it predicts rightly, each object left out
 
     @property
     def before(self) -> int:

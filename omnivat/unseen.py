@@ -9,9 +9,8 @@ import torch
 from numpy.typing import NDArray
 
 from omnivat.checkpoint import Head
-from omnivat.data.arrays import walked
 from omnivat.data.embeddings import Embeddings
-from omnivat.evaluate import CHUNK, label_map, predicted_probabilities
+from omnivat.evaluate import blocks, label_map, predicted_probabilities
 from omnivat.gaps.unit import unit
 
 READINGS = ("fused", "vis", "tac")
@@ -234,17 +233,12 @@ def _alone(head: Head, embeddings: Embeddings, rows: NDArray[np.int64]) -> tuple
     """
     vis: list[torch.Tensor] = []
     tac, cosines = torch.empty(0), torch.empty(len(embeddings))
-    columns = (walked(rows, size=CHUNK) for rows in (embeddings.vis, embeddings.tac))
-    device, start = head.model.classifier.device, 0
-    for photos, touches in zip(*columns, strict=True):
-        seen = head.model(torch.from_numpy(photos).to(device), None).f_hat["vis"]
-        felt = head.model(None, torch.from_numpy(touches).to(device)).f_hat["tac"]
-        seen, felt = unit(seen).cpu(), unit(felt).cpu()
+    for place, given in blocks(embeddings, head.model.classifier.device):
+        seen = unit(head.model(given["vis"], None).f_hat["vis"]).cpu()
+        felt = unit(head.model(None, given["tac"]).f_hat["tac"]).cpu()
         if not len(tac):
             tac = torch.empty(len(embeddings), felt.shape[1])
-        end = start + len(seen)
-        tac[start:end], cosines[start:end] = felt, (seen * felt).sum(1)
-        first, last = np.searchsorted(rows, (start, end))
-        vis.append(seen[torch.from_numpy(rows[first:last] - start)])
-        start = end
+        tac[place], cosines[place] = felt, (seen * felt).sum(1)
+        first, last = np.searchsorted(rows, (place.start, place.stop))
+        vis.append(seen[torch.from_numpy(rows[first:last] - place.start)])
     return torch.cat(vis).numpy(), tac.numpy(), cosines.numpy()

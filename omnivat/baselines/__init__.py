@@ -35,14 +35,11 @@ BASELINES = {
 
 
 class Label(NamedTuple):
-    """A method in tables: its name, and a note on how it differs from the published method.
-
-    optional  not in the default list: slower, or a variant of another row
-    """
+    """A method in tables: its name, and a note on how it differs from the published method."""
 
     name: str
     note: str = ""
-    optional: bool = False
+    optional: bool = False  # not in the default list: slower, or a variant of another row
 
 
 LABELS = {

@@ -12,6 +12,7 @@ coral       Sun and Saenko, Deep CORAL, ECCV 2016 workshops: aligns the covarian
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import torch
 from torch import Tensor, nn
@@ -64,28 +65,8 @@ def fourier(strength: float, vis: Tensor, tac: Tensor, truth: Tensor) -> Batch:
     return respaced(vis), respaced(tac), truth
 
 
-def fit_mixup(source: Source) -> Fitted:
-    """Train with mixup; held-out objects choose α."""
-    return _fit(source, "mixup", mixup, (0.2, 1.0))
-
-
-def fit_mixstyle(source: Source) -> Fitted:
-    """Train with MixStyle on vectors; held-out objects choose α."""
-    return _fit(source, "mixstyle", mixstyle, (0.1, 0.3))
-
-
-def fit_fourier(source: Source) -> Fitted:
-    """Train with mixed amplitudes; held-out objects choose the largest mixing."""
-    return _fit(source, "fourier", fourier, (0.5, 1.0))
-
-
-def fit_sam(source: Source) -> Fitted:
-    """Train with sharpness-aware minimisation; held-out objects choose the radius."""
-    return _fit(source, "sam", lambda radius, *batch: batch, (0.02, 0.05))
-
-
-def _fit(source: Source, name: str, change: Callable[..., Batch], strengths: tuple[float, ...]) -> Fitted:
-    """Train with `change` on every batch; held-out objects choose its strength."""
+def _fit(source: Source, *, name: str, change: Callable[..., Batch], strengths: tuple[float, ...]) -> Fitted:
+    """Train with `change` on every batch; held-out objects choose its strength: α, the largest mixing or the radius."""
 
     def fitted(part: Source, strength: float, inputs: Inputs = FUSED) -> Fitted:
         def loss(model: nn.Module, rows: Tensor) -> Tensor:
@@ -100,6 +81,12 @@ def _fit(source: Source, name: str, change: Callable[..., Batch], strengths: tup
     candidates = {f"{strength:g}": strength for strength in strengths}
     strength = candidates[best(source, candidates, fitted, repeats=1)]
     return replace(fitted(source, strength, INPUTS), chosen={"strength": strength})
+
+
+fit_mixup = partial(_fit, name="mixup", change=mixup, strengths=(0.2, 1.0))
+fit_mixstyle = partial(_fit, name="mixstyle", change=mixstyle, strengths=(0.1, 0.3))
+fit_fourier = partial(_fit, name="fourier", change=fourier, strengths=(0.5, 1.0))
+fit_sam = partial(_fit, name="sam", change=lambda radius, *batch: batch, strengths=(0.02, 0.05))
 
 
 class Towers(nn.Module):

@@ -33,16 +33,11 @@ class ImageInput:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Live:
-    """The images of a source's embeddings, and the CLIP that made them.
+    """The images of a source's embeddings, and the CLIP that made them."""
 
-    read    ("vis" or "tac", row among all pairs) -> an RGB image
-    load    returns the live towers; they are frozen and shared, and no method changes them
-    rows    (N,) indices of these pairs among all pairs
-    """
-
-    read: Callable[[str, int], Image.Image]
-    load: "Callable[[], LiveClip]"
-    rows: Tensor
+    read: Callable[[str, int], Image.Image]  # ("vis" or "tac", row among all pairs) -> an RGB image
+    load: "Callable[[], LiveClip]"  # returns the live towers; they are frozen and shared, and no method changes them
+    rows: Tensor  # (N,) indices of these pairs among all pairs
 
     def images(self, name: str, rows: Tensor, given: ImageInput) -> Tensor:
         """Return the "vis" or "tac" images (B, 3, side, side) of the pairs `rows` (B,)."""
@@ -78,43 +73,28 @@ COPIES = 4  # of each image with noise, for methods that are solved
 class Source:
     """Training pairs of one domain. It contains nothing of any other domain.
 
-    vis, tac            (N, D) from the encoder
-    vis_flip, tac_flip  (N, D) of the mirrored images, or None
-    labels              (N,) indices into classes
-    objects             N names of the touched objects; hold-outs never split an object
-    lang                (K, S, W) text embeddings of each class in S styles, or None
-    why_no_lang         the reason, if lang is None
-    lang_of_images      True if the text tower of the image encoder made `lang`
-    plain               (K, D) text embeddings of "a photo of a CLASS.", or None
-    logit_scale         that encoder's factor of cosines, or None if unknown
-    prompts             loads the live text tower, for methods that learn prompts; None without one
-    live                images and live towers, for methods that learn inside them; or None
-    why_not_live        the reason, if live is None
-    noise               white noise in training, in standard deviations of each channel
-    epochs              of a method trained by gradient steps; 0: its own
-    settled             names of candidates that another seed chose on this source
     Raises DataError if an embedding is not finite.
     """
 
-    vis: Tensor
+    vis: Tensor  # (N, D) from the encoder, and so is tac
     tac: Tensor
-    labels: Tensor
-    objects: tuple[str, ...]
+    labels: Tensor  # (N,) indices into classes
+    objects: tuple[str, ...]  # N names of the touched objects; hold-outs never split an object
     classes: tuple[str, ...]
-    vis_flip: Tensor | None = None
+    vis_flip: Tensor | None = None  # (N, D) of the mirrored images, if there are any
     tac_flip: Tensor | None = None
-    lang: Tensor | None = None
-    lang_of_images: bool = False
-    why_no_lang: str = ""
-    plain: Tensor | None = None
-    logit_scale: float | None = None
-    prompts: "Callable[[], ClipPrompts] | None" = None
-    live: Live | None = None
-    why_not_live: str = ""
+    lang: Tensor | None = None  # (K, S, W) text embeddings of each class in S styles
+    lang_of_images: bool = False  # True if the text tower of the image encoder made `lang`
+    why_no_lang: str = ""  # the reason, if lang is None
+    plain: Tensor | None = None  # (K, D) text embeddings of "a photo of a CLASS."
+    logit_scale: float | None = None  # that encoder's factor of cosines, if known
+    prompts: "Callable[[], ClipPrompts] | None" = None  # loads the live text tower, to learn prompts
+    live: Live | None = None  # images and live towers, to learn inside them
+    why_not_live: str = ""  # the reason, if live is None
     seed: int = 0
-    noise: float = 0.0
-    epochs: int = 0
-    settled: tuple[str, ...] = ()
+    noise: float = 0.0  # white noise in training, in standard deviations of each channel
+    epochs: int = 0  # of a method trained by gradient steps; 0: its own
+    settled: tuple[str, ...] = ()  # names of candidates that another seed chose on this source
 
     def __post_init__(self) -> None:
         for name in ("vis", "tac", "vis_flip", "tac_flip", "lang", "plain"):
@@ -197,21 +177,18 @@ def embeddings_themselves(vis: Tensor, tac: Tensor) -> dict[str, Tensor]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Fitted:
-    """A fitted method.
+    """A fitted method: functions of VIS and TAC, (B, D) each.
 
-    predict     (vis (B, D), tac (B, D)) -> class probabilities (B, K): "fused" from both images,
-                "vis" and "tac" from one alone, independent of the other image
-    features    (vis, tac) -> the last features before classification, (B, W): "vis", "tac", "pair"
-    chosen      settings chosen by source-side evidence, by name
-    parameters  number of fitted parameters
-    images      image preprocessing, for a method that learned inside the image tower: predict and
-                features then take images (B, 3, side, side) instead of embeddings; else None
+    predict  class probabilities (B, K): "fused" from both images, "vis" and "tac" from one alone, independent of the
+             other image
+    images   preprocessing, for a method that learned inside the image tower: both functions then take images
+             (B, 3, side, side)
     """
 
     predict: Predict
-    features: Predict = embeddings_themselves
-    chosen: dict[str, float | str] = field(default_factory=dict)
-    parameters: int = 0
+    features: Predict = embeddings_themselves  # the last ones before classification, (B, W): "vis", "tac", "pair"
+    chosen: dict[str, float | str] = field(default_factory=dict)  # settings chosen by source-side evidence, by name
+    parameters: int = 0  # how many were fitted
     images: ImageInput | None = None
 
 

@@ -6,9 +6,9 @@ probes of one modality, the same in all three.
 """
 
 from collections.abc import Callable
+from functools import partial
 from hashlib import blake2b
 
-import torch
 from torch import Tensor
 from torch.nn.functional import normalize
 
@@ -33,17 +33,8 @@ def fit(source: Source) -> Fitted:
     )
 
 
-def fit_concatenated(source: Source) -> Fitted:
-    """Fit one probe on concatenated VIS and TAC."""
-    return _fit_mixed(source, side_by_side)
-
-
-def fit_sum(source: Source) -> Fitted:
-    """Fit one probe on the sum of the unit embeddings of VIS and TAC."""
-    return _fit_mixed(source, added)
-
-
 def _fit_mixed(source: Source, mix: Mix) -> Fitted:
+    """Fit one probe on VIS and TAC mixed."""
     both = fit_logistic(source, lambda pairs: mix(pairs.vis, pairs.tac))
     one_each = fit(source).predict
 
@@ -74,11 +65,6 @@ def _one_each(source: Source) -> dict[str, Logistic]:
     return _KEPT[key]
 
 
-def side_by_side(vis: Tensor, tac: Tensor) -> Tensor:
-    """Concatenate unit vectors, so that both modalities have equal weight."""
-    return torch.cat((normalize(vis, dim=-1), normalize(tac, dim=-1)), dim=-1)
-
-
-def added(vis: Tensor, tac: Tensor) -> Tensor:
-    """Add unit vectors."""
-    return normalize(vis, dim=-1) + normalize(tac, dim=-1)
+# Of unit vectors, so that both modalities have equal weight.
+fit_concatenated = partial(_fit_mixed, mix=lambda vis, tac: joined(vis, tac)["pair"])
+fit_sum = partial(_fit_mixed, mix=lambda vis, tac: normalize(vis, dim=-1) + normalize(tac, dim=-1))

@@ -76,12 +76,9 @@ def solve(rows: Tensor, labels: Tensor, classes: int, strength: float) -> tuple[
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Problem:
-    """Rows in a basis of their span, computed once for several penalties.
+    """Rows in a basis of their span, computed once for several penalties."""
 
-    inside  (N, R) float64;  labels  (N,);  basis  (D, R), or None where R = D
-    """
-
-    inside: NDArray[np.float64]
+    inside: NDArray[np.float64]  # (N, R) float64;  labels  (N,);  basis  (D, R), or None where R = D
     labels: NDArray[np.int64]
     classes: int
     basis: Tensor | None

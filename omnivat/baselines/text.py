@@ -9,6 +9,7 @@ cosine and decay). Source: Cho et al., PromptStyler, ICCV 2023; ArcFace: Deng et
 """
 
 from collections.abc import Callable
+from functools import partial
 
 import torch
 from torch import Tensor, nn
@@ -71,22 +72,6 @@ def texts_of_the_image_encoder(source: Source, what: str) -> Tensor:
     return source.lang
 
 
-def fit_promptstyler(source: Source) -> Fitted:
-    """Train a head of unit weights with ArcFace; no image of the source is used.
-
-    Raises DataError where the texts are not of the image encoder's own text tower.
-    """
-    return _fit_head(source, scaled_cosines, arcface, PAPER)
-
-
-def fit_promptstyler_ce(source: Source) -> Fitted:
-    """Train a bias-free linear head with cross-entropy; no image of the source is used.
-
-    Raises DataError where the texts are not of the image encoder's own text tower.
-    """
-    return _fit_head(source, linear, lambda rows, w, labels: cross_entropy(rows @ w.T, labels), PUBLIC)
-
-
 def arcface(rows: Tensor, weight: Tensor, labels: Tensor) -> Tensor:
     """Return the cross-entropy of scaled cosines with an angular margin for the true class.
 
@@ -103,7 +88,11 @@ def scaled_cosines(rows: Tensor, weight: Tensor) -> Tensor:
     return SCALE * linear(normalize(rows, dim=-1), normalize(weight, dim=-1))
 
 
-def _fit_head(source: Source, logits: Logits, loss: Loss, how: Descent) -> Fitted:
+def _fit_head(source: Source, *, logits: Logits, loss: Loss, how: Descent) -> Fitted:
+    """Train a bias-free linear head on the texts; no image of the source is used.
+
+    Raises DataError where the texts are not of the image encoder's own text tower.
+    """
     lang = normalize(texts_of_the_image_encoder(source, "Source-free PromptStyler"), dim=-1)
     classes, styles, width = lang.shape
     rows, labels = lang.flatten(0, 1), torch.arange(classes).repeat_interleave(styles)
@@ -113,3 +102,9 @@ def _fit_head(source: Source, logits: Logits, loss: Loss, how: Descent) -> Fitte
     weight = head.weight.detach()
     predict = late(lambda _, images: logits(normalize(images, dim=-1), weight).softmax(-1))
     return Fitted(predict=predict, parameters=weight.numel())
+
+
+fit_promptstyler = partial(_fit_head, logits=scaled_cosines, loss=arcface, how=PAPER)
+fit_promptstyler_ce = partial(
+    _fit_head, logits=linear, loss=lambda rows, w, labels: cross_entropy(rows @ w.T, labels), how=PUBLIC
+)

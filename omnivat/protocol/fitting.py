@@ -95,37 +95,27 @@ Logits = Callable[[Embeddings], dict[str, Tensor]]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Choice:
-    """Choices made on held-out objects of a source: once for each source, for all seeds.
+    """Choices made on held-out objects of a source: once for each source, for all seeds."""
 
-    candidate    name of the head's settings among `Method.candidates`
-    fusion       late fusion that held-out pairs favour; "fused" remains the method's own fusion
-    calibration  temperatures, and the share of a learned fusion
-    losses       held-out log loss of each candidate
-    settled      names of the candidates that a baseline chose
-    """
-
-    candidate: str = ""
-    fusion: str = "mean"
-    calibration: Calibration = field(default_factory=Calibration)
-    losses: Mapping[str, float] = field(default_factory=dict)
-    settled: tuple[str, ...] = ()
+    candidate: str = ""  # name of the head's settings among `Method.candidates`
+    fusion: str = "mean"  # late fusion that held-out pairs favour; "fused" remains the method's own fusion
+    calibration: Calibration = field(default_factory=Calibration)  # temperatures, and the share of a learned fusion
+    losses: Mapping[str, float] = field(default_factory=dict)  # held-out log loss of each candidate
+    settled: tuple[str, ...] = ()  # names of the candidates that a baseline chose
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Outcome:
     """A fitted method, and the contents of its record.
 
-    logits       pairs -> reading -> logits or log-probabilities (N, K) before any temperature:
-                 "fused", "vis", "tac" and, of a head, "vis_branch", "tac_branch" and "pair"
-    features     pairs -> "vis", "tac" and "pair" -> (N, W), the last features before classification
-    choice       choices made on held-out objects
-    separate     readings for late fusion; empty if the method fuses features
+    logits  pairs -> reading -> logits or log-probabilities (N, K) before any temperature: "fused", "vis", "tac" and, of
+            a head, "vis_branch", "tac_branch" and "pair"
     """
 
     logits: Logits
-    features: Logits
+    features: Logits  # (N, W), the last before classification: "vis", "tac" and "pair"
     choice: Choice
-    separate: tuple[str, str] | None
+    separate: tuple[str, str] | None  # readings for late fusion; None if the method fuses features
     chosen: dict[str, Any] = field(default_factory=dict)
     parameters: int = 0
     guard: dict[str, float] | None = None

@@ -11,13 +11,14 @@ from omnivat.tables import unknown
 HEAD = "omnivat"
 NOISY = ("noise", "epochs")  # settings of training that baselines take, too
 # Parts of the head as separate rows: changed settings, label and note.
-VARIANTS: dict[str, tuple[str, dict[str, Any], dict[str, Any]]] = {
+Part = tuple[str, dict[str, Any], dict[str, Any]]
+VARIANTS: dict[str, Part] = {
     "mffa_alone": ("MFFA alone", {"generation": "none"}, {}),
     "dtg_alone": ("DTG alone", {"mffa": False}, {}),
     "cosine_head": ("Cosine head, neither MFFA nor tree", {"mffa": False, "generation": "none"}, {"nod_weight": 0.0}),
 }
 # The head with one part switched off: shown in the tables, excluded from the lead.
-ABLATED: dict[str, tuple[str, dict[str, Any], dict[str, Any]]] = {
+ABLATED: dict[str, Part] = {
     "omnivat_no_lang": ("OmniVaT without LANG", {}, {"lang": False}),
     "omnivat_no_mma": ("OmniVaT without L_MMA", {}, {"mma_weight": 0.0}),
     "omnivat_no_nod": ("OmniVaT without L_NOD", {}, {"nod_weight": 0.0}),
@@ -31,25 +32,19 @@ DEFAULT_METHODS = (HEAD, *VARIANTS, *(name for name in BASELINES if name not in 
 class Method:
     """A row of a table.
 
-    name        unique; a file's records are grouped by it
-    base        "omnivat" or a name in BASELINES
-    head        settings of the head that differ from the defaults
-    train       settings of training that differ from the defaults
-    modalities  input in prediction
-    candidates  settings to choose from on held-out objects of the source, by name:
-                {"head": {...}, "train": {...}} override `head` and `train`; empty: no choice
-    ablated     the head with one part switched off; excluded from the lead
+    candidates  settings to choose from on held-out objects of the source, by name: {"head": {...}, "train": {...}}
+                override `head` and `train`; empty: no choice
     """
 
-    name: str
-    base: str = HEAD
-    head: Mapping[str, Any] = field(default_factory=dict)
-    train: Mapping[str, Any] = field(default_factory=dict)
-    modalities: tuple[str, ...] = ("vis", "tac")
+    name: str  # unique; a file's records are grouped by it
+    base: str = HEAD  # or a name in BASELINES
+    head: Mapping[str, Any] = field(default_factory=dict)  # settings that differ from the defaults
+    train: Mapping[str, Any] = field(default_factory=dict)  # the same, of training
+    modalities: tuple[str, ...] = ("vis", "tac")  # input in prediction
     candidates: Mapping[str, Mapping[str, Mapping[str, Any]]] = field(default_factory=dict)
     label: str = ""
     note: str = ""
-    ablated: bool = False
+    ablated: bool = False  # the head with one part switched off; excluded from the lead
 
     def __post_init__(self) -> None:
         if self.base != HEAD and self.base not in BASELINES:
@@ -75,7 +70,7 @@ def methods_named(
     """
     if len(set(names)) < len(names):
         raise SettingsError(f"A method is named twice in {', '.join(names)}.")
-    heads = {HEAD: ("OmniVaT", {}, {})} | VARIANTS | ABLATED
+    heads: dict[str, Part] = {HEAD: ("OmniVaT", {}, {}), **VARIANTS, **ABLATED}
     own = {key: train[key] for key in NOISY if key in train and train.get("noise")}
     found = []
     for name in names:

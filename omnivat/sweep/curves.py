@@ -49,18 +49,13 @@ MEASURES = ("modality_gap", "domain_gap", "margin", "accuracy", "macro_f1")
 class Sweep:
     """Curves over P orders for N pairs.
 
-    orders         (P,) quarter turns, as given
-    classes        the head's K classes, then other classes of the set
-    label          (N,) index into `classes`
-    probabilities  (P, N, K) float32, from both images; (P, 0, K) without prediction measures
-    curves         "measure/stage", "accuracy/all" and the like -> (P,) float64; NaN if
-                   undefined. docs/gaps.md lists the names
+    curves  "measure/stage", "accuracy/all" and the like -> (P,); NaN if undefined. docs/gaps.md lists the names
     """
 
-    orders: NDArray[np.float64]
-    classes: tuple[str, ...]
-    label: NDArray[np.int64]
-    probabilities: NDArray[np.float32]
+    orders: NDArray[np.float64]  # (P,) quarter turns, as given
+    classes: tuple[str, ...]  # the head's K classes, then other classes of the set
+    label: NDArray[np.int64]  # (N,) index into `classes`
+    probabilities: NDArray[np.float32]  # (P, N, K), from both images; (P, 0, K) without prediction measures
     curves: dict[str, NDArray[np.float64]] = field(default_factory=dict)
 
 

@@ -7,9 +7,9 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from omnivat.data.arrays import walked
 from omnivat.data.store import Embeddings
 from omnivat.errors import DataError, SettingsError
+from omnivat.evaluate import blocks
 from omnivat.gaps.measures import Facts
 from omnivat.gaps.sums import Sums
 from omnivat.model.head import OmniVaT, PairCoefficients
@@ -27,19 +27,14 @@ Features = Mapping[str, Tensor]  # modality -> (N, W), rows of any length
 class AtOrder:
     """The results at one order.
 
-    index          index of the order in the given list
-    features       stage -> modality -> (N, W): requested stages that depend on the order; at the
-                   first order visited, also those that do not
-    probabilities  reading -> (N, K): "fused", "vis" and "tac" alone, "vis_branch" and "tac_branch"
-                   inside the pair; empty if predictions were not requested
-    sums           stage -> sums of its rows, instead of features if requested
+    features  by stage: requested stages that depend on the order; at the first order visited, also those that do not
     """
 
-    index: int
+    index: int  # of the order in the given list
     order: float
     features: Mapping[str, Features]
-    probabilities: Mapping[str, Tensor]
-    sums: Mapping[str, Sums] = field(default_factory=dict)
+    probabilities: Mapping[str, Tensor]  # reading -> (N, K); empty if predictions were not requested
+    sums: Mapping[str, Sums] = field(default_factory=dict)  # by stage, instead of features if requested
 
 
 def coarse_first(count: int) -> list[int]:
@@ -171,11 +166,7 @@ def stage_features(output: HeadOutput, stage: str) -> Features:
 
 
 def _raw_chunks(model: OmniVaT | None, embeddings: Embeddings, chunk: int) -> Iterator[tuple[slice, dict[str, Tensor]]]:
-    device = model.classifier.device if model else None
-    both = zip(walked(embeddings.vis, size=chunk), walked(embeddings.tac, size=chunk), strict=True)
-    for place, (vis, tac) in enumerate(both):
-        rows = slice(place * chunk, (place + 1) * chunk)
-        yield rows, {"vis": torch.from_numpy(vis).to(device), "tac": torch.from_numpy(tac).to(device)}
+    return blocks(embeddings, model.classifier.device if model else None, size=chunk)
 
 
 def _require_pairs(embeddings: Embeddings) -> None:
