@@ -24,9 +24,9 @@ TYPES = ("F64", "F32", "F16", "BF16", "I64", "I32", "I16", "I8", "U8", "BOOL")
 FLOATS = ("F64", "F32", "F16", "BF16")
 
 
-def read_object(file: Path, most: int = MOST_JSON) -> dict[str, Any]:
+def read_object(file: Path) -> dict[str, Any]:
     """Return the JSON object in a file; raises DataError for anything else."""
-    return object_in(read_whole(file, most), str(file))
+    return object_in(read_whole(file, MOST_JSON), str(file))
 
 
 def object_in(content: bytes, name: str) -> dict[str, Any]:

@@ -21,7 +21,7 @@ from omnivat.errors import DataError
 from omnivat.seeding import derive_seed
 
 FRACTION = 0.25
-SHIFTS, STRENGTH = 6, 1.0  # of each kind
+SHIFTS, STRENGTH = 6, 1.0  # of each kind; their size in standard deviations of the source
 KINDS = ("axes", "spread")
 
 
@@ -33,28 +33,25 @@ class Evidence:
     held: dict[str, Embeddings]  # "held out", "axes 0", "axes 1", ..., "spread 0", ...
 
 
-def evidence(source: Embeddings, fold: int, *, shifts: int = SHIFTS, strength: float = STRENGTH) -> Evidence:
+def evidence(source: Embeddings, fold: int, *, shifts: int = SHIFTS) -> Evidence:
     """Split a source's training pairs by object and shift the held-out ones.
 
-    fold      number of the fold; the same for every method
-    shifts    imitated sensors of each kind
-    strength  their size in standard deviations of the source
+    fold    number of the fold; the same for every method
+    shifts  imitated sensors of each kind
     Raises DataError if no object can be held out.
     """
     seed = derive_seed(0, "evidence", fold)
     held = hold_out(source.rows["object"], source.label, FRACTION, seed=seed)
     if not held.any():
         raise DataError("No object of the source can be held out: every class has one object only.")
-    return evidence_of(source, held, seed, shifts=shifts, strength=strength)
+    return evidence_of(source, held, seed, shifts=shifts)
 
 
-def evidence_of(
-    source: Embeddings, held: NDArray[np.bool_], seed: int, *, shifts: int = SHIFTS, strength: float = STRENGTH
-) -> Evidence:
+def evidence_of(source: Embeddings, held: NDArray[np.bool_], seed: int, *, shifts: int = SHIFTS) -> Evidence:
     """Return the fold with held-out pairs `held` (N,); the seed draws the imitated sensors."""
     fit, rest = source.select(~held), source.select(held)
     shifted = {
-        f"{kind} {number}": shift(rest, fit, strength, derive_seed(seed, kind, number), kind=kind)
+        f"{kind} {number}": shift(rest, fit, STRENGTH, derive_seed(seed, kind, number), kind=kind)
         for kind in KINDS
         for number in range(shifts)
     }

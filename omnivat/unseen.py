@@ -38,14 +38,14 @@ def wilson(right: float, total: int) -> tuple[float, float]:
     return float(max(0.0, middle - half)), float(min(1.0, middle + half))
 
 
-def of_domains(counts: Sequence[tuple[int, int]], *, seed: int = 0) -> tuple[float, float]:
+def of_domains(counts: Sequence[tuple[int, int]]) -> tuple[float, float]:
     """Return the 95 % interval of the mean share over domains: (right, total) of each.
 
     Bootstrap: domains are drawn with replacement, then pairs within each. The interval therefore
     covers other domains of this kind, not only other pairs of these domains.
     """
     right, total = (np.array(part, dtype=np.int64) for part in zip(*counts, strict=True))
-    random = np.random.default_rng(seed)
+    random = np.random.default_rng(0)
     drawn = random.integers(len(total), size=(DRAWS, len(total)))
     shares = random.binomial(total[drawn], right[drawn] / total[drawn]) / total[drawn]
     low, high = np.quantile(shares.mean(axis=1), [0.025, 0.975])
