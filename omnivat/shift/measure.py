@@ -46,20 +46,21 @@ def share(part: str, measure: str, values: Array, objects: Array, *place: str, n
 
 
 def record(
-    part: str, measure: str, value: float, modality: str = "", first: str = "", second: str = "", **more: Any
+    part: str,
+    measure: str,
+    value: float,
+    modality: str = "",
+    first: str = "",
+    second: str = "",
+    *,
+    low: float | None = None,
+    high: float | None = None,
+    n: int | str = "",
+    note: str = "",
 ) -> Record:
     """Return one line of the table of numbers; `first` and `second` are the columns "from" and "to"."""
     place = {"modality": modality, "from": first, "to": second}
-    return {
-        "part": part,
-        "measure": measure,
-        "value": value,
-        **place,
-        "low": None,
-        "high": None,
-        "n": "",
-        "note": "",
-    } | more
+    return {"part": part, "measure": measure, "value": value, **place, "low": low, "high": high, "n": n, "note": note}
 
 
 def gaps(found: Features, on_step: OnStep) -> list[Record]:
@@ -120,9 +121,9 @@ def _summed(measure: str, whole: Gaps, parts: list[Gaps]) -> list[Record]:
         mean, *others = (float(np.nanmean([one[k] for k in keys])) for one in (whole, *parts))
         error = float(np.sqrt((BLOCKS - 1) * np.var(others)))
         most = 2.0 if measure == "proxy_a" else np.inf
-        ends = {"low": max(0.0, mean - T_BLOCKS * error), "high": min(most, mean + T_BLOCKS * error)}
+        low, high = max(0.0, mean - T_BLOCKS * error), min(most, mean + T_BLOCKS * error)
         note = f"mean, {len(keys)} {'pairs of domains' if modality else 'domains'}"
-        records.append(record(part, measure, mean, modality, note=note, **ends))
+        records.append(record(part, measure, mean, modality, low=low, high=high, note=note))
         records += [record(part, measure, whole[m, a, b], m, a, b if m else "") for m, a, b in keys]
     return records
 

@@ -110,13 +110,13 @@ def _means(records: list[Record], view: str, names: list[str]) -> list[Record]:
     for measure, table in tables.items():
         if np.isnan(table).all():
             continue
-        ends: dict[str, float] = {}
+        low = high = None
         if len(names) > 2:
             alone = measure == "home"
             means = [table[d, d] if alone else table[np.ix_(d, d)] for d in drawn if len(set(d)) > 1]
-            low, high = np.nanquantile([np.nanmean(m) for m in means if not np.isnan(m).all()], [0.025, 0.975])
-            ends = {"low": float(low), "high": float(high)}
+            known = [np.nanmean(m) for m in means if not np.isnan(m).all()]
+            low, high = np.nanquantile(known, [0.025, 0.975]).tolist()
         what = "domains" if measure == "home" else "pairs of domains"
         note = f"mean, {int((~np.isnan(table)).sum())} {what}"
-        found.append(record("probe", measure, float(np.nanmean(table)), view, note=note, **ends))
+        found.append(record("probe", measure, float(np.nanmean(table)), view, low=low, high=high, note=note))
     return found
