@@ -1,8 +1,7 @@
 """A head on disk: a folder of `weights.safetensors`, `settings.json` and `metrics.json`.
 
-`settings.json` has the calibration; `familiarity.safetensors` has the training embeddings;
-`profile.safetensors` has their channel statistics. Heads without them also load, with temperature 1
-and None.
+`settings.json` has the calibration; `familiarity.safetensors` has the training embeddings; `profile.safetensors` has
+their channel statistics. Heads without them also load, with temperature 1 and None.
 """
 
 import shutil

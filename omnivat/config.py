@@ -98,7 +98,7 @@ def field_names(kind: type[Any]) -> list[str]:
     return [field.name for field in fields(kind)]
 
 
-def _fit(kind: type[Any], name: str, value: Any) -> Any:
+def _fit(kind: Any, name: str, value: Any) -> Any:
     hints = _hints(kind)
     if name not in hints:
         hint = suggestion(name, hints) or f" There are {', '.join(hints)}."

@@ -89,11 +89,6 @@ def label_map(head_classes: Sequence[str], data_classes: Sequence[str]) -> np.nd
     return np.array([head_classes.index(c) if c in head_classes else -1 for c in data_classes])
 
 
-def trained_modalities(head: Head) -> tuple[str, ...]:
-    """Return the modalities the head was trained with: the default for prediction."""
-    return tuple(head.provenance.get("train", {}).get("modalities", "vis+tac").split("+"))
-
-
 def evaluate(
     head: Head,
     embeddings: Embeddings,
@@ -107,14 +102,13 @@ def evaluate(
     order       quarter turns; None: the learned one
     modalities  input of the head: "vis", "tac" or both; None: as in training
 
-    If the data have a split, only the test part counts. "trained_on" is true when evaluated on
-    training pairs. Pairs of classes that the head lacks are left out and counted. F1 averages the
-    classes present in the domain; the "union" variant also averages classes that were only
-    predicted.
+    If the data have a split, only the test part counts. "trained_on" is true when evaluated on training pairs. Pairs of
+    classes that the head lacks are left out and counted. F1 averages the classes present in the domain; the "union"
+    variant also averages classes that were only predicted.
     Raises DataError if the embeddings are from another encoder.
     """
     head.require_embeddings(embeddings)
-    given = trained_modalities(head) if modalities is None else tuple(modalities)
+    given = modalities or head.provenance.get("train", {}).get("modalities", "vis+tac").split("+")
     records, done = [], 0
     for index, name in enumerate(embeddings.header.domains):
         records.append(_evaluate_domain(head, embeddings, name, order, given))

@@ -31,8 +31,7 @@ def write_thumbnails(
 
     Tile i is pair i's photo, tile N + i its tactile image, in rows from the top left. An image that
     cannot be read leaves a grey tile and is counted.
-    Raises DataError if there is no pair, no image is found, or the sheet would exceed the format's
-    limit.
+    Raises DataError if there is no pair, no image is found, or the sheet would exceed the format's limit.
     """
     names = [*embeddings.rows["vis"], *embeddings.rows["tac"]]
     if not names:

@@ -1,6 +1,6 @@
 """A profile of pictures on disk or in memory: embed each, keep mean and variance."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -119,15 +119,8 @@ def profile_of_pictures(
     on_step(Step(done=len(pictures), total=len(pictures), text=""))
     rested = RESTED if any(picture.rest for picture in pictures) else ""
     key = encoder.name, encoder.weights_hash, encoder.preprocessing + rested
-    return profile_of_rows(rows, key, domain=domain, skipped=skipped), tuple(skipped)
-
-
-def profile_of_rows(
-    rows: dict[str, list[np.ndarray]], key: tuple[str, str, str], *, domain: str = "", skipped: Iterable[Skipped] = ()
-) -> Profile:
-    """Return the profile of embeddings (W,) by modality; raises DataError if there are none."""
     channels = {name: channels_of(np.stack(some)) for name, some in rows.items() if some}
     if not channels:
         first = next((f" The first: {one.why}" for one in skipped), "")
         raise DataError(f"None of the pictures could be read.{first}")
-    return Profile(channels=channels, key=key, domain=domain)
+    return Profile(channels=channels, key=key, domain=domain), tuple(skipped)

@@ -1,9 +1,8 @@
 """Comparison methods over the same cached embeddings: one method in each file.
 
-`BASELINES` maps names to fit functions: fit(Source) -> Fitted (see contract.py). `LABELS` has the
-name of each method in tables. A surrogate of a published method that cannot run on pooled
-embeddings has a suffix in its label and a note on what is missing. `omnivat.tables.load` imports a
-method on first use.
+`BASELINES` maps names to fit functions: fit(Source) -> Fitted (see contract.py). `LABELS` has the name of each method
+in tables. A surrogate of a published method that cannot run on pooled embeddings has a suffix in its label and a note
+on what is missing. `omnivat.tables.load` imports a method on first use.
 """
 
 from typing import NamedTuple

@@ -16,21 +16,8 @@ STRENGTHS = tuple(10.0**power for power in range(-5, 5))  # C: the inverse of th
 View = Callable[[Source], Tensor]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Scaling:
-    """Optional scaling of rows to unit length, then a shift and scale from the source."""
-
-    unit: bool
-    mean: Tensor
-    scale: Tensor
-
-    def __call__(self, rows: Tensor) -> Tensor:
-        rows = normalize(rows, dim=-1) if self.unit else rows
-        return (rows - self.mean) * self.scale
-
-
-def scaling(rows: Tensor, kind: str = "unit") -> Scaling:
-    """Return the scaling for rows (N, D).
+def scaling(rows: Tensor, kind: str = "unit") -> Callable[[Tensor], Tensor]:
+    """Return the scaling that rows (N, D) need, a function of any rows.
 
     "unit"      unit length, centred, one scale for all axes (mean squared length D)
     "standard"  mean 0 and variance 1 on each axis; a constant axis becomes 0. Probes do not use it: small
@@ -42,14 +29,14 @@ def scaling(rows: Tensor, kind: str = "unit") -> Scaling:
     spread = (rows - mean).square().mean() if unit else (rows - mean).square().mean(0)
     floor = torch.finfo(rows.dtype).eps ** 2 * rows.square().mean()  # constant up to rounding
     scale = torch.where(spread > floor, spread.clamp_min(1e-30).rsqrt(), torch.zeros_like(spread))
-    return Scaling(unit=unit, mean=mean, scale=scale)
+    return lambda some: ((normalize(some, dim=-1) if unit else some) - mean) * scale
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Logistic:
     """A fitted regression: scaling, weight (K, D) and bias (K,), all float64."""
 
-    scaling: Scaling
+    scaling: Callable[[Tensor], Tensor]
     weight: Tensor
     bias: Tensor
     strength: float

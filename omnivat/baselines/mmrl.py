@@ -1,11 +1,10 @@
 """MMRL: learn shared tokens inside the upper layers of both towers.
 
-For each upper layer of each tower, a linear map turns five vectors into tokens after the first
-token. A copy of the image projection reads these tokens; the class token passes as in CLIP. The
-towers are frozen, and gradients pass through them. Source: Guo and Gu, MMRL, CVPR 2025; sizes,
-rates and losses are those of its few-shot code. Only the class token predicts, as in that code for
-unseen domains. Our changes: VIS and TAC count as images alike; images are mirrored, not cropped,
-as in the OmniVaT paper; in towers with other depths than twelve, the last seven layers are the
+For each upper layer of each tower, a linear map turns five vectors into tokens after the first token. A copy of the
+image projection reads these tokens; the class token passes as in CLIP. The towers are frozen, and gradients pass
+through them. Source: Guo and Gu, MMRL, CVPR 2025; sizes, rates and losses are those of its few-shot code. Only the
+class token predicts, as in that code for unseen domains. Our changes: VIS and TAC count as images alike; images are
+mirrored, not cropped, as in the OmniVaT paper; in towers with other depths than twelve, the last seven layers are the
 upper ones.
 """
 

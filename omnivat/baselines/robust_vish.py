@@ -1,8 +1,7 @@
 """RobustVisH-2: convolutions and a recurrent net over embeddings as sequences, fused by attention.
 
-Source: the published architecture without its kinaesthetic branch. A fit takes minutes to hours on
-a CPU, so it is not among the default methods. An absent image is its training mean, zero after
-scaling.
+Source: the published architecture without its kinaesthetic branch. A fit takes minutes to hours on a CPU, so it is not
+among the default methods. An absent image is its training mean, zero after scaling.
 """
 
 import torch

@@ -1,12 +1,11 @@
 """SPG: a generator makes a prompt for each image and compares the image with the class texts.
 
-Stage 1 learns one prompt for the source (CoOp). Stage 2 trains a conditional GAN: its generator
-makes a prompt from noise and an image's embedding; its discriminator separates it from the learned
-prompt. SPG needs pooled embeddings and the live text tower, but not the inside of the image tower.
-Source: Bai et al., Soft Prompt Generation for Domain Generalization, ECCV 2024; networks, starts,
-rates, schedules and clips are those of its code, for other sets than PACS and VLCS where they differ.
-Our changes: VIS and TAC count as images alike, images are mirrored, not cropped, and one fixed noise
-vector serves every prediction, so that a prediction does not depend on the batch.
+Stage 1 learns one prompt for the source (CoOp). Stage 2 trains a conditional GAN: its generator makes a prompt from
+noise and an image's embedding; its discriminator separates it from the learned prompt. SPG needs pooled embeddings and
+the live text tower, but not the inside of the image tower. Source: Bai et al., Soft Prompt Generation for Domain
+Generalization, ECCV 2024; networks, starts, rates, schedules and clips are those of its code, for other sets than PACS
+and VLCS where they differ. Our changes: VIS and TAC count as images alike, images are mirrored, not cropped, and one
+fixed noise vector serves every prediction, so that a prediction does not depend on the batch.
 """
 
 import math

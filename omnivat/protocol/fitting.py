@@ -225,7 +225,11 @@ def fit_head(
     model.calibration = choice.calibration
     both = len(method.modalities) > 1
     return Outcome(
-        logits=partial(_head_logits, model, method),
+        logits=lambda pairs: with_fused(
+            predicted_logits(model, pairs, modalities=method.modalities),
+            stated_fusion(method),
+            choice.calibration.share,
+        ),
         features=partial(_head_features, model, method.modalities),
         choice=choice,
         separate=BRANCHES if both else None,
@@ -279,11 +283,6 @@ def held_out_loss(held: HeldOut, fusion: str) -> float:
 def stated_fusion(method: Method) -> str:
     """Return the fusion set by a head's method, or the default."""
     return str(method.head.get("fusion", HeadSettings.__dataclass_fields__["fusion"].default))
-
-
-def _head_logits(model: OmniVaT, method: Method, pairs: Embeddings) -> dict[str, Tensor]:
-    logits = predicted_logits(model, pairs, modalities=method.modalities)
-    return with_fused(logits, stated_fusion(method), model.calibration.share)
 
 
 @torch.no_grad()
