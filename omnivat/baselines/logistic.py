@@ -65,10 +65,10 @@ def solve(rows: Tensor, labels: Tensor, classes: int, strength: float) -> tuple[
 class Problem:
     """Rows in a basis of their span, computed once for several penalties."""
 
-    inside: NDArray[np.float64]  # (N, R) float64;  labels  (N,);  basis  (D, R), or None where R = D
-    labels: NDArray[np.int64]
+    inside: NDArray[np.float64]  # (N, R)
+    labels: NDArray[np.int64]  # (N,)
     classes: int
-    basis: Tensor | None
+    basis: Tensor | None  # (D, R); None where R = D
 
     @classmethod
     def of(cls, rows: Tensor, labels: Tensor, classes: int) -> "Problem":
