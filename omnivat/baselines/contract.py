@@ -207,7 +207,7 @@ def late(alone: Callable[[str, Tensor], Tensor]) -> Predict:
 
 def sized(rows: Tensor) -> Tensor:
     """Return rows (B, D) at length √D, so that an entry is about 1: the input of a network."""
-    return rows.shape[1] ** 0.5 * normalize(rows, dim=-1)
+    return normalize(rows, dim=-1) * rows.shape[1] ** 0.5
 
 
 def joined(vis: Tensor, tac: Tensor) -> dict[str, Tensor]:

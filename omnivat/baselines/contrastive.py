@@ -15,7 +15,7 @@ from torch.nn.functional import cross_entropy, normalize
 
 from omnivat.baselines.contract import Fitted, Source, joined, sized
 from omnivat.baselines.descent import Descent, learned, size
-from omnivat.baselines.logistic import fit_logistic
+from omnivat.baselines.logistic import View, fit_logistic
 from omnivat.stages import IMAGES
 
 WIDTH, TEMPERATURE = 128, 0.07  # as published, in both
@@ -61,7 +61,10 @@ def fit_vt_cmc(source: Source) -> Fitted:
         seen, touched = _unit(maps["vis"], vis), _unit(maps["tac"], tac)
         return {"vis": seen, "tac": touched, "pair": torch.cat((seen, touched), dim=-1)}
 
-    probes = {n: fit_logistic(source, lambda pairs, n=n: features(pairs.vis, pairs.tac)[n]) for n in (*IMAGES, "pair")}
+    def view(name: str) -> View:
+        return lambda pairs: features(pairs.vis, pairs.tac)[name]
+
+    probes = {name: fit_logistic(source, view(name)) for name in (*IMAGES, "pair")}
 
     def predict(vis: Tensor, tac: Tensor) -> dict[str, Tensor]:
         found = {name: probes[name].probabilities(rows) for name, rows in features(vis, tac).items()}

@@ -5,6 +5,7 @@ Photo only and touch only are perceptrons of one modality, trained the same way.
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 
 import torch
 from torch import Tensor, nn
@@ -63,7 +64,7 @@ def perceptrons(source: Source, inputs: Inputs, how: Descent, loss: Loss, stream
     """Train one perceptron for each reading in `inputs`; features need all of `INPUTS`."""
     classes = len(source.classes)
     models = {
-        name: learned(source, lambda own=own: Perceptron(source.width, classes, own), how, loss, stream)
+        name: learned(source, partial(Perceptron, source.width, classes, own), how, loss, stream)
         for name, own in inputs.items()
     }
 

@@ -142,7 +142,8 @@ def fit(source: Source) -> Fitted:
 
     @torch.no_grad()
     def found(name: str, images: Tensor) -> Tensor:
-        return model(images.to(clip.device))[name]
+        rows: Tensor = model(images.to(clip.device))[name]
+        return rows
 
     return Fitted(
         predict=late(lambda _, images: found("mixed", images).softmax(-1).cpu()),

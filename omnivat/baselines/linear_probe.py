@@ -14,7 +14,6 @@ from torch.nn.functional import normalize
 
 from omnivat.baselines.contract import Fitted, Source, joined, late
 from omnivat.baselines.logistic import Logistic, fit_logistic
-from omnivat.stages import IMAGES
 
 Mix = Callable[[Tensor, Tensor], Tensor]
 _KEPT: dict[str, dict[str, Logistic]] = {}  # probes by a hash of the source
@@ -61,7 +60,8 @@ def _one_each(source: Source) -> dict[str, Logistic]:
     if key not in _KEPT:
         while len(_KEPT) > 1:
             _KEPT.pop(next(iter(_KEPT)))
-        _KEPT[key] = {n: fit_logistic(source, lambda pairs, n=n: pairs.images[n]) for n in IMAGES}
+        vis, tac = fit_logistic(source, lambda pairs: pairs.vis), fit_logistic(source, lambda pairs: pairs.tac)
+        _KEPT[key] = {"vis": vis, "tac": tac}
     return _KEPT[key]
 
 
