@@ -67,11 +67,6 @@ def counted(embeddings: Embeddings, source: str) -> Mask:
     return keep
 
 
-def unseen_domains(embeddings: Embeddings, source: str) -> tuple[str, ...]:
-    """Return the unseen domains of a head trained on `source`."""
-    return tuple(name for name in embeddings.header.domains if name != source)
-
-
 def mean_over_domains(right: NDArray[Any], embeddings: Embeddings, source: str, keep: Mask) -> float | None:
     """Return the mean over unseen domains of each domain's share of `right` (N,) among `keep`.
 

@@ -12,16 +12,7 @@ from omnivat.frames.builder import UnseenAccuracy
 from omnivat.frames.records import with_learned
 from omnivat.model.head import build_head
 from omnivat.model.settings import HeadSettings
-from omnivat.unseen import (
-    counted,
-    judged,
-    mean_over_domains,
-    nearest_touch,
-    of_domains,
-    unseen_domains,
-    unseen_summary,
-    wilson,
-)
+from omnivat.unseen import counted, judged, mean_over_domains, nearest_touch, of_domains, unseen_summary, wilson
 
 SOURCE = "TAG-sim"
 
