@@ -1,6 +1,7 @@
 """Maps of 2,000 points: our UMAP against umap-learn and PCA, and a chain of maps over p.
 
     python -m benchmarks.projection [--points 2000] [--width 512] [--runs 5] [--threads 1] [--out FILE]
+    python -m benchmarks.projection --large
 
 Each method runs in a separate process, so that its first call includes compilation and warm-up. All
 methods use the same points for quality. One thread by default: with more, waiting threads count as
@@ -29,6 +30,7 @@ from omnivat.projection.quality import drift, quality
 from omnivat.tables import load
 
 CHAIN_STOPS = 11
+MANY = 20_000  # points of `--large`
 
 
 def made_points(count: int, width: int) -> Tensor:
@@ -71,6 +73,19 @@ def method_report(name: str, points: Tensor, runs: int) -> dict[str, Any]:
         "trustworthiness": score.trustworthiness,
         "recall_at_15": score.recall,
     }
+
+
+def large_report() -> dict[str, Any]:
+    """Time one UMAP map of MANY points of width 64, and measure it on 1,000 of them."""
+    from omnivat.projection import torch_umap
+
+    points = made_points(MANY, 64)
+    torch_umap.project(points[:500])  # warm
+    begun = time.process_time()
+    flat = torch_umap.project(points)
+    cpu = time.process_time() - begun
+    score = quality(points, flat)
+    return {"points": MANY, "cpu": cpu, "trustworthiness": score.trustworthiness, "recall_at_15": score.recall}
 
 
 def chain_report(points: Tensor) -> list[dict[str, Any]]:
@@ -145,10 +160,14 @@ def main() -> None:
     parser.add_argument("--width", type=int, default=512)
     parser.add_argument("--runs", type=int, default=5)
     parser.add_argument("--threads", type=int, default=1)
+    parser.add_argument("--large", action="store_true", help=f"only UMAP of {MANY:,} points")
     parser.add_argument("--only", choices=list(PROJECTIONS), help=argparse.SUPPRESS)
     parser.add_argument("--out", type=Path)
     arguments = parser.parse_args()
     torch.set_num_threads(arguments.threads)
+    if arguments.large:
+        print(json.dumps({"machine": machine(), "large": large_report()}, indent=2))
+        return
     points = made_points(arguments.points, arguments.width)
     if arguments.only:
         warnings.simplefilter("ignore")  # umap-learn warns that a seed means one thread

@@ -194,20 +194,25 @@ def _spread(points: Tensor, chosen: Tensor, flat: Tensor) -> Tensor:
     Beyond CELLS_FROM points, neighbours are sought among the sample's rows near the point's cell
     alone: rows belong to the nearest of CELLS pivots, and a cell looks at the RING nearest cells.
     """
-    known, whole = points[chosen], flat.new_empty(len(points), flat.shape[1])
-    if len(points) <= CELLS_FROM:
-        for some, into in zip(points.split(PLACED), whole.split(PLACED), strict=True):
-            into.copy_(place(some, known, flat))
-    else:
-        pivots = known[:: -(-len(known) // CELLS)]
-        ring = torch.cdist(pivots, pivots).topk(min(RING, len(pivots)), largest=False).indices
-        cells = nearest(pivots, 1, queries=known).index[:, 0]
-        home = torch.cat([nearest(pivots, 1, queries=some).index[:, 0] for some in points.split(PLACED)])
-        for cell, own in enumerate(home.argsort().split(home.bincount(minlength=len(pivots)).tolist())):
-            near = torch.isin(cells, ring[cell]).nonzero()[:, 0]
-            for some in own.split(PLACED):
-                whole[some] = place(points[some], known[near], flat[near])
+    whole = flat.new_empty(len(points), flat.shape[1])
     whole[chosen] = flat
+    known, left = points[chosen], torch.ones(len(points), dtype=torch.bool, device=points.device)
+    left[chosen] = False
+    rest = left.nonzero()[:, 0]
+    if len(points) <= CELLS_FROM:
+        for some in rest.split(PLACED):
+            whole[some] = place(points[some], known, flat)
+        return whole
+    pivots = known[:: -(-len(known) // CELLS)]
+    ring = torch.cdist(pivots, pivots).topk(min(RING, len(pivots)), largest=False).indices
+    cells = nearest(pivots, 1, queries=known).index[:, 0]
+    home = torch.cat([nearest(pivots, 1, queries=points[some]).index[:, 0] for some in rest.split(PLACED)])
+    for cell, own in enumerate(rest[home.argsort()].split(home.bincount(minlength=len(pivots)).tolist())):
+        if not len(own):  # a cell of the sample alone
+            continue
+        near = torch.isin(cells, ring[cell]).nonzero()[:, 0]
+        for some in own.split(PLACED):
+            whole[some] = place(points[some], known[near], flat[near])
     return whole
 
 

@@ -55,6 +55,15 @@ def test_umap_of_many_rows_lays_out_a_sample_and_places_the_rest_near_their_own(
     assert bool((torch.cdist(flat, centres).argmin(1) == group).float().mean() > 0.95)
 
 
+def test_only_the_rows_beyond_the_sample_are_placed(monkeypatch):
+    points, chosen = noise(300, 3), torch.arange(0, 300, 3)
+    asked = []
+    monkeypatch.setattr(torch_umap, "place", lambda some, known, flat: asked.append(len(some)) or flat[: len(some)])
+    monkeypatch.setattr(torch_umap, "PLACED", 90)
+    torch_umap._spread(points, chosen, noise(100, 2))
+    assert asked == [90, 90, 20]
+
+
 def test_the_same_seed_draws_the_same_sample_at_every_order():
     assert torch.equal(torch_umap.sample_of(20_000, 1), torch_umap.sample_of(20_000, 1))
     assert not torch.equal(torch_umap.sample_of(20_000, 1), torch_umap.sample_of(20_000, 2))
