@@ -11,6 +11,11 @@ Writes the images (640 x 480, all different, and one that cannot be read), then 
 
 It fails if a process uses more than 2 GB, if a pair is missing or embedded again, or if the two
 files differ. Linux only: memory is read from /proc.
+
+    python -m benchmarks.embed_scale --rate 200
+
+Without a process of its own: reading, decoding and encoding that many JPEGs beside the encoder alone
+on their tensors, in turns; prints the shares of processor time and of the clock.
 """
 
 import argparse
@@ -40,7 +45,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--images", type=int, default=10_000)
     parser.add_argument("--out", type=Path, help="folder for embed_scale.md")
+    parser.add_argument("--rate", type=int, help="only the share of the encoder, of this many images")
     options = parser.parse_args()
+    if options.rate:
+        with tempfile.TemporaryDirectory() as folder:
+            print(json.dumps(rate(Path(folder), options.rate), indent=2))
+        return
     if options.images < 8 * CHUNK:
         parser.error(f"--images must be {8 * CHUNK} or more, or there is no half-way")
     with tempfile.TemporaryDirectory() as folder:
@@ -79,6 +89,42 @@ def measured(folder: Path, count: int) -> dict[str, Any]:
         "runs": runs,
         "machine": machine(),
     }
+
+
+def rate(folder: Path, count: int) -> dict[str, Any]:
+    """Time whole pairs and the encoder alone in turns, a chunk of pairs at a time, on one thread."""
+    from omnivat.data.images import read_image
+    from omnivat.data.pairs import Pair
+    from omnivat.embed.job import Job, embed_one
+    from omnivat.threads import pin_thread
+
+    pin_thread()
+    write_images(folder, count + 2)  # the last one cannot be read
+    files = sorted(folder.rglob("*.jpg"))[:-2]
+    pairs = [Pair(vis=a, tac=b, domain="", material="") for b, a in zip(files[::2], files[1::2], strict=True)]
+    found: dict[str, Any] = {"images": len(files), "machine": machine()}
+    for flips in (True, False):
+        job = Job(encoder="efficientnet-lite0", flips=flips)
+        encoder = job.load()
+        spent = np.zeros((2, 2))  # whole and encoder; processor and clock
+        embed_one(encoder, job, pairs[0])  # warm
+        for pair in pairs:
+            began = np.array((time.process_time(), time.perf_counter()))
+            embed_one(encoder, job, pair)
+            spent[0] += (time.process_time(), time.perf_counter()) - began
+            ready = [encoder.preprocess(read_image(file)) for file in (pair.vis, pair.tac) for _ in job.views]
+            began = np.array((time.process_time(), time.perf_counter()))
+            for pixels in ready:
+                encoder.embed(pixels[None])
+            spent[1] += (time.process_time(), time.perf_counter()) - began
+        shares = spent[1] / spent[0]
+        found["with mirrored images" if flips else "without"] = {
+            "ms_an_image": round(1e3 * spent[0, 0] / len(files), 2),
+            "of_them_the_encoder": round(1e3 * spent[1, 0] / len(files), 2),
+            "share_of_processor": round(float(shares[0]), 3),
+            "share_of_clock": round(float(shares[1]), 3),
+        }
+    return found
 
 
 def require(said: str, sentence: str) -> None:
