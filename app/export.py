@@ -51,10 +51,7 @@ def where_from(head: Path | None, embeddings: Path | None) -> Places:
 
 
 def frames_file(where: Places, on_step: OnStep = ignore) -> Path:
-    """Return the frames of a head and a set; compute them if there is no file.
-
-    Raises DataError with the reason if that fails.
-    """
+    """Return the frames of a head and a set; compute them if there is no file, or raise DataError with the reason."""
     job = Resources(where).frames
     if where.frames is None:
         on_step(Step(done=0, total=1, text="frames, which may take minutes"))
@@ -67,9 +64,7 @@ def frames_file(where: Places, on_step: OnStep = ignore) -> Path:
 def export_picture(
     frames: Path, out: Path, *, what: str, order: float | None, stage: str, kind: str, colour: str
 ) -> None:
-    """Write the map or the curves as a figure: HTML, SVG, PNG or Plotly's JSON.
-
-    order  None: the learned one
+    """Write the map or the curves at an order (None: the learned one) as HTML, SVG, PNG or Plotly's JSON.
 
     Raises SettingsError for an unknown map, colouring or ending.
     """
@@ -86,9 +81,9 @@ def export_picture(
 
 
 def export_page(where: Places, frames: Path, out: Path) -> None:
-    """Write Explore with all its frames and thumbnails as one HTML file.
+    """Write Explore with all its frames and thumbnails as one HTML file, which needs no server.
 
-    It opens from disk in a browser and needs no server. Features that need a server show a note.
+    Features that need one show a note.
     """
     from omnivat.frames import read_frames
 

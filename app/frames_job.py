@@ -34,28 +34,10 @@ class FramesState:
     file: Path | None = None
     step: Step | None = None
     problem: str = ""
-    place: int = 0  # in the queue, from 1; 0 if not waiting
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Source:
-    """The head and set of the frames: two files, and a function to load them."""
-
-    head: Path
-    embeddings: Path
-    load_head: "Callable[[], Head]"
-    load_embeddings: "Callable[[], Embeddings]"
-    drawn: int = 0  # pairs drawn at random of a larger set; 0 for all
-    features: bool = False  # draw the features alone if the head is of another encoder
 
 
 def cache_name(head: Path, embeddings: Path, drawn: int = 0) -> str:
-    """Return a hash of both files, so that a change of either gives another name.
-
-    drawn  how many pairs are drawn at random where there are more; 0 for all
-
-    Raises DataError if a file is missing.
-    """
+    """Return a hash of both files and of `drawn`, as `FramesJob` has it. Raises DataError if a file is missing."""
     from omnivat.frames.file import VERSION
 
     files = (head / "weights.safetensors", head / "settings.json", embeddings)
@@ -68,16 +50,23 @@ def cache_name(head: Path, embeddings: Path, drawn: int = 0) -> str:
     return hash_of(*files, start=f"frames {VERSION}, recipe {RECIPE}, {drawn}")[:24]
 
 
+@dataclass(eq=False, kw_only=True)
 class FramesJob:
     """The frames of a head and a set, computed as a job if there is no file."""
 
-    def __init__(
-        self, source: Source, ready: Path | None, folder: Path | None = None, *, jobs: Jobs, owner: str = ""
-    ) -> None:
-        self._source, self._folder = source, folder
-        self._jobs, self._owner = jobs, owner
-        self._file = ready
-        self._whole = ready is not None
+    head: Path
+    embeddings: Path
+    load_head: "Callable[[], Head]"
+    load_embeddings: "Callable[[], Embeddings]"
+    jobs: Jobs
+    owner: str = ""  # of the job
+    ready: Path | None = None  # a file with all frames
+    folder: Path | None = None  # of computed frames; None: the cache
+    drawn: int = 0  # pairs drawn at random of a larger set; 0 for all
+    features: bool = False  # draw the features alone if the head is of another encoder
+
+    def __post_init__(self) -> None:
+        self._file, self._whole = self.ready, self.ready is not None
         self._lock = Lock()
         self._job: Job[None] | None = None
         self._failed_at = 0.0
@@ -86,7 +75,7 @@ class FramesJob:
         """Return the state; the first call starts the work if needed."""
         with self._lock:
             if not self._whole and self._wanted():
-                self._job = self._jobs.start(self._compute, lane="long", owner=self._owner, priority=FIRST_LOOK)
+                self._job = self.jobs.start(self._compute, lane="long", owner=self.owner, priority=FIRST_LOOK)
             job, file, whole = self._job, self._file, self._whole
         if whole or job is None:
             return FramesState(file=file)
@@ -96,7 +85,7 @@ class FramesJob:
         step = status.step or Step(done=0, total=0, text="loading the head")
         if status.place:
             step = Step(done=0, total=0, text=f"waiting: number {status.place} in the queue")
-        return FramesState(file=file, step=step, place=status.place)
+        return FramesState(file=file, step=step)
 
     def wait(self) -> FramesState:
         """Wait for the work to end; return the state."""
@@ -117,15 +106,20 @@ class FramesJob:
         return again
 
     def _compute(self, job: Job[None]) -> None:
-        folder = self._folder or cache_folder() / "frames"
-        name = cache_name(self._source.head, self._source.embeddings, self._source.drawn)
-        fine, coarse = folder / f"{name}.bin", folder / f"{name}-coarse.bin"
+        folder = self.folder or cache_folder() / "frames"
+        name = cache_name(self.head, self.embeddings, self.drawn)
+        fine, coarse, first = (folder / f"{name}{kind}.bin" for kind in ("", "-coarse", "-first"))
         if not readable(fine):
             job.report(Step(done=0, total=0, text="loading the head"))
-            embeddings = self._source.load_embeddings()
-            head = self._fitting(embeddings)
+            embeddings, loaded = self.load_embeddings(), self.load_head()
+            head: Head | None = loaded
+            try:
+                loaded.require_embeddings(embeddings)
+            except DataError:
+                if not self.features:
+                    raise
+                head = None
             if len(embeddings) > LARGE_SET and not readable(coarse):
-                first = folder / f"{name}-first.bin"
                 if not readable(first):
                     stops = first_stops(head.model.order) if head else COARSE
                     self._build(job, head, embeddings, stops, first, linear=True)
@@ -138,17 +132,6 @@ class FramesJob:
                 job.go_on_at(LAST_TOUCH)
             self._build(job, head, embeddings, FINE, fine)
         self._file, self._whole = fine, True
-
-    def _fitting(self, embeddings: "Embeddings") -> "Head | None":
-        """Return the head; None if it does not fit and the features alone are wanted then."""
-        head = self._source.load_head()
-        try:
-            head.require_embeddings(embeddings)
-        except DataError:
-            if self._source.features:
-                return None
-            raise
-        return head
 
     def _build(
         self,
@@ -166,7 +149,7 @@ class FramesJob:
         from omnivat.frames.builder import DEFAULT_MAPS
         from omnivat.frames.records import kind_of, with_learned
 
-        provenance = head and {"hash": head_hash(self._source.head), "source": head.source, "kind": kind_of(head)}
+        provenance = head and {"hash": head_hash(self.head), "source": head.source, "kind": kind_of(head)}
         frames = build_frames(
             head.model if head else None,
             embeddings,
@@ -180,8 +163,8 @@ class FramesJob:
         try:
             job.check()
         except JobStopped:  # its folder may have been removed in the meantime
-            if self._folder is not None:
-                shutil.rmtree(self._folder, ignore_errors=True)
+            if self.folder is not None:
+                shutil.rmtree(self.folder, ignore_errors=True)
             raise
 
 

@@ -11,7 +11,7 @@ from threading import Lock
 from typing import TYPE_CHECKING, Any
 
 from app.decoder import Check, Decoder, Picture
-from app.frames_job import FramesJob, Source
+from app.frames_job import FramesJob
 from app.jobs import Jobs
 from app.limits import MAPPED_BYTES
 from app.places import Example, Places, find_examples, head_names
@@ -79,18 +79,16 @@ class Resources:
         self.examples: Lazy[dict[str, Example]] = Lazy(lambda: find_examples(where.pairs) if where.pairs else {})
         self.frame_jobs = {
             name: FramesJob(
-                Source(
-                    head=folder,
-                    embeddings=where.embeddings,
-                    load_head=self.heads[name],
-                    load_embeddings=self.embeddings,
-                    drawn=where.drawn,
-                    features=not name,
-                ),
-                None if name else where.frames,
-                where.computed,
+                head=folder,
+                embeddings=where.embeddings,
+                load_head=self.heads[name],
+                load_embeddings=self.embeddings,
                 jobs=self.jobs,
                 owner=owner,
+                ready=None if name else where.frames,
+                folder=where.computed,
+                drawn=where.drawn,
+                features=not name,
             )
             for name, folder in self.folders.items()
         }

@@ -88,11 +88,9 @@ class Trainings:
 
         question  {"visitor": name, "source", "width", …}: see `app.training_plan`
 
-        Addresses (`VISITOR`) take turns, and the one with most places makes way. A training is
-        cancelled if its state is not requested for ABANDONED_S seconds.
-
-        Raises DataError for invalid settings, or if the visitor already has one in the queue;
-        BusyError if the queue is full.
+        Addresses (`VISITOR`) take turns, and the one with most places makes way. A training is cancelled if its
+        state is not requested for ABANDONED_S seconds. Raises DataError for invalid settings, or if the visitor
+        already has one in the queue; BusyError if the queue is full.
         """
         address = VISITOR.get()
         if not isinstance(name := question.get("visitor"), str) or not 0 < len(name) <= LONGEST_VISITOR:

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 WIDTHS = (16, 32, 64, 128)
 ORDERS = ("gradient", "fixed", "search", "every")  # what p does
-# name -> least, most, at first; whole numbers where all three are
+# name -> least, most, at first; whole numbers or not
 RANGES: dict[str, tuple[float, float, float]] = {
     "p": (0.0, 1.0, 0.5),
     "mma": (0.0, 50.0, 10.0),  # λ
@@ -66,12 +66,10 @@ def offers(embeddings: "Embeddings", source: str) -> dict[str, Any]:
 
 
 def plan_from(question: Mapping[str, Any], embeddings: "Embeddings") -> Plan:
-    """Return the plan of a request; missing settings have their defaults.
+    """Return the plan of a request; missing settings have their defaults. Raises DataError for a wrong one.
 
     question  {"source": domain, "width", "order": what p does, "p": initial value, "mma": λ,
               "levels": R, "expansion": E, "noise", "lang": true to use LANG, "epochs", "seed"}
-
-    Raises DataError with the given and the expected value.
     """
     from omnivat.train import TrainSettings
 
@@ -83,9 +81,9 @@ def plan_from(question: Mapping[str, Any], embeddings: "Embeddings") -> Plan:
             "here; use `python -m omnivat train`."
         )
     order = _one_of("order", question.get("order", ORDERS[0]), ORDERS)
-    number = {name: _number(name, question.get(name)) for name in RANGES}
+    number: dict[str, Any] = {name: _number(name, question.get(name)) for name in RANGES}
     training = TrainSettings(
-        epochs=int(number["epochs"]),
+        epochs=number["epochs"],
         mma_weight=number["mma"],
         lang=question.get("lang", True) is True,
         order_search=order == "search",
@@ -97,14 +95,14 @@ def plan_from(question: Mapping[str, Any], embeddings: "Embeddings") -> Plan:
     return Plan(
         source=source,
         head={
-            "width": int(_one_of("width", question.get("width", 64), WIDTHS)),
-            "expansion": int(number["expansion"]),
-            "levels": int(number["levels"]),
+            "width": _one_of("width", question.get("width", 64), WIDTHS),
+            "expansion": number["expansion"],
+            "levels": number["levels"],
             "order": number["p"],
             "learn_order": order in ("gradient", "search"),
         },
         training=training,
-        seed=int(number["seed"]),
+        seed=number["seed"],
         first="searching p" if order == "search" else "loading",
     )
 
@@ -134,13 +132,13 @@ def _one_of(name: str, value: Any, known: Sequence[Any]) -> Any:
     return value
 
 
-def _number(name: str, value: Any) -> float:
+def _number(name: str, value: Any) -> int | float:
     low, high, first = RANGES[name]
     if value is None:
         return first
-    whole = all(isinstance(end, int) for end in (low, high, first))
+    whole = isinstance(first, int)
     fits = isinstance(value, int if whole else int | float) and not isinstance(value, bool)
     if not fits or not low <= value <= high:
         kind = "a whole number" if whole else "a number"
         raise DataError(f"{name} is {value!r:.40}; give {kind} from {low:g} to {high:g}.")
-    return float(value)
+    return value if whole else float(value)

@@ -7,7 +7,7 @@ are too large, old files are dropped first, then the oldest of the visitor with 
 import os
 import shutil
 from collections import Counter, OrderedDict
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import AsyncIterator
 from hashlib import blake2b
 from pathlib import Path
 from threading import Lock
@@ -80,30 +80,23 @@ class UploadStore:
         """Reserve `more` bytes for a visitor; drop files if there is no room."""
         with self._lock:
             self._coming[visitor] += more
-            own = [one for one in self._kept if one[0] == visitor]
             held = self._held()
+            own = [one for one in self._kept if one[0] == visitor]
             while own and (held[visitor] > OWN_BYTES or len(own) >= OWN_PARTS):
                 held[visitor] -= self._drop(own.pop(0))
-            for one in self._others(visitor):
-                if sum(held.values()) <= PARTS_BYTES:
-                    break
-                old = monotonic() - self._kept[one][1] > PART_S
-                if old or held[one[0]] > held[visitor]:
+            for one in [one for one, (_, when) in self._kept.items() if monotonic() - when > PART_S]:
+                if held.total() > PARTS_BYTES:
                     held[one[0]] -= self._drop(one)
-            if held[visitor] > OWN_BYTES or sum(held.values()) > PARTS_BYTES:
+            (most, _), *_ = held.most_common(1)
+            for one in [one for one in self._kept if one[0] == most]:
+                if held.total() > PARTS_BYTES and held[most] > held[visitor]:
+                    held[most] -= self._drop(one)
+            if held[visitor] > OWN_BYTES or held.total() > PARTS_BYTES:
                 self._coming[visitor] -= more
                 raise BusyError(
                     "Many files have been sent here and are not loaded yet; try again in "
                     f"{PART_S // 60} minutes, or start the page with --head and --embeddings."
                 )
-
-    def _others(self, visitor: str) -> Iterator[Entry]:
-        """Yield the old files of others, then those of the visitor with most, oldest first."""
-        now = monotonic()
-        yield from [one for one, (_, when) in self._kept.items() if now - when > PART_S]
-        (most, _), *_ = self._held().most_common(1)
-        if most != visitor:
-            yield from [one for one in self._kept if one[0] == most]
 
     def _held(self) -> Counter[str]:
         """Return the bytes of each visitor."""

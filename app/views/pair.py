@@ -1,7 +1,7 @@
 """Try a pair: the head's predictions for one pair, and their reliability."""
 
 import base64
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from app.familiar import predict_one
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from omnivat.checkpoint import Head
     from omnivat.model.head import OmniVaT
+    from omnivat.model.output import HeadOutput
 
 TITLE = "Try a pair"
 READINGS = ("fused", "vis", "tac")  # both, photo only, touch only
@@ -44,13 +45,18 @@ def predicted(resources: Resources, question: Mapping[str, Any]) -> dict[str, An
               `exact`: class probabilities of each reading at that order; `orders` and `stops`:
               the same at 101 orders, without branches; spectra
     """
-    refs = refs_from(question)
+    import torch
+
+    from omnivat.threads import one_thread
+
     order = order_from(question.get("order"))
-    pair = embedded(resources, refs, question)
+    pair = embedded(resources, refs_from(question), question)
     head = head_for(resources, question)
     exact = head.model.order if order is None else order
-    swept = sweep(head.model, pair["vis"], pair["tac"], (*STOPS, exact))
-    readings = swept["readings"]
+    with torch.inference_mode(), one_thread():  # a second one waits more than it works
+        out = at_orders(head.model, pair, (*STOPS, exact))
+        readings = {name: values.numpy() for name, values in out.readings.items()}
+        magnitudes = {name: torch.hypot(*values)[:-1].numpy() for name, values in out.frft.items()}
     return {
         "classes": list(head.settings.classes),
         "orders": list(STOPS),
@@ -58,7 +64,7 @@ def predicted(resources: Resources, question: Mapping[str, Any]) -> dict[str, An
         "span": trained_span(head),
         "stops": {name: rounded(readings[name][:-1]) for name in READINGS if name in readings},
         "exact": {"order": exact, "readings": {name: rounded(values[-1:])[0] for name, values in readings.items()}},
-        "spectra": {name: spectrum(values[:-1]) for name, values in swept["magnitudes"].items()},
+        "spectra": {name: spectrum(values) for name, values in magnitudes.items()},
     }
 
 
@@ -84,36 +90,22 @@ def many(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def trained_span(head: "Head") -> list[float]:
-    """Return the orders [low, high] that the head was trained for.
-
-    The range of p in training if p was drawn; else the learned order twice.
-    """
+    """Return the orders [low, high] that the head was trained for: the learned one twice if p was not drawn."""
     train = head.provenance.get("train", {})
     if train.get("order_draw", "none") != "none":
         return [float(train.get("order_low", 0)), float(train.get("order_high", 1))]
     return [head.model.order, head.model.order]
 
 
-def sweep(
-    model: "OmniVaT", vis: "torch.Tensor | None", tac: "torch.Tensor | None", orders: tuple[float, ...]
-) -> "dict[str, dict[str, np.ndarray[Any, Any]]]":
-    """Return the head's results for one pair at P orders, in one batch.
-
-    readings    reading -> (P, K) probabilities; see `omnivat.model.output`
-    magnitudes  "vis", "tac" -> (P, D) moduli of the transformed embedding
-    """
+def at_orders(
+    model: "OmniVaT", pair: "Mapping[str, torch.Tensor | None]", orders: Sequence[float], *, attention: bool = False
+) -> "HeadOutput":
+    """Return the head's output for one pair at P orders, in one batch."""
     import torch
 
-    from omnivat.threads import one_thread
-
-    with torch.inference_mode(), one_thread():  # a second one waits more than it works
-        one = model.coefficients(vis, tac)
-        many = one[torch.zeros(len(orders), dtype=torch.long)]
-        out = model.from_coefficients(many, torch.tensor(orders))
-        return {
-            "readings": {name: p.numpy() for name, p in out.readings.items()},
-            "magnitudes": {name: torch.hypot(*f).numpy() for name, f in out.frft.items()},
-        }
+    one = model.coefficients(pair["vis"], pair["tac"])
+    many = one[torch.zeros(len(orders), dtype=torch.long)]
+    return model.from_coefficients(many, torch.tensor(orders), attention=attention)
 
 
 def attention(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
@@ -134,9 +126,7 @@ def attention(resources: Resources, question: Mapping[str, Any]) -> dict[str, An
     if not head.settings.mffa:
         raise DataError("This head has no MFFA, so there is no attention to show.")
     with torch.inference_mode():
-        one = head.model.coefficients(pair["vis"], pair["tac"])
-        many = one[torch.zeros(len(STOPS), dtype=torch.long)]
-        found = head.model.from_coefficients(many, torch.tensor(STOPS), attention=True).attention
+        found = at_orders(head.model, pair, STOPS, attention=True).attention
     off = {name: w.numpy() - 1 / w.shape[-1] for name, w in found.items()}
     scale = max(float(np.abs(one).max()) for one in off.values()) or 1.0
     coded = {

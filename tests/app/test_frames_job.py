@@ -6,7 +6,7 @@ from threading import Event
 import pytest
 
 from app import frames_job
-from app.frames_job import FramesJob, Source, cache_name
+from app.frames_job import FramesJob, cache_name
 from app.jobs import Jobs
 from omnivat.errors import DataError
 from omnivat.frames import read_frames
@@ -28,20 +28,20 @@ def few_stops(monkeypatch, tmp_path):
 
 
 @pytest.fixture
-def source(small_places) -> Source:
+def source(small_places):
     from omnivat.checkpoint import load_head
     from omnivat.data.store import load_embeddings
 
-    return Source(
-        head=small_places.head,
-        embeddings=small_places.embeddings,
-        load_head=lambda: load_head(small_places.head),
-        load_embeddings=lambda: load_embeddings(small_places.embeddings),
-    )
+    return {
+        "head": small_places.head,
+        "embeddings": small_places.embeddings,
+        "load_head": lambda: load_head(small_places.head),
+        "load_embeddings": lambda: load_embeddings(small_places.embeddings),
+    }
 
 
 def test_frames_are_kept_where_the_cache_was_named(source, jobs, tmp_path):
-    state = FramesJob(source, None, jobs=jobs).wait()
+    state = FramesJob(**source, jobs=jobs).wait()
     assert state.problem == ""
     assert state.file.parent == tmp_path / "cache" / "frames"
     assert read_frames(state.file).orders == (0.0, 0.1, 0.2)
@@ -49,8 +49,8 @@ def test_frames_are_kept_where_the_cache_was_named(source, jobs, tmp_path):
 
 def test_one_stop_is_exactly_the_learned_order(source, jobs, monkeypatch):
     monkeypatch.setattr(frames_job, "FINE", (0.0, 0.25, 1.0))
-    learned = source.load_head().model.order
-    frames = read_frames(FramesJob(source, None, jobs=jobs).wait().file)
+    learned = source["load_head"]().model.order
+    frames = read_frames(FramesJob(**source, jobs=jobs).wait().file)
     assert learned in frames.orders
     assert frames.head["learned_order"] == learned
     assert None not in frames.curves["accuracy/unseen"]
@@ -68,7 +68,7 @@ def test_the_coarse_map_is_shown_before_the_fine_one_makes_a_step(source, jobs, 
         return whole(*arguments, orders=orders, **more)
 
     monkeypatch.setattr(omnivat.frames, "build_frames", built, raising=False)
-    job = FramesJob(source, None, jobs=jobs)
+    job = FramesJob(**source, jobs=jobs)
     job.state()
     assert seen.wait(300)
     state = job.state()
@@ -79,19 +79,19 @@ def test_the_coarse_map_is_shown_before_the_fine_one_makes_a_step(source, jobs, 
 
 
 def test_a_damaged_file_is_made_again(source, jobs):
-    file = FramesJob(source, None, jobs=jobs).wait().file
+    file = FramesJob(**source, jobs=jobs).wait().file
     good = file.read_bytes()
     file.write_bytes(good[:-9])
-    assert FramesJob(source, None, jobs=jobs).wait().file == file
+    assert FramesJob(**source, jobs=jobs).wait().file == file
     assert file.read_bytes() == good
 
 
 def test_the_name_changes_with_the_version_of_the_file_and_the_recipe(source, monkeypatch):
-    names = {cache_name(source.head, source.embeddings)}
+    names = {cache_name(source["head"], source["embeddings"])}
     monkeypatch.setattr("omnivat.frames.file.VERSION", 99)
-    names.add(cache_name(source.head, source.embeddings))
+    names.add(cache_name(source["head"], source["embeddings"]))
     monkeypatch.setattr(frames_job, "RECIPE", 99)
-    names.add(cache_name(source.head, source.embeddings))
+    names.add(cache_name(source["head"], source["embeddings"]))
     assert len(names) == 3
 
 
@@ -100,7 +100,7 @@ def test_a_first_failure_is_told_and_then_tried_again(source, jobs, monkeypatch,
     def fails(*_):
         raise error
 
-    job = FramesJob(source, None, jobs=jobs)
+    job = FramesJob(**source, jobs=jobs)
     with monkeypatch.context() as patched:
         patched.setattr(frames_job, "cache_name", fails)
         assert job.wait().problem.endswith(".")
@@ -117,7 +117,7 @@ def test_nothing_is_tried_again_at_once(source, jobs, monkeypatch):
         raise DataError("No.")
 
     monkeypatch.setattr(frames_job, "cache_name", fails)
-    job = FramesJob(source, None, jobs=jobs)
+    job = FramesJob(**source, jobs=jobs)
     for _ in range(20):
         assert job.wait().problem == "No."
     assert len(tried) == 1
@@ -132,8 +132,7 @@ def test_a_map_that_waits_says_its_place(source, jobs):
 
     jobs.start(work, lane="long", priority=-1)
     there.wait(5)
-    job = FramesJob(source, None, jobs=jobs)
-    assert job.state().place == 1
+    job = FramesJob(**source, jobs=jobs)
     assert "number 1 in the queue" in job.state().step.text
     go.set()
     assert job.wait().file is not None
@@ -152,7 +151,7 @@ def test_a_cancelled_map_writes_nothing(source, jobs, tmp_path, monkeypatch):
         return whole(*arguments, **more)
 
     monkeypatch.setattr(omnivat.frames, "build_frames", built, raising=False)
-    job = FramesJob(source, None, folder, jobs=jobs, owner="gone")
+    job = FramesJob(**source, folder=folder, jobs=jobs, owner="gone")
     job.state()
     assert seen.wait(300)
     jobs.cancel_owner("gone")
@@ -172,11 +171,11 @@ def test_a_large_set_is_first_shown_by_its_principal_components_alone(source, jo
         return whole(*arguments, maps={"pca/f_hat": 3}, orders=orders, **more)
 
     monkeypatch.setattr(omnivat.frames, "build_frames", built, raising=False)
-    assert FramesJob(source, None, jobs=jobs).wait().problem == ""
+    assert FramesJob(**source, jobs=jobs).wait().problem == ""
     assert seen[0] == (2, {"pca"})
     assert len(seen) == 3
     assert seen[1][1] == seen[2][1] == {"pca", "umap"}
 
 
 def test_frames_of_a_part_of_a_set_have_a_name_of_their_own(source):
-    assert cache_name(source.head, source.embeddings) != cache_name(source.head, source.embeddings, 20_000)
+    assert cache_name(source["head"], source["embeddings"]) != cache_name(source["head"], source["embeddings"], 20_000)
