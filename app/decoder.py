@@ -77,12 +77,9 @@ class Decoder:
         _libc("mallopt", M_MMAP_THRESHOLD, MAPPED)
 
     def read(self, source: bytes | Path, name: str, check: Check = lambda: None) -> Picture:
-        """Return the picture in bytes or a file.
+        """Return the picture in bytes or a file. Raises DataError with its `name` for an unsupported one.
 
-        name   its name in errors
         check  called while waiting for other pictures; an error it raises ends the wait
-
-        Raises DataError, one sentence, for an unsupported image.
         """
         from omnivat.data.images import VISITORS, draft_scale, examined, read_image
 
@@ -108,7 +105,10 @@ class Decoder:
         size = 0 if isinstance(source, Path) else len(content)
         file = str(source) if isinstance(source, Path) else ""
         question = json.dumps({"file": file, "size": size, "name": name}).encode() + b"\n"
-        process = self._process()
+        with self._lock:
+            process, self._spare = self._spare or _started(), None
+        if process.stdout is None or process.stdout.readline() != READY:
+            raise DataError("No process can be started to read the image; try again in a minute.")
         try:
             output, _ = process.communicate(question + (content[:] if size else b""), DECODE_WAIT_S)
         except subprocess.TimeoutExpired as error:
@@ -118,7 +118,9 @@ class Decoder:
         finally:
             process.kill()
             process.communicate()
-            self._start_spare()
+            with self._lock:
+                if self._spare is None and not self._closed:
+                    self._spare = _started()  # the next picture will find it ready
         line, _, pixels = output.partition(b"\n")
         header = json.loads(line) if line.endswith(b"}") else {}
         wide, high = header.get("size", (0, 0))
@@ -126,20 +128,6 @@ class Decoder:
             killed = "could not be read within the time and memory allowed; scale it down, or save it as JPEG."
             raise DataError(header.get("error") or f"'{name}' {killed}")
         return Image.frombuffer("RGB", (wide, high), pixels, "raw", "RGB", 0, 1).copy()
-
-    def _process(self) -> "subprocess.Popen[bytes]":
-        """Return a ready process."""
-        with self._lock:
-            process, self._spare = self._spare or _started(), None
-        if process.stdout is None or process.stdout.readline() != READY:
-            raise DataError("No process can be started to read the image; try again in a minute.")
-        return process
-
-    def _start_spare(self) -> None:
-        """Start the process that the next picture will find ready."""
-        with self._lock:
-            if self._spare is None and not self._closed:
-                self._spare = _started()
 
     def _hand_back_soon(self) -> None:
         """Return freed memory to the system once the picture has been used and dropped."""

@@ -1,7 +1,6 @@
 """Positions of a pair and its tree nodes on a map of the set, and the set's features at a stage."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from app.pair_input import embedded, refs_from
@@ -14,15 +13,6 @@ if TYPE_CHECKING:
     from torch import Tensor
 
     Array = np.ndarray[Any, Any]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Drawn:
-    """One map of the set at one stop: positions (2N, 2), VIS first, and the order of the stop."""
-
-    stage: str
-    order: float
-    flat: "Array"
 
 
 def place(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
@@ -41,30 +31,31 @@ def place(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     from omnivat.gaps.unit import unit
     from omnivat.projection.neighbours import placed
 
-    drawn, refs = _drawn(resources, question), refs_from(question)
-    own, nodes = _features(resources, refs, drawn, question)
+    stage, order, flat = _drawn(resources, question)
+    refs = refs_from(question)
+    own, nodes = _features(resources, refs, stage, order, question)
     queries = torch.cat([*own.values(), *nodes])
-    rows = torch.from_numpy(kept_features(resources, drawn.stage, drawn.order))
-    found = placed(unit(queries), rows, torch.from_numpy(drawn.flat))
+    rows = torch.from_numpy(kept_features(resources, stage, order))
+    found = placed(unit(queries), rows, torch.from_numpy(flat))
     at = found.places.tolist()
     points = dict(zip(own, at, strict=False))
-    half = len(drawn.flat) // 2
+    half = len(flat) // 2
     of_set = {
-        name: drawn.flat[int(ref.name) + (half if name == "tac" else 0)].tolist()
+        name: flat[int(ref.name) + (half if name == "tac" else 0)].tolist()
         for name, ref in refs.items()
         if ref is not None and ref.kind == "row" and name in points
     }
     return {
         "points": {**points, **of_set},
         "nodes": at[len(own) :],
-        "order": drawn.order,
+        "order": order,
         "exact": found.exact,
         "of_set": of_set.keys() == points.keys(),
     }
 
 
-def _drawn(resources: Resources, question: Mapping[str, Any]) -> Drawn:
-    """Return the requested map at its stop nearest to the requested order."""
+def _drawn(resources: Resources, question: Mapping[str, Any]) -> "tuple[str, float, Array]":
+    """Return the requested map at its stop nearest to the requested order: stage, order, positions (2N, 2)."""
     from omnivat.frames import read_frames
 
     stage, kind = str(question.get("stage")), str(question.get("map"))
@@ -78,12 +69,11 @@ def _drawn(resources: Resources, question: Mapping[str, Any]) -> Drawn:
     order = order_from(question.get("order"))
     wanted = resources.head().model.order if order is None else order
     stop = min(maps.orders, key=lambda at: abs(frames.orders[at] - wanted))
-    flat = maps.places(maps.orders.index(stop))
-    return Drawn(stage=stage, order=frames.orders[stop], flat=flat)
+    return stage, frames.orders[stop], maps.places(maps.orders.index(stop))
 
 
 def _features(
-    resources: Resources, refs: Mapping[str, Ref | None], drawn: Drawn, question: Mapping[str, Any]
+    resources: Resources, refs: Mapping[str, Ref | None], stage: str, order: float, question: Mapping[str, Any]
 ) -> "tuple[dict[str, Tensor], list[Tensor]]":
     """Return the pair's rows (1, W) at the map's stage by modality, and its nodes [(M, W)].
 
@@ -95,11 +85,9 @@ def _features(
 
     pair, nodes = embedded(resources, refs, question), question.get("nodes") is True
     with torch.inference_mode():
-        out = resources.head().model(pair["vis"], pair["tac"], order=drawn.order, nodes=nodes)
-        if drawn.stage == "raw":
-            own = {name: rows for name, rows in pair.items() if rows is not None}
-        else:
-            own = dict(stage_features(out, drawn.stage))
+        out = resources.head().model(pair["vis"], pair["tac"], order=order, nodes=nodes)
+        given = {name: rows for name, rows in pair.items() if rows is not None}
+        own = given if stage == "raw" else dict(stage_features(out, stage))
     width = next(iter(own.values())).shape[1]
     return own, [] if out.nodes is None or out.nodes.shape[-1] != width else [out.nodes[0]]
 

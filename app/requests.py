@@ -14,7 +14,9 @@ from starlette.requests import Request
 
 from app.jobs import Job, Jobs
 from app.limits import BODY_S, IDLE_S, MAX_QUESTION_BYTES
+from app.resources import Resources
 from app.scratch import Scratch
+from app.visitor_sets import VisitorSets
 from omnivat.errors import DataError
 
 T = TypeVar("T")
@@ -42,9 +44,9 @@ def number_from(text: str | None) -> float | str | None:
         return text
 
 
-def desk_name(request: Request) -> str:
-    """Return the visitor set named in a request; "" for the server's own head and set."""
-    return request.query_params.get("set", "")[:64]
+def set_of(sets: VisitorSets, request: Request) -> Resources:
+    """Return the visitor set named in a request's address: the server's own, or a loaded one."""
+    return sets.named(request.query_params.get("set", "")[:64])
 
 
 def visitor_of(request: Request) -> str:
@@ -108,12 +110,8 @@ async def done(
     lane: str = "quick",
     deadline_s: float = QUESTION_S,
 ) -> T:
-    """Run `work` as a job of a lane; return its result.
-
-    The job is cancelled when the visitor disconnects. Raises its OmniVatError.
-    """
-    visitor = visitor_of(request)
-    job = jobs.start(work, lane=lane, visitor=visitor, priority=priority, deadline_s=deadline_s)
+    """Run `work` as a job of a lane, cancelled when the visitor disconnects; return its result or raise its error."""
+    job = jobs.start(work, lane=lane, visitor=visitor_of(request), priority=priority, deadline_s=deadline_s)
     end = asyncio.wrap_future(job.future)
     try:
         while not (await asyncio.wait({end}, timeout=LOOK_S))[0]:
@@ -127,10 +125,7 @@ async def done(
 
 @asynccontextmanager
 async def received(request: Request, scratch: Scratch, limit: int, what: str) -> AsyncIterator[Path]:
-    """Yield a temporary file with the request's bytes.
-
-    Raises DataError for more than `limit` bytes, or if the upload stalls.
-    """
+    """Yield a temporary file with the request's bytes; raises the errors of `blocks`."""
     file = scratch.folder("images") / os.urandom(8).hex()
     try:
         with file.open("wb") as handle:

@@ -24,7 +24,7 @@ from app.mcp import mcp
 from app.measuring import measured
 from app.messages import Handler, in_sentences, refusal
 from app.modes import mode_files, modes
-from app.requests import desk_name, done, question_of
+from app.requests import done, question_of, set_of
 from app.resources import Resources, require_name
 from app.saving import save_figure
 from app.training import Trainings
@@ -104,11 +104,6 @@ def routes(first: Resources, *, api: bool = False) -> list[Route]:
     ]
 
 
-def set_of(sets: VisitorSets, request: Request) -> Resources:
-    """Return the visitor set of a request: the server's own, or a loaded one."""
-    return sets.named(desk_name(request))
-
-
 async def web_file(request: Request) -> Response:
     """Serve one of the page's scripts or styles, and no other file of the folder."""
     path = web_files().get(request.path_params["name"])
@@ -136,12 +131,10 @@ def file_response(request: Request, file: Path, headers: Mapping[str, str] = FRE
 async def frames(sets: VisitorSets, request: Request) -> Response:
     """Serve the frames of a head, or their progress (202), or the reason of a failure (404).
 
-    A header marks frames of which finer ones will follow. Once a map is served, head and set load
-    in the background, so that the first request is fast.
+    A header marks frames of which finer ones will follow. Then head and set load, so that the first request is fast.
     """
     resources = set_of(sets, request)
-    mode = request.query_params.get("mode", "")
-    if mode:  # another one than the loaded head's
+    if mode := request.query_params.get("mode", ""):  # another one than the loaded head's
         file = mode_files(resources.where).get(mode)
         if file is None:
             return refusal(f"There are no frames of the kind '{mode:.20}' beside this set.", 404)
@@ -182,9 +175,7 @@ async def thumbnails(sets: VisitorSets, request: Request) -> Response:
 def sheet(resources: Resources) -> Path | None:
     """Return the set's sheet of thumbnails; None if it has none."""
     sprite = None if resources.drawn() else resources.where.sprite  # its pairs are in another order
-    if sprite is None or not (sprite.is_file() and sprite.with_suffix(".json").is_file()):
-        return None
-    return sprite
+    return sprite if sprite and sprite.is_file() and sprite.with_suffix(".json").is_file() else None
 
 
 async def example_image(sets: VisitorSets, request: Request) -> Response:

@@ -12,7 +12,7 @@ from app.jobs import Job
 from app.limits import MAX_IMAGE_BYTES, PARTS
 from app.messages import Handler, refusal
 from app.pictures import Sent, live, occlusion, taken
-from app.requests import blocks, desk_name, done, number_from, question_of, received, visitor_of
+from app.requests import blocks, done, number_from, question_of, received, set_of, visitor_of
 from app.resources import Resources
 from app.sensor import load_sensor
 from app.state import order_from, ref_from
@@ -38,7 +38,7 @@ async def of_image(
 ) -> Response:
     """Run `work` on an uploaded image with the parameters of the address; the file is not kept."""
     query = request.query_params
-    resources = sets.named(desk_name(request))
+    resources = set_of(sets, request)
     split = query.get("split", "")[:9]  # of two pictures in one body
     sent = Sent(
         content=b"",
@@ -60,7 +60,7 @@ async def of_image(
 
 async def take_sensor(sets: VisitorSets, request: Request) -> Response:
     """Receive a saved profile of a sensor."""
-    resources = sets.named(desk_name(request))
+    resources = set_of(sets, request)
     async with received(request, sets.shared.scratch, PARTS["profile.safetensors"], "The profile") as file:
         return JSONResponse(await done(request, sets.shared.jobs, lambda _: load_sensor(resources, file)))
 
@@ -81,7 +81,7 @@ async def load(sets: VisitorSets, request: Request) -> Response:
     compare = question.get("compare") is True
 
     def loaded(job: Job[str]) -> str:
-        return sets.load(parts, beside=desk_name(request), compare=compare, check=job.check)
+        return sets.load(parts, beside=set_of(sets, request).owner, compare=compare, check=job.check)
 
     name = await done(request, sets.shared.jobs, loaded, priority=LOADED)
     return JSONResponse({"set": name})

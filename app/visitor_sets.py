@@ -14,6 +14,7 @@ from pathlib import Path
 from threading import Lock
 from typing import TYPE_CHECKING
 
+from app.decoder import Check
 from app.limits import DESKS_BYTES, KEPT_DESKS
 from app.places import Places, shipped_places
 from app.resources import Resources
@@ -42,10 +43,7 @@ class VisitorSets:
         self.parts = UploadStore(self.shared.scratch)
 
     def named(self, name: str) -> Resources:
-        """Return the visitor set named by a request; without a name, the first one.
-
-        Raises ForgottenError if the server no longer has it.
-        """
+        """Return the visitor set of that name, "" for the first one. Raises ForgottenError if it is no longer there."""
         if not name:
             return self.first
         if name in shipped_sets():  # a set of the project is opened once and stays open
@@ -63,9 +61,7 @@ class VisitorSets:
             "Data & limits, or go back to the page without `set` in its address."
         )
 
-    def load(
-        self, parts: Mapping[str, str], *, beside: str, compare: bool, check: Callable[[], None] = lambda: None
-    ) -> str:
+    def load(self, parts: Mapping[str, str], *, beside: str, compare: bool, check: Check = lambda: None) -> str:
         """Make a visitor set from uploaded files; return its name. It counts to the share of `VISITOR`.
 
         parts    file name -> its name from `parts.keep`
@@ -81,18 +77,11 @@ class VisitorSets:
         if self._loaded.get(key) is not None:
             return key
 
-        def placed(folder: Path) -> Places:
-            return self._placed(folder, parts, base.where, compare=compare)
-
         fits = any(name in parts for name in HEAD)  # a set alone may be of another encoder
-        return self._made(key, placed, check, fits=fits)
+        return self._made(key, lambda folder: self._placed(folder, parts, base.where, compare), check, fits)
 
     def adopt(self, head: "Head", *, beside: str) -> str:
-        """Make a visitor set from a head trained on the server; return its name.
-
-        beside  the visitor set that provides the set
-        Raises DataError if the head does not fit that set.
-        """
+        """Make a visitor set from a head trained on the server and the set of `beside`; return its name."""
         from omnivat.checkpoint import save_head
 
         base = self.named(beside).where
@@ -101,13 +90,10 @@ class VisitorSets:
             saved = save_head(folder / "head", head)
             return self._alone(replace(base, head=saved, computed=folder, frames=None), folder)
 
-        return self._made(os.urandom(12).hex(), placed, lambda: None)
+        return self._made(os.urandom(12).hex(), placed)
 
-    def _made(self, key: str, placed: Callable[[Path], Places], check: Callable[[], None], *, fits: bool = True) -> str:
-        """Fill a new folder, check its content, and add it as a visitor set.
-
-        fits  False: its heads may be of another encoder than its set
-        """
+    def _made(self, key: str, placed: Callable[[Path], Places], check: Check = lambda: None, fits: bool = True) -> str:
+        """Fill a new folder, check its content and, if it has to, that the heads fit the set; add it as a visitor set."""
         folder = self.shared.scratch.folder(os.urandom(8).hex())
         try:
             made = Resources(placed(folder), self.shared, owner=key)
@@ -131,7 +117,7 @@ class VisitorSets:
             shutil.rmtree(old.where.computed or folder, ignore_errors=True)
         return key
 
-    def _placed(self, folder: Path, parts: Mapping[str, str], base: Places, *, compare: bool) -> Places:
+    def _placed(self, folder: Path, parts: Mapping[str, str], base: Places, compare: bool) -> Places:
         """Move the parts to their places under `folder`."""
         for name, sent in parts.items():
             self.parts.place(name, sent, folder / ("head" if name in HEAD else ".") / name)

@@ -160,10 +160,7 @@ def head_row(resources: Resources, name: str) -> dict[str, Any] | None:
 
 
 def protocol_runs(content: str) -> dict[tuple[str, str], list[Mapping[str, Any]]]:
-    """Return (method, source) -> runs of the protocol's records.
-
-    content  fingerprint of the embeddings shown; records of other embeddings are left out. Without
-             a file there are none
+    """Return (method, source) -> runs of the protocol's records of embeddings with the fingerprint `content`.
 
     Heads of different widths are different methods.
     """
@@ -204,19 +201,13 @@ def ranking(runs: Mapping[tuple[str, str], Sequence[Any]]) -> list[dict[str, Any
         own = {source: some for (name, source), some in runs.items() if name == label}
         if len(own) < 2:
             continue
-        scores = {
-            metric: {source: [record_mean(one, metric) for one in some] for source, some in own.items()}
-            for metric in METRICS
-        }
-        intervals = [bootstrap_interval(scores[metric], draws=DRAWS) for metric in METRICS]
-        stds = [spread(values).std for values in scores["accuracy"].values() if len(values) > 1]
-        found.append(
-            {
-                "label": label,
-                "scores": [[one.mean, one.low, one.high] for one in intervals],
-                "seeds": (sum(std**2 for std in stds) / len(stds)) ** 0.5 if stds else None,
-            }
-        )
+        scores = [
+            {source: [record_mean(one, metric) for one in runs] for source, runs in own.items()} for metric in METRICS
+        ]
+        intervals = [bootstrap_interval(one, draws=DRAWS) for one in scores]
+        stds = [spread(values).std for values in scores[0].values() if len(values) > 1]
+        seeds = (sum(std**2 for std in stds) / len(stds)) ** 0.5 if stds else None
+        found.append({"label": label, "scores": [[one.mean, one.low, one.high] for one in intervals], "seeds": seeds})
     return sorted(found, key=lambda one: -one["scores"][0][0])
 
 
