@@ -9,6 +9,7 @@ from omnivat.stages import LIMIT, STAGES
 
 Schema = dict[str, Any]
 TEXT: Schema = {"type": "string"}
+COUNT: Schema = {"type": "integer"}
 NUMBER: Schema = {"type": "number"}
 MAYBE: Schema = {"type": ["number", "null"]}
 IMAGE = (
@@ -24,10 +25,6 @@ ORDER: Schema = {
 SET: Schema = {**TEXT, "description": "a shipped set (see about) or one from POST /omnivat/load"}
 
 
-def _object(properties: Schema, **more: Any) -> Schema:
-    return {"type": "object", "properties": properties, **more}
-
-
 def _list(items: Schema) -> Schema:
     return {"type": "array", "items": items}
 
@@ -37,24 +34,27 @@ def _by_name(of: Schema) -> Schema:
 
 
 def _given(**properties: Schema) -> Schema:
-    return _object({**properties, "set": SET}, additionalProperties=False)
+    return {"type": "object", "properties": {**properties, "set": SET}, "additionalProperties": False}
 
 
 def _returned(**properties: Schema) -> Schema:
-    return _object(properties, required=list(properties))
+    return {"type": "object", "properties": properties, "required": list(properties)}
 
 
 RECORD = _returned(
-    part=TEXT,
-    measure=TEXT,
-    modality=TEXT,
-    value=MAYBE,
-    low=MAYBE,
-    high=MAYBE,
+    **dict.fromkeys(("part", "measure", "modality", "note", "from", "to"), TEXT),
+    **dict.fromkeys(("value", "low", "high"), MAYBE),
     n={"type": ["integer", "string"]},
-    note=TEXT,
-    **{"from": TEXT, "to": TEXT},
 )
+FAULTS = {
+    "400": "a wrong value",
+    "403": "another site, or an unknown host name",
+    "405": "another method than POST",
+    "408": "the body did not arrive in time",
+    "410": "the server no longer has the image or set",
+    "413": "a body over the limit",
+    "503": "too much is waiting, or it took too long",
+}
 SHARES = _by_name(NUMBER)
 TABLE = _by_name(_by_name(_by_name(MAYBE)))
 
@@ -66,7 +66,7 @@ TOOLS: dict[str, tuple[str, Schema, Schema]] = {
         _returned(
             classes=_list(TEXT),
             domains=_list(TEXT),
-            pairs={"type": "integer"},
+            pairs=COUNT,
             simulated={"type": "boolean"},
             encoder=TEXT,
             source={**TEXT, "description": "the domain that the head was trained on"},
@@ -109,7 +109,7 @@ TOOLS: dict[str, tuple[str, Schema, Schema]] = {
             stage=TEXT,
             order=MAYBE,
             measure=TEXT,
-            pairs={"type": "integer"},
+            pairs=COUNT,
             simulated={"type": "boolean"},
             modality_gap=_by_name(MAYBE),
             domain_gap=TABLE,
@@ -120,7 +120,7 @@ TOOLS: dict[str, tuple[str, Schema, Schema]] = {
         "intervals, retrieval, neighbours, probes. It may take minutes.",
         _given(),
         _returned(
-            pairs={"type": "integer"},
+            pairs=COUNT,
             domains=_list(TEXT),
             simulated={"type": "boolean"},
             numbers=_list(RECORD),
@@ -138,16 +138,7 @@ def document() -> Schema:
     def reply(of: Schema, what: str) -> Schema:
         return {"description": what, "content": {"application/json": {"schema": of}}}
 
-    faults = {
-        "400": "a wrong value",
-        "403": "another site, or an unknown host name",
-        "405": "another method than POST",
-        "408": "the body did not arrive in time",
-        "410": "the server no longer has the image or set",
-        "413": "a body over the limit",
-        "503": "too much is waiting, or it took too long",
-    }
-    fell = {status: reply(error, what) for status, what in faults.items()}
+    fell = {status: reply(error, what) for status, what in FAULTS.items()}
 
     def posted(what: str, body: Schema, found: Schema, **more: Any) -> Schema:
         content = {"required": True, "content": body}
@@ -155,7 +146,7 @@ def document() -> Schema:
         return {"post": {"summary": what, "requestBody": content, "responses": good, **more}}
 
     image = {"schema": {**TEXT, "format": "binary", "maxLength": MAX_IMAGE_BYTES}}
-    sent = _returned(ref=TEXT, width={"type": "integer"}, height={"type": "integer"}, preview=TEXT)
+    sent = _returned(ref=TEXT, width=COUNT, height=COUNT, preview=TEXT)
     paths = {
         f"/omnivat/api/{name}": posted(what, {"application/json": {"schema": given}}, found, operationId=name)
         for name, (what, given, found) in TOOLS.items()

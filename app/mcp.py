@@ -20,6 +20,7 @@ from omnivat import __version__
 from omnivat.errors import DataError, OmniVatError
 
 VERSIONS = ("2025-11-25", "2025-06-18", "2025-03-26")  # newest first
+LISTED = ("name", "description", "inputSchema", "outputSchema", "annotations")  # of a tool
 PARSE, REQUEST, METHOD, PARAMS = -32700, -32600, -32601, -32602
 USE = "Start with about: it names the classes, domains, examples and sets."
 
@@ -78,13 +79,8 @@ def replied(asked: Mapping[str, Any]) -> dict[str, Any]:
             "instructions": USE,
         }
     if method == "tools/list":
-        return {
-            "tools": [
-                {"name": name, "description": what, "inputSchema": given, "outputSchema": found,
-                 "annotations": {"readOnlyHint": True}}
-                for name, (what, given, found) in TOOLS.items()
-            ]
-        }  # fmt: skip
+        rows = ((name, *tool, {"readOnlyHint": True}) for name, tool in TOOLS.items())
+        return {"tools": [dict(zip(LISTED, row, strict=True)) for row in rows]}
     if not isinstance(method, str) or asked.get("jsonrpc") != "2.0":
         raise RpcError('A request has "jsonrpc": "2.0", an id and a method.', REQUEST)
     raise RpcError(f"The method '{method:.40}' is unknown; there are tools/list and tools/call.", METHOD)

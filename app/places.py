@@ -25,20 +25,6 @@ class Places:
     drawn: int = DRAWN_PAIRS  # of a larger set so many pairs are drawn at random
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Example:
-    """One example: a pair of image files."""
-
-    domain: str
-    material: str
-    vis: Path
-    tac: Path
-
-    def file(self, modality: str) -> Path:
-        """Return the file of "vis" or "tac"."""
-        return self.vis if modality == "vis" else self.tac
-
-
 def places(head: Path | None = None, embeddings: Path | None = None, compare: Sequence[Path] = ()) -> Places:
     """Return the locations of the project's own files or of given ones."""
     found = _places(EXAMPLES, head or default_head(), embeddings or default_embeddings())
@@ -75,18 +61,15 @@ def head_names(where: Places) -> dict[str, Path]:
     return names
 
 
-def find_examples(folder: Path) -> dict[str, Example]:
-    """Return the complete pairs `<domain>/<class>/<stem>_{vis,tac}.*` under `folder` by their unique names.
+def find_examples(folder: Path) -> dict[str, dict[str, Path]]:
+    """Return the images of the complete pairs under `folder`: "domain/class/stem" -> modality -> file.
 
-    A missing folder has none.
+    The files are `<domain>/<class>/<stem>_{vis,tac}.*`; a missing folder has none.
     """
     found = {}
     for vis in sorted(folder.glob("*/*/*_vis.*")):
         stem = vis.stem.removesuffix("_vis")
         tacs = [p for p in vis.parent.glob(f"{stem}_tac.*") if p.suffix.lower() in ENDINGS]
         if tacs and vis.suffix.lower() in ENDINGS:
-            material, domain = vis.parent, vis.parent.parent
-            found[f"{domain.name}/{material.name}/{stem}"] = Example(
-                domain=domain.name, material=material.name, vis=vis, tac=tacs[0]
-            )
+            found["/".join((*vis.parts[-3:-1], stem))] = {"vis": vis, "tac": tacs[0]}
     return found

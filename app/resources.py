@@ -14,7 +14,7 @@ from app.decoder import Check, Decoder, Picture
 from app.frames_job import FramesJob
 from app.jobs import Jobs
 from app.limits import MAPPED_BYTES
-from app.places import Example, Places, find_examples, head_names
+from app.places import Places, find_examples, head_names
 from app.scratch import Scratch
 from app.state import ForgottenError, Lazy, Recent, Ref, content_name
 from omnivat.errors import DataError
@@ -76,7 +76,9 @@ class Resources:
         self.embeddings: Lazy[Embeddings] = Lazy(partial(_load_embeddings, where))
         self.drawn: Lazy[bool] = Lazy(lambda: _pairs_in(where.embeddings) > where.drawn)
         self.encoder: Lazy[Encoder] = Lazy(self._load_encoder)
-        self.examples: Lazy[dict[str, Example]] = Lazy(lambda: find_examples(where.pairs) if where.pairs else {})
+        self.examples: Lazy[dict[str, dict[str, Path]]] = Lazy(
+            lambda: find_examples(where.pairs) if where.pairs else {}
+        )
         self.frame_jobs = {
             name: FramesJob(
                 head=folder,
@@ -138,7 +140,7 @@ class Resources:
                 raise DataError(f"No pair has the number '{ref.name:.20}'; there are 0 to {count - 1}.")
             return self._from_set(int(ref.name), modality)
         if ref.kind == "example":
-            file = self.example(ref.name).file(modality)
+            file = self.example(ref.name, modality)
             row = self._row_of().get(f"{ref.name}/{modality}")
             if row is not None:
                 return self._from_set(row, modality)
@@ -176,11 +178,11 @@ class Resources:
         plain = np.asarray(rows)  # a row of a memmap takes 20 times as long
         return np.array(plain[row], np.float32)
 
-    def example(self, name: str) -> Example:
-        """Return the example called `name`. Raises DataError if there is none."""
+    def example(self, name: str, modality: str) -> Path:
+        """Return the image of an example, "vis" or "tac". Raises DataError if there is no such example."""
         if name not in self.examples():
             raise DataError(f"No example is called '{name:.80}'; pick one of the gallery.")
-        return self.examples()[name]
+        return self.examples()[name][modality]
 
     def example_rows(self) -> dict[str, int]:
         """Return example -> row of the set, for the examples that are in it; nothing is encoded."""

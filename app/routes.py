@@ -183,7 +183,7 @@ async def example_image(sets: VisitorSets, request: Request) -> Response:
     name, _, modality = request.path_params["name"].rpartition("/")
     if modality not in ("vis", "tac"):
         return refusal("An example's image is its name and then /vis or /tac.", 404)
-    file = set_of(sets, request).example(name).file(modality)
+    file = set_of(sets, request).example(name, modality)
     if not file.is_file():
         return refusal("This example's image is no longer there; reload the page.", 404)
     return file_response(request, file)

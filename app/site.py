@@ -174,8 +174,8 @@ def replies(resources: Resources, desks: Container[str]) -> Iterator[tuple[str, 
 def whole_files(resources: Resources, on_step: OnStep) -> dict[str, Path]:
     """Return the files of a set, by request: frames, thumbnails, pictures of the examples."""
     found = set_files(resources, frames_file(resources.where, on_step))
-    for name, one in resources.examples().items():
-        found |= {f"/example/{name}/{modality}": one.file(modality) for modality in ("vis", "tac")}
+    for name, images in resources.examples().items():
+        found |= {f"/example/{name}/{modality}": file for modality, file in images.items()}
     return found
 
 
@@ -191,15 +191,11 @@ def write_scripts(folder: Path) -> str:
 
 def page(web: str, held: Mapping[str, Any]) -> str:
     """Return the page: all tabs, of which the script opens one."""
-    tabs = [(name, import_module(f"app.views.{name}").TITLE) for name in VIEWS]
-    buttons = "".join(
-        f'<button type="button" role="tab" id="view-{name}-button" aria-controls="view-{name}">{escape(title)}</button>'
-        for name, title in tabs
-    )
-    panels = "\n".join(
-        f'<div id="view-{name}" role="tabpanel" aria-labelledby="view-{name}-button" hidden>{html_of(name)}</div>'
-        for name, _ in tabs
-    )
+    buttons, panels = "", []
+    for name in VIEWS:
+        title, tab = escape(import_module(f"app.views.{name}").TITLE), f'id="view-{name}'
+        buttons += f'<button type="button" role="tab" {tab}-button" aria-controls="view-{name}">{title}</button>'
+        panels.append(f'<div {tab}" role="tabpanel" aria-labelledby="view-{name}-button" hidden>{html_of(name)}</div>')
     return document(
         head=f"""<meta http-equiv="Content-Security-Policy" content="{POLICY}">
 <title>OmniVaT</title>
@@ -209,7 +205,7 @@ def page(web: str, held: Mapping[str, Any]) -> str:
         kind=' class="site"',
         body=f"""<p class="ov wait problem unstarted">{UNSTARTED}</p>
 <div class="tab-wrapper"><div class="tab-container" role="tablist">{buttons}</div></div>
-{panels}""",
+{chr(10).join(panels)}""",
         held=held,
         scripts=f'<script type="module" src="{web}/site/start.js"></script>\n',
     )

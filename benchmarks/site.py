@@ -176,8 +176,7 @@ def own_pairs(resources: Resources, count: int) -> Iterator[dict[str, bytes]]:
     examples = list(resources.examples().values())
     random = np.random.default_rng(0)
     for number in range(count):
-        one = examples[number % len(examples)]
-        files = {name: one.file(name) for name in ("vis", "tac")}
+        files = examples[number % len(examples)]
         if number < len(examples):
             yield {name: file.read_bytes() for name, file in files.items()}
             continue
@@ -246,7 +245,7 @@ def pairs_compared(site: Site, resources: Resources, count: int) -> dict[str, An
 
 def odd_pictures(resources: Resources) -> dict[str, bytes]:
     """Return files of kinds that decoders treat differently."""
-    with Image.open(next(iter(resources.examples().values())).vis) as file:
+    with Image.open(next(iter(resources.examples().values()))["vis"]) as file:
         base = file.convert("RGB").resize((640, 480), Image.Resampling.BICUBIC)
     turned = {}
     for turn in (3, 6, 7):

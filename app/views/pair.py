@@ -30,8 +30,9 @@ COLUMNS = 256  # columns of the spectrum; each shows the maximum of its entries
 def gallery(resources: Resources) -> list[dict[str, Any]]:
     """Return the examples to choose from."""
     return [
-        {"name": name, "domain": one.domain, "class": one.material, "simulated": is_simulated(one.domain)}
-        for name, one in resources.examples().items()
+        {"name": name, "domain": domain, "class": material, "simulated": is_simulated(domain)}
+        for name in resources.examples()
+        for domain, material, _ in [name.split("/")]
     ]
 
 

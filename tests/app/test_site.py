@@ -78,7 +78,7 @@ def test_replies_are_those_of_the_server(written, where):
     file = index["files"][f'{OWN}/votes {{"head":""}}']
     assert json.loads((written / file).read_text()) == QUESTIONS["votes"](resources, {"head": ""})
     picture = index["files"][f"{OWN}/example/OF Real-sim/steel/new/tac"]
-    assert (written / picture).read_bytes() == resources.examples()["OF Real-sim/steel/new"].tac.read_bytes()
+    assert (written / picture).read_bytes() == resources.examples()["OF Real-sim/steel/new"]["tac"].read_bytes()
 
 
 def test_a_reply_that_is_a_refusal_is_held_as_its_sentence(where, tmp_path, monkeypatch):

@@ -112,7 +112,7 @@ def test_a_first_own_pair_needs_less_than_30_mb_and_a_site_of_both_sets_less_tha
 def test_every_route_of_try_a_pair_replies_as_the_server_does(both, tmp_path):
     resources = both.resources
     examples = list(resources.examples().values())[::6][:8]
-    refs = [{m: both.send(one.file(m)) for m in ("vis", "tac")} for one in examples]
+    refs = [{m: both.send(file) for m, file in one.items()} for one in examples]
     server, browser = ([{m: ref[m][side] for m in ref} for ref in refs] for side in (0, 1))
     half = ({"vis": server[2]["vis"]}, {"vis": browser[2]["vis"]})
 
