@@ -29,6 +29,7 @@ Arguments = Mapping[str, Any]
 Work = Callable[[Resources, Arguments, Job[Any]], dict[str, Any]]
 KINDS: dict[str, Any] = {"string": str, "number": int | float}
 CLOSED = "The API is off; whoever runs this page can open it with --api."
+UNKNOWN = f"There is no such tool; there are {', '.join(TOOLS)}, and schema."
 ONE_AT_A_TIME = ("report",)  # tools of the long lane
 
 
@@ -143,26 +144,20 @@ async def used(
 
     The body waits on the disk and is read in turn, so that many large ones hold no memory.
     """
-    long: list[tuple[str, Resources]] = []
 
-    def begun(job: Job[Any]) -> dict[str, Any] | None:
+    def begun(job: Job[Any]) -> Any:
         if (found := read(file.read_bytes())) is None:
             return None
         name, given = found[0], checked(*found)
-        resources = sets.named(given.get("set", "")[:64])
-        if name in ONE_AT_A_TIME:
-            long.append((name, resources))
-            return None
-        return WORK[name](resources, given, job)
+        work = partial(WORK[name], sets.named(given.get("set", "")[:64]), given)
+        return work if name in ONE_AT_A_TIME else work(job)
 
     jobs = sets.shared.jobs
     async with received(request, sets.shared.scratch, MAX_API_BYTES, "The request") as file:
         result = await done(request, jobs, begun, priority=1)
-    if long:
-        name, resources = long[0]
-        work = partial(WORK[name], resources, {})
-        result = await done(request, jobs, work, lane="long", deadline_s=REPORT_S)
-    return None if result is None else without_nan(result)
+    if isinstance(result, partial):
+        result = await done(request, jobs, result, lane="long", deadline_s=REPORT_S)
+    return None if result is None else dict(without_nan(result))
 
 
 async def serve(sets: VisitorSets, name: str, request: Request) -> Response:
@@ -199,9 +194,7 @@ def api_routes(sets: VisitorSets, mcp: Handler, *, opened: bool) -> list[Route]:
         "/omnivat/api/schema": only("GET", schema),
         **{f"/omnivat/api/{name}": only("POST", partial(serve, sets, name)) for name in TOOLS},
         "/omnivat/mcp": only("POST", mcp),
-        "/omnivat/api/{rest:path}": partial(
-            missing, f"There is no such tool; there are {', '.join(TOOLS)}, and schema."
-        ),
+        "/omnivat/api/{rest:path}": partial(missing, UNKNOWN),
     }
     methods = ["GET", "POST", "PUT", "PATCH", "DELETE"]
     return [

@@ -27,6 +27,18 @@ OPEN = ("/omnivat/", "/assets/", "/static/", "/svelte/", "/custom_component/", "
 PAGE = frozenset(("/", "/config", "/theme.css", "/favicon.ico", "/manifest.json", "/robots.txt")) | {
     "/gradio_api/startup-events"
 }  # Gradio requests the last one itself when it starts
+POLICY = (
+    "default-src 'self'",
+    "style-src 'self' 'unsafe-inline'",
+    "img-src 'self' data: blob:",
+    "media-src 'self' data: blob:",
+    "font-src 'self' data:",
+    "worker-src 'self' blob:",
+    "connect-src 'self' data: blob:",
+    "object-src 'none'",
+    "base-uri 'self'",
+    "form-action 'self'",
+)
 INLINE = re.compile(rb"<script(?![^>]*\ssrc=)[^>]*>(.*?)</script>", re.DOTALL)
 
 
@@ -149,25 +161,10 @@ def _place(origin: str) -> tuple[str, int | None]:
 def headers(page: bytes, rules: Rules) -> dict[str, str]:
     """Return the response headers; they allow only the inline scripts of `page`."""
     hashes = " ".join(f"'sha256-{b64encode(sha256(script).digest()).decode()}'" for script in INLINE.findall(page))
-    policy = "; ".join(
-        [
-            "default-src 'self'",
-            # Gradio compiles component code from text
-            f"script-src 'self' 'unsafe-eval' {hashes}".strip(),
-            "style-src 'self' 'unsafe-inline'",
-            "img-src 'self' data: blob:",
-            "media-src 'self' data: blob:",
-            "font-src 'self' data:",
-            "worker-src 'self' blob:",
-            "connect-src 'self' data: blob:",
-            "object-src 'none'",
-            "base-uri 'self'",
-            "form-action 'self'",
-            f"frame-ancestors {'*' if rules.framed else chr(39) + 'none' + chr(39)}",
-        ]
-    )
+    script = f"script-src 'self' 'unsafe-eval' {hashes}".strip()  # Gradio compiles component code from text
+    frames = "frame-ancestors *" if rules.framed else "frame-ancestors 'none'"
     found = {
-        "content-security-policy": policy,
+        "content-security-policy": "; ".join((script, *POLICY, frames)),
         "x-content-type-options": "nosniff",
         "referrer-policy": "same-origin",
         "cross-origin-opener-policy": "same-origin",
