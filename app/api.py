@@ -190,7 +190,7 @@ def only(method: str, handler: Handler) -> Handler:
 
 def api_routes(sets: VisitorSets, mcp: Handler, *, opened: bool) -> list[Route]:
     """Return the routes of the API; while it is not opened, each refuses."""
-    handlers = {
+    handlers: dict[str, Handler] = {
         "/omnivat/api/schema": only("GET", schema),
         **{f"/omnivat/api/{name}": only("POST", partial(serve, sets, name)) for name in TOOLS},
         "/omnivat/mcp": only("POST", mcp),

@@ -101,10 +101,9 @@ def export_page(where: Places, frames: Path, out: Path) -> None:
 
 
 def document(*, held: Mapping[str, Any], **parts: str) -> str:
-    """Return a page that needs no server.
+    """Return a page of the parts head, kind (attributes of the body), body and scripts.
 
-    held   what its scripts have instead of one; see `app/web/shared/held.js`
-    parts  head, kind (attributes of the body), body, scripts: HTML
+    held   what its scripts have instead of a server; see `app/web/shared/held.js`
     """
     index = json.dumps(held, ensure_ascii=False, separators=(",", ":")).replace("</", "<\\/")
     return PAGE.format(held=index, header=html_of("header"), **parts)

@@ -236,10 +236,12 @@ class Jobs:
         """Stop the job if it is cancelled or out of time; wait for jobs of higher priority."""
         line = self._lanes[job.lane]
         with self._changed:
-            self._require_time(job)
+            spent = monotonic() - job.since
+            if job.left_s is not None and spent > job.left_s:
+                raise BusyError("This took longer than allowed and was stopped; try something smaller.")
             better = any(one.priority < job.priority for one in line.waiting)
             if better and job in line.running and not job.cancelled:
-                self._spend(job)
+                job.left_s = None if job.left_s is None else job.left_s - spent
                 line.running.discard(job)
                 line.add(job)
                 self._let_in(line)
@@ -253,9 +255,7 @@ class Jobs:
         It looks every LOOK_S: a wait for `_changed` would wake it twice for each request.
         """
         began, quick = monotonic(), self._lanes["quick"]
-        while (quick.running or quick.waiting) and not job.cancelled:
-            if monotonic() - began >= GIVE_WAY_S:
-                break
+        while (quick.running or quick.waiting) and not job.cancelled and monotonic() - began < GIVE_WAY_S:
             sleep(LOOK_S)
         job.since += monotonic() - began
 
@@ -268,10 +268,8 @@ class Jobs:
             if job in line.waiting:
                 line.waiting.remove(job)
             self._changed.notify_all()
-        if unborn and why is not None:
-            job.end("failed", why)
-        elif unborn:
-            job.end("cancelled", CancelledError("This work was cancelled."))
+        if unborn:
+            job.end("failed" if why else "cancelled", why or CancelledError("This work was cancelled."))
 
     def cancel_owner(self, owner: str) -> None:
         """Stop every job of an owner."""
@@ -293,9 +291,7 @@ class Jobs:
         """Return the job's position in its queue, from 1; 0 if it is not waiting."""
         with self._changed:
             line = self._lanes[job.lane]
-            if job not in line.waiting:
-                return 0
-            return sorted(line.waiting, key=line.rank).index(job) + 1
+            return sorted(line.waiting, key=line.rank).index(job) + 1 if job in line.waiting else 0
 
     def _all(self) -> list[Job[Any]]:
         return [job for line in self._lanes.values() for job in (*line.running, *line.waiting)]
@@ -311,14 +307,6 @@ class Jobs:
             if (last := line.hog(visitor)) is None:
                 raise full
             self.cancel(last, full)
-
-    def _require_time(self, job: Job[Any]) -> None:
-        if job.left_s is not None and monotonic() - job.since > job.left_s:
-            raise BusyError("This took longer than allowed and was stopped; try something smaller.")
-
-    def _spend(self, job: Job[Any]) -> None:
-        if job.left_s is not None:
-            job.left_s -= monotonic() - job.since
 
     def _let_in(self, line: _Lane) -> None:
         """Start or wake the jobs that may run now; the caller holds the lock."""

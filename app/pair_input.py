@@ -53,22 +53,17 @@ def of_ref(resources: Resources, ref: Ref, modality: str, question: Mapping[str,
 def moved(resources: Resources, question: Mapping[str, Any], modality: str, rows: "torch.Tensor") -> "torch.Tensor":
     """Return rows (B, input_width) of a visitor's images, moved by the profile of a request, if any.
 
-    Raises ForgottenError if the server no longer has the profile, DataError if it does not fit the
-    head or the head has no profile of its source.
+    Raises DataError if it does not fit the head, or the head has no profile of its source.
     """
     profile = profile_in(resources, question)
-    if profile is None:
-        return rows
-    return resources.head_named(question.get("head")).moved(modality, rows, profile)
+    return rows if profile is None else resources.head_named(question.get("head")).moved(modality, rows, profile)
 
 
 def profile_in(resources: Resources, question: Mapping[str, Any]) -> "Profile | None":
-    """Return the profile named in a request; None without a name."""
+    """Return the profile named in a request; None without a name. Raises ForgottenError if it is not kept."""
     name = question.get("profile")
-    if not name:
-        return None
-    found = resources.profiles.get(str(name)[:64])
-    if found is None:
+    found = resources.profiles.get(str(name)[:64]) if name else None
+    if name and found is None:
         raise ForgottenError("The server no longer has the profile of your sensor; load it again.")
     return found
 

@@ -8,6 +8,7 @@ import errno
 import os
 import socket
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 
 from app.limits import DRAWN_PAIRS
@@ -17,24 +18,26 @@ PORTS = range(7860, 7960)  # tried in turn by default
 MOST_PAIRS = 50_000  # 100,000 points: what the map draws smoothly
 NAME, PORT = "GRADIO_SERVER_NAME", "GRADIO_SERVER_PORT"  # variables of the environment
 CALLED = ("SPACE_HOST", "OMNIVAT_ALLOW_HOST")  # allowed host names, comma-separated
+NO_PORT = "'{:.20}' is not a port; give a number from 1 to {}"
+NO_COUNT = "'{:.20}' is not a number of pairs; give one from 1 to {:,}"
 FRAMED = "SPACE_ID"  # set by a service that frames the page
 
 
 def parser(environ: Mapping[str, str] = os.environ) -> argparse.ArgumentParser:
     """Return the command line of `python app.py`; a hosting service sets defaults by `environ`."""
     parser = argparse.ArgumentParser(prog="app.py", description="Open the OmniVaT page.")
-    add = parser.add_argument
+    add, hosted = parser.add_argument, bool(environ.get(NAME) or environ.get(FRAMED))
     add("--head", type=Path, help="folder of a trained head")
     add("--embeddings", type=Path, help="embeddings file to show")
     add("--profile", type=Path, metavar="FILE", help="profile of your sensor (`omnivat profile`)")
     text = f"draw N pairs of a set that has more; {DRAWN_PAIRS:,} if left out"
-    add("--sample", type=pair_count, default=DRAWN_PAIRS, metavar="N", help=text)
+    add("--sample", type=partial(whole, MOST_PAIRS, NO_COUNT), default=DRAWN_PAIRS, metavar="N", help=text)
     text = "a head to compare with the first; can be given several times"
     add("--compare", type=Path, action="append", default=[], metavar="DIR", help=text)
     text = f"address to listen on; ${NAME}, or this machine alone"
     add("--host", default=environ.get(NAME) or "127.0.0.1", help=text)
     text = f"port; ${PORT}, or the first free one from {PORTS[0]}"
-    add("--port", type=port_number, default=environ.get(PORT) or None, help=text)
+    add("--port", type=partial(whole, 65535, NO_PORT), default=environ.get(PORT) or None, help=text)
     listed = ",".join(environ.get(key, "") for key in CALLED)
     names = [name.strip() for name in listed.split(",") if name.strip()]
     text = "an additional allowed host name; can be given several times"
@@ -42,32 +45,18 @@ def parser(environ: Mapping[str, str] = os.environ) -> argparse.ArgumentParser:
     text = "let other pages show this one in a frame, for notebooks and hosted demos"
     add("--allow-framing", action="store_true", default=FRAMED in environ, help=text)
     add("--api", action="store_true", help="open the API for programs, over HTTP and MCP (docs/api.md)")
-    add("--no-browser", action="store_true", default=is_hosted(environ), help="do not open a browser")
+    add("--no-browser", action="store_true", default=hosted, help="do not open a browser")
     add("--desktop", action="store_true", help="open a separate window (needs pywebview)")
     return parser
 
 
-def is_hosted(environ: Mapping[str, str]) -> bool:
-    """True if a hosting service starts the page."""
-    return bool(environ.get(NAME) or environ.get(FRAMED))
-
-
 def keeps_nothing(environ: Mapping[str, str]) -> bool:
     """True if maps go to the temporary folder: a service's disk may be read-only."""
-    return is_hosted(environ) and not environ.get("OMNIVAT_CACHE")
+    return bool(environ.get(NAME) or environ.get(FRAMED)) and not environ.get("OMNIVAT_CACHE")
 
 
-def port_number(text: str) -> int:
-    """Return a port from the command line; raises ArgumentTypeError for anything else."""
-    return _whole(text, 65535, "'{:.20}' is not a port; give a number from 1 to {}")
-
-
-def pair_count(text: str) -> int:
-    """Return a number of pairs from the command line; raises ArgumentTypeError for anything else."""
-    return _whole(text, MOST_PAIRS, "'{:.20}' is not a number of pairs; give one from 1 to {:,}")
-
-
-def _whole(text: str, most: int, wrong: str) -> int:
+def whole(most: int, wrong: str, text: str) -> int:
+    """Return a number of the command line from 1 to `most`; raises ArgumentTypeError for anything else."""
     if not (text.isascii() and text.isdigit() and len(text) < 10 and 1 <= int(text) <= most):
         raise argparse.ArgumentTypeError(wrong.format(text, most))
     return int(text)

@@ -8,6 +8,7 @@ from collections import Counter, OrderedDict
 from collections.abc import Callable
 from contextvars import ContextVar
 from dataclasses import dataclass
+from functools import partial
 from hashlib import blake2b
 from threading import Lock
 from typing import Any, Generic, TypeVar
@@ -25,6 +26,7 @@ class ForgottenError(DataError):
 KINDS = ("row", "example", "image")
 LONGEST_NAME = 200
 V = TypeVar("V")
+order_from = partial(optional_order, name="p")  # None if none is given
 # address of the visitor whose job runs here; "" for the server's own work
 VISITOR: ContextVar[str] = ContextVar("visitor", default="")
 
@@ -41,28 +43,16 @@ class Ref:
 
 
 def ref_from(value: Any) -> Ref | None:
-    """Return the image reference in a request; None if it is left out.
-
-    Raises DataError for anything else.
-    """
+    """Return the image reference in a request; None if it is left out. Raises DataError for anything else."""
     if value is None or value == "":
         return None
     if not isinstance(value, str) or len(value) > LONGEST_NAME:
         raise DataError("An image is named by a short text such as 'row:12'; choose one again.")
     kind, colon, name = value.partition(":")
     if kind not in KINDS or not colon or not name:
-        raise DataError(
-            f"'{value}' names no image; expected one of " + ", ".join(f"'{kind}:…'" for kind in KINDS) + "."
-        )
+        known = ", ".join(f"'{kind}:…'" for kind in KINDS)
+        raise DataError(f"'{value}' names no image; expected one of {known}.")
     return Ref(kind, name)
-
-
-def order_from(value: Any) -> float | None:
-    """Return an order between -4 and 4 quarter turns, or None if none is given.
-
-    Raises SettingsError for anything else.
-    """
-    return optional_order(value, name="p")
 
 
 def content_name(content: bytes) -> str:

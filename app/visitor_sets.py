@@ -1,9 +1,8 @@
 """Heads and sets loaded by visitors, each named by a hash of its content.
 
 A visitor set is the head and the set of pairs that a visitor uses. The server starts with one. A loaded head or set
-makes another, which only those with its name can reach. Its folder in the server's temporary folder
-holds all that visitors have loaded of it, so that no set needs another; removing it removes the folder
-and cancels its unfinished jobs.
+makes another, which only those with its name can reach. Its folder in the server's temporary folder holds all that
+visitors have loaded of it, so that no set needs another; removing it cancels its unfinished jobs, too.
 """
 
 import os
