@@ -8,7 +8,7 @@ import logging
 from collections import Counter, OrderedDict
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import count
 from threading import Condition
@@ -48,47 +48,42 @@ class Status:
         return self.state in ("done", "failed", "cancelled")
 
 
+@dataclass(eq=False)
 class Job(Generic[T]):
     """One job: its state and its result."""
 
-    def __init__(
-        self,
-        jobs: "Jobs",
-        work: "Callable[[Job[T]], T]",
-        *,
-        lane: str,
-        owner: str,
-        visitor: str,
-        priority: int,
-        deadline_s: float | None,
-        number: int,
-    ) -> None:
-        self.owner, self.visitor, self.lane = owner, visitor, lane
-        self.priority, self.number = priority, number
-        self.future: Future[T] = Future()
+    jobs: "Jobs"
+    work: "Callable[[Job[T]], T]"
+    lane: str
+    owner: str
+    visitor: str
+    priority: int
+    left_s: float | None  # seconds of running that are left; None: no limit
+    number: int
+    future: Future[T] = field(default_factory=Future)
+    cancelled: bool = False
+    queued: float = 0.0  # when it last started waiting
+    since: float = 0.0  # when it last started running
+    begun: bool = False  # it has a thread, running or paused
+    step: Step | None = None
+    state: State = "waiting"
+    pace: Pace = field(default_factory=Pace)
+
+    def __post_init__(self) -> None:
         self.future.set_running_or_notify_cancel()  # only `cancel` below cancels
-        self.cancelled = False
-        self.queued = 0.0  # when it last started waiting
-        self.left_s = deadline_s
-        self.since = 0.0  # when it last started running
-        self.begun = False  # it has a thread, running or paused
-        self._jobs, self._work = jobs, work
-        self._step: Step | None = None
-        self._pace = Pace()
-        self._state: State = "waiting"
 
     def report(self, step: Step) -> None:
         """Report progress; raises the errors of `check`."""
-        self._step = replace(step, left=self._pace.left(step))
+        self.step = replace(step, left=self.pace.left(step))
         self.check()
 
     def check(self) -> None:
         """Continue, or wait for a higher priority. Raises JobStopped or, out of time, BusyError."""
-        self._jobs.pause(self)
+        self.jobs.pause(self)
 
     def give_way(self) -> None:
         """Wait while requests run or wait, at most GIVE_WAY_S; for work in small steps."""
-        self._jobs.give_way(self)
+        self.jobs.give_way(self)
 
     def go_on_at(self, priority: int) -> None:
         """Continue at another priority; raises the errors of `check`."""
@@ -97,14 +92,13 @@ class Job(Generic[T]):
 
     def cancel(self) -> None:
         """Stop the work: at once if it waits, at its next `check` if it runs."""
-        self._jobs.cancel(self)
+        self.jobs.cancel(self)
 
     def status(self) -> Status:
         """Return the state of the job."""
         error = self.future.exception() if self.future.done() else None
-        return Status(
-            state=self._state, place=self._jobs.place(self), step=self._step, problem=str(error) if error else ""
-        )
+        problem = str(error) if error else ""
+        return Status(state=self.state, place=self.jobs.place(self), step=self.step, problem=problem)
 
     def wait(self, timeout_s: float | None = None) -> T:
         """Return the result of the work; raises its OmniVatError, or TimeoutError."""
@@ -112,10 +106,10 @@ class Job(Generic[T]):
 
     def run(self) -> None:
         """Run the work and store its result; called in the job's own thread."""
-        self._state = "running"
+        self.state = "running"
         VISITOR.set(self.visitor)
         try:
-            value = self._work(self)
+            value = self.work(self)
         except JobStopped:
             self.end("cancelled", CancelledError("This work was cancelled."))
         except OmniVatError as error:
@@ -125,12 +119,12 @@ class Job(Generic[T]):
             log.exception("a job failed")
             self.end("failed", UnexpectedError(UNEXPECTED))
         else:
-            self._state = "done"
+            self.state = "done"
             self.future.set_result(value)
 
     def end(self, state: State, error: OmniVatError) -> None:
         """End the job without a value."""
-        self._state = state
+        self.state = state
         self.future.set_exception(error)
 
 
@@ -218,16 +212,7 @@ class Jobs:
         line = self._lanes[lane]
         with self._changed:
             self._require_room(line, owner, visitor)
-            job: Job[T] = Job(
-                self,
-                work,
-                lane=lane,
-                owner=owner,
-                visitor=visitor,
-                priority=priority,
-                deadline_s=deadline_s,
-                number=next(self._numbers),
-            )
+            job = Job(self, work, lane, owner, visitor, priority, deadline_s, next(self._numbers))
             line.add(job)
             self._let_in(line)
         return job
