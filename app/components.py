@@ -16,7 +16,8 @@ STYLES = (
     "tree/tree",
     "shared/narrow",
 )  # in this order: later ones override
-EARLY = ("cloud", "store", "frames", "measures", "api")  # scripts that the first tab needs
+# scripts that the first tab needs
+EARLY = ("explore/explore", *(f"shared/{part}" for part in ("cloud", "store", "frames", "measures", "api")))
 
 
 def component(name: str) -> None:
@@ -40,11 +41,10 @@ def head(views: Sequence[str], web: str = "omnivat/web") -> str:
 
     web  where the scripts and styles are, relative to the page
     """
-    early = ("explore/explore.js", *(f"shared/{part}.js" for part in EARLY))
     return "\n".join(
         [
             *(f'<link rel="stylesheet" href="{web}/{name}.css">' for name in STYLES),
-            *(f'<link rel="modulepreload" href="{web}/{name}">' for name in early),
+            *(f'<link rel="modulepreload" href="{web}/{name}.js">' for name in EARLY),
             f'<meta name="omnivat-views" content="{" ".join(views)}">',
         ]
     )

@@ -93,17 +93,15 @@ class Decoder:
                     image = self._elsewhere(source, content, name)
         if image.width * image.height * 4 > LARGE:
             self._hand_back_soon()
-        width, height = found.width, found.height
-        if (width > height) != (image.width > image.height):  # it was rotated upright
-            width, height = height, width
+        turned = (found.width > found.height) != (image.width > image.height)  # it was rotated upright
+        width, height = (found.height, found.width) if turned else (found.width, found.height)
         return Picture(image=image, width=width, height=height)
 
     def _elsewhere(self, source: bytes | Path, content: Any, name: str) -> "Image.Image":
         """Read the picture in a process that can be killed."""
         from PIL import Image
 
-        size = 0 if isinstance(source, Path) else len(content)
-        file = str(source) if isinstance(source, Path) else ""
+        file, size = (str(source), 0) if isinstance(source, Path) else ("", len(content))
         question = json.dumps({"file": file, "size": size, "name": name}).encode() + b"\n"
         with self._lock:
             process, self._spare = self._spare or _started(), None

@@ -98,7 +98,7 @@ class FramesJob:
         """True if work must start: the first time, and some time after a failure."""
         if self._job is None:
             return True
-        if self._job.status().state not in ("failed", "cancelled"):
+        if self._job.state not in ("failed", "cancelled"):
             return False
         self._failed_at = self._failed_at or monotonic()
         again = monotonic() - self._failed_at > RETRY_S

@@ -1,9 +1,8 @@
 """Access rules of the server and its page, checked before any route.
 
-Pages of other sites may neither send nor read. Host names that others bind to this machine (DNS
-rebinding) are not served. Of Gradio's routes, only those of the page are open: its event streams and
-its API would cost a connection each, for as long as a visitor likes. The page itself loads nothing
-from other hosts.
+Pages of other sites may neither send nor read. Host names that others bind to this machine (DNS rebinding) are not
+served. Of Gradio's routes, only those of the page are open: its event streams and its API would cost a connection
+each, for as long as a visitor likes. The page itself loads nothing from other hosts.
 """
 
 import re
@@ -22,7 +21,6 @@ from starlette.responses import JSONResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 LOOPBACK = frozenset({"localhost", "127.0.0.1", "::1"})
-SAFE = ("GET", "HEAD")
 OPEN = ("/omnivat/", "/assets/", "/static/", "/svelte/", "/custom_component/", "/pwa_icon")
 PAGE = frozenset(("/", "/config", "/theme.css", "/favicon.ico", "/manifest.json", "/robots.txt")) | {
     "/gradio_api/startup-events"
@@ -54,8 +52,7 @@ class Rules:
 def rules(host: str, names: Iterable[str] = (), *, framed: bool = False) -> Rules:
     """Return the rules of a server on `host` with the additional host names `names`.
 
-    Beyond loopback, the machine's own name and numeric addresses are allowed, because no other site
-    can bind them to this machine.
+    Beyond loopback, the machine's own name and numeric addresses are allowed: no other site can bind them to it.
     """
     local = is_loopback(host)
     own = {name.strip("[]").lower() for name in (host, *names)} | (set() if local else {gethostname().lower()})
@@ -122,7 +119,7 @@ def refused(scope: Scope, rules: Rules) -> str:
     host, origin = sent.get("host", ""), sent.get("origin", "")
     if not _known(host, rules):
         return f"This server is not called '{host:.80}'. Start it with --allow-host NAME to serve that name, too."
-    opened = sent.get("sec-fetch-mode") == "navigate" and scope.get("method") in SAFE
+    opened = sent.get("sec-fetch-mode") == "navigate" and scope["method"] in ("GET", "HEAD")
     foreign = sent.get("sec-fetch-site") in ("cross-site", "same-site") and not opened
     if foreign or (origin and _place(origin) != _place(f"http://{host}")):  # browsers send it with any method
         return "A page of another site may not use this server; open the page itself."

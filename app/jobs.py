@@ -42,11 +42,6 @@ class Status:
     step: Step | None  # progress
     problem: str  # reason of a failure, one sentence
 
-    @property
-    def ended(self) -> bool:
-        """True if the job has ended."""
-        return self.state in ("done", "failed", "cancelled")
-
 
 @dataclass(eq=False)
 class Job(Generic[T]):

@@ -34,15 +34,14 @@ class WithoutStubs:
     def find_spec(name: str, path: Sequence[str] | None, target: Any = None) -> ModuleSpec | None:
         """Return the spec of that one module."""
         spec = PathFinder.find_spec(name, path) if name == WRITER else None
-        if spec is None or spec.loader is None:
-            return None
-        execute = spec.loader.exec_module
+        if spec is not None and spec.loader is not None:
+            execute = spec.loader.exec_module
 
-        def executed(module: ModuleType) -> None:
-            execute(module)
-            setattr(module, STUBS, lambda *_: None)
+            def executed(module: ModuleType) -> None:
+                execute(module)
+                setattr(module, STUBS, lambda *_: None)
 
-        spec.loader.exec_module = executed  # type: ignore[method-assign]
+            spec.loader.exec_module = executed  # type: ignore[method-assign]
         return spec
 
 

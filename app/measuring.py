@@ -21,8 +21,6 @@ def measured(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any
 
     return  `rows`: name, milliseconds (median, minimum, maximum), error and its definition;
             numbers of pairs, width, threads and processors
-
-    Raises DataError for any setting: there is nothing to choose.
     """
     if question:
         raise DataError("A measurement has no settings; send {}.")

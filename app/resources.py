@@ -127,8 +127,6 @@ class Resources:
             )
         return head
 
-    # ---- embeddings of one image -------------------------------------------------------------
-
     def embedding(self, ref: Ref, modality: str) -> "np.ndarray[Any, Any]":
         """Return the embedding (input_width,) of an image of the modality "vis" or "tac".
 
@@ -207,9 +205,8 @@ class Resources:
     def _load_encoder(self) -> "Encoder":
         wanted = self.head().encoder
         encoder = self.shared.encoder(wanted["name"], wanted["weights_hash"])
-        self.head().require(
-            (encoder.name, encoder.weights_hash, encoder.preprocessing), encoder.width, what="Images encoded here"
-        )
+        made = (encoder.name, encoder.weights_hash, encoder.preprocessing)
+        self.head().require(made, encoder.width, what="Images encoded here")
         return encoder
 
 

@@ -66,12 +66,10 @@ def save_figure(resources: Resources, question: Mapping[str, Any]) -> bytes:
     kind, colour = (str(question.get(k, v))[:20] for k, v in (("map", "pca"), ("colour", "domain")))
     sheet = None if resources.drawn() else resources.where.sprite
     tiles = pictures(sheet) if sheet else None
-    drawn = frames_map(frames, order=at, stage=stage, kind=kind, colour=colour, pictures=tiles)
-    parts = [drawn]
+    parts = [frames_map(frames, order=at, stage=stage, kind=kind, colour=colour, pictures=tiles)]
     if frames.head.get("kind") != FEATURES:
         parts += [gap_curves(frames, stage=stage, order=at), staircase(frames, order=at)]
-    whole: str = html_page(f"OmniVaT: {frames.pairs} VIS-TAC pairs", parts)
-    return whole.encode()
+    return str(html_page(f"OmniVaT: {frames.pairs} VIS-TAC pairs", parts)).encode()
 
 
 def _zipped(save: Callable[[Path], Any], name: str, note: str) -> bytes:

@@ -212,10 +212,7 @@ def page(web: str, held: Mapping[str, Any]) -> str:
 
 
 def worker(folder: Path) -> str:
-    """Return the service worker with the names of the files that it keeps.
-
-    first  needed by any visit; rest: fetched once a visit has begun, pictures of the examples last
-    """
+    """Return the service worker with the names of its files: first, of any visit; rest, fetched once that has begun."""
     names = sorted(p.relative_to(folder).as_posix() for p in files_in(folder) if p.parent != folder)
     first = [name for name in names if name.startswith("web-")]
     rest = sorted((name for name in names if not name.startswith("web-")), key=lambda name: "-example-" in name)

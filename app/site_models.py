@@ -42,9 +42,6 @@ def write_models(
 ) -> str:
     """Write all that the routes of Try a pair need into a new folder of `folder`; return its name.
 
-    desks    set -> its head and embeddings
-    runtime  as for `write_runtime`
-
     The name changes with the content, so a browser may keep every file. Raises MissingPackageError
     if a package of ONNX is not installed, DataError for a head or set that cannot be read.
     """

@@ -23,9 +23,7 @@ FETCH_S = 300
 
 
 def write_runtime(folder: Path, given: Path | None = None) -> None:
-    """Copy the runtime into `folder`.
-
-    given  a folder with both files, or the package's own; None: the pinned version
+    """Copy the runtime into `folder`: of the folder `given`, or of the pinned version.
 
     Raises DataError if `given` lacks a file, or the package cannot be fetched whole.
     """

@@ -100,7 +100,7 @@ class Trainings:
         embeddings = looked_at(resources.embeddings(), plan.source)
         run = Run(plan=plan, address=address, rows=thinned(len(embeddings), MAP_PAIRS))
         with self._lock:
-            self._active = {name: one for name, one in self._active.items() if not one.job.status().ended}
+            self._active = {name: one for name, one in self._active.items() if not one.job.future.done()}
             if visitor in self._active:
                 raise DataError("Your training before this one still runs or waits; cancel it first.")
             if len(self._active) >= MOST_RUNS:
@@ -130,8 +130,7 @@ class Trainings:
         """End the last waiting training of the address with most. Raises BusyError if that is `address`."""
         held = Counter(run.address for run in self._active.values())
         most = max(held, key=lambda one: held[one])
-        theirs = [run.job for run in self._active.values() if run.address == most]
-        waiting = [job for job in theirs if job.status().state == "waiting"]
+        waiting = [run.job for run in self._active.values() if run.address == most and run.job.state == "waiting"]
         if held[most] <= held[address] + 1 or not waiting:
             raise BusyError(f"{MOST_RUNS} trainings run or wait here already; try again in a few minutes.")
         why = "Your place was needed by another visitor; start the training again in a few minutes."
@@ -145,13 +144,12 @@ class Trainings:
             raise DataError(f"since is {since!r:.20}; give the number of epochs you have.")
         run.looked = monotonic()
         status = run.job.status()
-        step = status.step
         return {
             "state": status.state,
             "place": status.place,
             "problem": status.problem if status.state == "failed" else "",
-            "text": step.text if step else "",
-            "left": step.left if step else "",
+            "text": status.step.text if status.step else "",
+            "left": status.step.left if status.step else "",
             "epochs": run.epochs[since:],
             "set": run.loaded,
         }

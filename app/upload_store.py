@@ -35,8 +35,7 @@ class UploadStore:
     async def keep(self, name: str, content: AsyncIterator[bytes], visitor: str = "") -> str:
         """Write one file as it arrives; return its name.
 
-        Raises DataError for a file of another kind or one that is too large, BusyError if others have
-        sent too many.
+        Raises DataError for another file or one that is too large, BusyError if others have sent too many.
         """
         if name not in PARTS:
             raise DataError(f"'{name:.60}' is no file of a head or set; expected one of {', '.join(PARTS)}.")

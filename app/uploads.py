@@ -83,5 +83,4 @@ async def load(sets: VisitorSets, request: Request) -> Response:
     def loaded(job: Job[str]) -> str:
         return sets.load(parts, beside=set_of(sets, request).owner, compare=compare, check=job.check)
 
-    name = await done(request, sets.shared.jobs, loaded, priority=LOADED)
-    return JSONResponse({"set": name})
+    return JSONResponse({"set": await done(request, sets.shared.jobs, loaded, priority=LOADED)})

@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from omnivat.checkpoint import Head
 
 HEAD = ("weights.safetensors", "settings.json", "metrics.json", "familiarity.safetensors", "profile.safetensors")
-NEEDED_HEAD = HEAD[:2]
 SET = "embeddings.safetensors"
 SHEET = ("embeddings.thumbnails.webp", "embeddings.thumbnails.json")
 
@@ -68,8 +67,7 @@ class VisitorSets:
         compare  True adds the head for comparison instead of replacing its own
         check    called between steps; an error it raises ends the work
 
-        Two equal loads at the same time make one visitor set. Raises DataError, one sentence, if the files
-        are not a head or set, or do not fit together.
+        Two equal loads make one visitor set. Raises DataError if the files are no head or set, or do not fit together.
         """
         base = self.named(beside)
         key = content_name(repr((sorted(parts.items()), beside, compare)).encode("utf-8", "backslashreplace"))
@@ -122,7 +120,7 @@ class VisitorSets:
             self.parts.place(name, sent, folder / ("head" if name in HEAD else ".") / name)
         where = replace(base, computed=folder, frames=None)
         if any(name in parts for name in HEAD):
-            if missing := [name for name in NEEDED_HEAD if name not in parts]:
+            if missing := [name for name in HEAD[:2] if name not in parts]:
                 raise DataError(f"A head also has {' and '.join(missing)}; choose its whole folder.")
             head = folder / "head"
             if compare:

@@ -28,8 +28,6 @@ def neighbours(resources: Resources, question: Mapping[str, Any]) -> dict[str, A
 
     question  {"point": 0..2N-1 (VIS first, then TAC), "stage": …, "order": p}
     return    {"neighbours": [{"point", "cosine"}, …]}; the point's own pair may be among them
-
-    Raises DataError for an unknown point or stage.
     """
     from omnivat.sweep import STAGES
 
@@ -87,8 +85,8 @@ def ladder(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     def climbed() -> dict[str, Any]:
         from omnivat.ladder import ladder
 
-        where = resources.where
-        kept = None if source or resources.drawn() else kept_ladder(where.head, where.embeddings)
+        recorded = not source and not resources.drawn()
+        kept = kept_ladder(resources.where.head, resources.where.embeddings) if recorded else None
         return kept or ladder(resources.head(), embeddings, source=source)
 
     return resources.results.once(f"ladder {source}", climbed)

@@ -63,8 +63,7 @@ def tree(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
 def votes(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     """Return each node's most frequent class over the set, at the learned p.
 
-    question  {"head": name of a comparison head, the first one if left out}
-    return    {"votes": [{"class", "share"}, …], "pairs": number of pairs}
+    return  {"votes": [{"class", "share"}, …], "pairs": number of pairs}
     """
     from omnivat.nodes import node_votes
 
