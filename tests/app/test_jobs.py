@@ -38,7 +38,6 @@ def test_a_job_gives_what_its_work_returns(jobs):
     job = jobs.start(lambda job: 3, lane="quick")
     assert job.wait(5) == 3
     assert job.status().state == "done"
-    assert job.status().ended
 
 
 def test_waiting_jobs_have_places_and_the_better_priority_goes_first(jobs):
