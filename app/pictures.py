@@ -5,7 +5,6 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
-from statistics import fmean
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
@@ -165,4 +164,7 @@ def hidden(image: "Image.Image") -> Iterator["Image.Image"]:
 def over_cells(falls: list[list[float]]) -> list[list[float]]:
     """Return the mean decrease for each cell, over the parts that cover it."""
     covering = [range(max(0, k - PATCH + 1), min(len(falls), k + 1)) for k in range(CELLS)]
-    return [[round(fmean(falls[r][c] for r in rows for c in columns), 6) for columns in covering] for rows in covering]
+    return [
+        [round(sum(falls[r][c] for r in rows for c in columns) / (len(rows) * len(columns)), 6) for columns in covering]
+        for rows in covering
+    ]
