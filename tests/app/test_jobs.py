@@ -228,13 +228,15 @@ def test_work_in_small_steps_gives_way_to_requests_but_never_stops(jobs, monkeyp
 
 
 def test_one_slot_stays_for_requests_of_the_first_priority(jobs):
-    go, running = Event(), []
+    go, there, running = Event(), Event(), []
 
     def upload(job):
         running.append(job)
+        there.set()
         go.wait(5)
 
     uploads = [jobs.start(upload, lane="quick", priority=1) for _ in range(3)]
+    there.wait(5)
     assert jobs.start(lambda job: "drag", lane="quick").wait(5) == "drag"
     assert [one.status().state for one in uploads] == ["running", "waiting", "waiting"]
     go.set()
