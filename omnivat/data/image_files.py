@@ -143,8 +143,9 @@ def jpeg_segments(content: Content) -> Iterator[tuple[int, int, int]]:
     """Yield mark, start and end of each segment of a JPEG up to its first scan."""
     at = 2
     for _ in range(MOST_PIECES // 10):
-        while content[at] == 0xFF and content[at + 1] == 0xFF:  # fill bytes
-            at = _after_fill(content, at)
+        if content[at] == 0xFF and content[at + 1] == 0xFF:  # fill bytes: go to the last one
+            end = re.compile(rb"[^\xff]").search(content, at)
+            at = end.start() - 1 if end else len(content)
         first, mark, size = struct.unpack_from(">BBH", content, at)
         if first != 0xFF:
             raise OddFileError("is cut short or damaged")
@@ -153,14 +154,6 @@ def jpeg_segments(content: Content) -> Iterator[tuple[int, int, int]]:
         yield mark, at, at + 2 + size
         at += 2 + size
     raise OddFileError(f"has more than {MOST_PIECES // 10:,} pieces before its picture")
-
-
-def _after_fill(content: Content, at: int) -> int:
-    """Return the index of the last of a run of 0xFF."""
-    end = re.compile(rb"[^\xff]").search(content, at)
-    if end is None:
-        raise OddFileError("is cut short or damaged")
-    return end.start() - 1
 
 
 def _gif(content: Content, found: ImageFile) -> ImageFile:
@@ -181,11 +174,8 @@ def _gif(content: Content, found: ImageFile) -> ImageFile:
 
 def _bmp(content: Content, found: ImageFile) -> ImageFile:
     (size,) = struct.unpack_from("<I", content, 14)
-    if size == 12:
-        width, height, _, bits = struct.unpack_from("<HHHH", content, 18)
-        packed = 0
-    else:
-        width, height, _, bits, packed = struct.unpack_from("<iiHHI", content, 18)
+    fields = struct.unpack_from("<HHHH" if size == 12 else "<iiHHI", content, 18)
+    width, height, _, bits, packed = (*fields, 0)[:5]
     return replace(
         found,
         width=abs(width),
@@ -264,10 +254,9 @@ def tiff_table(content: Content) -> TiffTable:
 
 def _ppm(content: Content, found: ImageFile) -> ImageFile:
     """Parse a header of three or four words; comments of any length may be between them."""
-    words = re.sub(rb"#[^\r\n]*[\r\n]", b" ", content[:HEADER]).split(None, 3)
-    if len(words) < 3:
+    if len(re.sub(rb"#[^\r\n]*[\r\n]", b" ", content[:HEADER]).split(None, 3)) < 3:
         raise OddFileError(f"has no header in its first {HEADER} bytes")
-    return found
+    return replace(found, usual=False)
 
 
 WALKS: dict[str, Callable[[Content, ImageFile], ImageFile]] = {
@@ -277,5 +266,5 @@ WALKS: dict[str, Callable[[Content, ImageFile], ImageFile]] = {
     "BMP": _bmp,
     "WEBP": _webp,
     "TIFF": _tiff,
-    "PPM": lambda content, found: replace(_ppm(content, found), usual=False),
+    "PPM": _ppm,
 }

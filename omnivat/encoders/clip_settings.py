@@ -53,19 +53,20 @@ def clip_settings(weights: Weights, name: str) -> ClipSettings:
 
 def _of_transformers(file: Path, name: str) -> ClipSettings:
     config = _json(file, name)
-    kinds = ("clip", "clip_vision_model", "clip_text_model")
-    if config.get("model_type", "clip") not in kinds:
+    if config.get("model_type", "clip") not in ("clip", "clip_vision_model", "clip_text_model"):
         raise DataError(
             f"'{file}' is not of a CLIP model but of '{config['model_type']}'; use --encoder hf:{file.parent}."
         )
     image = config.get("vision_config") or config
     text = config.get("text_config") or config
+    beside = file.with_name("preprocessor_config.json")
+    pixels = _json(beside, "CLIP") if beside.is_file() else {}
     return ClipSettings(
         activation=str(image.get("hidden_act") or text.get("hidden_act") or QUICK_GELU),
         eps=float(image.get("layer_norm_eps", 1e-5)),
         image=_sizes(image, 12, {"patch": "patch_size", "side": "image_size"}),
         text=_sizes(text, 8, {"eos": "eos_token_id"}),
-        **_pixels_of_transformers(file.parent),
+        **{name: tuple(map(float, pixels[f"image_{name}"])) for name in ("mean", "std") if f"image_{name}" in pixels},
     )
 
 
@@ -73,18 +74,6 @@ def _sizes(config: Mapping[str, Any], heads: int, more: Mapping[str, str]) -> di
     names = {"width": "hidden_size", "layers": "num_hidden_layers", **more}
     found = {name: int(config[key]) for name, key in names.items() if key in config}
     return {"heads": int(config.get("num_attention_heads", heads)), **found}
-
-
-def _pixels_of_transformers(folder: Path) -> dict[str, tuple[float, ...]]:
-    file = folder / "preprocessor_config.json"
-    if not file.is_file():
-        return {}
-    config = _json(file, "CLIP")
-    return {
-        name: tuple(map(float, config[key]))
-        for name, key in (("mean", "image_mean"), ("std", "image_std"))
-        if key in config
-    }
 
 
 def _of_open_clip(file: Path, name: str) -> ClipSettings:
@@ -157,32 +146,16 @@ PUBLISHED = {
 
 def image_shape(clip: ClipState) -> ImageShape:
     """Return the sizes of an image tower from its weights. Raises KeyError for a missing weight."""
-    return _resnet_shape(clip.image) if clip.kind == RESNET else _vit_shape(clip.image)
-
-
-def _vit_shape(state: State) -> ImageShape:
-    width, _, patch, _ = state["vision_model.embeddings.patch_embedding.weight"].shape
-    places = len(state["vision_model.embeddings.position_embedding.weight"]) - 1
-    return ImageShape(
-        kind=VIT,
-        patch=patch,
-        width=width,
-        layers=(count(state, "vision_model.encoder.layers."),),
-        embed=len(state["visual_projection.weight"]),
-        side=round(places**0.5) * patch,
-    )
-
-
-def _resnet_shape(state: State) -> ImageShape:
-    places = len(state["attnpool.positional_embedding"]) - 1
-    return ImageShape(
-        kind=RESNET,
-        patch=32,
-        width=len(state["layer1.0.conv1.weight"]),
-        layers=tuple(count(state, f"layer{stage}.") for stage in (1, 2, 3, 4)),
-        embed=len(state["attnpool.c_proj.weight"]),
-        side=round(places**0.5) * 32,
-    )
+    state = clip.image
+    if clip.kind == RESNET:
+        patch, width, places = 32, len(state["layer1.0.conv1.weight"]), state["attnpool.positional_embedding"]
+        layers, last = [f"layer{stage}." for stage in (1, 2, 3, 4)], state["attnpool.c_proj.weight"]
+    else:
+        width, _, patch, _ = state["vision_model.embeddings.patch_embedding.weight"].shape
+        places = state["vision_model.embeddings.position_embedding.weight"]
+        layers, last = ["vision_model.encoder.layers."], state["visual_projection.weight"]
+    numbers, side = tuple(count(state, name) for name in layers), round((len(places) - 1) ** 0.5) * patch
+    return ImageShape(kind=clip.kind, patch=patch, width=width, layers=numbers, embed=len(last), side=side)
 
 
 def count(state: State, prefix: str) -> int:

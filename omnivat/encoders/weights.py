@@ -24,6 +24,7 @@ WEIGHTS = (
     "ViT-L-14.pt",
     "ViT-L-14-336px.pt",
 )
+WRAPPERS = ("module.", "_orig_mod.", "model.")  # before every name
 NESTED = ("state_dict", "model_state_dict", "model", "teacher", "encoder")
 
 
@@ -62,7 +63,9 @@ def read_weights(place: Path, name: str) -> Weights:
     # Copied, because numbers in a mapped file may be unaligned, and the last digits of a product
     # depend on alignment.
     floats = {key: value.to(torch.float32, copy=True) for key, value in state.items() if value.is_floating_point()}
-    return Weights(state=_without_prefix(floats), file=file, training=training)
+    while floats and (wrapper := next((p for p in WRAPPERS if all(key.startswith(p) for key in floats)), "")):
+        floats = {key.removeprefix(wrapper): value for key, value in floats.items()}
+    return Weights(state=floats, file=file, training=training)
 
 
 def weights_file(place: Path, name: str) -> Path:
@@ -107,11 +110,3 @@ def _unwrapped(found: Any) -> tuple[Mapping[str, Tensor], str | None]:
     if not isinstance(found, Mapping) or not any(isinstance(v, Tensor) for v in found.values()):
         raise ValueError("no table of weights is in it")
     return {str(key): v for key, v in found.items() if isinstance(v, Tensor)}, training
-
-
-def _without_prefix(state: dict[str, Tensor]) -> dict[str, Tensor]:
-    """Remove the prefix of a wrapper from every name: `module.`, `_orig_mod.`, `model.`."""
-    for prefix in ("module.", "_orig_mod.", "model."):
-        if state and all(key.startswith(prefix) for key in state):
-            return _without_prefix({key.removeprefix(prefix): v for key, v in state.items()})
-    return state

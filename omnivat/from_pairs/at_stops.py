@@ -18,7 +18,6 @@ from omnivat.from_pairs.report import Meter
 from omnivat.progress import OnStep, Step, ignore, never
 from omnivat.threads import in_processes, pin_thread
 from omnivat.train import TrainingCancelled, Watch
-from omnivat.train.state import run_name
 
 Stop = tuple[float, int]  # order, seed
 
@@ -60,16 +59,12 @@ def stop_folder(folder: Path, order: float, seed: int) -> Path:
     return folder / f"p{order:.4f}" / f"seed{seed}"
 
 
-def _name(plan: TrainingPlan) -> str:
-    return run_name(plan.pairs, plan.settings, plan.training, plan.bank, plan.seed)
-
-
 def _is_done(plan: TrainingPlan, stop: Stop, folder: Path) -> bool:
     """True if the head of a stop exists, with the same pairs and settings."""
     file = stop_folder(folder, *stop) / SETTINGS
     try:
         record = json.loads(file.read_text(encoding="utf-8"))
-        return bool(record["provenance"]["run"] == _name(plan.at(*stop)))
+        return bool(record["provenance"]["run"] == plan.at(*stop).name)
     except (OSError, ValueError, KeyError, TypeError):
         return False
 
@@ -110,5 +105,5 @@ def _write_head(plan: TrainingPlan, stop: Stop, folder: Path, watch: Watch) -> N
     head = trained_head(own, calibrate=False, watch=watch)
     meter = Meter(own.embeddings, own.settings.classes, own.source)
     head.metrics["measures"] = meter.measures(meter.at(head.model, stop[0]))
-    head.provenance["run"] = _name(own)
+    head.provenance["run"] = own.name
     save_head(stop_folder(folder, *stop), replace(head, familiarity=None))

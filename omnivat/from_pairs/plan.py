@@ -15,6 +15,7 @@ from omnivat.lang.bank import DEFAULT_BANK, LangBank, load_bank
 from omnivat.model.settings import HeadSettings
 from omnivat.train import TrainSettings
 from omnivat.train.batches import held_out, labels_of
+from omnivat.train.state import run_name
 
 PACKAGES = ("torch", "numpy", "safetensors")  # whose versions a head keeps
 FROM_DATA = ("classes", "input_width", "lang_width")
@@ -38,6 +39,11 @@ class TrainingPlan:
         settings = replace(self.settings, order=order, learn_order=False)
         training = replace(self.training, order_search=False, order_draw="none", order_teachers=0)
         return replace(self, settings=settings, training=training, seed=seed)
+
+    @property
+    def name(self) -> str:
+        """A hash of pairs, settings, text and seed."""
+        return run_name(self.pairs, self.settings, self.training, self.bank, self.seed)
 
     @property
     def encoder(self) -> dict[str, str]:

@@ -112,8 +112,7 @@ def load_bank(path: str | Path = DEFAULT_BANK) -> LangBank:
             metadata = handle.metadata() or {}
             if metadata.get("format") != FORMAT:
                 raise DataError(f"'{file}' is not a LANG bank. Make one with `python -m omnivat prompts`.")
-            names = set(handle.keys())
-            arrays = {name: handle.get_tensor(name).astype(np.float32) for name in names}
+            arrays = {name: handle.get_tensor(name).astype(np.float32) for name in handle.keys()}  # noqa: SIM118
             embeddings, plain = arrays["embeddings"], arrays.get("plain")
     except (SafetensorError, OSError, KeyError) as error:
         raise DataError(f"'{file}' cannot be read as a LANG bank ({error}); make it again.") from error

@@ -56,7 +56,13 @@ def read(
     if frames not in CHOICES:
         raise SettingsError(f"frames is '{frames}'; choose {', '.join(CHOICES)}.{suggestion(frames, CHOICES)}")
     left_out = Tally()
-    named = _materials_of(source, materials)
+    table = Path(materials) if materials else source / "materials.csv"
+    if not is_file(table):
+        raise DataError(
+            f"No table of materials at '{show(table)}'. The recordings do not name them: write the "
+            "list of the download page into a CSV with the columns object,material."
+        )
+    named = read_names(table, "object", "material")
     pairs = [
         pair
         for thing in folders_in(source)
@@ -74,16 +80,6 @@ def read(
         skipped=left_out.skipped(),
         origin=f"ObjectFolder Real, {frames} frame of a press, split by object",
     )
-
-
-def _materials_of(source: Path, table: Path | str | None) -> dict[str, str]:
-    file = Path(table) if table else source / "materials.csv"
-    if not is_file(file):
-        raise DataError(
-            f"No table of materials at '{show(file)}'. The recordings do not name them: write the "
-            "list of the download page into a CSV with the columns object,material."
-        )
-    return read_names(file, "object", "material")
 
 
 def _material(thing: Path, named: dict[str, str], strict: bool, left_out: Tally) -> Iterator[str]:
@@ -109,7 +105,8 @@ def _pairs(thing: Path, material: str, choice: str, camera: str, left_out: Tally
             missing = f"no frames in {TOUCH}" if not touch else f"no frames of a camera {camera}"
             left_out.add(f"object {show(thing.name)}", missing.strip())
             continue
-        for index in _chosen(len(touch), choice):
+        one = len(touch) - 1 if choice == "last" else len(touch) // 2
+        for index in range(len(touch)) if choice == "all" else (one,):
             yield Pair(
                 vis=seen[round(index / max(1, len(touch) - 1) * (len(seen) - 1))],
                 tac=touch[index],
@@ -119,25 +116,17 @@ def _pairs(thing: Path, material: str, choice: str, camera: str, left_out: Tally
             )
 
 
-def _chosen(count: int, choice: str) -> range:
-    if choice == "all":
-        return range(count)
-    index = count - 1 if choice == "last" else count // 2
-    return range(index, index + 1)
-
-
 def _camera_frames(recording: Path, camera: str) -> list[Path]:
     """Return the frames of the given camera, or of the best one with frames."""
     beside = [folder for folder in folders_in(recording) if folder.name != TOUCH]
     if camera:
         beside = [folder for folder in beside if folder.name == camera]
-    for folder in sorted(beside, key=_rank):
+
+    def rank(folder: Path) -> tuple[list[bool], str]:
+        name = folder.name.lower()
+        return [word not in name for word in PREFERRED], name
+
+    for folder in sorted(beside, key=rank):
         if frames := list(frames_in(folder).values()):
             return frames
     return []
-
-
-def _rank(folder: Path) -> tuple[int, str]:
-    name = folder.name.lower()
-    ranks = [rank for rank, word in enumerate(PREFERRED) if word in name]
-    return min(ranks, default=len(PREFERRED)), name

@@ -253,11 +253,9 @@ def _collected(
 
 
 def _any(file: Path) -> NDArray[np.float64]:
-    if file.suffix.lower() == ".wav":
-        return _wav(file)
-    if file.suffix.lower() != ".csv":
+    if (kind := file.suffix.lower()) not in (".csv", ".wav"):
         raise DataError("neither .csv nor .wav")
-    return _columns(file, ())[:, 0]
+    return _wav(file) if kind == ".wav" else _columns(file, ())[:, 0]
 
 
 def _columns(file: Path, names: tuple[str, ...]) -> NDArray[np.float64]:

@@ -103,8 +103,7 @@ def read(
 
 def _contacts(source: Path, table: Path | str | None, strict: bool, left_out: Tally) -> Iterator[Contact]:
     """Yield the rows of both parts whose item exists and has one of the five materials."""
-    given = Path(table) if table else source / "materials.csv"
-    overrides = _overrides(given, required=table is not None)
+    overrides = _overrides(Path(table or source / "materials.csv"), required=table is not None)
     for part in PARTS:
         file = source / f"contact_{part}.csv"
         if not is_file(file):
