@@ -5,5 +5,4 @@ from omnivat.tables import late
 
 __all__ = ["DEFAULT_ENCODER", "ENCODERS", "Encoder", "PairEncoder", "TorchEncoder", "load_encoder", "text_encoder"]
 
-_LATE = {"TorchEncoder": "omnivat.encoders.wrapping:TorchEncoder"}
-__getattr__ = late(__name__, _LATE)
+__getattr__ = late(__name__, {"TorchEncoder": "omnivat.encoders.wrapping:TorchEncoder"})

@@ -13,10 +13,9 @@ from pathlib import Path
 from random import Random
 
 from omnivat.data.materials import class_key, rules, why_left_out
-from omnivat.data.pairs import Pair, PairSet, Skipped
+from omnivat.data.pairs import Pair, PairSet, Skipped, Tally
 from omnivat.data.readers.lists import read_cells, read_json
 from omnivat.data.readers.names import folders_in, frames_in, is_file, number_of, show
-from omnivat.data.readers.tally import Tally
 from omnivat.errors import DataError, SettingsError
 from omnivat.seeding import derive_seed
 from omnivat.tables import suggestion

@@ -13,8 +13,7 @@ from typing import Any
 from omnivat.data.materials import NO_CLASS, class_key
 from omnivat.data.readers.lists import read_json, read_lines, read_rows
 from omnivat.data.readers.names import show
-from omnivat.data.recordings.clips import Clip, Track
-from omnivat.data.recordings.tracks import parquet_rows
+from omnivat.data.recordings.tracks import Clip, Track, parquet_rows
 from omnivat.errors import DataError
 
 INFO = Path("meta") / "info.json"

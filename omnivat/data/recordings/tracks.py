@@ -1,19 +1,44 @@
-"""Pictures of a track at given moments, from a video or from a column of a Parquet file."""
+"""Recordings of one contact: their tracks and labels; pictures of a track, from a video or a Parquet file."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from omnivat.data.images import MAX_PIXELS, read_image
 from omnivat.data.readers.names import show
-from omnivat.data.recordings.clips import Track
 from omnivat.errors import DataError, first_line
 from omnivat.tables import need
 
 if TYPE_CHECKING:
     from PIL import Image
 
+HALVES = ("vis", "tac")
 NEAR = 0.25  # of a frame: a picture so little later counts as shown
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Track:
+    """Pictures in time: a video, or a column of a Parquet file."""
+
+    file: Path
+    start: float = 0.0  # seconds
+    column: str = ""
+    episode: int = 0
+    fps: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Clip:
+    """One recording of one contact: its tracks by modality, and its labels."""
+
+    name: str
+    tracks: Mapping[str, Track]
+    length: float | None  # seconds; None: the video's
+    domain: str
+    material: str
+    object: str
+    split: str = ""
 
 
 def pictures(track: Track, times: Sequence[float]) -> Iterator["Image.Image"]:

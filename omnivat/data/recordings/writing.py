@@ -9,8 +9,7 @@ from PIL import Image
 
 from omnivat.data.pairs import Skipped
 from omnivat.data.readers.names import show
-from omnivat.data.recordings.clips import HALVES, Clip
-from omnivat.data.recordings.tracks import extent, pictures
+from omnivat.data.recordings.tracks import HALVES, Clip, extent, pictures
 from omnivat.errors import DataError, SettingsError, WriteError
 from omnivat.files import replacing_folder, write_csv
 from omnivat.progress import OnStep, Step, ignore

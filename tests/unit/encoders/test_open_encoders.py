@@ -9,8 +9,7 @@ import torch
 from PIL import Image
 from torch import Tensor, nn
 
-from omnivat.encoders import PairEncoder, TorchEncoder, load_encoder
-from omnivat.encoders import names as names_module
+from omnivat.encoders import PairEncoder, TorchEncoder, base, load_encoder
 from omnivat.encoders.base import for_modality
 from omnivat.encoders.cache import embed_pair
 from omnivat.encoders.hub import recall
@@ -78,7 +77,7 @@ def test_an_entry_point_is_an_encoder(own: str, monkeypatch: pytest.MonkeyPatch)
     from importlib.metadata import EntryPoint
 
     point = EntryPoint(name="theirs", value=f"{own}:load", group="omnivat.encoders")
-    monkeypatch.setattr(names_module, "entry_points", lambda group: [point])
+    monkeypatch.setattr(base, "entry_points", lambda group: [point])
     assert load_encoder("theirs").name == "theirs"
     with pytest.raises(MissingNameError, match="theirs, hf:NAME_OR_FOLDER and module:function"):
         load_encoder("unknown")
