@@ -50,7 +50,11 @@ def find_paper_sets(root: Path) -> dict[str, Path]:
     if not root.is_dir():
         raise DataError(f"There is no folder '{root}'; name the one with the data sets in it.")
     found: dict[str, Path] = {}
-    for folder in _folders(root, DEPTH):
+    folders, level = [root], [root]
+    for _ in range(DEPTH):
+        level = [child for folder in level for child in folders_in(folder) if not child.is_symlink()]
+        folders += level  # breadth first
+    for folder in folders:
         if any(folder != place and folder.is_relative_to(place) for place in found.values()):
             continue  # inside a set that was found
         for name in SETS:
@@ -80,12 +84,3 @@ def read_paper_sets(root: Path, *, seed: int = 0) -> PaperSets:
     origin = "; ".join(part.origin or SETS[name] for name, part in parts.items())
     whole = PairSet(pairs=pairs, skipped=skipped, origin=origin)
     return PaperSets(places=places, parts=parts, pairs=whole)
-
-
-def _folders(root: Path, depth: int) -> list[Path]:
-    """Return the root and the folders below it, breadth first; links are not followed."""
-    found, level = [root], [root]
-    for _ in range(depth):
-        level = [child for folder in level for child in folders_in(folder) if not child.is_symlink()]
-        found += level
-    return found

@@ -166,10 +166,12 @@ def profiled(embeddings: Embeddings, profiles: Mapping[str, Profile], source: Pr
         owners[embeddings.header.domains.index(name)] = profile
     if not owners:
         return embeddings
-    arrays: dict[str, Any] = {field: array for field in FIELDS if (array := getattr(embeddings, field)) is not None}
-    return replace(
-        embeddings, **{f: _moved_array(a, embeddings.domain, owners, f[:3], source) for f, a in arrays.items()}
-    )
+    arrays: dict[str, Any] = {}
+    for field in FIELDS:
+        array = getattr(embeddings, field)
+        if array is not None:
+            arrays[field] = _moved_array(array, embeddings.domain, owners, field[:3], source)
+    return replace(embeddings, **arrays)
 
 
 def domain_of(profile: Profile, domains: Sequence[str], source: str) -> str:

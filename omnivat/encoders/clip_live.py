@@ -5,7 +5,7 @@ The towers stay frozen. Gradients pass through them to modules that a method ins
 
 from collections.abc import Sequence
 from functools import lru_cache
-from typing import Any
+from typing import Any, cast
 
 import torch
 from torch import Tensor, nn
@@ -46,31 +46,26 @@ class LiveClip:
     @property
     def image_layers(self) -> Sequence[nn.Module]:
         """The layers of the image tower, a ViT's."""
-        found: Sequence[nn.Module] = self.image.vision_model.encoder.layers
-        return found
+        return cast("Sequence[nn.Module]", self.image.vision_model.encoder.layers)
 
     @property
     def text_layers(self) -> Sequence[nn.Module]:
         """The layers of the text tower."""
-        found: Sequence[nn.Module] = self.text.text_model.encoder.layers
-        return found
+        return cast("Sequence[nn.Module]", self.text.text_model.encoder.layers)
 
     def image_tokens(self, images: Tensor) -> Tensor:
         """Return the first layer's input: tokens (B, 1 + N, W) of images (B, 3, side, side)."""
         tower = self.image.vision_model
-        tokens: Tensor = tower.pre_layrnorm(tower.embeddings(images))
-        return tokens
+        return cast("Tensor", tower.pre_layrnorm(tower.embeddings(images)))
 
     def image_end(self, tokens: Tensor) -> Tensor:
         """Return embeddings (B, D) of class tokens (B, W) from the last layer."""
-        ended: Tensor = self.image.visual_projection(self.image.vision_model.post_layernorm(tokens))
-        return ended
+        return cast("Tensor", self.image.visual_projection(self.image.vision_model.post_layernorm(tokens)))
 
     def embed(self, images: Tensor) -> Tensor:
         """Return the model's own embeddings (B, D) of images (B, 3, side, side)."""
         if not self.is_vit:
-            whole: Tensor = self.image(images)
-            return whole
+            return cast("Tensor", self.image(images))
         tokens = self.image_tokens(images)
         for layer in self.image_layers:
             tokens = layer(tokens, None)
@@ -90,14 +85,12 @@ class LiveClip:
 
     def text_layer(self, layer: nn.Module, tokens: Tensor) -> Tensor:
         """Run one layer of the text tower, with causal attention."""
-        found: Tensor = layer(tokens, None, is_causal=True)
-        return found
+        return cast("Tensor", layer(tokens, None, is_causal=True))
 
     def text_end(self, tokens: Tensor, ends: Tensor) -> Tensor:
         """Return embeddings (K, D) of tokens (K, T, W) from the last layer, read at `ends`."""
         last = self.text.text_model.final_layer_norm(tokens)
-        embedded: Tensor = self.text.text_projection(last[torch.arange(len(last)), ends])
-        return embedded
+        return cast("Tensor", self.text.text_projection(last[torch.arange(len(last)), ends]))
 
     def embed_texts(self, texts: Sequence[str]) -> Tensor:
         """Return the model's own embeddings (K, D) of texts."""

@@ -193,7 +193,17 @@ def read_loose(source: Path, *, strict: bool = False, seed: int = 0) -> PairSet:
     for (folder, _), found in halves.items():
         some = list(found.values())
         if len(some) == 2 or alone:
-            pairs.append(_loose_pair(source, folder, found.get("vis", some[0]), found.get("tac", some[0])))
+            parts = folder.relative_to(source).parts
+            material = class_key(parts[1]) if len(parts) > 1 else NO_CLASS
+            pairs.append(
+                Pair(
+                    vis=found.get("vis", some[0]),
+                    tac=found.get("tac", some[0]),
+                    domain=parts[0] if parts else source.resolve().name or "pictures",
+                    material=material,
+                    object=f"{material}/{'/'.join(parts[2:])}" if len(parts) > 2 else "",
+                )
+            )
         else:
             skipped.append(Skipped(what=show(some[0].relative_to(source)), why="lacks its partner"))
     if not pairs:
@@ -203,16 +213,4 @@ def read_loose(source: Path, *, strict: bool = False, seed: int = 0) -> PairSet:
         skipped=tuple(skipped),
         origin=f"folder '{source.name}'" + (", one picture of each pair" if alone else ""),
         simulated=any(is_simulated(pair.domain) for pair in pairs),
-    )
-
-
-def _loose_pair(source: Path, folder: Path, vis: Path, tac: Path) -> Pair:
-    parts = folder.relative_to(source).parts
-    material = class_key(parts[1]) if len(parts) > 1 else NO_CLASS
-    return Pair(
-        vis=vis,
-        tac=tac,
-        domain=parts[0] if parts else source.resolve().name or "pictures",
-        material=material,
-        object=f"{material}/{'/'.join(parts[2:])}" if len(parts) > 2 else "",
     )

@@ -3,11 +3,11 @@
 import os
 import re
 from collections.abc import Iterator
-from os.path import isfile as is_file  # unlike Path.is_file, it never raises for long names
 from pathlib import Path
 
 from omnivat.errors import printable
 
+is_file = os.path.isfile  # unlike Path.is_file, it never raises for long names
 SUFFIXES = "png apng jpg jpeg jpe jfif webp bmp dib tif tiff gif ppm pgm pnm tga jp2 j2k avif"
 IMAGE_SUFFIXES = frozenset(f".{suffix}" for suffix in SUFFIXES.split())
 

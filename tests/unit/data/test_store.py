@@ -276,3 +276,11 @@ def test_every_array_starts_where_its_type_wants_it(tmp_path: Path) -> None:
     table = json.loads(content[8 : 8 + length])
     for name, array in arrays.items():
         assert (8 + length + table[name]["data_offsets"][0]) % array.itemsize == 0
+
+
+def test_a_name_that_is_no_text_is_refused_in_a_sentence_and_nothing_is_written(make_embeddings, tmp_path):
+    odd = make_embeddings()
+    odd.rows["object"][0] = "a\udcff"
+    with pytest.raises(DataError, match="no text .UTF-8.; rename that file"):
+        save_embeddings(tmp_path / "odd.safetensors", odd)
+    assert not list(tmp_path.iterdir())
