@@ -15,11 +15,7 @@ globalThis.MutationObserver ??= class {
 
 /** Frames of two pairs at three stops, with what a test needs changed. */
 export function frames({ curves = {}, head = {}, orders = [0, 0.5, 1], ...more } = {}) {
-  const meta = {
-    curves,
-    head: { source: "A", ...head },
-    maps: { "pca/raw": { array: 1 }, "pca/frft": { array: 1 } },
-  };
+  const meta = { curves, head: { source: "A", ...head }, maps: { "pca/raw": { array: 1 }, "pca/frft": { array: 1 } } };
   return {
     meta,
     orders,

@@ -18,12 +18,7 @@ test("only pairs that count are counted, and changes are corrected, broken or st
     broken: 1,
     wrong: 1,
   });
-  assert.deepEqual(counted([0, 1], of(LEFT), of(RIGHT), of(TRUTH)), {
-    all: 2,
-    corrected: 1,
-    broken: 0,
-    wrong: 0,
-  });
+  assert.deepEqual(counted([0, 1], of(LEFT), of(RIGHT), of(TRUTH)), { all: 2, corrected: 1, broken: 0, wrong: 0 });
 });
 
 test("the sentence says what changes, and between whom", () => {

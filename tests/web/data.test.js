@@ -4,12 +4,7 @@ import { test } from "node:test";
 import { searched } from "../../app/web/data/search.js";
 
 test("the curve of a search names its lowest point and where the gradient started", () => {
-  const html = searched({
-    start: 0.36,
-    orders: [0, 1, 0.35],
-    score: [1.6, 1.5, 0.2],
-    spread: [0.1, 0.1, 0.1],
-  });
+  const html = searched({ start: 0.36, orders: [0, 1, 0.35], score: [1.6, 1.5, 0.2], spread: [0.1, 0.1, 0.1] });
   assert.match(html, /lowest, 0.20, at p = 0.35/);
   assert.match(html, /p = 0.360/);
   assert.equal(html.match(/class="line" d="M[^M]*L[^M]*L/g)?.length, 1);

@@ -50,11 +50,7 @@ test("a histogram counts every value once, those at the ends too", () => {
 
 test("another set is opened without pins, filters and pairs of the present one", () => {
   const address = new URL(addressOf("chirps", "http://x/?set=sensors&pin=3&domain=a&p=0.5&stage=relu&chapter=analyse"));
-  assert.deepEqual(Object.fromEntries(address.searchParams), {
-    set: "chirps",
-    stage: "relu",
-    chapter: "analyse",
-  });
+  assert.deepEqual(Object.fromEntries(address.searchParams), { set: "chirps", stage: "relu", chapter: "analyse" });
 });
 
 test("pictures are drawn only where few points are in view", () => {
@@ -195,11 +191,7 @@ test("each mode of p says what a stop is", () => {
   );
   assert.match(
     modeWords(
-      frames({
-        head: { learned_order: 0.5014 },
-        fits: [0.47, 0.53],
-        curves: { "accuracy/unseen": [0.3, 0.9, 0.4] },
-      }),
+      frames({ head: { learned_order: 0.5014 }, fits: [0.47, 0.53], curves: { "accuracy/unseen": [0.3, 0.9, 0.4] } }),
     ),
     /What if only p moved\?.*p = 0\.501.*Elsewhere its mean accuracy in unseen domains is 35\u00a0% \(guessing: 50/,
   );

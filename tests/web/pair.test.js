@@ -20,13 +20,7 @@ const CLASSES = ["wood", "steel"];
 const PAIR = {
   classes: CLASSES,
   exact: {
-    readings: {
-      fused: [0.9, 0.1],
-      vis: [0.8, 0.2],
-      tac: [0.3, 0.7],
-      vis_branch: [0.9, 0.1],
-      tac_branch: [0.85, 0.15],
-    },
+    readings: { fused: [0.9, 0.1], vis: [0.8, 0.2], tac: [0.3, 0.7], vis_branch: [0.9, 0.1], tac_branch: [0.85, 0.15] },
   },
 };
 const LABELLED = [
@@ -80,11 +74,7 @@ test("familiarity is said in words and as a share of the training images", () =>
 });
 
 test("each reading is counted over the pairs that had its images", () => {
-  assert.deepEqual(tally(LABELLED), {
-    fused: { right: 1, of: 1 },
-    vis: { right: 1, of: 2 },
-    tac: { right: 0, of: 1 },
-  });
+  assert.deepEqual(tally(LABELLED), { fused: { right: 1, of: 1 }, vis: { right: 1, of: 2 }, tac: { right: 0, of: 1 } });
 });
 
 test("teaching waits for two pairs of each of two classes and names what is there", () => {

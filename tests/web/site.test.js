@@ -92,12 +92,7 @@ test("the regression ends where its gradient vanishes, and the basis changes no 
   rows.forEach((row, i) =>
     rows.forEach((other, j) => assert.ok(Math.abs(dot(row, other) - dot(lower[i], lower[j])) < 1e-9)),
   );
-  const problem = {
-    rows: lower,
-    labels: [0, 1, 2, 0, 1, 2, 0, 1, 2],
-    counts: [1, 1, 1, 4, 4, 4, 1, 1, 0],
-    classes: 3,
-  };
+  const problem = { rows: lower, labels: [0, 1, 2, 0, 1, 2, 0, 1, 2], counts: [1, 1, 1, 4, 4, 4, 1, 1, 0], classes: 3 };
   const found = solved(problem, null, 1e-9);
   const again = solved(
     problem,

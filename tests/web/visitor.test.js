@@ -13,10 +13,7 @@ function storage(refuses) {
   };
   Object.defineProperty(globalThis, "localStorage", {
     configurable: true,
-    value: {
-      getItem: guarded((key) => all.get(key) ?? null),
-      setItem: guarded((key, text) => all.set(key, text)),
-    },
+    value: { getItem: guarded((key) => all.get(key) ?? null), setItem: guarded((key, text) => all.set(key, text)) },
   });
 }
 

@@ -10,11 +10,7 @@ export const HISTOGRAMS = [
     title: "Confidence",
     help: "probability of the predicted class, both images, at the learned p",
   },
-  {
-    name: "cosine",
-    title: "Photo–touch cosine",
-    help: "cosine of the photo’s and the touch’s F̂, each seen alone",
-  },
+  { name: "cosine", title: "Photo–touch cosine", help: "cosine of the photo’s and the touch’s F̂, each seen alone" },
 ];
 
 /** Counts in BINS equal bins over [low, high].

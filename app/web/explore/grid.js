@@ -16,10 +16,7 @@ export function listed(scene) {
   const { frames, selected, facts } = scene;
   const all = Array.from({ length: frames.pairs }, (_, pair) => pair);
   if (selected.size)
-    return {
-      points: selected.size,
-      pairs: all.filter((p) => selected.has(p) || selected.has(p + frames.pairs)),
-    };
+    return { points: selected.size, pairs: all.filter((p) => selected.has(p) || selected.has(p + frames.pairs)) };
   if (scene.filtering().length) return { pairs: all.filter((p) => scene.shown(p) || scene.shown(p + frames.pairs)) };
   if (state.chapter !== "fooled" || !facts.pairs || !facts.unseen) return { pairs: [] };
   const strange = (p) => facts.unseen.pairs.counts[p] && frames.domains[frames.domain[p]] !== facts.unseen.source;

@@ -12,11 +12,7 @@ import { csv, png, svg } from "./exports.js";
 import { METHODS } from "./maps.js";
 import { loadTags, tagsCsv } from "./tags.js";
 
-const MODES = {
-  moved: "weights fixed, p moved",
-  retrained: "a head trained at this p",
-  every: "one head for every p",
-};
+const MODES = { moved: "weights fixed, p moved", retrained: "a head trained at this p", every: "one head for every p" };
 
 /** Copy the address together with the map's picture; return what was done, in words. */
 export async function share(saving) {

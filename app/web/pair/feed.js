@@ -38,11 +38,7 @@ export class Feed {
     this.box = box;
     this.tell = tell;
     this.modality = box.dataset.modality;
-    this.video = Object.assign(document.createElement("video"), {
-      muted: true,
-      loop: true,
-      playsInline: true,
-    });
+    this.video = Object.assign(document.createElement("video"), { muted: true, loop: true, playsInline: true });
     this.canvas = box.querySelector("canvas");
     this.rest = null; // {shape, mean: grey level of each block, limit}
     this.active = false; // a source chosen while Live runs opens at once

@@ -160,10 +160,7 @@ export class Live {
       this.tell(`Press differently each time: ${taken + 1} of ${PRESSES}.`);
       const there = this.feeds.filter(({ on }) => on);
       if (there.map((feed) => feed.draw()).includes(false)) continue;
-      const drawn = there.map((feed) => ({
-        name: `${taken}_${feed.modality}.png`,
-        blob: feed.blob("image/png"),
-      }));
+      const drawn = there.map((feed) => ({ name: `${taken}_${feed.modality}.png`, blob: feed.blob("image/png") }));
       for (const { name, blob } of drawn) files.push({ path: name, file: new File([await blob], name) });
       taken++;
     }

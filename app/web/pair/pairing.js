@@ -49,12 +49,7 @@ function byName(pictures, classes) {
   const alone = [];
   for (const one of pictures) {
     const { modality, key, folder } = named(one.path);
-    const pair = found.get(key) ?? {
-      name: key,
-      vis: null,
-      tac: null,
-      label: label.get(folder.toLowerCase()) ?? "",
-    };
+    const pair = found.get(key) ?? { name: key, vis: null, tac: null, label: label.get(folder.toLowerCase()) ?? "" };
     if (!modality || pair[modality]) alone.push(one);
     else found.set(key, Object.assign(pair, { [modality]: one.file }));
   }

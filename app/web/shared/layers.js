@@ -21,12 +21,7 @@ export function layersOf(frames, stop, shown, lit, dim = DIM, colour = state.col
   for (const alpha of [dim, LIT]) {
     for (const tac of [0, 1]) {
       for (const [, colour] of groups) {
-        const style = {
-          shape: tac ? "triangle" : "circle",
-          colour,
-          radius,
-          alpha,
-        };
+        const style = { shape: tac ? "triangle" : "circle", colour, radius, alpha };
         layers.push({ style, at: new Int32Array(frames.pairs), count: 0 });
       }
     }

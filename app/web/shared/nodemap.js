@@ -27,11 +27,7 @@ export function nodeMap(panel, frames, { nodes = true } = {}) {
     wanted: shown,
     pick: (point) =>
       point >= 0 &&
-      change({
-        pin: point % frames.pairs,
-        vis: `row:${point % frames.pairs}`,
-        tac: `row:${point % frames.pairs}`,
-      }),
+      change({ pin: point % frames.pairs, vis: `row:${point % frames.pairs}`, tac: `row:${point % frames.pairs}` }),
   });
   cloud.painters = [axes(() => axisNames(kind())), (context) => placed && paint(context, cloud, placed)];
 

@@ -36,10 +36,7 @@ async function saveSet(desk, question) {
   const labels = given.map(({ label }) => label.trim());
   const classes = [...new Set(labels)];
   const rows = Object.fromEntries(ROWS.map((name) => [name, labels.map(() => "")]));
-  const vectors = {
-    vis: new Float32Array(labels.length * width),
-    tac: new Float32Array(labels.length * width),
-  };
+  const vectors = { vis: new Float32Array(labels.length * width), tac: new Float32Array(labels.length * width) };
   for (const [number, one] of given.entries()) {
     const object = `${DOMAIN}/${labels[number]}/${number}`;
     rows.object[number] = object;

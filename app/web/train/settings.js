@@ -40,12 +40,7 @@ export function formHtml({ sources, widths, orders, ranges, first }) {
 /** The form's values for the server. entries: name -> text, of a FormData. */
 export function chosen(entries) {
   const found = Object.fromEntries(entries);
-  const question = {
-    source: found.source,
-    width: Number(found.width),
-    order: found.order,
-    lang: "lang" in found,
-  };
+  const question = { source: found.source, width: Number(found.width), order: found.order, lang: "lang" in found };
   for (const name of Object.keys(NUMBERS)) question[name] = Number(found[name]);
   return question;
 }

@@ -9,11 +9,7 @@ const COLUMN = 122; // between the nodes of a series
 const LABEL = 32; // height of the text under a disc
 const LEAST = 0.84; // smallest scale of the drawing: its smallest letters have 12 units and need 10 pixels
 /** Units of the whole drawing and of one column, on phones and elsewhere. */
-const COLUMNS = {
-  narrow: { least: 400, one: 100 },
-  wide: { least: 620, one: 140 },
-  bare: { least: 400, one: 64 },
-};
+const COLUMNS = { narrow: { least: 400, one: 100 }, wide: { least: 620, one: 140 }, bare: { least: 400, one: 64 } };
 const isNarrow = () => globalThis.matchMedia?.("(max-width: 480px)").matches ?? false;
 
 /** The depth of each node, and its index among the nodes of that depth. */
