@@ -76,6 +76,7 @@ def ladder(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     """Return the ladder of a source domain, as `omnivat.ladder` has it.
 
     question  {"source": a domain, "" for the head's}
+    return    its rungs and sources, and "kept": true where they stand in the file next to the set
     """
     embeddings = resources.embeddings()
     source, domains = question.get("source"), embeddings.header.domains
@@ -87,7 +88,7 @@ def ladder(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
 
         recorded = not source and not resources.drawn()
         kept = kept_ladder(resources.where.head, resources.where.embeddings) if recorded else None
-        return kept or ladder(resources.head(), embeddings, source=source)
+        return {**kept, "kept": True} if kept else ladder(resources.head(), embeddings, source=source)
 
     return resources.results.once(f"ladder {source}", climbed)
 

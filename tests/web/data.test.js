@@ -1,7 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import "./browser.js";
 
-import { searched } from "../../app/web/data/search.js";
+const { searched } = await import("../../app/web/data/data.js");
 
 test("the curve of a search names its lowest point and where the gradient started", () => {
   const html = searched({ start: 0.36, orders: [0, 1, 0.35], score: [1.6, 1.5, 0.2], spread: [0.1, 0.1, 0.1] });

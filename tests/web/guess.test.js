@@ -5,7 +5,7 @@ import { test } from "node:test";
 import "./browser.js";
 
 const { cards, classTable, spoken } = await import("../../app/web/pair/verdict.js");
-const { rivalsHtml } = await import("../../app/web/pair/rivals.js");
+const { rivalsHtml } = await import("../../app/web/pair/verdict.js");
 const { liveHtml } = await import("../../app/web/pair/live.js");
 
 const CLASSES = ["wood", "steel"];

@@ -17,7 +17,7 @@ globalThis.fetch = async (address, options) => {
   return new Response(reply);
 };
 const { change, links, state } = await import("../../app/web/shared/store.js");
-const { takeLinked } = await import("../../app/web/pair/linked.js");
+const { takeLinked } = await import("../../app/web/pair/own-pictures.js");
 
 test("a picture of this origin is sent, one of another host is refused with its address", async () => {
   assert.equal(state.view, "pair");

@@ -3,17 +3,16 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import "./browser.js";
-import { about } from "../../app/web/pair/attention.js";
-import { sentence, swapHtml } from "../../app/web/pair/familiar.js";
 import { apart, blocksOf, CROPS, restOf } from "../../app/web/pair/feed.js";
-import { changed, told } from "../../app/web/pair/hidden-parts.js";
 import { spread } from "../../app/web/pair/lines.js";
 import { recorded } from "../../app/web/pair/live.js";
 import { csv } from "../../app/web/pair/many.js";
-import { aboutP, band } from "../../app/web/pair/orders.js";
 import { named, paired } from "../../app/web/pair/pairing.js";
+import { about } from "../../app/web/pair/rasters.js";
 import { isOwn, keyOf, lessonsFor, missing, mixed, tally, withoutPair, withPair } from "../../app/web/pair/tally.js";
-import { cards, classTable, judged, madeOf } from "../../app/web/pair/verdict.js";
+import { cards, classTable, judged, madeOf, sentence, swapHtml } from "../../app/web/pair/verdict.js";
+import { aboutP, band } from "../../app/web/pair/what-if.js";
+import { changed, told } from "../../app/web/pair/where.js";
 import { cells } from "../../app/web/shared/csv.js";
 
 const CLASSES = ["wood", "steel"];

@@ -3,8 +3,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { chart, charts, niceTop } from "../../app/web/train/lines.js";
-import { compared, mapAt, measuredAt, result, standing } from "../../app/web/train/progress.js";
-import { chosen, formHtml, inWords } from "../../app/web/train/settings.js";
+import { chosen, compared, formHtml, inWords, mapAt, measuredAt, result, standing } from "../../app/web/train/plan.js";
 
 const OFFERS = {
   sources: ["TAG-sim", "<OF>"],

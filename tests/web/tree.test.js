@@ -2,8 +2,7 @@
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { grove } from "../../app/web/tree/grove.js";
-import { constant, worth } from "../../app/web/tree/votes.js";
+import { constant, grove, worth } from "../../app/web/tree/grove.js";
 
 const VOTES = [
   { class: "wood", share: 0.4 },

@@ -2,7 +2,7 @@
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { keep, kept, visitor } from "../../app/web/train/visitor.js";
+import { keep, kept, visitor } from "../../app/web/train/plan.js";
 
 /** A storage like a browser's; `refuses` as in a frame of another site. */
 function storage(refuses) {

@@ -9,7 +9,7 @@ import { heads, isMethod, methodsFor } from "../shared/headsets.js";
 import { COLOURINGS, onTheme } from "../shared/palette.js";
 import { stageNamed } from "../shared/stages.js";
 import { change, state, watch, watchIn } from "../shared/store.js";
-import { escaped, options } from "../shared/text.js";
+import { each, escaped, options } from "../shared/text.js";
 import { theSet } from "../shared/theset.js";
 import { counted, sentence } from "./changes.js";
 import { matrix } from "./matrix.js";
@@ -67,7 +67,7 @@ class CompareTab {
     this.shown = shownBy(frames);
     this.sides = [];
     atFirst(frames, known);
-    this.$(".sides").innerHTML = SIDES.map((keys) => sideHtml(keys, frames, known)).join("");
+    this.$(".sides").innerHTML = each(SIDES, (keys) => sideHtml(keys, frames, known));
     SIDES.forEach((keys, i) => this.sides.push(new Side(keys, this.$(".sides").children[i], frames, this)));
     this.wire();
     this.show();

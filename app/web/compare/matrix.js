@@ -1,7 +1,7 @@
 /** Scores from each source to each target, and the paper's figures. */
 
 import { json, refused } from "../shared/api.js";
-import { escaped, percent } from "../shared/text.js";
+import { each, escaped, percent } from "../shared/text.js";
 
 const METRICS = ["ACC", "macro-F1"];
 
@@ -17,10 +17,11 @@ export async function matrix(box) {
     });
   }
   function show() {
-    box.innerHTML = `<header><h3>Methods, ${METRICS[metric]}</h3><div class="which" role="radiogroup" aria-label="Which score">${METRICS.map(
+    box.innerHTML = `<header><h3>Methods, ${METRICS[metric]}</h3><div class="which" role="radiogroup" aria-label="Which score">${each(
+      METRICS,
       (name, i) =>
         `<button type="button" role="radio" data-metric="${i}" aria-checked="${i === metric}">${name}</button>`,
-    ).join("")}</div></header>
+    )}</div></header>
       ${dots(found.ranking, metric)}<details class="every"${opened ? " open" : ""}><summary>Every source and target, and the paper’s figures</summary><div class="two-tables">${ours(found, metric)}${papers(found, metric)}</div></details>`;
     box.querySelector(".every").ontoggle = (event) => {
       opened = event.target.open;
@@ -80,28 +81,25 @@ function ours({ rows, targets, origin }, metric) {
     const own = target === row.source;
     return `<td class="heat${own ? " own" : ""}" style="--s:${Math.round(70 * cell[metric])}%" title="${escaped(`${row.source} → ${target}: ACC ${percent(cell[0], 1)}, macro-F1 ${percent(cell[1], 1)}`)}">${(100 * cell[metric]).toFixed(1)}</td>`;
   };
-  const body = labels
-    .map(
-      (label) =>
-        rows
-          .filter((row) => row.label === label)
-          .map(
-            (row, i, all) =>
-              `<tr>${i ? "" : `<th scope="rowgroup" rowspan="${all.length}">${escaped(label)}<br><small>${row.seeds > 1 ? `${row.seeds} seeds` : "one seed"}</small></th>`}<th scope="row">${escaped(row.source)}</th>${targets.map((target) => shown(row, target)).join("")}<td><b>${(100 * unseen(row, metric)).toFixed(1)}</b></td></tr>`,
-          )
-          .join("") +
-        overall(
-          rows.filter((row) => row.label === label),
-          targets,
-          metric,
-        ),
-    )
-    .join("");
+  const body = each(
+    labels,
+    (label) =>
+      each(
+        rows.filter((row) => row.label === label),
+        (row, i, all) =>
+          `<tr>${i ? "" : `<th scope="rowgroup" rowspan="${all.length}">${escaped(label)}<br><small>${row.seeds > 1 ? `${row.seeds} seeds` : "one seed"}</small></th>`}<th scope="row">${escaped(row.source)}</th>${each(targets, (target) => shown(row, target))}<td><b>${(100 * unseen(row, metric)).toFixed(1)}</b></td></tr>`,
+      ) +
+      overall(
+        rows.filter((row) => row.label === label),
+        targets,
+        metric,
+      ),
+  );
   const note =
     origin === "protocol"
       ? "Rows of methods are means over seeds of the protocol’s records; rows of heads come from their own <code>metrics.json</code>."
       : "These rows come from the loaded heads’ own <code>metrics.json</code>. There are no records of the whole protocol: <code>python -m omnivat protocol</code> makes them, and <code>app.py --compare DIR</code> adds a head of another source.";
-  return `<div><div class="scroll" tabindex="0" role="group" aria-label="Scores from source to target"><table class="counts scores"><thead><tr><th scope="col">Method</th><th scope="col">Source</th>${targets.map((name) => `<th scope="col">${escaped(name)}</th>`).join("")}<th scope="col">mean of unseen</th></tr></thead><tbody>${body}</tbody></table></div>
+  return `<div><div class="scroll" tabindex="0" role="group" aria-label="Scores from source to target"><table class="counts scores"><thead><tr><th scope="col">Method</th><th scope="col">Source</th>${each(targets, (name) => `<th scope="col">${escaped(name)}</th>`)}<th scope="col">mean of unseen</th></tr></thead><tbody>${body}</tbody></table></div>
     <p class="hint">${note} Percent, on test pairs if the set has a split, else on all pairs. Outlined: the source itself, which is not in the mean.</p></div>`;
 }
 
@@ -112,8 +110,8 @@ function papers({ paper, backbone, why, rows }, metric) {
   if (!sources.length) return "";
   const body = Object.entries(paper).map(
     ([method, printed]) =>
-      `<tr><th scope="row">${escaped(method)}</th>${sources.map((source) => `<td>${printed[source] ? printed[source][metric].toFixed(1) : "–"}</td>`).join("")}</tr>`,
+      `<tr><th scope="row">${escaped(method)}</th>${each(sources, (source) => `<td>${printed[source] ? printed[source][metric].toFixed(1) : "–"}</td>`)}</tr>`,
   );
-  return `<div><div class="scroll" tabindex="0" role="group" aria-label="Figures that the paper prints"><table class="counts paper"><thead><tr><th scope="col">The paper prints, ${escaped(backbone)}</th>${sources.map((name) => `<th scope="col">${escaped(name.replace(/-sim$/, ""))} → X</th>`).join("")}</tr></thead><tbody>${body.join("")}</tbody></table></div>
+  return `<div><div class="scroll" tabindex="0" role="group" aria-label="Figures that the paper prints"><table class="counts paper"><thead><tr><th scope="col">The paper prints, ${escaped(backbone)}</th>${each(sources, (name) => `<th scope="col">${escaped(name.replace(/-sim$/, ""))} → X</th>`)}</tr></thead><tbody>${body.join("")}</tbody></table></div>
     <p class="hint">${why ? `<b class="wrong">Not comparable</b>: ${escaped(why)}. ` : ""}The paper prints means over its targets (X), not single targets.</p></div>`;
 }

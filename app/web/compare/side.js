@@ -12,7 +12,7 @@ import { isDark } from "../shared/palette.js";
 import { listen } from "../shared/pointer.js";
 import { STAGES } from "../shared/stages.js";
 import { change, state } from "../shared/store.js";
-import { escaped, options } from "../shared/text.js";
+import { each, escaped, options } from "../shared/text.js";
 import { difference } from "./changes.js";
 
 const OF_ONE_DOMAIN = ["modality_gap", "accuracy"]; // available for a single domain
@@ -178,7 +178,7 @@ export class Side {
     );
     this.cloud.show(frames.positions(this.kind, chosen.stage, stop));
     this.cloud.box.dataset.order = frames.orders[stop];
-    this.$("tbody").innerHTML = `<tr>${MEASURES.map((measure) => this.cell(measure)).join("")}</tr>`;
+    this.$("tbody").innerHTML = `<tr>${each(MEASURES, (measure) => this.cell(measure))}</tr>`;
   }
 
   /** The value of a measure here; accuracy only at F̂, where the head predicts. */

@@ -1,18 +1,16 @@
 /** Data & limits: what is loaded, its origin and limits, how to load your own. */
 
-import { json, refused } from "../shared/api.js";
-import { fit } from "../shared/facts.js";
+import { ask, Refusal, refused, sendPart } from "../shared/api.js";
+import { Scale } from "../shared/chart.js";
+import { fit, loaded } from "../shared/facts.js";
 import { held } from "../shared/held.js";
-import { escaped, isSimulated, NO_CLASS, percent } from "../shared/text.js";
+import { each, escaped, isSimulated, NO_CLASS, percent, row, table } from "../shared/text.js";
 import { theSetSoon } from "../shared/theset.js";
-import { loading } from "./loading.js";
-import { measuring } from "./measuring.js";
-import { searched } from "./search.js";
 
 export async function start(root) {
   const wait = root.querySelector(".wait");
   try {
-    const [about, set, { problem }] = await Promise.all([json("about"), theSetSoon(), fit()]);
+    const [about, set, { problem }] = await Promise.all([loaded(), theSetSoon(), fit()]);
     const exact = ({ frames }) => {
       root.querySelector(".exact").innerHTML = approximations(frames, about.limits);
     };
@@ -33,10 +31,10 @@ export async function start(root) {
 const counted = (n, one, many = `${one}s`) => `${n} ${n === 1 ? one : many}`;
 const panel = (title, body) => `<section class="panel"><h2>${title}</h2>${body}</section>`;
 const facts = (rows) =>
-  `<dl>${rows
-    .filter(([, v]) => v !== undefined && v !== "")
-    .map(([k, v]) => `<dt>${k}</dt><dd>${v}</dd>`)
-    .join("")}</dl>`;
+  `<dl>${each(
+    rows.filter(([, v]) => v !== undefined && v !== ""),
+    ([k, v]) => `<dt>${k}</dt><dd>${v}</dd>`,
+  )}</dl>`;
 
 function page({ head, embeddings }, unfit) {
   return [
@@ -53,11 +51,10 @@ const refusal = ({ problem: sentence }) => `<p class="wait problem">${escaped(se
 const more = (title, body) => `<details><summary>${title}</summary>${body}</details>`;
 
 function theData(e) {
-  const head = `<tr><th scope="col">Pairs</th>${e.classes.map((name) => `<th scope="col">${escaped(name)}</th>`).join("")}<th scope="col">all</th></tr>`;
-  const rows = e.domains.map(
-    (name, i) =>
-      `<tr><th scope="row">${escaped(name)}</th>${e.counts[i].map((n) => `<td>${n || "–"}</td>`).join("")}<td><b>${e.counts[i].reduce((a, b) => a + b, 0)}</b></td></tr>`,
+  const rows = e.domains.map((name, i) =>
+    row(escaped(name), [...e.counts[i].map((n) => n || "–"), `<b>${e.counts[i].reduce((a, b) => a + b, 0)}</b>`]),
   );
+  const counts = table("Pairs by domain and class", ["Pairs", ...e.classes.map(escaped), "all"], rows, "counts");
   const simulated = e.simulated || e.domains.some(isSimulated);
   return `${simulated ? `<p class="note"><b>Simulated</b> by this project: no figure is about real sensors.</p>` : '<p class="note real"><b>Real pairs</b>, according to the file’s header.</p>'}
     ${facts([
@@ -74,7 +71,7 @@ function theData(e) {
         ["Origin", escaped(e.origin)],
         ["Embeddings", `${e.width} numbers for each image; weights ${escaped(e.weights_hash.slice(0, 12))}`],
         ["Preprocessing", escaped(e.preprocessing)],
-      ])}<div class="scroll" tabindex="0" aria-label="Pairs by domain and class"><table class="counts"><thead>${head}</thead><tbody>${rows.join("")}</tbody></table></div>`,
+      ])}${counts}`,
     )}`;
 }
 
@@ -101,12 +98,15 @@ function theHead(h) {
 /** The scores of each domain from `metrics.json`. */
 function scores({ domains }) {
   if (!Array.isArray(domains) || !domains.length) return "";
-  const cell = (v) => `<td>${Number.isFinite(v) ? percent(v, 1) : "–"}</td>`;
-  const rows = domains.map(
-    (d) =>
-      `<tr><th scope="row">${escaped(d.domain)}${d.is_source ? " <small>source</small>" : ""}</th>${cell(d.scores?.fused?.accuracy)}${cell(d.scores?.fused?.macro_f1)}${cell(d.scores?.vis?.accuracy)}${cell(d.scores?.tac?.accuracy)}<td>${d.pairs ?? "–"}</td></tr>`,
+  const shown = (v) => (Number.isFinite(v) ? percent(v, 1) : "–");
+  const head = ["Measured on", "accuracy", "macro-F1", "photo only", "touch only", "pairs"];
+  const rows = domains.map(({ domain, is_source, scores: { fused, vis, tac } = /** @type {any} */ ({}), pairs }) =>
+    row(`${escaped(domain)}${is_source ? " <small>source</small>" : ""}`, [
+      ...[fused?.accuracy, fused?.macro_f1, vis?.accuracy, tac?.accuracy].map(shown),
+      pairs ?? "–",
+    ]),
   );
-  return `<div class="scroll" tabindex="0" role="group" aria-label="Scores by domain"><table class="counts"><thead><tr><th scope="col">Measured on</th><th scope="col">accuracy</th><th scope="col">macro-F1</th><th scope="col">photo only</th><th scope="col">touch only</th><th scope="col">pairs</th></tr></thead><tbody>${rows.join("")}</tbody></table></div><p class="hint">Source: its test pairs if the set has a split; otherwise its training pairs, which mean little. Photo only and touch only: the other image is absent.</p>`;
+  return `${table("Scores by domain", head, rows, "counts")}<p class="hint">Source: its test pairs if the set has a split; otherwise its training pairs, which mean little. Photo only and touch only: the other image is absent.</p>`;
 }
 
 function approximations(frames, limits) {
@@ -118,4 +118,133 @@ function approximations(frames, limits) {
   return `<ul>${frames?.headless ? "" : ofHead}
     ${frames ? `<li>Map positions are at most ${percent(error, 3)} of the radius off.</li>` : ""}
     <li>Images up to ${limits.image_bytes / 1e6} MB; ${held ? "they stay in this browser" : "the server keeps their embeddings alone"}.</li></ul>`;
+}
+
+const WIDTH = 420;
+const HEIGHT = 120;
+const PAD = { left: 40, right: 6, top: 8, bottom: 18 };
+
+/** found: {orders, score, spread, start}; score is the error on source pairs left out. */
+export function searched(found) {
+  const points = (found?.orders ?? [])
+    .map((p, i) => [p, found.score?.[i], found.spread?.[i] ?? 0])
+    .filter((point) => point.every(Number.isFinite))
+    .sort((a, b) => a[0] - b[0]);
+  if (points.length < 2) return "";
+  const top = Math.max(...points.map(([, v, s]) => v + s));
+  const scale = new Scale({ wide: WIDTH, high: HEIGHT, pad: PAD, ys: [0, top] });
+  const bars = each(
+    points,
+    ([p, v, s]) => `<path d="M${scale.x(p)} ${scale.y(Math.max(0, v - s))}V${scale.y(v + s)}"/>`,
+  );
+  const best = points.reduce((a, b) => (b[1] < a[1] ? b : a));
+  const lowest = `Error against p; lowest, ${best[1].toFixed(2)}, at p = ${best[0].toFixed(2)}`;
+  return `<figure class="searched"><figcaption>The search for p: error on pairs of the source that were left out</figcaption>
+    <svg viewBox="0 0 ${WIDTH} ${HEIGHT}" role="img" aria-label="${lowest}">${scale.grid([0, top], (v) => v.toFixed(1))}${scale.ticks([0, 0.5, 1].map((p) => [p, p]))}<path class="line" d="${scale.line(points)}"/>${bars}</svg>
+    <p class="hint">A classifier at each point; bars are standard errors over pairs. The gradient started from p = ${Number(found.start).toFixed(3)}. ${escaped(found.note ?? "")}</p></figure>`;
+}
+
+const figure = (v) =>
+  v === 0
+    ? "0"
+    : v
+        .toExponential(1)
+        .replace("e", " · 10^")
+        .replace(/10\^([+-]?\d+)/, (_, n) => `10<sup>${n.replace("+", "").replace("-", "−")}</sup>`);
+const milli = (v) => (v < 10 ? v.toFixed(1) : v.toFixed(0));
+
+export function measuring(box) {
+  if (held) {
+    box.textContent = held.alone;
+    return;
+  }
+  box.innerHTML = `<div class="row"><button type="button" class="main">Measure now</button><span class="hint" role="status"></span></div><div class="figures"></div>`;
+  const button = box.querySelector("button");
+  const note = box.querySelector(".hint");
+  button.onclick = async () => {
+    button.disabled = true;
+    note.textContent = "Measuring… about ten seconds; the first time, the head is loaded, too.";
+    try {
+      box.querySelector(".figures").innerHTML = measuredHtml(await ask("measure", {}));
+      note.textContent = "";
+      button.textContent = "Measure again";
+    } catch (error) {
+      refused(error, note);
+    } finally {
+      button.disabled = false;
+    }
+  };
+}
+
+function measuredHtml({ rows, pairs, width, repeats, threads, processors }) {
+  const lines = rows.map(({ what, ms, error, of }) =>
+    row(escaped(what), [
+      `<b>${milli(ms.median)}</b> <small>${milli(ms.least)} to ${milli(ms.most)}</small>`,
+      `${figure(error)}<br><small>${escaped(of)}</small>`,
+    ]),
+  );
+  return `${table("Measured speed and error", ["What", "ms: median, range", "error"], lines, "measured")}
+    <p class="hint">${pairs} pairs of this set, D = ${width}, ${threads} ${threads === 1 ? "thread" : "threads"} of ${processors} processors, ${repeats} repeats. The range includes other work on the machine, such as that of other visitors.</p>`;
+}
+
+const HEAD = ["weights.safetensors", "settings.json", "metrics.json", "familiarity.safetensors", "profile.safetensors"];
+const inUse = () => new URLSearchParams(location.search).get("set");
+
+export function loading(box) {
+  if (held) {
+    box.textContent = held.alone;
+    return;
+  }
+  box.innerHTML = `<p>For you alone, until the server restarts.</p>
+    <div class="pickers"><label>Head (folder) <input type="file" class="head" webkitdirectory multiple></label>
+    <label>Embeddings, thumbnails <input type="file" class="set" multiple accept=".safetensors,.webp,.json"></label></div>
+    <div class="row"><label><input type="checkbox" class="beside"> Add for comparison</label></div>
+    <div class="row"><button type="button" class="main go">Load</button>${inUse() ? '<button type="button" class="back">Back to the server’s own head and set</button>' : ""}<span class="hint" role="status"></span></div>`;
+  const note = box.querySelector("[role=status]");
+  const button = box.querySelector(".go");
+  const back = box.querySelector(".back");
+  if (back) back.onclick = () => leave(null);
+  button.onclick = async () => {
+    button.disabled = true;
+    try {
+      const files = chosen(box);
+      const parts = {};
+      for (const [name, file] of Object.entries(files)) {
+        note.textContent = `Sending ${name} (${(file.size / 1e6).toFixed(1)} MB)…`;
+        parts[name] = await sendPart(name, file);
+      }
+      note.textContent = "Checking…";
+      const { set } = await ask("load", { parts, compare: box.querySelector(".beside").checked });
+      leave(set);
+    } catch (error) {
+      refused(error, note);
+    } finally {
+      button.disabled = false;
+    }
+  };
+}
+
+/** The files by their names on the server. */
+function chosen(box) {
+  const found = {};
+  for (const file of box.querySelector(".head").files) if (HEAD.includes(file.name)) found[file.name] = file;
+  if (box.querySelector(".head").files.length && !found["settings.json"]) {
+    throw new Refusal(
+      "That folder has no settings.json, so it is not a head. Choose the folder that `omnivat train` wrote.",
+    );
+  }
+  for (const file of box.querySelector(".set").files) {
+    const ending = [".thumbnails.webp", ".thumbnails.json", ".safetensors"].find((end) => file.name.endsWith(end));
+    if (ending) found[`embeddings${ending}`] = file;
+  }
+  if (!Object.keys(found).length) throw new Refusal("Choose the folder of a head, an embeddings file, or both.");
+  return found;
+}
+
+/** Open the page on another set, without the pins and filters of the old one. */
+function leave(set) {
+  const address = new URL(location.href);
+  address.search = "";
+  if (set) address.searchParams.set("set", set);
+  location.assign(address);
 }

@@ -1,9 +1,10 @@
 /** Actions in Explore: point, pick, step, select, find neighbours. */
 
+import { ask, inSet, refused } from "../shared/api.js";
+import { thumbnail } from "../shared/card.js";
 import { featuresOf } from "../shared/stages.js";
 import { change, state } from "../shared/store.js";
-import { findNeighbours, showNeighbours } from "./neighbours.js";
-import { packed, unpacked } from "./selected.js";
+import { each } from "../shared/text.js";
 
 export class Acts {
   constructor(page) {
@@ -111,4 +112,63 @@ export class Acts {
     scene.near = known.map(({ point }) => point);
     if (box && known.length) showNeighbours(box, known, scene, (point) => this.pick(point));
   }
+}
+
+/** Request the neighbours of a point; `box` shows the progress, or why there are none. */
+export async function findNeighbours(box, { set, point, stage, p }) {
+  if (box) box.textContent = "Computing this stage for the whole set…";
+  try {
+    return (await ask(inSet("neighbours", set), { point, stage, order: p })).neighbours;
+  } catch (error) {
+    refused(error, (sentence) => box && (box.textContent = sentence));
+    return [];
+  }
+}
+
+/** Show neighbours as pictures; a click picks one. */
+export function showNeighbours(box, found, { frames, sprite }, onPick) {
+  box.innerHTML = each(found, ({ point, cosine }) => {
+    const tac = point >= frames.pairs;
+    const own = point % frames.pairs;
+    const name = `${tac ? "TAC" : "VIS"} of pair ${own}, ${frames.classes[frames.label[own]]}, ${frames.domains[frames.domain[own]]}, cosine ${cosine.toFixed(3)}`;
+    return `<button type="button" data-point="${point}" title="${name}" aria-label="${name}">${thumbnail(sprite, point, 48, tac ? "TAC" : "VIS")}<small>${tac ? "TAC" : "VIS"} ${cosine.toFixed(2)}</small></button>`;
+  });
+  box.onclick = (event) => {
+    const button = event.target.closest("[data-point]");
+    if (button) onPick(+button.dataset.point);
+  };
+}
+
+const MOST = 4000; // letters; a longer selection is left out of the address
+
+/** @param {Iterable<number>} points */
+export function packed(points) {
+  const runs = [];
+  for (const point of [...points].sort((a, b) => a - b)) {
+    const last = runs.at(-1);
+    if (last && last[1] === point - 1) last[1] = point;
+    else runs.push([point, point]);
+  }
+  let before = 0;
+  const text = runs.map(([from, to]) => {
+    const gap = (from - before).toString(36);
+    before = to;
+    return to > from ? `${gap}.${(to - from).toString(36)}` : gap;
+  });
+  return text.join("-").length > MOST ? "" : text.join("-");
+}
+
+/** The points of a packed text below `count`; what is not such a text has none.
+ * @param {string} text @param {number} count */
+export function unpacked(text, count) {
+  const points = [];
+  let at = 0;
+  for (const run of text ? text.split("-") : []) {
+    const [gap, more = 0] = run.split(".").map((part) => Number.parseInt(part, 36));
+    if (!(gap >= 0 && more >= 0) || at + gap + more >= count) return points;
+    at += gap;
+    for (let i = 0; i <= more; i++) points.push(at + i);
+    at += more;
+  }
+  return points;
 }

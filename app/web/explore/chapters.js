@@ -94,15 +94,14 @@ function order({ frames, stop }) {
 }
 
 function failure({ own, frames, facts: { unseen, fit } }) {
-  const title = "Why does it fail on the next sensor?";
-  if (own.headless) {
-    const apart = own.domain.some((one) => one !== own.domain[0]);
+  const alone = own.domain.every((one) => one === own.domain[0]);
+  const title = alone ? "One domain: there is no next sensor to fail on." : "Why does it fail on the next sensor?";
+  if (own.headless)
     return {
-      title: apart ? "How far apart are the domains?" : "One domain: there is no next sensor to fail on.",
-      figure: apart ? shifted(frames) : "",
+      title: alone ? title : "How far apart are the domains?",
+      figure: alone ? "" : shifted(frames),
       remark: headlessHtml(fit),
     };
-  }
   if (!unseen) return { title, figure: MEASURING, remark: shifted(frames) };
   const home = unseen.domains.find(({ is_source }) => is_source)?.["answers/fused"];
   const away = unseen.unseen["answers/fused"];

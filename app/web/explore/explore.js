@@ -1,6 +1,6 @@
 /** Explore: one picture and one question at a time, drawn in the browser stop by stop. */
 
-import { refused } from "../shared/api.js";
+import { attempt } from "../shared/api.js";
 import { choices } from "../shared/facts.js";
 import { openChapter, state } from "../shared/store.js";
 import { Page } from "./page.js";
@@ -18,13 +18,11 @@ export async function start(root) {
     wait.hidden = step === null;
     wait.textContent = waiting(step);
   };
-  try {
+  await attempt(async () => {
     const page = new Page($, await choices(), { say, telling });
     if (!state.chapter) openChapter(page.first);
     await page.enter();
-  } catch (error) {
-    refused(error, say);
-  }
+  }, say);
 }
 
 /** The message for a link to a set that the server no longer has. */

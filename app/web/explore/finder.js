@@ -1,6 +1,7 @@
 /** Find pairs: by name, by look-alikes, and by histograms that filter. */
 
 import { change, state } from "../shared/store.js";
+import { each } from "../shared/text.js";
 
 const BINS = 20;
 const HIGH = 34;
@@ -55,9 +56,9 @@ export class Finder {
     this.alike.querySelector("small").textContent = `(${count})`;
     if (!unseen) return;
     this.spans = Object.fromEntries(HISTOGRAMS.map(({ name }) => [name, span(unseen.pairs[name])]));
-    this.box.querySelector(".histograms").innerHTML = HISTOGRAMS.map(({ name, title, help }) =>
+    this.box.querySelector(".histograms").innerHTML = each(HISTOGRAMS, ({ name, title, help }) =>
       this.figure(name, title, help),
-    ).join("");
+    );
     for (const svg of this.box.querySelectorAll("svg")) this.listen(svg, svg.closest("figure").dataset.name);
     this.count();
   }
@@ -119,9 +120,9 @@ export class Finder {
       const all = histogram(own, this.spans[name]);
       const most = Math.max(1, ...all);
       const bars = (counts) =>
-        counts
-          .map((n, i) => (n ? `M${i + 0.08} ${HIGH}V${HIGH - (n / most) * (HIGH - 2)}H${i + 0.92}V${HIGH}Z` : ""))
-          .join("");
+        each(counts, (n, i) =>
+          n ? `M${i + 0.08} ${HIGH}V${HIGH - (n / most) * (HIGH - 2)}H${i + 0.92}V${HIGH}Z` : "",
+        );
       figure.querySelector(".all").setAttribute("d", bars(all));
       figure.querySelector(".kept").setAttribute("d", bars(histogram(own, this.spans[name], seen)));
       const range = ranges[name];

@@ -1,6 +1,6 @@
 /** The parts of Explore, connected to one scene and to the address. */
 
-import { refused } from "../shared/api.js";
+import { attempt, refused } from "../shared/api.js";
 import { card } from "../shared/card.js";
 import { fit, pairNames, unseen } from "../shared/facts.js";
 import { showFilters } from "../shared/filters.js";
@@ -20,11 +20,10 @@ import { showGrid } from "./grid.js";
 import { centredFrames, dataOf } from "./library.js";
 import { Maps } from "./maps.js";
 import { Modes, modeWords } from "./modes.js";
-import { panels } from "./panels.js";
-import { peek } from "./peek.js";
+import { panels, showSets } from "./panels.js";
+import { peek } from "./pictures.js";
 import { Saving } from "./saving.js";
 import { Scene } from "./scene.js";
-import { showSets } from "./sets.js";
 import { Staircase } from "./staircase.js";
 import { Strangers } from "./strangers.js";
 import { Toy } from "./toy.js";
@@ -82,7 +81,7 @@ export class Page {
     this.chapter = null;
     this.layOut(chapter);
     const late = () => state.chapter !== chapter;
-    try {
+    return attempt(async () => {
       const set = setOf(chapter, this.sets);
       const data = await dataOf(set, (step) => !this.chapter && this.telling(step));
       if (late()) return;
@@ -97,19 +96,18 @@ export class Page {
       this.learnAll(data);
       if (chapter === "failure" && !data.centred) this.centre(data);
       if (data.coarse) this.refine(data);
-    } catch (error) {
-      refused(error, this.say);
-    }
+    }, this.say);
   }
 
   /** Show the frames of the second chapter once they are made; a set may be too large to centre. */
   async centre(data) {
-    try {
-      const frames = await centredFrames(data);
-      if (this.data === data && this.chapter === "failure") this.replace(frames);
-    } catch (error) {
-      refused(error, () => {});
-    }
+    await attempt(
+      async () => {
+        const frames = await centredFrames(data);
+        if (this.data === data && this.chapter === "failure") this.replace(frames);
+      },
+      () => {},
+    );
   }
 
   /** Show the parts of a chapter. */
@@ -145,11 +143,7 @@ export class Page {
     if (data.facts.unseen && data.facts.pairs) return this.learned();
     pairNames(data.set).then(learn("pairs"), () => {});
     if (data.own.headless) return fit(data.set).then(learn("fit"), () => {});
-    unseen(data.set).then(learn("unseen"), (error) =>
-      refused(error, (sentence) => {
-        this.$(".strangers .hint").textContent = sentence;
-      }),
-    );
+    unseen(data.set).then(learn("unseen"), (error) => refused(error, this.$(".strangers .hint")));
     return undefined;
   }
 

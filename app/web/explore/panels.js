@@ -1,6 +1,7 @@
-/** Panels that open and close, and remember it. */
+/** The panels beside the map, which open and close and remember it, and the buttons of the project’s sets. */
 
 import { keep, keptJson } from "../shared/memory.js";
+import { each, escaped } from "../shared/text.js";
 
 const KEPT = "omnivat-panels";
 const FIRST = { card: true, grid: true, confusion: false }; // open on the first visit
@@ -23,5 +24,33 @@ export function panels(box, onOpen) {
     show: (name) => {
       named(name).open = true;
     },
+  };
+}
+
+const WORDS = {
+  sensors: "Photos and touches of materials: p hardly matters",
+  chirps: "Signals that only one p tells apart: p is everything",
+};
+
+/** The address of the page on another set, without the state of the current one. */
+export function addressOf(name, here) {
+  const address = new URL(here);
+  const kept = new Set(["chapter", "stage", "colour", "means"]);
+  for (const key of [...address.searchParams.keys()]) if (!kept.has(key)) address.searchParams.delete(key);
+  address.searchParams.set("set", name);
+  return address.href;
+}
+
+export function showSets(box, sets) {
+  box.hidden = sets.length < 2;
+  box.innerHTML = each(
+    sets,
+    ({ name, title, shown }) =>
+      `<button type="button" data-set="${escaped(name)}" aria-pressed="${shown}" title="${escaped(WORDS[name] ?? "")}">${escaped(title)}</button>`,
+  );
+  box.onclick = (event) => {
+    const button = event.target.closest("[data-set]");
+    if (button && button.getAttribute("aria-pressed") !== "true")
+      location.assign(addressOf(button.dataset.set, location.href));
   };
 }

@@ -1,7 +1,9 @@
 /** Pictures replace points when few enough are in view. */
 
+import { thumbnailPair, verdict } from "../shared/card.js";
 import { colouring } from "../shared/palette.js";
 import { state } from "../shared/store.js";
+import { escaped } from "../shared/text.js";
 
 const MOST = 70; // pictures on the map at once
 const NEAR = 3; // zoom from which points may become pictures
@@ -66,4 +68,32 @@ function tile(context, image, sprite, point, [x, y], colour, tac) {
   context.clip();
   context.drawImage(image, ...from, sprite.tile, sprite.tile, x - SIDE / 2, y - SIDE / 2, SIDE, SIDE);
   context.restore();
+}
+
+const PEEK = 76;
+const AWAY = 18; // CSS pixels from the pointer
+
+/** Returns show(pair or -1): the pictures follow the pointer over `area`. */
+export function peek(box, area, scene) {
+  let at = [0, 0];
+  const place = () => {
+    const { width, height } = box.getBoundingClientRect();
+    const left = at[0] + AWAY + width > innerWidth ? at[0] - AWAY - width : at[0] + AWAY;
+    const top = Math.max(4, Math.min(innerHeight - height - 4, at[1] - height / 2));
+    box.style.transform = `translate(${Math.round(left)}px, ${Math.round(top)}px)`;
+  };
+  area.addEventListener("pointermove", (event) => {
+    at = [event.clientX, event.clientY];
+    if (!box.hidden) place();
+  });
+  area.addEventListener("pointerleave", () => {
+    box.hidden = true;
+  });
+  return (pair, pointed) => {
+    box.hidden = pair < 0 || !pointed || !scene.sprite;
+    if (box.hidden) return;
+    const v = verdict(scene.frames, pair, scene.stop);
+    box.innerHTML = `${thumbnailPair(scene.frames, scene.sprite, pair, PEEK)}<p><b>${escaped(v.truth)}</b> · ${escaped(v.domain)}</p>`;
+    place();
+  };
 }

@@ -1,6 +1,6 @@
 /** The Save menu: the map as a picture, points as a table, a link to the view. */
 
-import { inSet, refused } from "../shared/api.js";
+import { attempt, inSet, refused } from "../shared/api.js";
 import { orderText } from "../shared/frames.js";
 import { axisNames } from "../shared/marks.js";
 import { colouring } from "../shared/palette.js";
@@ -104,12 +104,10 @@ export class Saving {
       this.$(".said").textContent = this.$(".load-tags").title = sentence;
       this.$(".save").open = false;
     };
-    try {
+    await attempt(async () => {
       say(`${loadTags(this.scene.own, await input.files[0].text())} pairs have a tag now.`);
       this.onTags();
-    } catch (error) {
-      refused(error, say);
-    }
+    }, say);
     input.value = "";
   }
 

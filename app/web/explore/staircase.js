@@ -2,7 +2,7 @@
 
 import { asText, axis, MEASURES, values } from "../shared/measures.js";
 import { stepsOf } from "../shared/stages.js";
-import { escaped } from "../shared/text.js";
+import { each, escaped } from "../shared/text.js";
 
 const HIGH = 33; // CSS pixels of a row of stairs
 const WORDS = 16; // of these, above the highest step, for its figure
@@ -33,7 +33,7 @@ export class Staircase {
     );
     const rows = ROWS.map(
       ({ name, title, between, help }) =>
-        `<div class="stair" data-name="${name}"><span class="stair-name" title="${help}">${title} <small>${frames.signals && name === "modality_gap" ? "VIS to TAC" : between}</small></span><div class="treads"><svg viewBox="0 0 ${this.steps.length} ${HIGH}" preserveAspectRatio="none" aria-hidden="true"><path class="under"/><path class="tread"/></svg>${this.steps.map((s) => `<output data-step="${s.key}"></output>`).join("")}</div></div>`,
+        `<div class="stair" data-name="${name}"><span class="stair-name" title="${help}">${title} <small>${frames.signals && name === "modality_gap" ? "VIS to TAC" : between}</small></span><div class="treads"><svg viewBox="0 0 ${this.steps.length} ${HIGH}" preserveAspectRatio="none" aria-hidden="true"><path class="under"/><path class="tread"/></svg>${each(this.steps, (s) => `<output data-step="${s.key}"></output>`)}</div></div>`,
     );
     const options = ROWS.map(({ name, title }) => `<option value="${name}">${title}</option>`);
     this.box.innerHTML = `<div class="stair heads"><select class="of-steps" aria-label="What the stairs show">${options.join("")}</select><div class="treads" role="radiogroup" aria-label="Step of the head; opens its map">${heads.join("")}</div></div>${rows.join("")}`;
@@ -102,4 +102,4 @@ export function levels(now, [low, high]) {
 }
 
 /** A line of treads, one unit wide each. */
-export const stairs = (heights) => heights.map((y, i) => `${i ? "V" : "M0 "}${y.toFixed(2)}H${i + 1}`).join("");
+export const stairs = (heights) => each(heights, (y, i) => `${i ? "V" : "M0 "}${y.toFixed(2)}H${i + 1}`);

@@ -3,7 +3,7 @@
 import { spread, values } from "../shared/measures.js";
 import { radios } from "../shared/radios.js";
 import { change, state } from "../shared/store.js";
-import { escaped, options, percent } from "../shared/text.js";
+import { each, escaped, options, percent } from "../shared/text.js";
 
 export const READINGS = [
   { key: "fused", label: "Both" },
@@ -115,7 +115,7 @@ export class Strangers {
     const head = facts.classes.map((name) => `<th scope="col" title="${escaped(name)}">${escaped(name)}</th>`);
     const rows = counts.map(
       (row, truth) =>
-        `<tr><th scope="row">${escaped(facts.classes[truth])}</th>${row.map((n, answer) => this.button(n, n / most, truth, answer)).join("")}</tr>`,
+        `<tr><th scope="row">${escaped(facts.classes[truth])}</th>${each(row, (n, answer) => this.button(n, n / most, truth, answer))}</tr>`,
     );
     const box = this.confused.querySelector(".confusion");
     box.innerHTML = `<table><thead><tr><th scope="col"><small>true ↓</small></th>${head.join("")}</tr></thead><tbody>${rows.join("")}</tbody></table>`;

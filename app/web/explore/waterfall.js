@@ -1,10 +1,10 @@
 /** The anatomy of the failure: accuracy at home, away, and back up for each thing that is known. */
 
-import { refused } from "../shared/api.js";
+import { attempt } from "../shared/api.js";
 import { ladder } from "../shared/facts.js";
 import { radios } from "../shared/radios.js";
 import { change, state } from "../shared/store.js";
-import { escaped, fill, options, percent } from "../shared/text.js";
+import { each, escaped, fill, options, percent } from "../shared/text.js";
 
 const STATES = [
   { key: "0", label: "As they come" },
@@ -65,23 +65,26 @@ export class Waterfall {
   async fetch(source = "") {
     const { set } = this.scene;
     this.wanted = `${set} ${source}`;
-    try {
-      const found = await ladder(set, source);
-      if (this.wanted !== `${set} ${source}` || this.scene.set !== set) return;
-      this.found = { set, ...found };
-      this.show();
-    } catch (error) {
-      refused(error, () => {}); // the first two bars stay
-    }
+    return attempt(
+      async () => {
+        // the first two bars stay
+        const found = await ladder(set, source);
+        if (this.wanted !== `${set} ${source}` || this.scene.set !== set) return;
+        this.found = { set, ...found };
+        this.show();
+      },
+      () => {},
+    );
   }
 
   /** Draw the bars {rung, known, accuracy, low, high, from}. */
   show() {
     const { scene } = this;
     const centred = scene.frames.kindOfStops === "centred";
-    this.choice.hidden = !centred || scene.frames.domain.every((one) => one === scene.frames.domain[0]);
-    this.box.hidden = scene.own.headless;
-    if (scene.own.headless) return this.mark?.();
+    const alone = scene.own.domain.every((one) => one === scene.own.domain[0]);
+    this.choice.hidden = !centred || alone;
+    this.box.hidden = scene.own.headless || alone;
+    if (this.box.hidden) return this.mark?.();
     if (centred && !this.choice.firstChild)
       this.mark = radios(
         this.choice,
@@ -97,9 +100,13 @@ export class Waterfall {
     const bars = all.filter(({ rung }) => SHOWN.includes(rung));
     const away = bars.find(({ rung }) => rung === "none");
     const other = bars.some((one) => one.from === "records") && bars.some((one) => one.from !== "records");
-    const html = bars.map((one) => this.bar(one, away)).join("");
+    const html = each(bars, (one) => this.bar(one, away, known?.kept));
     const doubt = bars.some((one) => changeOf(one, away)?.sure === false);
-    const notes = [other && "Pale: other heads, recorded.", doubt && "Grey: intervals overlap."];
+    const notes = [
+      known?.kept && "Striped: kept in a file, not measured now.",
+      other && "Pale: other heads, recorded.",
+      doubt && "Grey: intervals overlap.",
+    ];
     const note = `<p class="hint">${notes.filter(Boolean).join(" ")}</p>`;
     const sources = known?.sources ?? [];
     const list = options(
@@ -110,13 +117,13 @@ export class Waterfall {
     fill(this.box, choice + html + note);
   }
 
-  bar({ rung, known, accuracy, low, high, from }, away) {
+  bar({ rung, known, accuracy, low, high, from }, away, kept) {
     const more = changeOf({ rung, known, accuracy, low, high, from }, away);
     const up = more?.sure && more.points > 0;
     const gain = more
       ? ` <small${more.sure ? ' class="sure"' : ' title="The intervals overlap, so the change is not sure."'}>${signed(more.points)}</small>`
       : "";
     const on = this.at ? this.at === rung : rung === "none";
-    return `<button type="button" class="fall${from === "records" ? " recorded" : ""}" data-rung="${rung}" aria-pressed="${on}" title="${escaped(known ?? "")}: 95 % interval ${percent(low)} to ${percent(high)}" style="--share:${accuracy};--from:${up ? away.accuracy : 0};--low:${low};--high:${high}"><span>${escaped(WORDS[rung] ?? known)}</span><span class="bar"><i class="range"></i></span><b>${percent(accuracy)}${gain}</b></button>`;
+    return `<button type="button" class="fall${from === "records" ? " recorded" : kept ? " kept" : ""}" data-rung="${rung}" aria-pressed="${on}" title="${escaped(known ?? "")}${kept && from !== "records" ? ", from the file next to the set" : ""}: 95 % interval ${percent(low)} to ${percent(high)}" style="--share:${accuracy};--from:${up ? away.accuracy : 0};--low:${low};--high:${high}"><span>${escaped(WORDS[rung] ?? known)}</span><span class="bar"><i class="range"></i></span><b>${percent(accuracy)}${gain}</b></button>`;
   }
 }

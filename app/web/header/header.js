@@ -1,8 +1,8 @@
 /** The page header: title, badge for simulated data, light or dark. */
 
 import { refused } from "../shared/api.js";
+import { keep, kept } from "../shared/memory.js";
 import { followTabs } from "../shared/tabs.js";
-import { followTheme } from "./theme.js";
 import { startTour } from "./tour.js";
 
 export function start(root) {
@@ -19,4 +19,19 @@ export function start(root) {
     root.querySelector(".badge").hidden = !event.detail;
   });
   followTabs();
+}
+
+const KEPT = "omnivat-theme";
+
+export function followTheme(button) {
+  const chosen = kept(KEPT);
+  if (chosen) document.body.classList.toggle("dark", chosen === "dark");
+  let dark = false;
+  const onPaper = () => {
+    dark = document.body.classList.contains("dark");
+    document.body.classList.remove("dark");
+  };
+  addEventListener("beforeprint", onPaper, { capture: true }); // before the maps draw
+  addEventListener("afterprint", () => document.body.classList.toggle("dark", dark));
+  button.onclick = () => keep(KEPT, document.body.classList.toggle("dark") ? "dark" : "light");
 }

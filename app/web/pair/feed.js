@@ -2,9 +2,9 @@
 
 import { Refusal, refused } from "../shared/api.js";
 import { keep, keptJson } from "../shared/memory.js";
-import { escaped } from "../shared/text.js";
+import { each, escaped } from "../shared/text.js";
+import { camera } from "./own-pictures.js";
 import { TERMS } from "./verdict.js";
-import { camera } from "./webcam.js";
 
 const KEPT = "omnivat-live-";
 const SIDE = 256; // pixels of the longer side sent; encoders use 224
@@ -25,10 +25,8 @@ export const feedHtml = (
 ) => `<div class="feed" data-modality="${name}"><h4><span class="sign ${name}"></span>${TERMS[name].title}</h4>
   <canvas width="160" height="120" role="img" aria-label="${TERMS[name].title}, as it is sent"></canvas>
   <label>Source <select class="device"><option value="">none</option><option value="file">video file…</option></select></label>
-  <label>Crop <select class="crop">${Object.entries(CROPS)
-    .map(([key, [label]]) => `<option value="${key}">${label}</option>`)
-    .join("")}</select></label>
-  <label>Turn <select class="turn">${[0, 90, 180, 270].map((turn) => `<option value="${turn}">${turn}°</option>`).join("")}</select></label>
+  <label>Crop <select class="crop">${each(Object.entries(CROPS), ([key, [label]]) => `<option value="${key}">${label}</option>`)}</select></label>
+  <label>Turn <select class="turn">${each([0, 90, 180, 270], (turn) => `<option value="${turn}">${turn}°</option>`)}</select></label>
   <input type="file" class="clip" hidden accept="video/*" aria-label="Video of the ${TERMS[name].one}">
   <p class="hint state" role="status"></p></div>`;
 
@@ -62,12 +60,11 @@ export class Feed {
     for (const old of device.querySelectorAll("option.camera")) old.remove();
     device.insertAdjacentHTML(
       "beforeend",
-      devices
-        .map(
-          ({ deviceId, label }) =>
-            `<option class="camera" value="${escaped(deviceId)}">${escaped(label || "camera")}</option>`,
-        )
-        .join(""),
+      each(
+        devices,
+        ({ deviceId, label }) =>
+          `<option class="camera" value="${escaped(deviceId)}">${escaped(label || "camera")}</option>`,
+      ),
     );
     const known =
       devices.find(({ label }) => label === this.wanted.device) ?? devices.find(({ deviceId }) => !taken.has(deviceId));

@@ -1,12 +1,12 @@
 /** Probabilities as lines over p; orders that the head was not trained for are greyed out. */
 
+import { dragged, Scale } from "../shared/chart.js";
 import { classColour } from "../shared/palette.js";
-import { escaped } from "../shared/text.js";
+import { each, escaped } from "../shared/text.js";
 
 const WIDE = { least: 320, most: 900 }; // CSS pixels: as wide as its place, so that letters keep their size
 const H = 250;
 const PAD = { left: 48, right: 86, top: 10, bottom: 30 };
-const Y = (v) => H - PAD.bottom - v * (H - PAD.top - PAD.bottom);
 
 /** Labels at the ends of lines, moved apart so that none covers another and all stay inside. */
 export function spread(ends, low = PAD.top, high = H - PAD.bottom, least = 14) {
@@ -32,18 +32,7 @@ export class Lines {
     this.box = box;
     this.wide = WIDE.least;
     new ResizeObserver(() => this.shown && this.width() !== this.wide && this.again()).observe(box);
-    const moved = (event) => {
-      const frame = box.querySelector("svg").getBoundingClientRect();
-      const p =
-        (((event.clientX - frame.left) / frame.width) * this.wide - PAD.left) / (this.wide - PAD.left - PAD.right);
-      onOrder(Math.round(100 * Math.max(0, Math.min(1, p))) / 100);
-    };
-    box.onpointerdown = (event) => {
-      if (!box.querySelector("svg")) return;
-      box.setPointerCapture(event.pointerId);
-      moved(event);
-    };
-    box.onpointermove = (event) => event.buttons && moved(event);
+    dragged(box, (event, svg) => onOrder(Math.round(100 * this.scale.under(event, svg)) / 100));
   }
 
   width() {
@@ -61,58 +50,47 @@ export class Lines {
     this.shown = [classes, orders, rows, learned, band];
     this.rows = rows;
     this.wide = this.width();
-    const labels = spread(classes.map((_, k) => Y(rows.at(-1)[k])));
-    const lines = classes.map((name, k) => {
-      const d = rows
-        .map((row, i) => `${i ? "L" : "M"}${this.x(orders[i]).toFixed(1)} ${Y(row[k]).toFixed(1)}`)
-        .join("");
-      return {
-        path: `<path d="${d}" style="stroke:${classColour(k)}"/>`,
-        label: `<text class="name" x="${this.wide - PAD.right + 6}" y="${labels[k] + 4}"><tspan style="fill:${classColour(k)}">━ </tspan>${escaped(name)}</text>`,
-      };
-    });
-    const dots = classes.map((_, k) => `<circle r="4" style="fill:${classColour(k)}"/>`);
-    this.box.innerHTML = `<svg viewBox="0 0 ${this.wide} ${H}" role="img" aria-label="Probability of each class against p">${this.frame(learned)}${lines.map((one) => one.path).join("")}${this.veil(band)}${lines.map((one) => one.label).join("")}<line class="now" y1="${PAD.top}" y2="${H - PAD.bottom}"/>${dots.join("")}</svg>`;
+    const scale = (this.scale = new Scale({ wide: this.wide, high: H, pad: PAD }));
+    const labels = spread(rows.at(-1).map((v) => scale.y(v)));
+    const ink = (k) => classColour(k);
+    const paths = each(
+      classes,
+      (_, k) => `<path d="${scale.line(rows.map((row, i) => [orders[i], row[k]]))}" style="stroke:${ink(k)}"/>`,
+    );
+    const names = each(
+      classes,
+      (name, k) =>
+        `<text class="name" x="${scale.right + 6}" y="${labels[k] + 4}"><tspan style="fill:${ink(k)}">━ </tspan>${escaped(name)}</text>`,
+    );
+    const dots = each(classes, (_, k) => `<circle r="4" style="fill:${ink(k)}"/>`);
+    this.box.innerHTML = `<svg viewBox="0 0 ${this.wide} ${H}" role="img" aria-label="Probability of each class against p">${this.frame(learned)}${paths}${this.veil(band)}${names}${scale.now()}${dots}</svg>`;
   }
 
   /** The axes, and the learned p. */
   frame(learned) {
-    const [left, right] = [PAD.left, this.wide - PAD.right];
-    const grid = [0, 0.5, 1].map(
-      (v) =>
-        `<line class="grid" x1="${left}" x2="${right}" y1="${Y(v)}" y2="${Y(v)}"/><text x="${left - 6}" y="${Y(v) + 4}" text-anchor="end">${100 * v} %</text>`,
-    );
-    const stops = [0, 0.25, 0.5, 0.75, 1].map(
-      (p) => `<text x="${this.x(p)}" y="${H - 12}" text-anchor="middle">${p}</text>`,
-    );
+    const { scale } = this;
+    const stops = [0, 0.25, 0.5, 0.75, 1].map((p) => [p, p]);
     const mark =
       learned >= 0 && learned <= 1
-        ? `<path class="learned-at" d="M${this.x(learned)} ${H - PAD.bottom + 1}l-4 7h8z"/>`
+        ? `<path class="learned-at" d="M${scale.x(learned)} ${scale.base + 1}l-4 7h8z"/>`
         : "";
-    return `${grid.join("")}${stops.join("")}<text x="${(left + right) / 2}" y="${H - 1}" text-anchor="middle">p</text>${mark}`;
+    return `${scale.grid([0, 0.5, 1], (v) => `${100 * v} %`)}${scale.ticks(stops, 12)}<text x="${(scale.left + scale.right) / 2}" y="${H - 1}" text-anchor="middle">p</text>${mark}`;
   }
 
   /** Outside the band is a what-if, drawn pale. */
   veil(band) {
     if (!band) return "";
-    const [low, high] = band.map(this.x);
-    const rect = (kind, from, to) =>
-      `<rect class="${kind}" x="${from}" y="${PAD.top}" width="${Math.max(0, to - from)}" height="${H - PAD.top - PAD.bottom}"/>`;
-    return rect("veil", this.x(0), low) + rect("veil", high, this.x(1)) + rect("band", low, high);
+    const { scale } = this;
+    return scale.band("veil", 0, band[0]) + scale.band("veil", band[1], 1) + scale.band("band", ...band);
   }
-
-  x = (p) => PAD.left + p * (this.wide - PAD.left - PAD.right);
 
   mark(stop, orders) {
     this.at = [stop, orders];
-    const svg = this.box.querySelector("svg");
-    if (!svg) return;
-    const now = svg.querySelector(".now");
-    now.setAttribute("x1", this.x(orders[stop]));
-    now.setAttribute("x2", this.x(orders[stop]));
-    svg.querySelectorAll("circle").forEach((dot, k) => {
-      dot.setAttribute("cx", this.x(orders[stop]));
-      dot.setAttribute("cy", Y(this.rows[stop][k]));
+    if (!this.scale) return;
+    this.scale.mark(this.box, orders[stop]);
+    this.box.querySelectorAll("circle").forEach((dot, k) => {
+      dot.setAttribute("cx", this.scale.x(orders[stop]));
+      dot.setAttribute("cy", this.scale.y(this.rows[stop][k]));
     });
   }
 }

@@ -4,9 +4,10 @@ import { askOfImage, refused } from "../shared/api.js";
 import { csv } from "../shared/csv.js";
 import { IMAGES, imagesOf } from "../shared/images.js";
 import { save } from "../shared/save.js";
+import { each } from "../shared/text.js";
 import { Feed, FRAMES, feedHtml } from "./feed.js";
+import { camera } from "./own-pictures.js";
 import { called, READINGS, unlike } from "./verdict.js";
-import { camera } from "./webcam.js";
 import { zipped } from "./zip.js";
 
 const AT_ONCE = 2; // requests on the way: one is read while the next one travels
@@ -25,7 +26,7 @@ export class Live {
     this.run = null; // a new object for each start: what belongs to an older one is dropped
     this.recording = null;
     this.guiding = false; // a rest picture or a calibration has the status line
-    box.innerHTML = `<summary>Live: photo and touch</summary><div class="feeds">${IMAGES.map(feedHtml).join("")}</div>
+    box.innerHTML = `<summary>Live: photo and touch</summary><div class="feeds">${each(IMAGES, feedHtml)}</div>
       <div class="row"><button type="button" class="main start" aria-pressed="false">Start</button><button type="button" class="rest" disabled title="Do not touch: ten frames of the sensor at rest">Rest picture</button><button type="button" class="calibrate" disabled title="Ten frames of different presses make the profile of My sensor">Calibrate</button></div>
       <div class="row"><label>Label <input class="label" maxlength="40" size="8"></label><button type="button" class="record" disabled aria-pressed="false">Record</button></div>
       <p class="hint rate" role="status">Cameras or video files; no picture is kept unless you record.</p>`;

@@ -1,29 +1,17 @@
 /** Many pairs at once: a table of predictions with guess marks, and a CSV. */
 
-import { ask, Refusal, refused, sendImage } from "../shared/api.js";
+import { ask, attempt, refused } from "../shared/api.js";
 import { csv as written } from "../shared/csv.js";
-import { IMAGES, imagesOf } from "../shared/images.js";
+import { IMAGES } from "../shared/images.js";
 import { save } from "../shared/save.js";
-import { escaped, percent } from "../shared/text.js";
+import { escaped, row, table } from "../shared/text.js";
+import { upload } from "./own-pictures.js";
 import { paired } from "./pairing.js";
-import { sent } from "./sent.js";
 import { tally } from "./tally.js";
-import { best, READINGS, said, unlike } from "./verdict.js";
+import { brief, READINGS, readingsOf, said } from "./verdict.js";
 
 const AT_ONCE = 12; // pairs of one request
-const LARGEST = 20e6;
 const plural = (n, what) => `${n.toLocaleString("en-US")} ${what}${n === 1 ? "" : "s"}`;
-
-/** Upload a file; of many, the page keeps no preview. */
-export async function upload(file, signal) {
-  if (file.size > LARGEST)
-    throw new Refusal(
-      `'${file.name}' has ${(file.size / 1e6).toFixed(0)} MB; the limit is 20 MB. Scale it down and try again.`,
-    );
-  const { ref, width, height, preview } = await sendImage(file, file.name, signal);
-  sent.set(ref, { name: file.name, width, height, ...(signal ? { file } : { preview }) });
-  return ref;
-}
 
 export class Many {
   /** on: open(pair), labels(pairs) to count and teach, classes() of the head, lessons(). */
@@ -113,13 +101,14 @@ export class Many {
   async again() {
     const there = this.rows.filter(({ readings: read }) => read);
     if (!there.length) return;
-    try {
-      for (let at = 0; at < there.length; at += AT_ONCE)
-        await this.predict(there.slice(at, at + AT_ONCE), this.stopped.signal);
-      this.show("");
-    } catch (error) {
-      refused(error, (sentence) => this.show(sentence));
-    }
+    await attempt(
+      async () => {
+        for (let at = 0; at < there.length; at += AT_ONCE)
+          await this.predict(there.slice(at, at + AT_ONCE), this.stopped.signal);
+        this.show("");
+      },
+      (sentence) => this.show(sentence),
+    );
   }
 
   progress(done, total, seconds) {
@@ -135,54 +124,38 @@ export class Many {
   }
 }
 
-/** The pair's predictions under each reading: {title, label, share, guess}; without an image only the title.
- * @returns {any[]} */
-function readings({ classes, readings: found, images }) {
-  const given = imagesOf(found);
-  return READINGS.map(([reading, title]) => {
-    if (!found[reading] || (reading === "fused" && given.length < 2)) return { title };
-    return { title, ...best(classes, found[reading]), guess: unlike(reading, given, images).length > 0 };
-  });
-}
-
 function tableHtml(rows, note) {
-  const read = rows.filter((row) => row.readings);
-  const labelled = read.filter(({ label }) => label);
-  const guesses = read.filter((row) => readings(row)[0].guess ?? readings(row).some(({ guess }) => guess)).length;
+  const read = rows.filter((one) => one.readings).map((one) => ({ ...one, said: readingsOf(one) }));
+  const labelled = rows.filter(({ label, readings }) => label && readings);
+  const guesses = read.filter(({ said }) => said[0].guess ?? said.some(({ guess }) => guess)).length;
   const right = tally(labelled);
   const scores = READINGS.filter(([reading]) => right[reading]).map(
     ([reading, title]) => `${title.toLowerCase()} ${right[reading].right} of ${right[reading].of}`,
   );
-  const lines = rows.map((row, i) => {
-    if (!row.readings)
-      return `<tr><th scope="row">${escaped(row.name)}</th><td colspan="4" class="wrong">${escaped(row.problem)}</td></tr>`;
-    const cells = readings(row).map(({ label, share, guess }) => {
-      if (!label) return "<td>–</td>";
-      const mark = row.label ? (row.label === label ? ' class="right"' : ' class="wrong"') : "";
-      return `<td${mark}>${escaped(label)}${guess ? "?" : ` <b>${percent(share)}</b>`}</td>`;
+  const lines = rows.map((one, i) => {
+    if (!one.readings) return row(escaped(one.name), [`<td colspan="4" class="wrong">${escaped(one.problem)}</td>`]);
+    const cells = readingsOf(one).map((reading) => {
+      const mark = one.label && reading.label && (one.label === reading.label ? "right" : "wrong");
+      return `<td class="${mark || ""}">${brief(reading)}</td>`;
     });
-    return `<tr data-row="${i}"><th scope="row"><button type="button" class="link">${escaped(row.name)}</button></th><td>${escaped(row.label || "–")}</td>${cells.join("")}</tr>`;
+    const name = `<button type="button" class="link">${escaped(one.name)}</button>`;
+    return row(name, [escaped(one.label || "–"), ...cells]).replace("<tr", `<tr data-row="${i}"`);
   });
   return `<header><h3>${plural(rows.length, "pair")}: ${plural(guesses, "guess").replace("guesss", "guesses")}</h3><span class="row">${labelled.length ? '<button type="button" class="labels">Count and teach them</button>' : ""}<button type="button" class="main csv">Save as CSV</button><button type="button" class="close">Close</button></span></header>
     <p class="hint" role="status">${scores.length ? `Right: ${scores.join(", ")}. ` : ""}“?” marks a guess: a picture unlike anything the head has seen. Choose a row to open its pair.${escaped(note)}</p>
-    <div class="scroll" tabindex="0" role="group" aria-label="Your pairs and their predictions"><table><thead><tr><th scope="col">Pair</th><th scope="col">Label</th>${READINGS.map(([, title]) => `<th scope="col">${title}</th>`).join("")}</tr></thead><tbody>${lines.join("")}</tbody></table></div>`;
+    ${table("Your pairs and their predictions", ["Pair", "Label", ...READINGS.map(([, title]) => title)], lines)}`;
 }
 
 /** One line for each pair: label, and class, probability and guess of each reading. */
 export function csv(rows) {
-  const head = [
-    "pair",
-    "label",
-    ...READINGS.flatMap(([reading]) => [reading, `${reading}_probability`, `${reading}_guess`]),
-    "problem",
-  ];
-  const lines = rows.map((row) => [
-    row.name,
-    row.label,
-    ...(row.readings ? readings(row) : READINGS.map(() => /** @type {any} */ ({}))).flatMap(
-      ({ label = "", share, guess }) => [label, share === undefined ? "" : share.toFixed(4), guess ?? ""],
-    ),
-    row.problem ?? "",
-  ]);
-  return written([head, ...lines]);
+  const names = READINGS.flatMap(([reading]) => [reading, `${reading}_probability`, `${reading}_guess`]);
+  const lines = rows.map((one) => {
+    const cells = readingsOf({ readings: {}, ...one }).map(({ label = "", share, guess = "" }) => [
+      label,
+      share?.toFixed(4) ?? "",
+      guess,
+    ]);
+    return [one.name, one.label, ...cells.flat(), one.problem ?? ""];
+  });
+  return written([["pair", "label", ...names, "problem"], ...lines]);
 }

@@ -1,9 +1,9 @@
 /** The visitor's own pairs: labels, a running count, and teaching the head. */
 
-import { ask, bytesOf, refused } from "../shared/api.js";
+import { ask, attempt, bytesOf } from "../shared/api.js";
 import { IMAGES } from "../shared/images.js";
 import { made, save } from "../shared/save.js";
-import { escaped } from "../shared/text.js";
+import { escaped, row, table } from "../shared/text.js";
 import { isOwn, keyOf, lessonsFor, missing, tally, withoutPair, withPair } from "./tally.js";
 import { READINGS, said } from "./verdict.js";
 import { zipped } from "./zip.js";
@@ -102,13 +102,14 @@ export class OwnPairs {
     const { now } = this;
     if (!label || this.held || !isOwn(now)) return;
     const name = this.describe(now);
-    try {
-      const { classes, pairs } = await ask("many", { pairs: [now] });
-      this.pairs = withPair(this.pairs, { ...now, label, said: said(classes, pairs[0].readings), name });
-      this.changed();
-    } catch (error) {
-      refused(error, (sentence) => this.say(sentence));
-    }
+    await attempt(
+      async () => {
+        const { classes, pairs } = await ask("many", { pairs: [now] });
+        this.pairs = withPair(this.pairs, { ...now, label, said: said(classes, pairs[0].readings), name });
+        this.changed();
+      },
+      (sentence) => this.say(sentence),
+    );
   }
 
   /** Labels changed: discard what was taught from the old ones. */
@@ -144,21 +145,23 @@ export class OwnPairs {
 
   async teach() {
     this.say("Teaching…");
-    try {
-      this.report = await ask("teach", { lessons: lessonsFor(this.pairs, {}) });
-      this.note = "";
-      this.show(this.now);
-    } catch (error) {
-      refused(error, (sentence) => this.say(sentence));
-    }
+    await attempt(
+      async () => {
+        this.report = await ask("teach", { lessons: lessonsFor(this.pairs, {}) });
+        this.note = "";
+        this.show(this.now);
+      },
+      (sentence) => this.say(sentence),
+    );
   }
 
   async keep(path, name) {
-    try {
-      save(name, await made(path, { lessons: lessonsFor(this.pairs, {}) }));
-    } catch (error) {
-      refused(error, (sentence) => this.say(sentence));
-    }
+    await attempt(
+      async () => {
+        save(name, await made(path, { lessons: lessonsFor(this.pairs, {}) }));
+      },
+      (sentence) => this.say(sentence),
+    );
   }
 
   /** The pictures still in this browser, in folders for `omnivat embed`. */
@@ -187,15 +190,17 @@ const ending = ({ type }) =>
   ({ "image/png": "png", "image/webp": "webp", "image/tiff": "tif", "image/bmp": "bmp" })[type] ?? "jpg";
 
 /** Before and after, pair by pair. */
-export function reportHtml({ judged, right, method }) {
+function reportHtml({ judged, right, method }) {
   const cell = (label, said) =>
     `<td class="${said === label ? "right" : "wrong"}">${said === label ? "✓" : "✗"} ${escaped(said)}</td>`;
-  const rows = judged.map(
-    (one) =>
-      `<tr><th scope="row">${escaped(one.label)}</th>${cell(one.label, one.before)}${cell(one.label, one.after)}</tr>`,
+  const rows = judged.map((one) =>
+    row(
+      escaped(one.label),
+      [one.before, one.after].map((said) => cell(one.label, said)),
+    ),
   );
   const step = Math.round(100 / judged.length);
   return `<div class="taught"><p><b>Right before: ${right.before} of ${judged.length}. After: ${right.after} of ${judged.length}.</b></p>
     <p class="hint">Each pair was predicted by a head taught on all the others. Method: <b>${method}</b>, chosen by leaving pairs out. Features do not change, and p plays no part unless the method is class directions. One pair is ${step} points here.</p>
-    <div class="scroll" tabindex="0" role="group" aria-label="Your pairs before and after teaching"><table><thead><tr><th scope="col">It is</th><th scope="col">before</th><th scope="col">after</th></tr></thead><tbody>${rows.join("")}</tbody></table></div></div>`;
+    ${table("Your pairs before and after teaching", ["It is", "before", "after"], rows)}</div>`;
 }

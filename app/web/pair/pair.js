@@ -1,6 +1,7 @@
 /** Try a pair: choose two images, see the prediction and its reliability. */
 
-import { ask, json, refused } from "../shared/api.js";
+import { ask, attempt, json, refused } from "../shared/api.js";
+import { loaded } from "../shared/facts.js";
 import { needsHead } from "../shared/headless.js";
 import { headLabel, heads } from "../shared/headsets.js";
 import { IMAGES, OTHER } from "../shared/images.js";
@@ -9,20 +10,24 @@ import { onTheme } from "../shared/palette.js";
 import { somePair } from "../shared/pick.js";
 import { change, state, watch, watchIn } from "../shared/store.js";
 import { theSetSoon } from "../shared/theset.js";
-import { chosenFiles, droppedFiles } from "./dropped.js";
-import { familiarHtml, swapHtml } from "./familiar.js";
-import { Gallery } from "./gallery.js";
-import { Known } from "./known.js";
-import { takeLinked } from "./linked.js";
 import { Live, liveHtml } from "./live.js";
 import { Many } from "./many.js";
 import { OwnPairs } from "./own.js";
-import { rivalsHtml } from "./rivals.js";
+import { chosenFiles, droppedFiles, Known, takeLinked } from "./own-pictures.js";
 import { Sensor } from "./sensor.js";
-import { slots } from "./slots.js";
-import { isOwn, mixed } from "./tally.js";
-import { taughtBy } from "./taught.js";
-import { cards, classTable, madeOf, speakOfSignals, spoken, TERMS } from "./verdict.js";
+import { Gallery, slots } from "./slots.js";
+import { isOwn, mixed, taughtBy } from "./tally.js";
+import {
+  cards,
+  classTable,
+  familiarHtml,
+  madeOf,
+  rivalsHtml,
+  speakOfSignals,
+  spoken,
+  swapHtml,
+  TERMS,
+} from "./verdict.js";
 import { WhatIf } from "./what-if.js";
 
 export async function start(root) {
@@ -73,7 +78,7 @@ class PairTab {
     this.many = new Many(this.$(".many"), {
       open: ({ vis, tac }) => change({ vis, tac }),
       labels: (pairs) => this.own.add(pairs),
-      classes: async () => (await json("about")).head.classes ?? [],
+      classes: async () => (await loaded()).head.classes ?? [],
       lessons: () => this.own.lessons({}),
     });
     this.cameras = new Live(this.$(".cameras"), {
@@ -229,18 +234,19 @@ class PairTab {
         if (error.name === "AbortError") throw error;
         return { problem: error.message };
       });
-    try {
-      const others = this.rivals.map((one) => quietly(ask("pair", { ...pair, head: one.name }, signal)));
-      const familiar = await quietly(ask("familiar", pair, signal));
-      this.familiar = familiar.problem ? { images: {}, problem: familiar.problem } : familiar;
-      this.showFamiliar();
-      this.showVerdict();
-      this.whatIf.know(this.familiar.images);
-      this.$(".sr").textContent = spoken(this.answer, this.familiar);
-      this.showRivals(await Promise.all(others));
-    } catch (error) {
-      refused(error, (sentence) => this.problem(sentence));
-    }
+    await attempt(
+      async () => {
+        const others = this.rivals.map((one) => quietly(ask("pair", { ...pair, head: one.name }, signal)));
+        const familiar = await quietly(ask("familiar", pair, signal));
+        this.familiar = familiar.problem ? { images: {}, problem: familiar.problem } : familiar;
+        this.showFamiliar();
+        this.showVerdict();
+        this.whatIf.know(this.familiar.images);
+        this.$(".sr").textContent = spoken(this.answer, this.familiar);
+        this.showRivals(await Promise.all(others));
+      },
+      (sentence) => this.problem(sentence),
+    );
   }
 
   showRivals(found) {

@@ -1,13 +1,12 @@
 /** My sensor: a profile of unlabelled pictures; predictions, familiarity and the map then follow it. */
 
-import { ask, get, json, refused, visit } from "../shared/api.js";
-import { imagesOf } from "../shared/images.js";
+import { ask, attempt, get, refused, visit } from "../shared/api.js";
+import { loaded } from "../shared/facts.js";
 import { made, save } from "../shared/save.js";
-import { base64, bytesOf, escaped, percent } from "../shared/text.js";
-import { chosenFiles } from "./dropped.js";
-import { upload } from "./many.js";
+import { base64, bytesOf, escaped, row, table } from "../shared/text.js";
+import { chosenFiles, upload } from "./own-pictures.js";
 import { isPicture, named } from "./pairing.js";
-import { best, READINGS, TERMS, unlike } from "./verdict.js";
+import { brief, readingsOf, TERMS } from "./verdict.js";
 
 const KEPT = "omnivat-sensor"; // of this visit: survives a reload, not the browser's end
 const AT_ONCE = 50; // pictures of one request
@@ -77,14 +76,16 @@ export class Sensor {
     const pair = this.on.pair();
     const place = this.box.querySelector(".compared");
     if (!this.counts || !place || ![pair.vis, pair.tac].some((ref) => ref?.startsWith("image:"))) return;
-    try {
-      const [before, after] = await Promise.all(
-        ["", visit.profile].map((profile) => ask("many", { pairs: [pair], profile })),
-      );
-      place.innerHTML = sideBySide(before.classes, before.pairs[0], after.pairs[0]);
-    } catch (error) {
-      refused(error, () => {}); // the panel of the prediction has the reason
-    }
+    await attempt(
+      async () => {
+        // the panel of the prediction has the reason
+        const [before, after] = await Promise.all(
+          ["", visit.profile].map((profile) => ask("many", { pairs: [pair], profile })),
+        );
+        place.innerHTML = sideBySide(before.classes, before.pairs[0], after.pairs[0]);
+      },
+      () => {},
+    );
   }
 
   /** files: [{path, file}]. The profile in use stays until the new one is complete. */
@@ -164,7 +165,7 @@ export class Sensor {
       /* a browser may refuse its storage */
     }
     if (!text) {
-      const { sensor } = await json("about").catch(() => ({})); // the page itself reports a lost set
+      const { sensor } = await loaded().catch(() => ({})); // the page itself reports a lost set
       if (sensor?.profile) await this.use(sensor.profile, sensor.counts); // of --profile
       return Boolean(visit.profile);
     }
@@ -175,19 +176,8 @@ export class Sensor {
 }
 
 /** Each reading of a pair before and after; guesses have no figure. */
-export function sideBySide(classes, before, after) {
-  const given = imagesOf(before.readings);
-  const told = (one, reading) => {
-    const { label, share } = best(classes, one.readings[reading]);
-    return unlike(reading, given, one.images).length
-      ? `${escaped(label)}?`
-      : `${escaped(label)} <b>${percent(share)}</b>`;
-  };
-  const rows = READINGS.filter(
-    ([reading]) => before.readings[reading] && (reading !== "fused" || given.length > 1),
-  ).map(
-    ([reading, title]) =>
-      `<tr><th scope="row">${title}</th><td>${told(before, reading)}</td><td>${told(after, reading)}</td></tr>`,
-  );
-  return `<table><thead><tr><th scope="col">This pair</th><th scope="col">as it comes</th><th scope="col">with the profile</th></tr></thead><tbody>${rows.join("")}</tbody></table>`;
+function sideBySide(classes, before, after) {
+  const [now, then] = [before, after].map((one) => readingsOf({ classes, ...one }));
+  const rows = now.flatMap((one, i) => (one.label ? [row(one.title, [brief(one), brief(then[i])])] : []));
+  return table("This pair with the profile", ["This pair", "as it comes", "with the profile"], rows);
 }

@@ -1,21 +1,20 @@
-/** The two image slots: choose, drop, paste, camera; each file is uploaded once. */
+/** Where a pair is chosen: two image slots (file, drop, paste, camera), and the shelf of examples. */
 
-import { address, refused } from "../shared/api.js";
+import { address, attempt, refused } from "../shared/api.js";
 import { thumbnail } from "../shared/card.js";
-import { OTHER } from "../shared/images.js";
-import { escaped } from "../shared/text.js";
-import { chosenFiles, droppedFiles } from "./dropped.js";
-import { upload } from "./many.js";
-import { sent } from "./sent.js";
+import { IMAGES, OTHER } from "../shared/images.js";
+import { shelf } from "../shared/pick.js";
+import { change } from "../shared/store.js";
+import { each, escaped } from "../shared/text.js";
+import { chosenFiles, droppedFiles, sent, snapshot, upload } from "./own-pictures.js";
 import { TERMS } from "./verdict.js";
-import { snapshot } from "./webcam.js";
 import { where } from "./where.js";
 
 const READING = "Reading the image (the first one also loads the encoder)…";
 
 /** Fill the box with both slots. Returns show(refs, sprite, pairs, describe). */
 export function slots(box, on) {
-  box.innerHTML = Object.entries(TERMS).map(slotHtml).join("");
+  box.innerHTML = each(Object.entries(TERMS), slotHtml);
   const all = [...box.children].map((element) => new Slot(element, on));
   return (refs, sprite, pairs, describe) => {
     for (const slot of all) slot.show(refs[slot.modality], refs[OTHER[slot.modality]], sprite, pairs, describe);
@@ -77,12 +76,10 @@ class Slot {
   }
 
   async photograph() {
-    try {
+    await attempt(async () => {
       const picture = await snapshot(this.$(".picture"));
       if (picture) await this.take(new File([picture], "the camera’s image"));
-    } catch (error) {
-      refused(error, this.on.onProblem);
-    }
+    }, this.on.onProblem);
   }
 
   async take(file) {
@@ -128,4 +125,43 @@ function picture(modality, ref, sprite, pairs) {
   return known
     ? `<img src="${known.preview ?? URL.createObjectURL(known.file)}" alt="${label}: ${escaped(known.name)}">`
     : "<span>sent earlier</span>";
+}
+
+export class Gallery {
+  constructor(box, take) {
+    this.box = box;
+    box.onclick = (event) => {
+      const ref = event.target.closest("button")?.dataset.ref;
+      if (ref) change(take.value === "both" ? { vis: ref, tac: ref } : { [take.value]: ref });
+    };
+  }
+
+  fill(examples, set) {
+    const offers = shelf(examples, set.frames);
+    const none = set.frames
+      ? "There are no examples. Upload images, or pin a pair in Explore."
+      : "The set’s pairs appear with its map, which is being computed. Your own images work meanwhile.";
+    this.box.innerHTML = offers.length ? each(offers, (one) => offer(one, set)) : `<p class="hint">${none}</p>`;
+  }
+
+  mark(refs) {
+    for (const button of this.box.querySelectorAll("button")) {
+      button.setAttribute("aria-pressed", String(refs.includes(button.dataset.ref)));
+    }
+  }
+}
+
+function offer(one, set) {
+  const name = escaped(`${one.truth}, ${one.domain}`);
+  return `<button type="button" data-ref="${escaped(one.ref)}" title="${name}" aria-label="${name}"><span>${pictures(one, set)}</span><small>${escaped(one.truth)}</small></button>`;
+}
+
+function pictures({ path, pair }, { sprite, frames }) {
+  if (path === undefined) {
+    return each(["photo", "touch"], (label, i) => thumbnail(sprite, pair + i * frames.pairs, 48, label));
+  }
+  const coded = path.split("/").map(encodeURIComponent).join("/");
+  return IMAGES.map((modality) => `<img loading="lazy" alt="" src="${address(`example/${coded}/${modality}`)}">`).join(
+    "",
+  );
 }

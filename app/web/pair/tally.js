@@ -1,4 +1,6 @@
-/** The visitor's own labelled pairs: counting, and what can be taught from them. No DOM here. */
+/** The visitor’s own labelled pairs: counting, what can be taught from them, and the name of the taught head. */
+
+import { ask } from "../shared/api.js";
 
 const FEWEST = 2; // fewest pairs of a class, and fewest classes, for teaching
 
@@ -49,3 +51,14 @@ export function missing(pairs) {
 /** The lessons of a request; a pair is never predicted from its own label. */
 export const lessonsFor = (pairs, now) =>
   pairs.filter((one) => keyOf(one) !== keyOf(now)).map(({ vis, tac, label }) => ({ vis, tac, label }));
+
+let last = { lessons: "", taught: "" };
+
+/** "" without lessons; `fresh` to teach again if the server may have dropped the head.
+ * @param {{lessons?: object[]}} own */
+export async function taughtBy({ lessons }, fresh = true) {
+  if (!lessons) return "";
+  const key = JSON.stringify(lessons);
+  if (fresh || last.lessons !== key) last = { lessons: key, taught: (await ask("taught", { lessons })).taught };
+  return last.taught;
+}

@@ -1,8 +1,9 @@
 /** The prediction of one pair in words: both, photo only, touch only. Text in, HTML out. */
 
+import { thumbnail } from "../shared/card.js";
 import { imagesOf, OTHER } from "../shared/images.js";
 import { classColour } from "../shared/palette.js";
-import { escaped, percent } from "../shared/text.js";
+import { each, escaped, NO_CLASS, percent, row, table } from "../shared/text.js";
 
 /** The readings and their names. A branch inside a pair is not a reading. */
 export const READINGS = [
@@ -51,25 +52,39 @@ export const usedBy = (reading, given) => (reading === "fused" ? given : given.f
 /** The images of a reading that are unlike the training images, which make it a guess. */
 export const unlike = (reading, given, images) => usedBy(reading, given).filter((name) => images?.[name]?.guess);
 
+/** What each reading of a pair says: {title, sign, label, share, strange: images that make it a guess}; of a reading
+ * without its images the names only. @returns {any[]} */
+export function readingsOf({ classes, readings, images }) {
+  const given = imagesOf(readings);
+  return READINGS.map(([reading, title, sign]) => {
+    const names = { reading, title, sign, row: readings[reading] };
+    if (!names.row || (reading === "fused" && given.length < 2)) return names;
+    const strange = unlike(reading, given, images);
+    return { ...names, ...best(classes, names.row), used: usedBy(reading, given), strange, guess: strange.length > 0 };
+  });
+}
+
+/** A reading in a cell: its class, and a figure unless it is a guess. */
+export const brief = ({ label, share, guess }) =>
+  label ? `${escaped(label)}${guess ? "?" : ` <b>${percent(share)}</b>`}` : "–";
+
 /**
  * Three cards. `answer`: the server's predictions; `familiar`: familiarity of the images, null until
  * it arrives; `truths`: the class of each image, if known.
  */
-export function cards(answer, familiar, truths) {
-  const given = imagesOf(answer.exact.readings);
-  const shown = READINGS.map(([reading, title, sign]) => {
-    const row = answer.exact.readings[reading];
+export function cards({ classes, exact: { readings } }, familiar, truths) {
+  const [given] = imagesOf(readings);
+  const card = ({ reading, title, sign, label, row, used, strange }) => {
     const absent = reading === "fused" ? "" : ' title="The other image is absent"';
-    const head = `<h3${absent}><span class="sign ${sign}"></span>${title}</h3>`;
-    if (!row)
-      return `<article class="reading none" data-reading="${sign}">${head}<p class="hint">No ${TERMS[reading].one} here.</p></article>`;
-    if (reading === "fused" && given.length < 2) {
-      return `<article class="reading none" data-reading="${sign}">${head}<p class="hint">Add the ${TERMS[OTHER[given[0]]].one} to see both together.</p></article>`;
-    }
-    const strange = unlike(reading, given, familiar?.images);
-    return `<article class="reading" data-reading="${sign}">${head}${called(answer.classes, row, strange, familiar)}${judged(best(answer.classes, row).label, usedBy(reading, given), truths, answer.classes)}</article>`;
-  });
-  return `<div class="readings">${shown.join("")}</div>`;
+    const missing = row
+      ? `Add the ${TERMS[OTHER[given]].one} to see both together.`
+      : `No ${TERMS[reading]?.one} here.`;
+    const words = label
+      ? called(classes, row, strange, familiar) + judged(label, used, truths, classes)
+      : `<p class="hint">${missing}</p>`;
+    return `<article class="reading${label ? "" : " none"}" data-reading="${sign}"><h3${absent}><span class="sign ${sign}"></span>${title}</h3>${words}</article>`;
+  };
+  return `<div class="readings">${each(readingsOf({ classes, readings, images: familiar?.images }), card)}</div>`;
 }
 
 /** A prediction in words; its figure waits for the familiarity, which may make it a guess. */
@@ -102,25 +117,23 @@ export function madeOf({ vis, tac }) {
 
 /** Every class under every reading; columns of guesses are grey. `images`: familiarity of each image. */
 export function classTable(classes, readings, images) {
-  const shown = READINGS.filter(
-    ([reading]) => readings[reading] && !(reading === "fused" && readings.fused === undefined),
-  );
-  const several = shown.length > 2 ? shown : shown.filter(([reading]) => reading !== "fused");
+  const shown = readingsOf({ classes, readings, images }).filter(({ row }) => row);
+  const several = shown.length > 2 ? shown : shown.filter(({ reading }) => reading !== "fused");
   const winner = best(classes, readings.fused).label;
-  const given = imagesOf(readings);
-  const grey = new Set(several.map(([reading]) => reading).filter((reading) => unlike(reading, given, images).length));
-  const head = several.map(
-    ([reading, title, sign]) =>
-      `<th scope="col"><span class="sign ${sign}"></span>${title}${grey.has(reading) ? " <small>(guess)</small>" : ""}</th>`,
+  const grey = several.some(({ guess }) => guess);
+  const head = each(
+    several,
+    ({ sign, title, guess }) =>
+      `<th scope="col"><span class="sign ${sign}"></span>${title}${guess ? " <small>(guess)</small>" : ""}</th>`,
   );
-  const rows = classes.map((name, k) => {
-    const cells = several.map(
-      ([reading, , sign]) =>
-        `<td data-reading="${reading}"${grey.has(reading) ? ' class="of-guess"' : ""}><span class="bar ${sign}" style="--share:${readings[reading][k]}"></span><span class="share">${percent(readings[reading][k], 1)}</span></td>`,
-    );
-    return `<tr class="${name === winner ? "best" : ""}"><th scope="row"><i style="background:${classColour(k)}"></i>${escaped(name)}</th>${cells.join("")}</tr>`;
-  });
-  return `<table class="bar-table"><thead><tr><th scope="col">Class</th>${head.join("")}</tr></thead><tbody>${rows.join("")}</tbody></table>${grey.size ? '<p class="hint">Grey: figures for a guess. They were calibrated on images like the training images, so they mean little here.</p>' : ""}`;
+  const cell = ({ reading, sign, row, guess }, k) =>
+    `<td data-reading="${reading}"${guess ? ' class="of-guess"' : ""}><span class="bar ${sign}" style="--share:${row[k]}"></span><span class="share">${percent(row[k], 1)}</span></td>`;
+  const rows = each(
+    classes,
+    (name, k) =>
+      `<tr class="${name === winner ? "best" : ""}"><th scope="row"><i style="background:${classColour(k)}"></i>${escaped(name)}</th>${each(several, (one) => cell(one, k))}</tr>`,
+  );
+  return `<table class="bar-table"><thead><tr><th scope="col">Class</th>${head}</tr></thead><tbody>${rows}</tbody></table>${grey ? '<p class="hint">Grey: figures for a guess. They were calibrated on images like the training images, so they mean little here.</p>' : ""}`;
 }
 
 /** The prediction in one sentence, for a screen reader. */
@@ -129,4 +142,72 @@ export function spoken(answer, familiar) {
   const given = imagesOf(readings);
   const { label, share } = best(answer.classes, readings.fused);
   return unlike("fused", given, familiar.images).length ? `${label}? This is a guess.` : `${label}, ${percent(share)}`;
+}
+
+/** The same pair by other heads. `images`: familiarity of each image; a reading that is a guess has no figure. All heads share the encoder. */
+export function rivalsHtml(answer, others, images) {
+  const head = ["Head", ...READINGS.map(([, title, sign]) => `<span class="sign ${sign}"></span>${title}`)];
+  const line = ({ label, problem, classes, learned, exact }) =>
+    problem
+      ? row(escaped(label), [`<td colspan="3">${escaped(problem)}</td>`])
+      : row(
+          `${escaped(label)} <small>p = ${learned.toFixed(3)}</small>`,
+          readingsOf({ classes, readings: exact.readings, images }).map(
+            (one) => `<td${one.guess ? ' class="of-guess"' : ""}>${brief(one)}</td>`,
+          ),
+        );
+  return `<header><h3>The same pair, other heads</h3><p class="hint">Each at its own learned p.</p></header>${table("Predictions of several heads", head, [{ ...answer, label: "this head" }, ...others].map(line))}`;
+}
+
+const SIDE = 104; // CSS pixels of a neighbour: large enough to see what it is
+const SAME = 0.9999; // the cosine of an image with itself, rounded
+
+/** One sentence on an image, from its quantile among the training images. */
+export function sentence(modality, image) {
+  const { one, many } = TERMS[modality];
+  if (image.words === undefined) return `This head has no record of how familiar a ${one} is.`;
+  if (image.cosine > SAME) return `Familiar: it is one of the training ${many}.`;
+  const farther = Math.round(100 * image.quantile);
+  const count = farther < 1 ? "fewer than 1" : farther > 99 ? "more than 99" : farther;
+  return `${capital(image.words)}: ${count} of 100 training ${many} ${count === 1 ? "has" : "have"} a farther neighbour.`;
+}
+
+const capital = (text) => text[0].toUpperCase() + text.slice(1);
+
+/** A question about pictures that are nearer to the training images of the other slot; "" if none is. */
+export function swapHtml(images) {
+  const all = Object.entries(images);
+  if (!all.length || !all.every(([, image]) => image.strays)) return "";
+  const [[modality]] = all;
+  const said =
+    all.length > 1
+      ? `Are these two swapped? The ${TERMS.vis.one} is nearer to the training ${TERMS.tac.many}, the ${TERMS.tac.one} to the ${TERMS.vis.many}.`
+      : `Is this a ${TERMS[OTHER[modality]].one}? It is nearer to those than to the training ${TERMS[modality].many}.`;
+  return `<p class="note swapped">${said} <button type="button" class="swap">${all.length > 1 ? "Swap them" : "Move it"}</button></p>`;
+}
+
+/** The panel; `set` has thumbnails and names of domains and classes, once loaded. */
+export function familiarHtml({ images, of }, set) {
+  const rows = Object.entries(images).map(([modality, image]) => {
+    const mark = image.guess ? "wrong" : "right";
+    const meter =
+      image.quantile === undefined
+        ? ""
+        : `<div class="meter" aria-hidden="true"><i class="${mark}" style="--at:${image.quantile}"></i></div>`;
+    return `<div class="look" data-modality="${modality}"><h4><span class="sign ${modality}"></span>${capital(TERMS[modality].one)}</h4>
+      <p class="${image.words === undefined ? "hint" : mark}">${escaped(sentence(modality, image))}</p>${meter}
+      <div class="nearest">${each(image.nearest, (one) => neighbour(one, modality, set))}</div></div>`;
+  });
+  return `<header><h3>Seen before?</h3><p class="hint">Nearest: ${escaped(of)}</p></header><div class="looked">${rows.join("")}</div>`;
+}
+
+function neighbour({ pair, cosine }, modality, { frames, sprite }) {
+  const tile = frames ? pair + (modality === "tac" ? frames.pairs : 0) : pair;
+  const label = frames ? frames.classes[frames.label[pair]] : "";
+  const name = label === NO_CLASS ? "" : label;
+  const where = frames ? frames.domains[frames.domain[pair]] : "";
+  const picture = frames
+    ? thumbnail(sprite, tile, SIDE, name ? `${TERMS[modality].one} of ${name}` : TERMS[modality].one)
+    : "";
+  return `<button type="button" data-pair="${pair}" title="Open this pair${where && ` of ${escaped(where)}`}">${picture}<small><b>${escaped(name || `pair ${pair}`)}</b> ${cosine.toFixed(2)}</small></button>`;
 }

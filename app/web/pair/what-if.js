@@ -1,15 +1,13 @@
 /** What if p were different: the same weights at other orders. */
 
-import { ask, refused } from "../shared/api.js";
+import { ask, attempt } from "../shared/api.js";
 import { imagesOf } from "../shared/images.js";
 import { orderBar } from "../shared/order.js";
 import { change, state } from "../shared/store.js";
-import { escaped, percent } from "../shared/text.js";
+import { each, escaped, percent } from "../shared/text.js";
 import { theSet } from "../shared/theset.js";
-import { Attention } from "./attention.js";
 import { Lines } from "./lines.js";
-import { aboutP, band } from "./orders.js";
-import { Spectra } from "./spectrum.js";
+import { Attention, Spectra } from "./rasters.js";
 import { best, READINGS, unlike } from "./verdict.js";
 
 const STOPS = Array.from({ length: 101 }, (_, i) => i / 100);
@@ -75,12 +73,11 @@ export class WhatIf {
       ([reading]) => stops[reading] && !(reading === "fused" && Object.keys(stops).length < 3),
     );
     if (!there.some(([reading]) => reading === this.reading)) this.reading = there[0][0];
-    this.$(".which").innerHTML = there
-      .map(
-        ([reading, title]) =>
-          `<button type="button" role="radio" data-reading="${reading}" aria-checked="${reading === this.reading}">${title}</button>`,
-      )
-      .join("");
+    this.$(".which").innerHTML = each(
+      there,
+      ([reading, title]) =>
+        `<button type="button" role="radio" data-reading="${reading}" aria-checked="${reading === this.reading}">${title}</button>`,
+    );
     this.lines.show(classes, orders, stops[this.reading], learned, band(span, this.fits));
     this.spectra.show(spectra);
     this.look();
@@ -92,12 +89,13 @@ export class WhatIf {
     if (this.looked === question) return;
     this.looked = question;
     this.attention.show(null);
-    try {
-      const found = await ask("attention", question);
-      if (this.question === question) this.attention.show(found);
-    } catch (error) {
-      refused(error, (sentence) => this.attention.show({ problem: sentence }));
-    }
+    await attempt(
+      async () => {
+        const found = await ask("attention", question);
+        if (this.question === question) this.attention.show(found);
+      },
+      (sentence) => this.attention.show({ problem: sentence }),
+    );
     this.mark();
   }
 
@@ -129,7 +127,23 @@ export class WhatIf {
 
   repaint() {
     this.spectra.paint();
-    this.attention.paint();
+    this.attention.mark();
     this.mark();
   }
+}
+
+/** The orders that a head was trained for, as a band on the axis of p: the `span` that training drew p from, or
+ * what `fits` a learned p (from the frames; null before they are known, and then there is no band). */
+export function band(span, fits) {
+  const [low, high] = (span[1] > span[0] ? span : fits) ?? [NaN, NaN];
+  return low <= high ? [Math.max(0, low), Math.min(1, high)] : null;
+}
+
+/** The meaning of moving p for this head. */
+export function aboutP(learned, span, classes) {
+  const chance = percent(1 / classes.length);
+  if (span[1] > span[0]) {
+    return `This head was trained for every p from ${span[0].toFixed(2)} to ${span[1].toFixed(2)} (shaded).`;
+  }
+  return `Weights stay those of the learned p = ${learned.toFixed(3)}. Shaded: the orders this head was trained for. Elsewhere the weights do not fit, and predictions are little better than guessing (${chance}), so a rise or fall there means little. Explore shows heads trained at each p.`;
 }

@@ -3,8 +3,9 @@
 import { askOfImage, bytesOf, Refusal, refused } from "../shared/api.js";
 import { OTHER } from "../shared/images.js";
 import { state } from "../shared/store.js";
-import { changed, told, WORTH } from "./hidden-parts.js";
-import { taughtBy } from "./taught.js";
+import { escaped, percent } from "../shared/text.js";
+import { paintCells } from "./rasters.js";
+import { taughtBy } from "./tally.js";
 
 const NEEDED = [213, 94, 0]; // hiding it lowers the probability
 const AGAINST = [0, 114, 178]; // hiding it raises the probability
@@ -39,14 +40,32 @@ export async function where(slot, own, onProblem) {
 /** Tint only parts that change the probability. */
 function tint({ cells, drops }, most) {
   const canvas = document.createElement("canvas");
-  canvas.width = canvas.height = cells;
   canvas.setAttribute("role", "img");
   canvas.setAttribute("aria-label", "Parts of the image that the prediction depends on");
-  const image = new ImageData(cells, cells);
-  drops.flat().forEach((drop, i) => {
-    if (Math.abs(drop) < WORTH) return;
-    image.data.set([...(drop > 0 ? NEEDED : AGAINST), Math.round((190 * Math.abs(drop)) / most)], 4 * i);
+  paintCells(canvas, cells, cells, (x, y) => {
+    const drop = drops[y][x];
+    const strength = Math.abs(drop) < WORTH ? 0 : Math.round((190 * Math.abs(drop)) / most);
+    return [...(drop > 0 ? NEEDED : AGAINST), strength];
   });
-  canvas.getContext("2d").putImageData(image, 0, 0);
   return canvas;
+}
+
+export const WORTH = 0.02; // smaller changes of the probability are not shown
+
+/** The largest change of the probability when a part is hidden, and whether to show it. */
+export function changed(drops) {
+  const all = drops.flat();
+  const most = Math.max(...all.map(Math.abs));
+  return { most, any: most >= WORTH, needed: Math.max(...all) >= WORTH, against: Math.min(...all) <= -WORTH };
+}
+
+/** The result, in words. */
+export function told(found, { most, any, needed, against }) {
+  const said = `<b>${escaped(found.class)}</b>`; // without its probability: the image may be unlike anything seen
+  if (!any)
+    return `${said}: no single part matters. Hiding any part changes its probability by less than ${percent(Math.max(most, 0.001), 1)}.`;
+  const parts = [];
+  if (needed) parts.push(`orange supports <i>${escaped(found.class)}</i>`);
+  if (against) parts.push("blue contradicts it");
+  return `${said}: ${parts.join("; ")}. Hiding a part changes its probability by at most ${percent(most)}.`;
 }

@@ -10,11 +10,21 @@ export class Refusal extends Error {
   }
 }
 
-/** Pass the sentence of a Refusal to `say`; rethrow bugs, ignore cancelled requests. */
+/** Pass the sentence of a Refusal to `say`, or write it into that element; rethrow bugs, ignore cancelled requests. */
 export function refused(error, say) {
   if (error.name === "AbortError") return;
   if (!(error instanceof Refusal)) throw error;
-  say(error.message);
+  if (typeof say === "function") say(error.message);
+  else say.textContent = error.message;
+}
+
+/** Do something; if it is refused, `say` gets the sentence. */
+export async function attempt(act, say) {
+  try {
+    return await act();
+  } catch (error) {
+    return refused(error, say);
+  }
 }
 
 const LOST = "The server does not respond. Is it still running? The page continues when it is back.";

@@ -47,6 +47,8 @@ export const unseen = (set = "") =>
       },
     };
   });
+/** What is loaded: head and embeddings with their origin, limits, a sensor’s profile. */
+export const loaded = fact("about");
 /** {problem, remedy, command}: why the head does not fit the set, and what to do; "" if it fits. */
 export const fit = fact("fit");
 /** Names of the pairs, and the classes they imitate. */

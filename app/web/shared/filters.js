@@ -2,7 +2,7 @@
 
 import { colouring, TAC_COLOUR, VIS_COLOUR } from "./palette.js";
 import { hidden, state, toggle } from "./store.js";
-import { escaped } from "./text.js";
+import { each, escaped } from "./text.js";
 
 /** @type {[string, string, (f: any) => string[]][]} */
 const KINDS = [
@@ -17,13 +17,11 @@ export function showFilters(box, frames, onPoint) {
   const chosen = colouring(frames, state.colour);
   const colours = new Map(chosen.groups(frames));
   const legend = ["Correctness", "Confidence"].includes(chosen.label)
-    ? `<fieldset class="legend"><legend>${chosen.label}</legend>${[...colours]
-        .map(([name, colour]) => `<span class="key"><i style="background:${colour}"></i>${escaped(name)}</span>`)
-        .join("")}</fieldset>`
+    ? `<fieldset class="legend"><legend>${chosen.label}</legend>${each([...colours], ([name, colour]) => `<span class="key"><i style="background:${colour}"></i>${escaped(name)}</span>`)}</fieldset>`
     : "";
   box.innerHTML =
     legend +
-    KINDS.map(([kind, title, names]) => {
+    each(KINDS, ([kind, title, names]) => {
       const off = hidden(kind);
       const switches = names(frames).map((name) => {
         const colour = chosen.label.toLowerCase() === kind ? colours.get(name) : null;
@@ -36,7 +34,7 @@ export function showFilters(box, frames, onPoint) {
         return `<label data-kind="${kind}" data-name="${escaped(name)}"><input type="checkbox" ${off.has(name) ? "" : "checked"}>${sign}<span>${escaped(name)}${name === frames.source ? ' <b class="source" title="the domain that the head was trained on">source</b>' : ""}</span></label>`;
       });
       return `<fieldset><legend>${title}</legend>${switches.join("")}</fieldset>`;
-    }).join("");
+    });
   box.onchange = (event) => {
     const label = event.target.closest("label");
     toggle(label.dataset.kind, label.dataset.name);

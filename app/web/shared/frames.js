@@ -71,11 +71,7 @@ export class Frames {
 
   /** The stop nearest to p: an index into `orders`. */
   stop(p) {
-    let best = 0;
-    this.orders.forEach((order, i) => {
-      if (Math.abs(order - p) < Math.abs(this.orders[best] - p)) best = i;
-    });
-    return best;
+    return nearest(this.orders, p);
   }
 
   extentsOf(name, all) {
@@ -92,10 +88,7 @@ export class Frames {
   /** Positions at one stop of one map; `drawn` is the stop of these positions. */
   positions(kind, stage, stop) {
     const map = this.meta.maps[`${kind}/${featuresOf(stage)}`];
-    let index = 0;
-    map.orders.forEach((order, i) => {
-      if (Math.abs(order - stop) < Math.abs(map.orders[index] - stop)) index = i;
-    });
+    const index = nearest(map.orders, stop);
     const size = 4 * this.pairs;
     const all = this.array(map.array);
     return {
@@ -109,6 +102,10 @@ export class Frames {
     };
   }
 }
+
+/** The index of the value nearest to one; the first of several. */
+export const nearest = (values, to) =>
+  values.reduce((best, v, i) => (Math.abs(v - to) < Math.abs(values[best] - to) ? i : best), 0);
 
 /** Boxes [left, bottom, right, top] around the two halves of positions, over any number of stops. */
 export function boxes(all, pairs) {

@@ -1,6 +1,6 @@
 /** A small map of one stage with a pair and its tree nodes. */
 
-import { ask, refused } from "./api.js";
+import { ask, attempt } from "./api.js";
 import { Cloud } from "./cloud.js";
 import { shownBy } from "./filters.js";
 import { orderText } from "./frames.js";
@@ -51,15 +51,11 @@ export function nodeMap(panel, frames, { nodes = true } = {}) {
     }
     waiting = setTimeout(async () => {
       asking = new AbortController();
-      try {
+      await attempt(async () => {
         placed = await ask("place", { ...question, order, stage: STAGE, map: kind(), nodes }, asking.signal);
         note.textContent = `Pale: all pairs at p = ${orderText(placed.order)}. ${placed.exact ? "Places are exact." : placed.of_set && !nodes ? "Its place is the pair’s." : `${placed.of_set ? "The nodes’ places" : "Places"} are estimated between the nearest neighbours.`} Click a point to choose its pair.`;
         cloud.paintMarks();
-      } catch (error) {
-        refused(error, (sentence) => {
-          note.textContent = sentence;
-        });
-      }
+      }, note);
     }, WAIT);
   };
 }

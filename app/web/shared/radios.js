@@ -1,15 +1,14 @@
 /** A radio group: arrow keys move, Tab enters the group once. */
 
-import { escaped } from "./text.js";
+import { each, escaped } from "./text.js";
 
 /** options: [{key, label, title}]. Returns a function that marks the chosen one. */
 export function radios(box, options, chosen, onChoose) {
-  box.innerHTML = options
-    .map(
-      ({ key, label, title = "" }) =>
-        `<button type="button" role="radio" data-key="${key}" title="${escaped(title)}">${escaped(label)}</button>`,
-    )
-    .join("");
+  box.innerHTML = each(
+    options,
+    ({ key, label, title = "" }) =>
+      `<button type="button" role="radio" data-key="${key}" title="${escaped(title)}">${escaped(label)}</button>`,
+  );
   const buttons = [...box.querySelectorAll("button")];
   box.onclick = (event) => {
     const button = event.target.closest("button");

@@ -26,7 +26,9 @@ export function followTabs() {
       const target = /** @type {HTMLElement} */ (event.target);
       const id = target.closest?.("[role=tab]")?.id ?? "";
       const view = /^view-(\w+)-button$/.exec(id)?.[1];
-      if (view) change({ view });
+      if (!view) return;
+      change({ view });
+      target.closest("[role=tab]").scrollIntoView({ block: "nearest", inline: "center" }); // on a phone, tabs scroll
     },
     true,
   );

@@ -2,6 +2,8 @@
 
 const CODES = { "&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;", "'": "&#39;" };
 export const escaped = (text) => String(text).replace(/[&<>"']/g, (c) => CODES[c]);
+/** The HTML of each one, in a row. */
+export const each = (all, html) => Array.from(all, html).join("");
 export const percent = (share, digits = 0) => `${(100 * share).toFixed(digits)}\u00a0%`;
 /** True for a set of signals, drawn as stripes: a pair is two recordings of one signal. */
 export const isSignals = ({ encoder }) => encoder === "strip";
@@ -11,12 +13,19 @@ export const NO_CLASS = "unlabelled"; // the class of a pair without one
 
 /** Options of a choice: [[value, label], …]. */
 export const options = (all, chosen = null) =>
-  all
-    .map(
-      ([value, label]) =>
-        `<option value="${escaped(value)}"${value === chosen ? " selected" : ""}>${escaped(label)}</option>`,
-    )
-    .join("");
+  each(
+    all,
+    ([value, label]) =>
+      `<option value="${escaped(value)}"${value === chosen ? " selected" : ""}>${escaped(label)}</option>`,
+  );
+
+/** A table that scrolls in its place: headings of the columns, and rows as HTML. */
+export const table = (label, head, rows, kind = "") =>
+  `<div class="scroll" tabindex="0" role="group" aria-label="${label}"><table class="${kind}"><thead><tr>${each(head, (one) => `<th scope="col">${one}</th>`)}</tr></thead><tbody>${rows.join("")}</tbody></table></div>`;
+
+/** A row of a table: its heading, then its cells. */
+export const row = (heading, cells) =>
+  `<tr><th scope="row">${heading}</th>${each(cells, (one) => (/^<td/.test(one) ? one : `<td>${one}</td>`))}</tr>`;
 
 /** The bytes of a base64 text. */
 export const bytesOf = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));

@@ -1,5 +1,9 @@
 /** Small line charts over epochs. Values in, SVG text out. */
 
+import { Scale } from "../shared/chart.js";
+import { TAC_COLOUR, VIS_COLOUR } from "../shared/palette.js";
+import { each } from "../shared/text.js";
+
 const W = 300; // unless the width of the box is known; text keeps its size then
 const H = 120;
 const PAD = { left: 38, right: 8, top: 8, bottom: 18 };
@@ -18,84 +22,67 @@ export function niceTop(value) {
 export function chart({ title, series, total, at, top = null, low = 0, level = null, unit = "", wide = W, tall = H }) {
   const values = series.flatMap((one) => one.points.map(([, v]) => v)).filter(Number.isFinite);
   const high = top ?? niceTop(Math.max(0.001, ...values));
-  const X = (epoch) => PAD.left + ((epoch - 1) / Math.max(1, total - 1)) * (wide - PAD.left - PAD.right);
-  const Y = (v) => tall - PAD.bottom - ((v - low) / (high - low)) * (tall - PAD.top - PAD.bottom);
+  const scale = new Scale({ wide, high: tall, pad: PAD, xs: [1, Math.max(2, total)], ys: [low, high] });
   const figure = (v) => (unit === "%" ? `${Math.round(100 * v)} %` : `${+v.toFixed(2)}`);
-  const grid = [low, (low + high) / 2, high].map(
-    (v) =>
-      `<line class="grid" x1="${PAD.left}" x2="${wide - PAD.right}" y1="${Y(v)}" y2="${Y(v)}"/><text x="${PAD.left - 5}" y="${Y(v) + 4}" text-anchor="end">${figure(v)}</text>`,
+  const lines = each(
+    series,
+    ({ colour, points, dashed }) =>
+      `<path d="${scale.line(points)}" style="stroke:${colour}" ${dashed ? 'stroke-dasharray="4 3"' : ""}/>`,
   );
-  const lines = series.map(({ colour, points, dashed }) => {
-    const d = points.map(([epoch, v], i) => `${i ? "L" : "M"}${X(epoch).toFixed(1)} ${Y(v).toFixed(1)}`).join("");
-    return `<path d="${d}" style="stroke:${colour}" ${dashed ? 'stroke-dasharray="4 3"' : ""}/>`;
-  });
   const chance =
     level === null
       ? ""
-      : `<line class="chance" x1="${PAD.left}" x2="${wide - PAD.right}" y1="${Y(level)}" y2="${Y(level)}"/>`;
-  const now = series.map(({ name, colour, points }) => {
+      : `<line class="chance" x1="${scale.left}" x2="${scale.right}" y1="${scale.y(level)}" y2="${scale.y(level)}"/>`;
+  const now = each(series, ({ name, colour, points }) => {
     const last = points.findLast(([epoch]) => epoch <= at);
     return `<span><i style="background:${colour}"></i>${name} <b>${last ? (unit === "%" ? `${(100 * last[1]).toFixed(1)} %` : last[1].toFixed(3)) : "–"}</b></span>`;
   });
-  return `<figure><figcaption>${title}</figcaption><svg viewBox="0 0 ${wide} ${tall}" role="img" aria-label="${title} over epochs">${grid.join("")}${chance}${lines.join("")}<line class="now" x1="${X(at)}" x2="${X(at)}" y1="${PAD.top}" y2="${tall - PAD.bottom}"/><text x="${PAD.left}" y="${tall - 3}">1</text><text x="${wide - PAD.right}" y="${tall - 3}" text-anchor="end">${total}</text></svg><p class="now-values">${now.join("")}</p></figure>`;
+  return `<figure><figcaption>${title}</figcaption><svg viewBox="0 0 ${wide} ${tall}" role="img" aria-label="${title} over epochs">${scale.grid([low, (low + high) / 2, high], figure)}${chance}${lines}<line class="now" x1="${scale.x(at)}" x2="${scale.x(at)}" y1="${scale.top}" y2="${scale.base}"/>${scale.ticks(
+    [
+      [1, 1],
+      [scale.xs[1], total],
+    ],
+    3,
+  )}</svg><p class="now-values">${now}</p></figure>`;
 }
 
-/** The charts of a run. classes: for the chance line; wide: of a chart, in CSS pixels; bare: only those with values. */
+/** The charts of a run; once anything is measured, only those with values. classes: for the chance line; wide: of a
+ * chart, in CSS pixels; bare: only those with values. */
 export function charts(epochs, total, at, classes, wide = W, bare = false) {
   const of = (read) => epochs.map((one) => [one.epoch, read(one)]).filter(([, v]) => Number.isFinite(v));
-  const measure = (name) => of((one) => one.measures[name]);
-  const tall = bare ? 2 * H : H;
   const [blue, orange, green, grey] = ["#2f7fd1", "#d55e00", "#009e73", "#8c8c8c"];
-  const accuracies = (title, series) =>
-    chart({ title, series, total, at, wide, tall, top: 1, unit: "%", level: 1 / classes });
+  const shares = { top: 1, unit: "%", level: 1 / classes };
+  const line = (name, colour, read, dashed = false) => ({ name, colour, points: of(read), dashed });
+  const measured = (name, colour, key, dashed = false) => line(name, colour, (one) => one.measures[key], dashed);
   const all = [
-    chart({
+    {
       title: "Loss",
-      total,
-      at,
-      wide,
-      tall,
+      series: [line("total", blue, (one) => one.loss), line("cross-entropy", orange, (one) => one.cross_entropy)],
+    },
+    {
+      title: "Accuracy",
+      ...shares,
       series: [
-        { name: "total", colour: blue, points: of((one) => one.loss) },
-        { name: "cross-entropy", colour: orange, points: of((one) => one.cross_entropy) },
+        measured("unseen domains", blue, "accuracy/unseen"),
+        measured("source test", grey, "accuracy/source_test", true),
       ],
-    }),
-    accuracies("Accuracy", [
-      { name: "unseen domains", colour: blue, points: measure("accuracy/unseen") },
-      { name: "source test", colour: grey, points: measure("accuracy/source_test"), dashed: true },
-    ]),
-    accuracies("Unseen domains, one image", [
-      { name: "photo only", colour: "#56b4e9", points: measure("accuracy:vis/unseen") },
-      { name: "touch only", colour: "#e69f00", points: measure("accuracy:tac/unseen") },
-    ]),
-    chart({
+    },
+    {
+      title: "Unseen domains, one image",
+      ...shares,
+      series: [
+        measured("photo only", VIS_COLOUR, "accuracy:vis/unseen"),
+        measured("touch only", TAC_COLOUR, "accuracy:tac/unseen"),
+      ],
+    },
+    {
       title: "Gaps of F̂",
-      total,
-      at,
-      wide,
-      tall,
-      series: [
-        { name: "modality", colour: orange, points: measure("modality_gap/f_hat") },
-        { name: "domain", colour: green, points: measure("domain_gap/f_hat") },
-      ],
-    }),
-    chart({
-      title: "Cosine margin of F̂",
-      total,
-      at,
-      wide,
-      tall,
-      series: [{ name: "margin", colour: green, points: measure("margin/f_hat") }],
-    }),
-    chart({
-      title: "p",
-      total,
-      at,
-      wide,
-      tall,
-      top: 1,
-      series: [{ name: "p", colour: "#b91c1c", points: of((one) => one.order) }],
-    }),
+      series: [measured("modality", orange, "modality_gap/f_hat"), measured("domain", green, "domain_gap/f_hat")],
+    },
+    { title: "Cosine margin of F̂", series: [measured("margin", green, "margin/f_hat")] },
+    { title: "p", top: 1, series: [line("p", "#b91c1c", (one) => one.order)] },
   ];
-  return (bare ? [all[0], all.at(-1)] : all).join("");
+  const known = bare || epochs.some((one) => Object.keys(one.measures).length);
+  const shown = known ? all.filter(({ series }) => series.some(({ points }) => points.length)) : all;
+  return each(shown, (one) => chart({ ...one, total, at, wide, tall: bare ? 2 * H : H }));
 }

@@ -3,29 +3,28 @@
 import { Cloud } from "../shared/cloud.js";
 import { layersOf } from "../shared/layers.js";
 import { axes, axisNames } from "../shared/marks.js";
-import { COLOURINGS, onTheme } from "../shared/palette.js";
+import { colouring, colouringsOf, onTheme } from "../shared/palette.js";
 import { listen } from "../shared/pointer.js";
-import { bytesOf, escaped } from "../shared/text.js";
+import { bytesOf, each, escaped, options } from "../shared/text.js";
 
 export class RunMap {
-  constructor(box, legend) {
-    this.box = box;
-    this.legend = legend;
+  constructor(panel) {
+    this.panel = panel;
     this.cloud = null;
-    this.colour = "domain";
+    this.choice = panel.querySelector(".colouring");
+    this.choice.onchange = () => this.paint();
     onTheme(() => this.paint());
   }
 
-  /** A new run: the pairs on its maps. */
+  /** A new run: the pairs on its maps, and the colours that tell them apart. */
   begin(started) {
-    const pairs = started.domain.length;
-    this.frames = { pairs, ...started };
-    this.bounds = [
-      [-started.reach, -started.reach],
-      [started.reach, started.reach],
-    ];
-    this.box.innerHTML = "";
-    this.cloud = new Cloud(this.box, 2 * pairs);
+    const { reach, domain } = started;
+    const box = this.panel.querySelector(".map");
+    this.frames = { pairs: domain.length, kind: "features", ...started };
+    this.bounds = [-1, 1].map((side) => [side * reach, side * reach]);
+    this.choice.innerHTML = options(colouringsOf(this.frames).map(([key, { label }]) => [key, label.toLowerCase()]));
+    box.innerHTML = "";
+    this.cloud = new Cloud(box, 2 * domain.length);
     this.cloud.painters = [axes(() => axisNames("pca"))];
     listen(this.cloud, {});
   }
@@ -39,21 +38,14 @@ export class RunMap {
 
   paint() {
     if (!this.cloud || !this.points) return;
-    this.cloud.layers = layersOf(
-      this.frames,
-      0,
-      () => true,
-      () => true,
-      0.13,
-      this.colour,
-    );
+    const all = () => true;
+    this.cloud.layers = layersOf(this.frames, 0, all, all, 0.13, this.choice.value);
     this.cloud.show({ points: this.points, bounds: this.bounds });
-    this.legend.innerHTML = COLOURINGS[this.colour]
-      .groups(this.frames)
-      .map(
-        ([name, colour]) =>
-          `<span class="key"><i style="background:${colour}"></i>${escaped(name)}${name === this.frames.source ? " <b>source</b>" : ""}</span>`,
-      )
-      .join("");
+    const key = ([name, colour]) =>
+      `<span class="key"><i style="background:${colour}"></i>${escaped(name)}${name === this.frames.source ? " <b>source</b>" : ""}</span>`;
+    this.panel.querySelector(".legend").innerHTML = each(
+      colouring(this.frames, this.choice.value).groups(this.frames),
+      key,
+    );
   }
 }

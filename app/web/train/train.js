@@ -1,38 +1,42 @@
 /** Train here: choose settings, train, follow the epochs, use the head. */
 
-import { ask, json, refused } from "../shared/api.js";
+import { ask, attempt, json, refused } from "../shared/api.js";
+import { fit, loaded } from "../shared/facts.js";
+import { remedyHtml } from "../shared/headless.js";
 import { made, save } from "../shared/save.js";
-import { escaped } from "../shared/text.js";
+import { escaped, row, table } from "../shared/text.js";
 import { charts } from "./lines.js";
-import { compared, mapAt, result, standing } from "./progress.js";
+import { chosen, compared, formHtml, inWords, keep, kept, mapAt, result, standing, visitor } from "./plan.js";
 import { RunMap } from "./run-map.js";
-import { chosen, formHtml, inWords } from "./settings.js";
-import { keep, kept, visitor } from "./visitor.js";
 
 const FORGOTTEN = 410;
+const ALONE = "<b>Train a head on this domain.</b> The set has no other, so accuracy away from home stays unknown.";
 const LOOK = 400; // milliseconds between two requests for progress
 
 export async function start(root) {
   const problem = root.querySelector(".problem");
+  const [unfit, { embeddings = {} }] = await Promise.all([fit(), loaded()].map((one) => one.catch(() => ({}))));
   try {
-    new TrainTab(root, await ask("trainings", {}));
+    new TrainTab(root, await ask("trainings", {}), unfit.problem);
+    if (embeddings.domains?.length === 1) root.querySelector(".task").innerHTML = ALONE;
   } catch (error) {
-    refused(error, (sentence) => {
-      problem.textContent = sentence;
-      problem.hidden = false;
-      root.querySelector(".bench").hidden = true; // nothing there works without the choices
-    });
+    refused(error, problem);
+    problem.hidden = false;
+    if (unfit.problem) problem.insertAdjacentHTML("afterend", `<div class="panel headless">${remedyHtml(unfit)}</div>`);
+    root.querySelector(".bench").hidden = root.querySelector(".explain").hidden = true; // nothing there works without the choices
   }
 }
 
 class TrainTab {
-  constructor(root, offers) {
+  /** `unfit` says why the loaded head does not fit the set, if so. */
+  constructor(root, offers, unfit) {
     this.root = root;
+    this.unfit = unfit;
     this.run = null; // {name, question, total, epochs, state}
     this.earlier = [];
     this.at = 0; // the epoch shown; the newest while it follows
     this.follows = true;
-    this.map = new RunMap(this.$(".map"), this.$(".legend"));
+    this.map = new RunMap(this.$(".map-of-run"));
     this.$(".choices").innerHTML = formHtml(offers);
     this.wire();
     this.show();
@@ -53,10 +57,6 @@ class TrainTab {
       this.at = +event.target.value;
       this.follows = this.at === this.run.epochs.length;
       this.show();
-    };
-    this.$(".colouring").onchange = (event) => {
-      this.map.colour = event.target.value;
-      this.map.paint();
     };
     this.$(".actions").onclick = (event) => {
       if (event.target.matches(".use")) this.use();
@@ -87,23 +87,24 @@ class TrainTab {
   async resume() {
     const earlier = kept();
     if (!earlier) return this.preview(null);
-    try {
-      await ask("training", { run: earlier.started.run, since: 0 });
-      await this.watch(earlier.started, earlier.question);
-    } catch (error) {
-      refused(error, () => this.preview(earlier)); // the server no longer has it
-    }
+    await attempt(
+      async () => {
+        await ask("training", { run: earlier.started.run, since: 0 }); // refused if the server no longer has it
+        await this.watch(earlier.started, earlier.question);
+      },
+      () => this.preview(earlier),
+    );
   }
 
   /** Before a run: the curves of the visitor's last one, or of the loaded head. */
   async preview(earlier) {
-    const { head } = earlier?.epochs ? { head: null } : await json("about").catch(() => ({ head: {} }));
+    const { head } = earlier?.epochs ? { head: null } : await loaded().catch(() => ({ head: {} }));
     const own = (head?.metrics?.epochs ?? []).map((one, i) => ({ ...one, epoch: i + 1, measures: {} }));
     const epochs = earlier?.epochs ?? own;
     if (this.run || !epochs.length) return;
     const title = earlier?.epochs
       ? `Your last run: ${inWords(earlier.question)}`
-      : "How the loaded head was trained; yours adds accuracy, gaps and a map";
+      : `How ${this.unfit ? "a head for another set" : "the loaded head"} was trained; yours adds accuracy, gaps and a map`;
     this.$(".preview h3").textContent = title;
     this.$(".preview").hidden = false;
     const box = this.$(".preview .charts");
@@ -159,11 +160,12 @@ class TrainTab {
   }
 
   async cancel() {
-    try {
-      await ask("training/cancel", { run: this.run.name });
-    } catch (error) {
-      refused(error, (sentence) => this.problem(sentence));
-    }
+    await attempt(
+      async () => {
+        await ask("training/cancel", { run: this.run.name });
+      },
+      (sentence) => this.problem(sentence),
+    );
   }
 
   show() {
@@ -207,13 +209,13 @@ class TrainTab {
   async remember(run) {
     keep({ ...kept(), epochs: run.epochs.map(({ map, ...one }) => one) });
     this.earlier.push({ words: inWords(run.question), ...result(run.epochs) });
-    const rows = this.earlier.map(
-      (one) =>
-        `<tr><th scope="row">${escaped(one.words)}</th><td>${one.order?.toFixed(3) ?? "–"}</td><td>${one.unseen}</td><td>${one.modality}</td><td>${one.domain}</td></tr>`,
+    const rows = this.earlier.map((one) =>
+      row(escaped(one.words), [one.order?.toFixed(3) ?? "–", one.unseen, one.modality, one.domain]),
     );
+    const head = ["Settings", "p", "accuracy, unseen", "modality gap", "domain gap"];
     this.$(".earlier").hidden = false;
     this.$(".earlier").innerHTML =
-      `<h3>Trained in this visit</h3><div class="scroll" tabindex="0" role="group" aria-label="Heads trained in this visit"><table><thead><tr><th scope="col">Settings</th><th scope="col">p</th><th scope="col">accuracy, unseen</th><th scope="col">modality gap</th><th scope="col">domain gap</th></tr></thead><tbody>${rows.join("")}</tbody></table></div><p class="difference"></p>`;
+      `<h3>Trained in this visit</h3>${table("Heads trained in this visit", head, rows)}<p class="difference"></p>`;
     if (this.earlier.length < 2) return;
     const found = await json("matrix").catch(() => ({ ranking: [] }));
     const seeds = found.ranking.find(({ label }) => /^OmniVaT, D/.test(label))?.seeds ?? null;
@@ -229,10 +231,11 @@ class TrainTab {
   }
 
   async save() {
-    try {
-      save("trained-head.zip", await made("save/trained", { run: this.run.name }));
-    } catch (error) {
-      refused(error, (sentence) => this.problem(sentence));
-    }
+    await attempt(
+      async () => {
+        save("trained-head.zip", await made("save/trained", { run: this.run.name }));
+      },
+      (sentence) => this.problem(sentence),
+    );
   }
 }

@@ -1,6 +1,7 @@
 /** Tree: the nodes of the current pair or of a domain, for each head side by side. */
 
-import { ask, json, refused } from "../shared/api.js";
+import { ask, attempt, json, refused } from "../shared/api.js";
+import { nearest } from "../shared/frames.js";
 import { needsHead } from "../shared/headless.js";
 import { heads } from "../shared/headsets.js";
 import { nodeMap } from "../shared/nodemap.js";
@@ -8,7 +9,7 @@ import { orderBar } from "../shared/order.js";
 import { onTheme } from "../shared/palette.js";
 import { somePair } from "../shared/pick.js";
 import { change, state, watchIn } from "../shared/store.js";
-import { options } from "../shared/text.js";
+import { each, options } from "../shared/text.js";
 import { theSetSoon } from "../shared/theset.js";
 import { grove } from "./grove.js";
 
@@ -20,8 +21,7 @@ const chosen = () => (state.p === state.opened ? null : state.p);
 /** The stops of the bar: hundredths, and exactly the learned p once it is known. */
 function scaleOf(learned) {
   const orders = learned >= 0 && learned <= 1 ? [...STOPS, learned].sort((a, b) => a - b) : STOPS;
-  const far = (p) => orders.map((order) => Math.abs(order - p));
-  return { orders, learned, meta: { head: {} }, stop: (p) => far(p).indexOf(Math.min(...far(p))) };
+  return { orders, learned, meta: { head: {} }, stop: (p) => nearest(orders, p) };
 }
 
 export async function start(root) {
@@ -141,12 +141,14 @@ class TreeTab {
     for (const { name, nodes } of this.trees) {
       if (!nodes || this.votes.has(name)) continue;
       this.votes.set(name, null);
-      try {
-        this.votes.set(name, await ask("votes", { head: name }));
-        this.show();
-      } catch (error) {
-        refused(error, () => this.votes.set(name, {})); // the head cannot read this set: show the tree without it
-      }
+      await attempt(
+        async () => {
+          // the head cannot read this set: show the tree without it
+          this.votes.set(name, await ask("votes", { head: name }));
+          this.show();
+        },
+        () => this.votes.set(name, {}),
+      );
     }
     this.$(".groves").setAttribute("aria-busy", [...this.votes.values()].includes(null));
   }
@@ -169,7 +171,7 @@ class TreeTab {
     const several = voted.length > 1;
     const groves = this.$(".groves");
     const at = [...groves.querySelectorAll("[tabindex]")].indexOf(document.activeElement);
-    groves.innerHTML = voted.map((one) => grove(one, several)).join("");
+    groves.innerHTML = each(voted, (one) => grove(one, several));
     groves.querySelectorAll("[tabindex]")[at]?.focus(); // votes come late: the keys stay where they are
     this.$(".on-map").hidden = !this.onMap || Boolean(state.tree);
   }
