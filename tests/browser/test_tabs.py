@@ -61,7 +61,7 @@ def test_scores_from_source_to_target_are_shown_by_two_measures(open_page: Calla
     page.click(".compare details.every summary")
     page.wait_for_selector(".scores tbody tr")
     accuracy = page.locator(".scores tbody").inner_text()
-    page.click('[data-metric="1"]')
+    page.click('.matrix [data-key="1"]')
     assert page.locator(".scores tbody").inner_text() != accuracy
 
 

@@ -7,9 +7,9 @@ import { change, state } from "../shared/store.js";
 import { each } from "../shared/text.js";
 
 export class Acts {
-  constructor(page) {
-    this.page = page;
-    this.scene = page.scene;
+  constructor(board) {
+    this.board = board;
+    this.scene = board.scene;
     this.nearest = null; // {key, found}: neighbours of the pinned pair
   }
 
@@ -21,7 +21,7 @@ export class Acts {
       pick: (point) => this.pick(point),
       lasso: (points) => this.select(points),
       next: (by) => this.next(by),
-      lassoMode: () => this.page.lassoMode,
+      lassoMode: () => this.board.lassoMode,
       current: () => this.scene.hovered,
     };
   }
@@ -30,10 +30,10 @@ export class Acts {
     const { scene } = this;
     if (point === scene.hovered) return;
     scene.hovered = point;
-    this.page.maps.now.marks.style.cursor = point >= 0 ? "pointer" : this.page.lassoMode ? "crosshair" : "grab";
-    this.page.maps.paintMarks();
-    this.page.showCard();
-    this.page.peek(point < 0 ? -1 : point % scene.frames.pairs, pointed);
+    this.board.maps.now.marks.style.cursor = point >= 0 ? "pointer" : this.board.lassoMode ? "crosshair" : "grab";
+    this.board.maps.paintMarks();
+    this.board.showCard();
+    this.board.peek(point < 0 ? -1 : point % scene.frames.pairs, pointed);
   }
 
   /** Pin the pair of a point, for the other tabs too if it is of their set, and find its neighbours. */
@@ -60,9 +60,9 @@ export class Acts {
   select(points) {
     this.scene.selected = new Set(points);
     this.nameSelected();
-    this.page.maps.showLayers();
-    this.page.showPictures();
-    if (points.length) this.page.panels.show("grid");
+    this.board.maps.showLayers();
+    this.board.showPictures();
+    if (points.length) this.board.panels.show("grid");
   }
 
   /** Keep the selection in the address, or take it from there. */
@@ -81,7 +81,7 @@ export class Acts {
     const { classes } = scene.facts.unseen;
     const words = cell && `${classes[cell.truth]} predicted as ${classes[cell.answer]}`;
     scene.only = cell && { pairs: new Set(cell.pairs), words };
-    this.page.refilter();
+    this.board.refilter();
     this.select(cell ? cell.pairs.flatMap((pair) => [pair, pair + scene.frames.pairs]).filter(scene.shown) : []);
   }
 
@@ -96,18 +96,18 @@ export class Acts {
     const { scene } = this;
     const point = state.pin + scene.frames.pairs * modality;
     const key = this.key();
-    const box = this.page.$(".card .found");
+    const box = this.board.$(".card .found");
     const found = await findNeighbours(box, { set: scene.set, point, stage: this.nearStage, p: scene.p });
     if (key !== this.key()) return;
     this.nearest = { key, found };
     this.showNear();
-    this.page.maps.paintMarks();
+    this.board.maps.paintMarks();
   }
 
   /** Show the neighbours of the pinned pair if they are of this step and p. */
   showNear() {
     const { scene, nearest } = this;
-    const box = this.page.$(".card .found");
+    const box = this.board.$(".card .found");
     const known = nearest?.key === this.key() ? nearest.found : [];
     scene.near = known.map(({ point }) => point);
     if (box && known.length) showNeighbours(box, known, scene, (point) => this.pick(point));

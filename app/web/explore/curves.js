@@ -12,11 +12,18 @@ export class Curves {
   /** Charts of some measures, `high()` CSS pixels high each. */
   constructor(box, onOrder, { measures, high = () => 108 }) {
     this.box = box;
+    /** @type {any} */
+    this.frames = null;
     this.onOrder = onOrder;
     this.measures = MEASURES.filter(({ name }) => measures.includes(name));
     this.tall = high;
     this.pale = null; // {title, orders, share}: the accuracy curve of another set
     this.wide = LEAST;
+    this.scale = new Scale({ wide: LEAST, high: high(), pad: PAD });
+    /** @type {any[]} */
+    this.charts = [];
+    this.shown = ["f_hat", ""]; // stage and lone domain
+    this.stop = 0;
     dragged(box, (event, svg) => this.onOrder(this.scale.under(event, svg)));
     new ResizeObserver(() => this.frames && this.width() !== this.wide && this.again()).observe(box);
   }
@@ -32,7 +39,7 @@ export class Curves {
 
   again() {
     this.replace(this.frames);
-    this.show(...this.shown);
+    this.show(this.shown[0], this.shown[1]);
     this.mark(this.stop);
   }
 
@@ -44,7 +51,6 @@ export class Curves {
       this.box.innerHTML = each(this.measures, figure) + (this.measures.length > 1 ? DASHED : "");
     this.wide = this.width();
     this.scale = new Scale({ wide: this.wide, high: this.tall(), pad: PAD, xs });
-    /** @type {any[]} */
     this.charts = [...this.box.querySelectorAll("figure")].map((root, i) => ({ root, ...this.measures[i] }));
     for (const chart of this.charts) {
       chart.ys = axis(frames, chart.name);

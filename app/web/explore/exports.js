@@ -1,5 +1,6 @@
 /** Files made in the browser: CSV of points, PNG and SVG of the map. */
 
+import { drawingOn } from "../shared/canvas.js";
 import { verdict } from "../shared/card.js";
 import { csv as written } from "../shared/csv.js";
 import { escaped } from "../shared/text.js";
@@ -32,7 +33,7 @@ export function csv(frames, points, frame, stop, about) {
 }
 
 const LINE = 17; // CSS pixels between the lines under an exported map
-const rule = new OffscreenCanvas(1, 1).getContext("2d");
+const rule = drawingOn(new OffscreenCanvas(1, 1));
 
 /** Positions of the legend's keys, in as many lines as the width requires. */
 function keys(legend, width) {
@@ -58,7 +59,7 @@ export function png(cloud, caption, legend) {
   const canvas = document.createElement("canvas");
   canvas.width = cloud.width;
   canvas.height = cloud.height + Math.round(height * cloud.ratio);
-  const x = canvas.getContext("2d");
+  const x = drawingOn(canvas);
   const style = getComputedStyle(cloud.box);
   const text = style.getPropertyValue("--ov-ink").trim();
   x.fillStyle = style.getPropertyValue("--ov-card").trim();

@@ -3,6 +3,7 @@
 import { change, state } from "../shared/store.js";
 import { each } from "../shared/text.js";
 
+const UP = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 };
 const BINS = 20;
 const HIGH = 34;
 export const HISTOGRAMS = [
@@ -37,6 +38,7 @@ export class Finder {
   constructor(box, scene) {
     this.box = box;
     this.scene = scene;
+    this.spans = Object.fromEntries(HISTOGRAMS.map(({ name }) => [name, [0, 1]]));
     box.innerHTML = `<label class="search"><span class="sr">Find pairs</span><input type="search" placeholder="Find pairs: name, class, domain" autocomplete="off"></label>
       <label class="alike" hidden><input type="checkbox"><span>only look-alikes: touch alone can tell <small></small></span></label>
       <div class="histograms"></div><p class="hint found" role="status"></p>`;
@@ -88,7 +90,7 @@ export class Finder {
         [from, at(event)].sort((a, b) => a - b),
       );
     svg.onkeydown = (event) => {
-      const by = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 }[event.key];
+      const by = UP[event.key];
       if (!by) return;
       event.preventDefault();
       this.set(name, shifted(this.scene.ranges[name], this.spans[name], by, event.shiftKey));

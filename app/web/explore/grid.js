@@ -33,7 +33,7 @@ function heading({ points, why, pairs }, scene) {
   const verdicts = pairs.map((pair) => verdict(frames, pair, stop));
   const right = verdicts.filter((v) => v.right).length;
   const tally = (key) =>
-    Object.entries(Object.groupBy(verdicts, (v) => v[key]))
+    Object.entries(/** @type {Record<string, any[]>} */ (Object.groupBy(verdicts, (v) => v[key])))
       .sort((a, b) => b[1].length - a[1].length)
       .map(([name, own]) => `${escaped(name)} ${own.length}`)
       .join(" · ");

@@ -71,10 +71,7 @@ export class Maps {
       this.$(".kinds"),
       options,
       () => this.kind(),
-      (map) => {
-        change({ map });
-        this.$(`.kinds [data-key="${map}"]`)?.focus();
-      },
+      (map) => change({ map }),
     );
   }
 
@@ -83,7 +80,7 @@ export class Maps {
     const { frames } = this.scene;
     this.$(".colouring").innerHTML = options(colouringsOf(frames).map(([key, c]) => [key, c.label]));
     const known = colouringsOf(frames).find(([, c]) => c === colouring(frames, state.colour));
-    this.$(".colouring").value = known[0];
+    this.$(".colouring").value = known?.[0];
   }
 
   showLayers() {

@@ -52,6 +52,11 @@ export class Modes {
     this.box = box;
     this.onFrames = onFrames;
     this.say = say;
+    this.mode = ""; // the one shown
+    this.wanted = "";
+    /** @type {any} */
+    this.data = null;
+    this.showChosen = () => {};
   }
 
   /** The frames that a set opens with: of the mode in the address, or of the first one. */

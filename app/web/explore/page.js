@@ -1,36 +1,16 @@
-/** The parts of Explore, connected to one scene and to the address. */
+/** Explore's chapters: each opens with its set, its frames and its view. */
 
 import { attempt, refused } from "../shared/api.js";
-import { card } from "../shared/card.js";
 import { fit, pairNames, unseen } from "../shared/facts.js";
-import { showFilters } from "../shared/filters.js";
-import { orderText, whenFine } from "../shared/frames.js";
-import { asText, values } from "../shared/measures.js";
-import { orderBar } from "../shared/order.js";
-import { colouring, isLecture } from "../shared/palette.js";
+import { whenFine } from "../shared/frames.js";
 import { setOf } from "../shared/sets.js";
-import { explained, featuresOf, stageNamed, stepsOf } from "../shared/stages.js";
-import { change, openAt, openChapter, state } from "../shared/store.js";
-import { fill } from "../shared/text.js";
-import { Acts } from "./acts.js";
-import { chapterNamed, featuresHtml, headOf, startOf } from "./chapters.js";
-import { Curves } from "./curves.js";
-import { Finder } from "./finder.js";
-import { showGrid } from "./grid.js";
+import { openAt, openChapter, state } from "../shared/store.js";
+import { Board } from "./board.js";
+import { chapterNamed, startOf } from "./chapters.js";
 import { centredFrames, dataOf } from "./library.js";
-import { Maps } from "./maps.js";
-import { Modes, modeWords } from "./modes.js";
-import { panels, showSets } from "./panels.js";
-import { peek } from "./pictures.js";
-import { Saving } from "./saving.js";
-import { Scene } from "./scene.js";
-import { Staircase } from "./staircase.js";
-import { Strangers } from "./strangers.js";
-import { Toy } from "./toy.js";
-import { Waterfall } from "./waterfall.js";
+import { Modes } from "./modes.js";
+import { showSets } from "./panels.js";
 import { wire } from "./wiring.js";
-
-const ANSWERS = ["Correctness", "Confidence"]; // colourings that change with p
 
 export class Page {
   /** `say` shows the sentence of a Refusal, `telling` the server's progress; null for none. */
@@ -40,71 +20,52 @@ export class Page {
     this.first = sets.some(({ shown }) => shown) ? "order" : "analyse";
     this.say = say;
     this.telling = telling;
-    this.lassoMode = false;
-    this.chapter = null; // the one on screen; null while its set loads
-    this.modes = new Modes($(".modes"), { onFrames: (frames) => this.replace(frames), say });
-    this.panels = panels($(".panels"), () => this.showToy());
+    this.chapter = ""; // the one on screen; none while its set loads
+    this.modes = new Modes($(".modes"), { onFrames: (frames) => this.board?.replace(frames), say });
+    /** @type {any} */
+    this.data = null;
+    /** @type {Board | null} */
+    this.board = null; // made with the first set
     showSets($(".sets"), sets);
-  }
-
-  /** The parts that need a set, made once. */
-  make(data) {
-    const { $ } = this;
-    const scene = (this.scene = new Scene(data));
-    this.acts = new Acts(this);
-    this.maps = new Maps($, scene, this.acts.pointing());
-    this.peek = peek($(".peek"), $(".maps"), scene);
-    this.bar = orderBar($(".ride"), data.own);
-    const toOrder = (p) => change({ p: scene.frames.orders[scene.frames.stop(p)] });
-    const tall = () =>
-      isLecture() ? 0.5 * innerHeight : Math.min(560, 0.3 * innerHeight + 0.5 * Math.max(0, innerHeight - 720));
-    const high = () => (innerWidth < 820 ? 110 : state.chapter === "order" ? tall() : 0.165 * innerHeight);
-    this.ride = new Curves($(".over"), toOrder, { measures: ["accuracy"], high });
-    this.curves = new Curves($(".all"), toOrder, { measures: ["modality_gap", "domain_gap", "margin"] });
-    this.stairs = new Staircase(
-      $(".staircase"),
-      () => state.stage,
-      (stage) => change({ stage }),
-    );
-    this.waterfall = new Waterfall($(".waterfall"), $(".profiles"), scene);
-    this.strangers = new Strangers($, scene, (cell) => this.acts.onlyCell(cell));
-    this.toy = new Toy($(".toy"));
-    this.finder = new Finder($(".finder"), scene);
-    this.saving = new Saving($, scene, this.maps, () => this.showPictures());
-    wire(this);
   }
 
   /** Open the chapter in the address: its set, its frames, its view. */
   async enter() {
     if (!state.chapter) return openChapter(this.first);
     const { chapter } = state;
-    this.chapter = null;
+    this.chapter = "";
     this.layOut(chapter);
     const late = () => state.chapter !== chapter;
     return attempt(async () => {
       const set = setOf(chapter, this.sets);
       const data = await dataOf(set, (step) => !this.chapter && this.telling(step));
       if (late()) return;
-      if (!this.scene) this.make(data);
-      if (this.scene.set !== set || !this.scene.own) this.scene.load(data);
+      const board = this.boardOf(data);
+      if (board.scene.set !== set) board.scene.load(data);
       this.data = data;
       const frames = await (chapter === "failure" ? (data.centred ?? data.own) : this.modes.open(data));
       if (late() || !frames) return;
       this.telling(null);
       this.chapter = chapter;
-      this.start(frames);
-      this.learnAll(data);
-      if (chapter === "failure" && !data.centred) this.centre(data);
-      if (data.coarse) this.refine(data);
+      this.start(board, frames);
+      this.learnAll(board, data);
+      if (chapter === "failure" && !data.centred) this.centre(board, data);
+      if (data.coarse) this.refine(board, data);
     }, this.say);
   }
 
+  /** The parts, made once. */
+  boardOf(data) {
+    if (!this.board) wire(this, (this.board = new Board(this.$, data)));
+    return this.board;
+  }
+
   /** Show the frames of the second chapter once they are made; a set may be too large to centre. */
-  async centre(data) {
-    await attempt(
+  centre(board, data) {
+    return attempt(
       async () => {
         const frames = await centredFrames(data);
-        if (this.data === data && this.chapter === "failure") this.replace(frames);
+        if (this.data === data && this.chapter === "failure") board.replace(frames);
       },
       () => {},
     );
@@ -122,187 +83,36 @@ export class Page {
     if (lesson) this.$(".next").textContent = lesson.next;
   }
 
-  start(frames) {
-    const { scene } = this;
-    scene.selected = new Set();
-    if (state.p === null) openAt(startOf(state.chapter, frames, scene.own));
+  start(board, frames) {
+    const { set, own } = board.scene;
+    if (state.p === null) openAt(startOf(state.chapter, frames, own));
     if (state.pin !== null && !(state.pin < frames.pairs)) state.pin = null;
-    this.sample = frames.label.findIndex((label, pair) => frames.headless || label === frames.prediction[pair]);
-    this.ride.pale = this.sets.find(({ name }) => state.chapter === "order" && scene.set && name !== scene.set)?.curve;
-    this.maps.reset();
-    this.replace(frames);
-    this.acts.selectNamed();
+    board.start(frames, this.sets.find(({ name }) => state.chapter === "order" && set && name !== set)?.curve);
     this.$(".explore").classList.add("ready");
   }
 
-  learnAll(data) {
+  learnAll(board, data) {
     const learn = (name) => (fact) => {
       data.facts[name] = fact;
-      if (this.data === data && this.chapter) this.learned();
+      if (this.data === data && this.chapter) board.learned();
     };
-    if (data.facts.unseen && data.facts.pairs) return this.learned();
+    if (data.facts.unseen && data.facts.pairs) return board.learned();
     pairNames(data.set).then(learn("pairs"), () => {});
     if (data.own.headless) return fit(data.set).then(learn("fit"), () => {});
     unseen(data.set).then(learn("unseen"), (error) => refused(error, this.$(".strangers .hint")));
     return undefined;
   }
 
-  /** Facts about the set or its head have come. */
-  learned() {
-    const { facts } = this.scene;
-    if (facts.unseen) this.strangers.show();
-    this.finder.show();
-    this.showLesson();
-    if (state.find || state.alike || state.range) this.refilter();
-    if (facts.unseen && state.cell) this.strangers.follow();
-    this.showPictures();
-  }
-
   /** Finer frames of the head itself are computed: wait for them. */
-  async refine(data) {
+  async refine(board, data) {
     data.coarse = false;
     const own = await whenFine((step) => this.telling(step));
     this.telling(null);
-    const shown = this.scene.own === this.scene.frames;
+    const shown = board.scene.own === board.scene.frames;
     data.own = own;
     data.frames.set("moved", own);
     if (this.data !== data) return;
-    this.scene.own = own;
-    if (shown && this.chapter) this.replace(own);
-  }
-
-  /** Show other frames of the same pairs. */
-  replace(frames) {
-    const { scene } = this;
-    scene.frames = frames;
-    scene.follow();
-    this.bar.replace(frames);
-    this.bar.learned(state.chapter === "order" ? NaN : scene.own.learned); // the mark would give the answer away
-    this.ride.replace(frames);
-    this.curves.replace(frames);
-    this.stairs.replace(frames);
-    this.$(".mode-words").innerHTML = modeWords(frames);
-    this.$(".explore").dataset.kind = frames.kind;
-    this.$(".ride").classList.toggle("blind", !values(frames, "accuracy", "f_hat")?.some(Number.isFinite));
-    this.showColours();
-    this.showStage();
-    this.showMeans();
-    this.showToy();
-  }
-
-  // ---- what is shown ----------------------------------------------------------------------
-
-  showOrder() {
-    const { scene } = this;
-    scene.follow();
-    this.bar.show(scene.stop);
-    this.ride.mark(scene.stop);
-    this.curves.mark(scene.stop);
-    this.stairs.show(scene.stop);
-    if (this.panels.open("toy")) this.toy.show(scene.p);
-    if (state.chapter === "fooled") this.strangers.mark();
-    if (ANSWERS.includes(colouring(scene.frames, state.colour).label)) this.maps.showLayers();
-    this.maps.showNow();
-    this.showCard();
-    this.showLesson();
-    clearTimeout(this.announcing);
-    this.announcing = setTimeout(() => this.announce(), 400);
-  }
-
-  /** The words and figures of a chapter; in the workbench, the accuracy and whose it is. */
-  showLesson() {
-    const { scene } = this;
-    const lesson = chapterNamed(state.chapter);
-    const set = (selector, html) => fill(this.$(selector), html);
-    if (!lesson) return set(".score", scene.frames.headless ? featuresHtml(scene) : headOf(scene.frames, scene.stop));
-    const words = lesson.words(scene);
-    for (const name of ["title", "figure", "remark"]) set(`.${name}`, words[name]);
-    if (state.chapter === "failure") this.waterfall.show();
-    return undefined;
-  }
-
-  showStage() {
-    const { frames } = this.scene;
-    const steps = stepsOf(frames).map(({ key }) => key);
-    if (!steps.includes(state.stage)) return change({ stage: frames.headless ? "raw" : "frft" }); // it lacks a projection
-    this.stairs.choose();
-    const stage = stageNamed(state.stage);
-    this.$(".explain").innerHTML = `<b>${stage.name}.</b> ${explained(stage, frames)}`;
-    this.scene.near = [];
-    this.maps.showKinds();
-    this.showCurves();
-    return this.showOrder();
-  }
-
-  showCurves() {
-    for (const one of [this.ride, this.curves]) {
-      one.show(state.stage, this.scene.loneDomain());
-      one.mark(this.scene.stop);
-    }
-  }
-
-  showColours() {
-    this.maps.showColourings();
-    showFilters(this.$(".filters"), this.scene.frames, (name) => {
-      this.scene.highlight = name;
-      this.maps.showLayers();
-    });
-    this.refilter();
-  }
-
-  /** Apply the filters everywhere: maps, titles, curves, selection, what is saved. */
-  refilter() {
-    if (this.scene.refilter()) this.acts.nameSelected();
-    this.maps.showLayers();
-    if (this.maps.now.frame) this.maps.showNow();
-    this.showCurves();
-    if (this.scene.facts.unseen) this.finder.count();
-    this.showPictures();
-  }
-
-  showToy() {
-    if (this.panels.open("toy") && this.scene) this.toy.open().then(() => this.toy.show(this.scene.p));
-  }
-
-  showCard() {
-    const { scene } = this;
-    const pair = scene.hovered >= 0 ? scene.hovered % scene.frames.pairs : (state.pin ?? -1);
-    const pinned = pair >= 0 && pair === state.pin;
-    this.$('[data-panel="card"]').hidden = state.chapter !== "analyse" && state.pin === null;
-    this.$(".card").innerHTML = card(
-      scene.frames,
-      scene.sprite,
-      pair,
-      scene.stop,
-      pinned,
-      this.sample,
-      scene.facts.pairs,
-    );
-    if (pinned) this.acts.showNear();
-  }
-
-  showMeans() {
-    this.$(".tool.means").setAttribute("aria-pressed", state.means === "1");
-    this.maps.paintMarks();
-  }
-
-  /** The pictures of what is selected or found. */
-  showPictures() {
-    showGrid(this.$(".pictures"), this.scene, {
-      onPick: (pair) => this.acts.pick(pair),
-      onClear: () => this.acts.select([]),
-      onSave: () => this.saving.save("csv"),
-    });
-    this.saving.label();
-  }
-
-  announce() {
-    const { frames, stop } = this.scene;
-    const parts = [`p ${orderText(frames.orders[stop])}`];
-    const gap = values(frames, "modality_gap", featuresOf(state.stage))?.[stop];
-    if (Number.isFinite(gap)) parts.push(`modality gap ${asText("modality_gap", gap)}`);
-    const right = values(frames, "accuracy", "f_hat")?.[stop];
-    if (Number.isFinite(right)) parts.push(`accuracy on unseen domains ${asText("accuracy", right)}`);
-    this.$(".said").textContent = parts.join(", ");
+    board.scene.own = own;
+    if (shown && this.chapter) board.replace(own);
   }
 }

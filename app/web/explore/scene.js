@@ -7,6 +7,27 @@ import { tagOf } from "./tags.js";
 const isHistogram = (name) => HISTOGRAMS.some((one) => one.name === name);
 
 export class Scene {
+  set = "";
+  /** @type {any} frames of the head itself, and those shown */
+  own = null;
+  /** @type {any} */
+  frames = null;
+  /** @type {any} */
+  sprite = null;
+  /** @type {{unseen: any, pairs: any, fit: any}} */
+  facts = { unseen: null, pairs: null, fit: null };
+  stop = 0;
+  hovered = -1; // a point
+  /** @type {number[]} points */
+  near = [];
+  /** @type {Set<number>} points */
+  selected = new Set();
+  /** @type {{kind: string, name: string} | null} the filter under the pointer */
+  highlight = null;
+  /** @type {{pairs: Set<number>, words: string} | null} a cell of the confusion matrix */
+  only = null;
+  mask = new Uint8Array(0); // points that all filters leave
+
   /** `data` as in load. */
   constructor(data) {
     this.load(data);
@@ -22,10 +43,10 @@ export class Scene {
     this.facts = facts;
     this.stop = 0;
     this.hovered = -1;
-    this.near = []; // points
-    this.selected = new Set(); // points
-    this.highlight = null; // {kind, name} of the filter under the pointer
-    this.only = null; // {pairs: Set, words}: a cell of the confusion matrix
+    this.near = [];
+    this.selected = new Set();
+    this.highlight = null;
+    this.only = null;
     this.mask = new Uint8Array(2 * own.pairs).fill(1);
   }
 

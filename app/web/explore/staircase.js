@@ -1,7 +1,8 @@
 /** The steps of the head as a flow, with stairs of a gap or the margin; each step opens its map. */
 
 import { asText, axis, MEASURES, values } from "../shared/measures.js";
-import { stepsOf } from "../shared/stages.js";
+import { ARROWS } from "../shared/radios.js";
+import { STAGES, stepsOf } from "../shared/stages.js";
 import { each, escaped } from "../shared/text.js";
 
 const HIGH = 33; // CSS pixels of a row of stairs
@@ -15,6 +16,10 @@ export class Staircase {
     this.box = box;
     this.chosen = chosen;
     this.onChoose = onChoose;
+    this.row = ROWS[0].name; // the measure shown
+    this.steps = STAGES;
+    /** @type {any[]} */
+    this.parts = [];
     box.onclick = (event) => {
       const step = event.target.closest("[data-stage]");
       if (step) onChoose(step.dataset.stage);
@@ -24,7 +29,6 @@ export class Staircase {
 
   /** Lay out the steps of new frames. */
   replace(frames) {
-    this.frames = frames;
     this.steps = stepsOf(frames);
     this.box.style.setProperty("--steps", this.steps.length);
     const heads = this.steps.map(
@@ -38,7 +42,7 @@ export class Staircase {
     const options = ROWS.map(({ name, title }) => `<option value="${name}">${title}</option>`);
     this.box.innerHTML = `<div class="stair heads"><select class="of-steps" aria-label="What the stairs show">${options.join("")}</select><div class="treads" role="radiogroup" aria-label="Step of the head; opens its map">${heads.join("")}</div></div>${rows.join("")}`;
     const select = this.box.querySelector("select");
-    select.value = this.row ?? ROWS[0].name;
+    select.value = this.row;
     select.onchange = () => this.choose((this.row = select.value));
     this.parts = ROWS.map(({ name }) => {
       const root = this.box.querySelector(`[data-name="${name}"]`);
@@ -54,7 +58,7 @@ export class Staircase {
   }
 
   /** Mark the open step, and show the stairs of one measure. */
-  choose(row = this.row ?? ROWS[0].name) {
+  choose(row = this.row) {
     for (const stair of this.box.querySelectorAll("[data-name]")) stair.hidden = stair.dataset.name !== row;
     for (const button of this.box.querySelectorAll("[role=radio]")) {
       const on = button.dataset.stage === this.chosen();
@@ -81,7 +85,7 @@ export class Staircase {
   }
 
   key(event) {
-    const by = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key];
+    const by = ARROWS[event.key];
     if (!by || !event.target.matches("[role=radio]")) return;
     event.preventDefault();
     const at = this.steps.findIndex(({ key }) => key === this.chosen());

@@ -11,22 +11,9 @@ export const READINGS = [
   { key: "tac", label: "Touch only", title: "The photo is absent" },
 ];
 export const UNSEEN = "unseen";
-const NUMBERS = [
-  "no",
-  "one",
-  "two",
-  "three",
-  "four",
-  "five",
-  "six",
-  "seven",
-  "eight",
-  "nine",
-  "ten",
-  "eleven",
-  "twelve",
-];
+const NUMBERS = "no one two three four five six seven eight nine ten eleven twelve".split(" ");
 export const inWords = (n) => NUMBERS[n] ?? String(n);
+const NO_CELL = "Choose a cell to see its pairs.";
 const times = (counts) => counts.flat().reduce((a, b) => Math.max(a, b), 1);
 
 const whisker = (own) =>
@@ -41,7 +28,10 @@ export class Strangers {
     this.confused = $(".confused");
     this.scene = scene;
     this.onCell = onCell;
+    /** @type {(() => void) | null} */
+    this.marked = null;
     this.domain = UNSEEN;
+    /** @type {any} */
     this.cell = null;
   }
 
@@ -51,20 +41,19 @@ export class Strangers {
     if (!facts) return;
     const measured = facts.domains.some((one) => one["answers/fused"]); // else there are no test pairs
     for (const part of [this.box, this.confused.parentElement]) part.classList.toggle("nothing", !measured);
-    this.box.innerHTML = `<div class="readings" role="radiogroup" aria-label="What the head is given"></div>
-<div class="bars"></div>`;
-    this.confused.innerHTML = `<p>Columns: predicted, of <select class="of-domain" aria-label="Domain of the confusion matrix"></select></p><div class="confusion"></div>
-      <p class="hint cell-words">Choose a cell to see its pairs.</p>`;
-    const shown = radios(
-      this.box.querySelector(".readings"),
-      READINGS,
-      () => state.reading,
-      (reading) => {
-        change({ reading });
-        this.box.querySelector(`.readings [data-key="${reading}"]`)?.focus();
-      },
-    );
-    shown();
+    if (!this.marked) {
+      this.box.innerHTML =
+        '<div class="readings" role="radiogroup" aria-label="What the head is given"></div><div class="bars"></div>';
+      this.confused.innerHTML = `<p>Columns: predicted, of <select class="of-domain" aria-label="Domain of the confusion matrix"></select></p><div class="confusion"></div>
+        <p class="hint cell-words">${NO_CELL}</p>`;
+      this.marked = radios(
+        this.box.querySelector(".readings"),
+        READINGS,
+        () => state.reading,
+        (reading) => change({ reading }),
+      );
+    }
+    this.marked();
     this.box.querySelector(".bars").innerHTML = this.bars(facts);
     this.listDomains(facts);
     this.showConfusion();
@@ -149,7 +138,7 @@ export class Strangers {
     this.onCell(this.cell && { ...this.cell, domain: this.domain, pairs: this.pairsOf(this.cell) });
     this.confused.querySelector(".cell-words").textContent = this.cell
       ? "These pairs are on the map and in the table below, which shows what is predicted at the current p."
-      : "Choose a cell to see its pairs.";
+      : NO_CELL;
   }
 
   pairsOf({ truth, answer }) {

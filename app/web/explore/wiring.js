@@ -6,14 +6,14 @@ import { chapterNamed } from "./chapters.js";
 import { share, showLink } from "./saving.js";
 
 /** Connect the controls of Explore, and react to changes of the address. */
-export function wire(page) {
-  listenToTools(page);
-  listenToChapters(page);
+export function wire(page, board) {
   const { $ } = page;
+  listenToTools($, board);
+  listenToChapters($, board);
   $(".card").onclick = (event) => {
     if (event.target.matches(".open")) openTab("pair");
-    if (event.target.matches(".unpin")) page.acts.pick(-1);
-    if (event.target.matches(".find")) page.acts.near(+event.target.dataset.of);
+    if (event.target.matches(".unpin")) board.acts.pick(-1);
+    if (event.target.matches(".find")) board.acts.near(+event.target.dataset.of);
   };
   const open = (action) => () => page.chapter === state.chapter && page.chapter && action(); // its set is there
   const on = (names, action) => watch(names, open(action));
@@ -21,47 +21,45 @@ export function wire(page) {
   watchIn(
     "explore",
     ["p", "rung"],
-    open(() => page.showOrder()),
+    open(() => board.showOrder()),
   );
-  on(["stage"], () => page.showStage());
-  on(["map"], () => page.showStage());
-  on(["colour", "domain", "class", "modality"], () => page.showColours());
+  on(["stage"], () => board.showStage());
+  on(["map"], () => board.showStage());
+  on(["colour", "domain", "class", "modality"], () => board.showColours());
   on(["find", "alike"], () => {
-    page.finder.show();
-    page.refilter();
+    board.finder.show();
+    board.refilter();
   });
-  on(["range"], () => page.refilter());
-  on(["cell"], () => page.scene.facts.unseen && page.strangers.follow());
+  on(["range"], () => board.refilter());
+  on(["cell"], () => board.scene.facts.unseen && board.strangers.follow());
   on(["mode"], () => page.modes.follow());
   on(["reading"], () => {
-    if (page.scene.only) page.strangers.choose(null);
-    page.strangers.show();
-    page.showLesson();
+    if (board.scene.only) board.strangers.choose(null);
+    board.strangers.show();
+    board.showLesson();
   });
   on(["pin"], () => {
-    page.showCard();
-    page.maps.paintMarks();
+    board.showCard();
+    board.maps.paintMarks();
   });
-  on(["means"], () => page.showMeans());
+  on(["means"], () => board.showMeans());
 }
 
 /** Connect the tools above the map. */
-function listenToTools(page) {
-  const { $ } = page;
+function listenToTools($, board) {
   $(".colouring").onchange = (event) => change({ colour: event.target.value });
-  $(".in").onclick = () => page.maps.now.zoomBy(1.4);
-  $(".out").onclick = () => page.maps.now.zoomBy(1 / 1.4);
-  $(".reset").onclick = () => page.maps.now.resetView();
+  $(".in").onclick = () => board.maps.now.zoomBy(1.4);
+  $(".out").onclick = () => board.maps.now.zoomBy(1 / 1.4);
+  $(".reset").onclick = () => board.maps.now.resetView();
   $(".lasso").onclick = () => {
-    page.lassoMode = !page.lassoMode;
-    $(".lasso").setAttribute("aria-pressed", page.lassoMode);
+    board.lassoMode = !board.lassoMode;
+    $(".lasso").setAttribute("aria-pressed", board.lassoMode);
   };
   $(".tool.means").onclick = () => change({ means: state.means === "1" ? "" : "1" });
 }
 
 /** The chapters, the lecture and the share button. */
-function listenToChapters(page) {
-  const { $ } = page;
+function listenToChapters($, board) {
   $(".chapters").onclick = (event) => {
     const { chapter } = event.target.closest("button")?.dataset ?? {};
     if (chapter) openChapter(chapter);
@@ -71,7 +69,7 @@ function listenToChapters(page) {
     $(".explore").scrollIntoView({ block: "start" });
   };
   $(".share").onclick = async () => {
-    $(".share").textContent = await share(page.saving);
+    $(".share").textContent = await share(board.saving);
     showLink($(".shared"));
     setTimeout(() => ($(".share").textContent = "Share"), 2500);
   };

@@ -15,8 +15,8 @@ export function start(root) {
         tour.disabled = true;
       }),
     );
-  document.addEventListener("omnivat:simulated", (/** @type {CustomEvent} */ event) => {
-    root.querySelector(".badge").hidden = !event.detail;
+  document.addEventListener("omnivat:simulated", (event) => {
+    root.querySelector(".badge").hidden = !(event instanceof CustomEvent && event.detail);
   });
   followTabs();
 }

@@ -4,6 +4,7 @@ import { centred, choices, framesOf, ladder, unseen } from "../shared/facts.js";
 import { setOf } from "../shared/sets.js";
 import { change, openChapter, state } from "../shared/store.js";
 import { openTab } from "../shared/tabs.js";
+import { each } from "../shared/text.js";
 import { theSet } from "../shared/theset.js";
 import { onScreen, STEPS } from "./steps.js";
 
@@ -29,7 +30,7 @@ export async function startTour() {
     (found) => climb(second, found, figures),
     () => {}, // the last step then leaves these figures out
   );
-  new Tour(figures, climbing).show();
+  new Tour(document.querySelector(".explore"), figures, climbing).show();
 }
 
 /** Add the ladder of the loaded head to the figures; later, what 20 pictures bring to light heads from other sources. */
@@ -52,17 +53,18 @@ async function others(set, rungs, sources) {
 }
 
 class Tour {
-  constructor(figures, climbing) {
+  constructor(explore, figures, climbing) {
     this.figures = figures;
     this.climbing = climbing; // until the ladder is known
     this.at = 0;
     this.before = state.chapter;
+    this.explore = explore;
     this.box = document.createElement("div");
     this.box.className = "ov tour";
     this.box.setAttribute("role", "dialog");
     this.box.setAttribute("aria-label", "Guided tour");
-    document.querySelector(".explore .side").prepend(this.box); // in the flow, so that it covers nothing
-    document.querySelector(".explore").classList.add("touring");
+    explore.querySelector(".side").prepend(this.box); // in the flow, so that it covers nothing
+    this.explore.classList.add("touring");
     this.box.onclick = (event) => this.click(/** @type {HTMLElement} */ (event.target));
     this.box.onkeydown = (event) => {
       if (event.key === "Escape") this.end(); // return nothing: false would cancel the Enter key
@@ -73,8 +75,11 @@ class Tour {
   show() {
     const step = STEPS[this.at];
     openChapter(step.chapter, { rung: "0" });
-    const options = step.options.map(([key, words]) => `<button type="button" data-option="${key}">${words}</button>`);
-    this.lay(step, `<p>${step.ask}</p>`, `<span class="options">${options.join("")}</span>`);
+    const options = each(
+      step.options,
+      ([key, words]) => `<button type="button" data-option="${key}">${words}</button>`,
+    );
+    this.lay(step, `<p>${step.ask}</p>`, `<span class="options">${options}</span>`);
     this.focus("[data-option]");
   }
 
@@ -87,7 +92,7 @@ class Tour {
       if (STEPS[this.at] !== step || !this.box.isConnected) return; // the visitor went on
     }
     const right = step.right(this.figures);
-    const words = (key) => step.options.find(([own]) => own === key)[1];
+    const words = (key) => step.options.find(([own]) => own === key)?.[1];
     const verdict = !right.length
       ? ""
       : right.includes(option)
@@ -122,7 +127,7 @@ class Tour {
 
   end() {
     this.box.remove();
-    document.querySelector(".explore").classList.remove("touring");
+    this.explore.classList.remove("touring");
     openChapter(this.before);
   }
 }

@@ -31,6 +31,12 @@ export class Lines {
   constructor(box, onOrder) {
     this.box = box;
     this.wide = WIDE.least;
+    this.scale = new Scale({ wide: WIDE.least, high: H, pad: PAD });
+    /** @type {any} */
+    this.shown = null; // what show had last
+    /** @type {any} */
+    this.at = null; // what mark had last
+    this.rows = [];
     new ResizeObserver(() => this.shown && this.width() !== this.wide && this.again()).observe(box);
     dragged(box, (event, svg) => onOrder(Math.round(100 * this.scale.under(event, svg)) / 100));
   }
@@ -86,7 +92,7 @@ export class Lines {
 
   mark(stop, orders) {
     this.at = [stop, orders];
-    if (!this.scale) return;
+    if (!this.shown) return;
     this.scale.mark(this.box, orders[stop]);
     this.box.querySelectorAll("circle").forEach((dot, k) => {
       dot.setAttribute("cx", this.scale.x(orders[stop]));

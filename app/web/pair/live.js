@@ -149,7 +149,7 @@ export class Live {
   }
 
   async takeRest() {
-    const touch = this.feeds.find(({ modality }) => modality === "tac");
+    const [touch] = this.feeds.filter(({ modality }) => modality === "tac");
     if (touch.on) await touch.takeRest((n) => this.tell(`Do not touch the sensor: ${n} of ${FRAMES}.`));
     else touch.say("A rest picture is of the touch: choose its source first.");
   }

@@ -18,12 +18,12 @@ export class Many {
   constructor(box, on) {
     this.box = box;
     this.on = on;
-    this.stopped = null;
+    this.stopped = new AbortController();
     this.rows = [];
     box.onclick = ({ target }) => {
       const row = target.closest("tr[data-row]");
       if (row) on.open(this.rows[+row.dataset.row]);
-      if (target.matches(".stop")) this.stopped?.abort();
+      if (target.matches(".stop")) this.stopped.abort();
       if (target.matches(".csv")) save("pairs.csv", csv(this.rows));
       if (target.matches(".labels")) on.labels(this.rows.filter(({ label, said: found }) => label && found));
       if (target.matches(".close")) this.close();
@@ -31,7 +31,7 @@ export class Many {
   }
 
   close() {
-    this.stopped?.abort();
+    this.stopped.abort();
     this.rows = [];
     this.box.hidden = true;
   }

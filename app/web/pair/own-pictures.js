@@ -1,6 +1,7 @@
 /** The visitor’s own pictures: from files, a camera or the address, sent once, and what they are called. */
 
 import { attempt, Refusal, sendImage } from "../shared/api.js";
+import { drawingOn } from "../shared/canvas.js";
 import { links, state } from "../shared/store.js";
 import { NO_CLASS } from "../shared/text.js";
 import { TERMS } from "./verdict.js";
@@ -81,7 +82,7 @@ export async function snapshot(box) {
         const canvas = document.createElement("canvas");
         canvas.width = video.videoWidth;
         canvas.height = video.videoHeight;
-        canvas.getContext("2d").drawImage(video, 0, 0);
+        drawingOn(canvas).drawImage(video, 0, 0);
         canvas.toBlob(resolve, "image/png");
       };
     });
@@ -122,7 +123,7 @@ async function fetched(link, what) {
     throw new Refusal(`The ${what} '${link.slice(0, 80)}' is not on this page's host; open its file here instead.`);
   const response = await fetch(url).catch(() => null);
   if (!response?.ok) throw new Refusal(`The ${what} '${link.slice(0, 80)}' cannot be fetched; check its address.`);
-  return new File([await response.blob()], decodeURIComponent(url.pathname.split("/").at(-1)) || what);
+  return new File([await response.blob()], decodeURIComponent(url.pathname.replace(/.*\//, "")) || what);
 }
 
 export class Known {

@@ -1,6 +1,6 @@
 /** Try a pair: choose two images, see the prediction and its reliability. */
 
-import { ask, attempt, json, refused } from "../shared/api.js";
+import { ask, attempt, isCancelled, json, refused } from "../shared/api.js";
 import { loaded } from "../shared/facts.js";
 import { needsHead } from "../shared/headless.js";
 import { headLabel, heads } from "../shared/headsets.js";
@@ -136,7 +136,7 @@ class PairTab {
     this.root.ondragover = (event) => event.preventDefault();
     this.root.ondrop = (event) => {
       event.preventDefault();
-      droppedFiles(event.dataTransfer).then((files) => files.length && this.many.take(files));
+      droppedFiles(event.dataTransfer).then((files) => (files.length ? this.many.take(files) : undefined));
     };
     for (const field of this.root.querySelectorAll(".pairs input")) {
       field.onchange = () => {
@@ -231,7 +231,7 @@ class PairTab {
     this.onMap?.(pair, this.answer.learned);
     const quietly = (asked) =>
       asked.catch((error) => {
-        if (error.name === "AbortError") throw error;
+        if (isCancelled(error)) throw error;
         return { problem: error.message };
       });
     await attempt(
@@ -317,7 +317,7 @@ class PairTab {
     if (this.answer) {
       this.showFamiliar();
       this.showVerdict();
-      this.onMap(this.pair, this.answer.learned);
+      this.onMap?.(this.pair, this.answer.learned);
     }
     if (!this.unlinked) somePair(this.examples, late.frames);
   }

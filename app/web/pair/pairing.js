@@ -56,6 +56,7 @@ function byName(pictures, classes) {
   return { pairs: [...found.values()], alone };
 }
 
+/** @param {any[]} pictures @param {string[][]} table */
 function byTable(pictures, [head = [], ...rows]) {
   const column = (names) => head.findIndex((name) => names.includes(name.toLowerCase()));
   const [vis, tac, label] = [["vis"], ["tac"], LABELS].map(column);

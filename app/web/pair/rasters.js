@@ -1,5 +1,6 @@
 /** Pictures of numbers: the fractional spectrum of an image, the attention among its tokens, and parts that matter. */
 
+import { paintCells } from "../shared/canvas.js";
 import { isDark, ramp, rgb, TAC_COLOUR, VIS_COLOUR } from "../shared/palette.js";
 import { bytesOf, each, escaped } from "../shared/text.js";
 
@@ -9,17 +10,6 @@ const TITLES = { vis: "Photo", tac: "Touch" };
 const ROWS = 101;
 const WORTH = 0.01; // smaller differences from uniform are not shown
 const [MORE, LESS] = ["#d55e00", "#2f86c4"].map(rgb);
-
-/** Paint a canvas of cells; `colour(x, y)` is [r, g, b], and may have an alpha. */
-export function paintCells(canvas, columns, rows, colour) {
-  [canvas.width, canvas.height] = [columns, rows];
-  const image = new ImageData(columns, rows);
-  for (let i = 0; i < columns * rows; i++) {
-    const [r, g, b, alpha = 255] = colour(i % columns, Math.floor(i / columns));
-    image.data.set([r, g, b, alpha], 4 * i);
-  }
-  canvas.getContext("2d").putImageData(image, 0, 0);
-}
 
 /** |F_p| over p, the current p marked, and its profile beneath. */
 export class Spectra {

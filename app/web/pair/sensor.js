@@ -2,6 +2,7 @@
 
 import { ask, attempt, get, refused, visit } from "../shared/api.js";
 import { loaded } from "../shared/facts.js";
+import { keep, kept } from "../shared/memory.js";
 import { made, save } from "../shared/save.js";
 import { base64, bytesOf, escaped, row, table } from "../shared/text.js";
 import { chosenFiles, upload } from "./own-pictures.js";
@@ -31,16 +32,15 @@ export class Sensor {
   constructor(box, on) {
     this.box = box;
     this.on = on;
+    /** @type {any} */
     this.counts = null;
+    this.stopped = new AbortController();
     this.note = "";
     visit.renew = () => this.restore();
     box.onclick = ({ target }) => {
       if (target.matches(".stop")) this.stopped.abort();
       if (target.matches(".off")) this.use("", null);
-      if (target.matches(".save"))
-        this.bytes()
-          .then((blob) => save("my-sensor.safetensors", blob))
-          .catch(this.told);
+      if (target.matches(".save")) attempt(async () => save("my-sensor.safetensors", await this.bytes()), this.say);
     };
     box.onchange = ({ target }) => {
       const files = chosenFiles(target.files ?? []);
@@ -53,12 +53,10 @@ export class Sensor {
     this.restore();
   }
 
-  told = (error) => refused(error, (sentence) => this.say(sentence));
-
-  say(note) {
+  say = (note) => {
     this.note = note;
     this.show();
-  }
+  };
 
   show() {
     const { counts, box } = this;
@@ -95,6 +93,7 @@ export class Sensor {
       some.map((file) => [name, file]),
     );
     const broken = [];
+    /** @type {any} */
     let made = null;
     let batch = { vis: [], tac: [] };
     const flush = async () => {
@@ -124,53 +123,41 @@ export class Sensor {
       this.use(made.profile, made.counts);
     } catch (error) {
       if (mine.signal.aborted) return this.say("Cancelled; nothing was changed.");
-      this.told(error);
+      refused(error, this.say);
     }
   }
 
-  async load(file) {
-    try {
+  load(file) {
+    return attempt(async () => {
       const { profile, counts } = await (await get("sensor", { method: "POST", body: file })).json();
       this.note = "";
       this.use(profile, counts);
-    } catch (error) {
-      this.told(error);
-    }
+    }, this.say);
   }
 
   /** The profile's file. */
   bytes = () => made("save/sensor", { profile: visit.profile });
 
-  async use(profile, counts) {
+  use(profile, counts) {
     visit.profile = profile;
     this.counts = counts;
     if (!profile) this.note = "";
     this.show();
     this.on.again();
-    try {
-      if (!profile) return sessionStorage.removeItem(KEPT);
-      const bytes = new Uint8Array(await (await this.bytes()).arrayBuffer());
-      sessionStorage.setItem(KEPT, base64(bytes));
-    } catch (error) {
-      if (error.name !== "SecurityError" && error.name !== "QuotaExceededError") this.told(error); // a browser may refuse its storage
-    }
+    const file = async () => base64(new Uint8Array(await (await this.bytes()).arrayBuffer()));
+    return attempt(async () => keep(KEPT, profile ? await file() : null, true), this.say);
   }
 
   /** Send the visit's profile again: after a reload, or to a server that has lost it. True if it is back. */
   async restore() {
-    let text = null;
-    try {
-      text = sessionStorage.getItem(KEPT);
-    } catch {
-      /* a browser may refuse its storage */
-    }
-    if (!text) {
+    const text = kept(KEPT, true);
+    if (text) {
+      visit.profile = "";
+      await this.load(new Blob([bytesOf(text)]));
+    } else {
       const { sensor } = await loaded().catch(() => ({})); // the page itself reports a lost set
       if (sensor?.profile) await this.use(sensor.profile, sensor.counts); // of --profile
-      return Boolean(visit.profile);
     }
-    visit.profile = "";
-    await this.load(new Blob([bytesOf(text)]));
     return Boolean(visit.profile);
   }
 }

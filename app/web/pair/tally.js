@@ -8,13 +8,12 @@ const FEWEST = 2; // fewest pairs of a class, and fewest classes, for teaching
 export const keyOf = ({ vis, tac }) => `${vis ?? ""} ${tac ?? ""}`;
 
 /** True if the two images come from different pairs: two of the set, or one and a visitor's. */
-export const mixed = ({ vis, tac }) =>
-  Boolean(vis && tac) && vis !== tac && ![vis, tac].every((ref) => ref.startsWith("image:"));
+export const mixed = ({ vis, tac }) => Boolean(vis && tac) && vis !== tac && !isOwn({ vis, tac });
 
 /** True if all images of a pair are the visitor's own.
  * @param {{vis?: string, tac?: string}} pair */
 export const isOwn = ({ vis, tac }) => {
-  const there = [vis, tac].filter(Boolean);
+  const there = [vis, tac].flatMap((ref) => ref || []);
   return there.length > 0 && there.every((ref) => ref.startsWith("image:"));
 };
 

@@ -30,7 +30,7 @@ export function speakOfSignals() {
       one: `${which} recording`,
       many: `${which} recordings`,
     });
-    READINGS.find(([reading]) => reading === name)[1] = `${title} only`;
+    for (const one of READINGS) if (one[0] === name) one[1] = `${title} only`;
   }
 }
 

@@ -3,8 +3,9 @@
 import { ask, attempt } from "../shared/api.js";
 import { imagesOf } from "../shared/images.js";
 import { orderBar } from "../shared/order.js";
+import { radios } from "../shared/radios.js";
 import { change, state } from "../shared/store.js";
-import { each, escaped, percent } from "../shared/text.js";
+import { escaped, percent } from "../shared/text.js";
 import { theSet } from "../shared/theset.js";
 import { Lines } from "./lines.js";
 import { Attention, Spectra } from "./rasters.js";
@@ -28,7 +29,6 @@ export class WhatIf {
     this.spectra = new Spectra(this.$(".pictures"));
     this.attention = new Attention(this.$(".looks"));
     this.looked = null; // the request whose attention is shown
-    this.$(".which").onclick = (event) => this.choose(event.target.closest("button"));
     box.addEventListener("toggle", () => this.paint());
     this.fits = null; // the orders that the set's head was trained for
     theSet().then(
@@ -73,10 +73,14 @@ export class WhatIf {
       ([reading]) => stops[reading] && !(reading === "fused" && Object.keys(stops).length < 3),
     );
     if (!there.some(([reading]) => reading === this.reading)) this.reading = there[0][0];
-    this.$(".which").innerHTML = each(
-      there,
-      ([reading, title]) =>
-        `<button type="button" role="radio" data-reading="${reading}" aria-checked="${reading === this.reading}">${title}</button>`,
+    radios(
+      this.$(".which"),
+      there.map(([key, label]) => ({ key, label })),
+      () => this.reading,
+      (reading) => {
+        this.reading = reading;
+        this.paint();
+      },
     );
     this.lines.show(classes, orders, stops[this.reading], learned, band(span, this.fits));
     this.spectra.show(spectra);
@@ -99,13 +103,6 @@ export class WhatIf {
     this.mark();
   }
 
-  choose(button) {
-    if (!button || !this.answer) return;
-    this.reading = button.dataset.reading;
-    this.paint();
-    this.$(`[data-reading=${this.reading}]`).focus();
-  }
-
   /** Show the current p. */
   mark() {
     if (!this.answer || state.p === null) return;
@@ -116,7 +113,7 @@ export class WhatIf {
     this.lines.mark(stop, orders);
     this.spectra.mark(stop);
     this.attention.mark(stop);
-    const title = READINGS.find(([reading]) => reading === this.reading)[1].toLowerCase();
+    const title = READINGS.find(([reading]) => reading === this.reading)?.[1].toLowerCase();
     const { label, share } = best(classes, stops[this.reading][stop]);
     const given = imagesOf(stops);
     const at = `With p = ${orders[stop].toFixed(2)}, ${title}: `;

@@ -1,10 +1,10 @@
 /** Tint the parts of an image that the prediction depends on. */
 
 import { askOfImage, bytesOf, Refusal, refused } from "../shared/api.js";
+import { paintCells } from "../shared/canvas.js";
 import { OTHER } from "../shared/images.js";
 import { state } from "../shared/store.js";
 import { escaped, percent } from "../shared/text.js";
-import { paintCells } from "./rasters.js";
 import { taughtBy } from "./tally.js";
 
 const NEEDED = [213, 94, 0]; // hiding it lowers the probability

@@ -12,7 +12,7 @@ export class Refusal extends Error {
 
 /** Pass the sentence of a Refusal to `say`, or write it into that element; rethrow bugs, ignore cancelled requests. */
 export function refused(error, say) {
-  if (error.name === "AbortError") return;
+  if (isCancelled(error)) return;
   if (!(error instanceof Refusal)) throw error;
   if (typeof say === "function") say(error.message);
   else say.textContent = error.message;
@@ -48,7 +48,7 @@ async function checked(request, set) {
   try {
     response = await request;
   } catch (error) {
-    if (error.name === "AbortError") throw error;
+    if (isCancelled(error)) throw error;
     throw new Refusal(LOST);
   }
   const now = response.headers.get("X-Holds");
@@ -72,7 +72,10 @@ export async function get(path, options) {
 export const json = async (path) => (await get(path)).json();
 
 const files = new Map(); // reference -> uploaded file, to send again to a restarted server
-const FORGOTTEN = 410;
+/** Whether the server has lost what a request was about. */
+export const isForgotten = (error) => error instanceof Refusal && error.status === 410;
+/** Whether a request was cancelled. */
+export const isCancelled = (error) => error instanceof Error && error.name === "AbortError";
 
 /** The profile of this visitor's sensor, which predictions follow; `renew` sends it to a server that has lost it. */
 export const visit = { profile: "", renew: async () => false };
@@ -89,7 +92,7 @@ export async function ask(path, question, signal) {
   } catch (error) {
     const pairs = [question, ...(question.lessons ?? []), ...(question.pairs ?? [])];
     const lost = [...new Set(pairs.flatMap(({ vis, tac }) => [vis, tac]))].filter((ref) => files.has(ref));
-    if (error.status !== FORGOTTEN) throw error;
+    if (!isForgotten(error)) throw error;
     await Promise.all(lost.map((ref) => sendImage(...files.get(ref))));
     if (!(visit.profile && (await visit.renew())) && !lost.length) throw error;
     return send();
@@ -114,7 +117,7 @@ export async function bytesOf(ref, modality) {
 /** Send an image with a request: "occlusion" or "live"; `taught` names a taught head. */
 export async function askOfImage(what, blob, { modality, other = null, order = null, taught = "", split = 0 }) {
   const query = new URLSearchParams({ modality });
-  if (Number.isFinite(order)) query.set("order", order);
+  if (Number.isFinite(order)) query.set("order", String(order));
   if (other) query.set("other", other);
   if (split) query.set("split", String(split));
   if (taught) query.set("taught", taught);

@@ -1,5 +1,6 @@
 /** The map: points on one canvas, marks on another above it; zoom and pan stay the same at every stop. */
 
+import { drawingOn } from "./canvas.js";
 import { density } from "./density.js";
 import { isDark, isLecture } from "./palette.js";
 import { Pixels, stampShape } from "./points.js";
@@ -8,6 +9,21 @@ const GROUND = { light: "#ffffff", dark: "#0f172a" };
 const MARGIN = 0.06; // of the shorter side, kept free around all points
 
 export class Cloud {
+  count = 0;
+  x = new Float32Array(0); // device pixels of each point in the last drawing
+  y = new Float32Array(0);
+  /** @type {any[]} as in layers.js */
+  layers = [];
+  /** @type {any} as in Frames.positions */
+  frame = null;
+  ratio = 1; // device pixels of a CSS pixel
+  width = 1; // device pixels
+  height = 1;
+  /** @type {((view: any) => void) | null} called after every manual zoom and pan */
+  onView = null;
+  /** @type {((context: any, cloud: Cloud) => void)[]} functions that draw marks above the points */
+  painters = [];
+
   /** `count` points: the first half VIS, the second half TAC. */
   constructor(box, count) {
     this.box = box;
@@ -20,14 +36,12 @@ export class Cloud {
     );
     this.marks.setAttribute("role", "img");
     box.append(this.ground, this.marks);
-    this.pixels = new Pixels(this.ground.getContext("2d", { alpha: false }));
+    this.pixels = new Pixels(drawingOn(this.ground, { alpha: false }));
     this.hold(count);
     this.halves = [true, true]; // whether the map is as wide as the VIS points, and as the TAC points
     this.top = 0; // CSS pixels at the top that tools cover
     this.view = { zoom: 1, dx: 0, dy: 0 };
-    this.painters = []; // functions that draw marks above the points
     this.pending = 0;
-    this.onView = null; // called after every manual zoom and pan
     addEventListener("beforeprint", () => this.print());
     new ResizeObserver(() => this.resize()).observe(box);
     this.resize();
@@ -36,7 +50,7 @@ export class Cloud {
   /** Make room for so many points. */
   hold(count) {
     this.count = count;
-    this.x = new Float32Array(count); // device pixels of each point in the last drawing
+    this.x = new Float32Array(count);
     this.y = new Float32Array(count);
     this.layers = [];
     this.frame = null;
@@ -133,7 +147,7 @@ export class Cloud {
 
   paintMarks() {
     if (!this.frame) return;
-    const context = this.marks.getContext("2d");
+    const context = drawingOn(this.marks);
     context.setTransform(1, 0, 0, 1, 0, 0);
     context.clearRect(0, 0, this.width, this.height);
     context.scale(this.ratio, this.ratio);

@@ -15,7 +15,7 @@ export function cells(text) {
   for (const [, quoted, bare, end] of text
     .replace(/^\ufeff/, "")
     .matchAll(/(?:"((?:[^"]|"")*)"|([^",\r\n]*))(,|\r?\n|$)/g)) {
-    const row = rows.at(-1);
+    const row = rows[rows.length - 1];
     row[row.length - 1] = quoted?.replaceAll('""', '"') ?? bare.trim();
     if (end === ",") row.push("");
     else if (end) rows.push([""]);

@@ -5,6 +5,7 @@ import { fetchFrames, whenFine } from "./frames.js";
 
 const METHOD = "method:";
 const cache = new Map();
+/** @type {Promise<any> | null} */
 let listed = null;
 
 /** The server's heads: [{name, folder, generation, source, …}], the first one first. */

@@ -32,6 +32,7 @@ function keyOf({ set, path, query }, body) {
 export const fileOf = (path, body = "") => held.files[keyOf(parts(path), body)];
 
 /** `models`: settled once the models are there that an own pair needs, if they are on their way; maps wait for it. */
+/** @type {{models: Promise<void> | null}} */
 export const line = { models: null };
 
 const failure = (sentence, status) => new Response(JSON.stringify({ error: sentence }), { status });

@@ -15,7 +15,7 @@ function ink(canvas, name) {
 
 function niceStep(span) {
   const power = 10 ** Math.floor(Math.log10(span));
-  return [1, 2, 5, 10].map((m) => m * power).find((step) => step >= span);
+  return [1, 2, 5].map((m) => m * power).find((step) => step >= span) ?? 10 * power;
 }
 
 const figure = (value, step) => {

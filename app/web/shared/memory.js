@@ -1,19 +1,22 @@
-/** What the browser remembers. One that keeps nothing remembers it as long as the page. */
+/** What the browser remembers: for good, or for this visit. One that keeps nothing remembers it as long as the page. */
 
 const here = new Map();
+const storage = (visit) => (visit ? sessionStorage : localStorage);
 
 /** The text kept under a key; null if there is none. */
-export function kept(key) {
+export function kept(key, visit = false) {
   try {
-    return localStorage.getItem(key);
+    return storage(visit).getItem(key);
   } catch {
     return here.get(key) ?? null;
   }
 }
 
-export function keep(key, text) {
+/** Keep a text; null forgets it. @param {string} key @param {string | null} text */
+export function keep(key, text, visit = false) {
   try {
-    localStorage.setItem(key, text);
+    if (text === null) storage(visit).removeItem(key);
+    else storage(visit).setItem(key, text);
   } catch {
     here.set(key, text);
   }
@@ -22,7 +25,7 @@ export function keep(key, text) {
 /** What is kept as JSON; `otherwise` if there is nothing that can be read. */
 export function keptJson(key, otherwise) {
   try {
-    return JSON.parse(kept(key)) ?? otherwise;
+    return JSON.parse(kept(key) ?? "null") ?? otherwise;
   } catch {
     return otherwise;
   }

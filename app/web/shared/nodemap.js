@@ -17,8 +17,9 @@ const WAIT = 180; // milliseconds that p must rest before a request
 export function nodeMap(panel, frames, { nodes = true } = {}) {
   const box = panel.querySelector(".still");
   const note = panel.querySelector(".where-note");
+  /** @type {any} */
   let placed = null;
-  let asking = null;
+  let asking = new AbortController();
   let waiting = 0;
   const cloud = new Cloud(box, 2 * frames.pairs);
   const kind = () => (frames.kinds(STAGE).includes(state.map) ? state.map : frames.kinds(STAGE)[0]);
@@ -43,7 +44,7 @@ export function nodeMap(panel, frames, { nodes = true } = {}) {
   return function show(question, order) {
     points(order);
     clearTimeout(waiting);
-    asking?.abort();
+    asking.abort();
     if (!question) {
       placed = null;
       note.textContent = "";

@@ -45,6 +45,7 @@ class Pointer {
     this.cloud = cloud;
     this.on = on;
     this.fingers = new Map();
+    /** @type {{polygon: [number, number][] | null}} */
     this.drawing = { polygon: null };
     this.moved = 0;
   }
@@ -81,7 +82,7 @@ class Pointer {
   }
 
   pinch(id, before, now) {
-    const other = [...this.fingers].find(([key]) => key !== id)[1];
+    const [[, other]] = [...this.fingers].filter(([key]) => key !== id);
     const apart = (a) => Math.hypot(a[0] - other[0], a[1] - other[1]) || 1;
     this.cloud.zoomBy(apart(now) / apart(before), (now[0] + other[0]) / 2, (now[1] + other[1]) / 2);
   }
@@ -93,7 +94,7 @@ class Pointer {
     const { polygon } = this.drawing;
     this.drawing.polygon = null;
     if (alone && this.moved < 5) on.pick(cloud.nearest(...this.at(event), on.wanted));
-    else if (polygon?.length > 3) on.lasso(inside(cloud, polygon, on.wanted));
+    else if (polygon && polygon.length > 3) on.lasso(inside(cloud, polygon, on.wanted));
     cloud.paintMarks();
   }
 

@@ -1,5 +1,6 @@
 /** Draw thousands of small shapes fast: stamp ready-made masks into pixels, no paths. */
 
+import { drawingOn } from "./canvas.js";
 import { rgb } from "./palette.js";
 
 const SHAPES = {
@@ -32,7 +33,7 @@ function stamp({ shape, colour, radius, alpha }) {
   if (stamps.has(key)) return stamps.get(key);
   const side = 2 * Math.ceil(radius * 1.4 + 1) + 1;
   const canvas = new OffscreenCanvas(side, side);
-  const x = canvas.getContext("2d");
+  const x = drawingOn(canvas);
   x.translate(side / 2, side / 2);
   x.beginPath();
   SHAPES[shape](x, radius);
@@ -65,13 +66,17 @@ function stamp({ shape, colour, radius, alpha }) {
 }
 
 export class Pixels {
+  image = new ImageData(1, 1);
+  words = new Uint32Array(1); // its pixels
+  offsets = new Map(); // stamp -> places of its pixels
+
   constructor(context) {
     this.context = context;
   }
 
   /** Begin a picture of `width` × `height` device pixels on one colour. */
   begin(width, height, ground) {
-    if (!this.image || this.image.width !== width || this.image.height !== height) {
+    if (this.image.width !== width || this.image.height !== height) {
       this.image = new ImageData(width, height);
       this.words = new Uint32Array(this.image.data.buffer);
       this.offsets = new Map();

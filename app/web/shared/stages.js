@@ -61,7 +61,8 @@ export const STAGES = [
   },
 ];
 
-export const stageNamed = (key) => STAGES.find((stage) => stage.key === key) ?? STAGES.at(-1);
+const LAST = STAGES[STAGES.length - 1];
+export const stageNamed = (key) => STAGES.find((stage) => stage.key === key) ?? LAST;
 
 /** A stage in words, for the frames shown. */
 export function explained(stage, { kind }) {

@@ -4,7 +4,7 @@ import { COLOURINGS } from "./palette.js";
 import { STAGES } from "./stages.js";
 
 /** The tabs from the server; a saved page has Explore only. */
-const VIEWS = document.querySelector("meta[name=omnivat-views]")?.getAttribute("content").split(" ") ?? ["explore"];
+const VIEWS = document.querySelector("meta[name=omnivat-views]")?.getAttribute("content")?.split(" ") ?? ["explore"];
 
 const DEFAULTS = {
   view: "explore",
@@ -71,7 +71,7 @@ const usual = (chapter) => ({ ...DEFAULTS, ...CHAPTERS[chapter] });
 
 function fromAddress() {
   const address = new URLSearchParams(location.search);
-  if (address.has("tab")) address.set("view", address.get("tab"));
+  if (address.has("tab")) address.set("view", address.get("tab") ?? "");
   const named = address.get("chapter");
   const tools = [...address.keys()].some((name) => OWN.includes(name)); // a link to the workbench
   const chapter = Object.hasOwn(CHAPTERS, named ?? "") ? named : tools ? "analyse" : "";

@@ -28,7 +28,7 @@ export function followTabs() {
       const view = /^view-(\w+)-button$/.exec(id)?.[1];
       if (!view) return;
       change({ view });
-      target.closest("[role=tab]").scrollIntoView({ block: "nearest", inline: "center" }); // on a phone, tabs scroll
+      target.closest("[role=tab]")?.scrollIntoView({ block: "nearest", inline: "center" }); // on a phone, tabs scroll
     },
     true,
   );

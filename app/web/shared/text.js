@@ -3,7 +3,7 @@
 const CODES = { "&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;", "'": "&#39;" };
 export const escaped = (text) => String(text).replace(/[&<>"']/g, (c) => CODES[c]);
 /** The HTML of each one, in a row. */
-export const each = (all, html) => Array.from(all, html).join("");
+export const each = (all, html) => [...all].map(html).join("");
 export const percent = (share, digits = 0) => `${(100 * share).toFixed(digits)}\u00a0%`;
 /** True for a set of signals, drawn as stripes: a pair is two recordings of one signal. */
 export const isSignals = ({ encoder }) => encoder === "strip";
@@ -12,7 +12,7 @@ export const isSimulated = (name) => name.endsWith("-sim");
 export const NO_CLASS = "unlabelled"; // the class of a pair without one
 
 /** Options of a choice: [[value, label], …]. */
-export const options = (all, chosen = null) =>
+export const options = (all, chosen = "") =>
   each(
     all,
     ([value, label]) =>

@@ -1,5 +1,6 @@
 /** A visitor's file to upright pixels RGB, by the browser's decoders, within the limits of the server. */
 
+import { drawingOn } from "../shared/canvas.js";
 import { Refused } from "./refusal.js";
 import { reduced } from "./resize.js";
 
@@ -63,7 +64,7 @@ export function factor(width, height) {
 export function factors(kind, width, height) {
   if (kind !== "JPEG") return [factor(width, height)];
   const wanted = factor(width, height);
-  const first = [8, 4, 2, 1].find((scale) => scale <= wanted);
+  const first = [8, 4, 2].find((scale) => scale <= wanted) ?? 1;
   return [first, factor(Math.ceil(width / first), Math.ceil(height / first))];
 }
 
@@ -71,7 +72,7 @@ function checked(bytes, name) {
   if (!bytes.length) throw new Refused(`'${name}' is empty (0 bytes); copy or save the image again.`);
   if (bytes.length > MOST_BYTES)
     throw new Refused(`The image is larger than ${MOST_BYTES / 1e6} MB; scale it down and try again.`);
-  let found = null;
+  let found;
   try {
     found = headerOf(bytes);
   } catch {
@@ -164,7 +165,7 @@ function pixelsOf(bitmap, by) {
   const { width, height } = bitmap;
   const step = by * Math.max(1, Math.floor(STRIP_PIXELS / (width * by)));
   const canvas = new OffscreenCanvas(width, Math.min(step, height));
-  const brush = canvas.getContext("2d", { willReadFrequently: true });
+  const brush = drawingOn(canvas, { willReadFrequently: true });
   const wide = Math.ceil(width / by);
   const out = {
     pixels: new Uint8ClampedArray(3 * wide * Math.ceil(height / by)),
@@ -194,7 +195,8 @@ function pixelsOf(bitmap, by) {
 export async function decoded(bytes, name = "the image") {
   const { kind } = checked(bytes, name);
   const { bytes: plain, turn } = kind === "WEBP" ? bare(bytes) : { bytes, turn: 1 };
-  let bitmap = null;
+  /** @type {ImageBitmap} */
+  let bitmap;
   try {
     if (!whole(bytes, kind)) throw new RangeError("cut short");
     const options = /** @type {ImageBitmapOptions} */ ({

@@ -134,7 +134,7 @@ export const roundedAll = (readings) =>
   Object.fromEntries(Object.entries(readings).map(([name, row]) => [name, rounded(row)]));
 
 /** Readings at the learned order, and the familiarity of each image. */
-export async function predictOne(desk, head, rows, order = null) {
+export async function predictOne(desk, head, rows, /** @type {number | null} */ order = null) {
   const orders = order === null ? learned(head) : [order, order];
   const out = await desk.models.run(head, rows, [orders]);
   return { readings: roundedAll(readingsOf(head, out, 0, rows)), images: await lookedAt(desk, rows) };

@@ -11,6 +11,7 @@ export const ROUTES = new Set([
 ]);
 const DEAD = "The models cannot be started in this browser; reload the page, or open it in another one.";
 
+/** @type {Worker | null} */
 let worker = null;
 let last = 0;
 const waiting = new Map(); // number of a request -> {resolve, reject}
@@ -35,18 +36,18 @@ function loading({ text, done, total }) {
 
 function started() {
   if (worker) return worker;
-  worker = new Worker(new URL("./worker.js", import.meta.url), { type: "module" });
-  worker.onmessage = ({ data }) => {
+  const made = new Worker(new URL("./worker.js", import.meta.url), { type: "module" });
+  made.onmessage = ({ data }) => {
     if (data.loading) return loading(data.loading);
     waiting.get(data.id)?.resolve(data);
     waiting.delete(data.id);
   };
-  worker.onerror = () => {
+  made.onerror = () => {
     for (const [id, { resolve }] of waiting) resolve({ id, status: 503, value: { error: DEAD } });
     waiting.clear();
     worker = null;
   };
-  return worker;
+  return (worker = made);
 }
 
 function sent(message, signal) {

@@ -92,14 +92,15 @@ export function solved(problem, start = null, tolerance = 1e-4) {
     if (here.slope.every((value) => Math.abs(value) <= tolerance)) break;
     const way = downhill(here.slope, past);
     const fall = dot(way, here.slope);
+    const moved = (length) => at.map((value, i) => value + length * way[i]);
     let length = 1;
-    let next = null;
-    let there = null;
-    do {
-      next = at.map((value, i) => value + length * way[i]);
-      there = objective(problem, next);
+    let next = moved(length);
+    let there = objective(problem, next);
+    while (there.loss > here.loss + 1e-4 * length * fall && length > 2e-10) {
       length /= 2;
-    } while (there.loss > here.loss + 2e-4 * length * fall && length > 1e-10);
+      next = moved(length);
+      there = objective(problem, next);
+    }
     const step = next.map((value, i) => value - at[i]);
     const change = there.slope.map((value, i) => value - here.slope[i]);
     const curve = dot(step, change);

@@ -1,5 +1,6 @@
 /** The routes whose body is a file: own pictures, the camera, hidden parts, a saved profile. Runs in the worker. */
 
+import { drawingOn } from "../shared/canvas.js";
 import { OTHER } from "../shared/images.js";
 import { base64 } from "../shared/text.js";
 import { decoded } from "./decode.js";
@@ -41,7 +42,7 @@ async function preview(picture) {
     data.data.set(pixels.subarray(3 * i, 3 * i + 3), 4 * i);
     data.data[4 * i + 3] = 255;
   }
-  canvas.getContext("2d").putImageData(data, 0, 0);
+  drawingOn(canvas).putImageData(data, 0, 0);
   const blob = await canvas.convertToBlob({ type: "image/jpeg", quality: 0.85 });
   return `data:image/jpeg;base64,${base64(new Uint8Array(await blob.arrayBuffer()))}`;
 }
@@ -50,7 +51,7 @@ async function preview(picture) {
 export async function warm(desk) {
   await desk.models.runtime(); // with the head, before the encoder
   const canvas = new OffscreenCanvas(320, 240);
-  canvas.getContext("2d").fillRect(0, 0, 160, 120);
+  drawingOn(canvas).fillRect(0, 0, 160, 120);
   const blob = await canvas.convertToBlob({ type: "image/jpeg" });
   const body = new Uint8Array(await blob.arrayBuffer());
   const head = await desk.models.head();
@@ -88,6 +89,7 @@ async function live(desk, { body, query }) {
   const pictures = {};
   for (const [name, part] of Object.entries(parts)) pictures[name] = await decoded(part);
   const read = performance.now();
+  /** @type {Record<string, any>} */
   const rows = { vis: null, tac: null };
   for (const [name, one] of Object.entries(pictures))
     rows[name] = await movedBy(desk, { profile }, name, await desk.models.encoded(one));

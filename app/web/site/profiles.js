@@ -43,7 +43,7 @@ export function moved(row, target, source, step = 1) {
 }
 
 /** A profile from a file's bytes or tensors; `key`: the encoder that it has to be of. */
-export function profileFrom(file, key = null) {
+export function profileFrom(file, /** @type {any} */ key = null) {
   const found = file instanceof ArrayBuffer ? tensors(file, "the profile") : file;
   const about = found.__metadata__ ?? {};
   if (about.format !== FORMAT) throw new Refused("The file is not a profile of a sensor; save one from this page.");

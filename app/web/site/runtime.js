@@ -9,6 +9,7 @@ const ABSENT = "This browser has no WebAssembly, or it is switched off; open the
 const OLD = "This browser's WebAssembly has no SIMD, which the models need; use a browser from 2023 or later.";
 export const LOST = "A file of this page did not arrive; check the connection and try again.";
 
+/** @type {Promise<any> | null} */
 let ort = null;
 
 async function started(base, bytes) {

@@ -13,7 +13,7 @@ async function open(view) {
     const chosen = tab.id === `view-${view}-button`;
     tab.setAttribute("aria-selected", String(chosen));
     tab.tabIndex = chosen ? 0 : -1;
-    document.getElementById(tab.getAttribute("aria-controls")).hidden = !chosen;
+    document.getElementById(tab.getAttribute("aria-controls") ?? "")?.toggleAttribute("hidden", !chosen);
   }
   if (started.has(view)) return;
   started.add(view);
@@ -28,7 +28,7 @@ async function keep() {
   await line.models;
   await navigator.serviceWorker.register("sw.js");
   const { active } = await navigator.serviceWorker.ready;
-  if (!(/** @type {any} */ (navigator).connection?.saveData)) active.postMessage("keep");
+  if (!(/** @type {any} */ (navigator).connection?.saveData)) active?.postMessage("keep");
 }
 
 for (const tab of tabs) {
@@ -41,7 +41,7 @@ for (const tab of tabs) {
   };
 }
 document.body.classList.toggle("dark", matchMedia("(prefers-color-scheme: dark)").matches);
-document.querySelector(".unstarted").remove();
+document.querySelector(".unstarted")?.remove();
 startHeader(document.querySelector("#omnivat-header"));
 await open(state.view);
 if (navigator.serviceWorker) setTimeout(() => keep().catch(() => {}), 2000); // a browser may forbid it; the page works without

@@ -88,6 +88,17 @@ function standing(out, there) {
 }
 
 class Work {
+  /** @type {{row: Float64Array, label: number}[]} of the head's own training */
+  source = [];
+  /** @type {string[]} */
+  methods = [];
+  /** @type {Float64Array[]} of the lessons */
+  rows = [];
+  /** @type {any[]} of the lessons, at F̂ */
+  means = [];
+  /** @type {number[]} what is predicted before */
+  before = [];
+
   /** room: {head, lessons: [{label, pair}], known, run(pair, head)} */
   constructor({ head, lessons, known, run }) {
     this.head = head;
@@ -104,9 +115,6 @@ class Work {
   async prepared() {
     this.source = await trainingRows(this);
     this.methods = this.source.length ? [LOGISTIC, MEAN, NEIGHBOUR, DIRECTIONS] : [DIRECTIONS, MEAN, NEIGHBOUR];
-    this.rows = [];
-    this.means = [];
-    this.before = [];
     for (const { pair } of this.lessons) {
       const out = await this.run(pair);
       const there = imagesOf(pair);
@@ -120,6 +128,7 @@ class Work {
 
   /** Leave each lesson out and predict it by every method. */
   async report() {
+    /** @type {Record<string, any[]>} */
     const found = Object.fromEntries(this.methods.map((name) => [name, []]));
     for (const out of this.lessons.keys())
       for (const name of this.methods) found[name].push(await this.predicted(name, out));

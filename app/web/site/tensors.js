@@ -3,6 +3,7 @@
 import { Refused } from "./refusal.js";
 
 /** Half precision, as an array of 65,536 floats by their bits. */
+/** @type {Float32Array | null} */
 let halves = null;
 function table() {
   return (halves ??= Float32Array.from({ length: 65536 }, (_, bits) => {

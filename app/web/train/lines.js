@@ -12,7 +12,7 @@ const PAD = { left: 38, right: 8, top: 8, bottom: 18 };
 export function niceTop(value) {
   if (!(value > 0)) return 1;
   const power = 10 ** Math.floor(Math.log10(value));
-  return [1, 2, 2.5, 5, 10].map((m) => m * power).find((top) => top >= value);
+  return [1, 2, 2.5, 5].map((m) => m * power).find((top) => top >= value) ?? 10 * power;
 }
 
 /**

@@ -1,6 +1,6 @@
 /** Train here: choose settings, train, follow the epochs, use the head. */
 
-import { ask, attempt, json, refused } from "../shared/api.js";
+import { ask, attempt, isForgotten, json, refused } from "../shared/api.js";
 import { fit, loaded } from "../shared/facts.js";
 import { remedyHtml } from "../shared/headless.js";
 import { made, save } from "../shared/save.js";
@@ -9,7 +9,6 @@ import { charts } from "./lines.js";
 import { chosen, compared, formHtml, inWords, keep, kept, mapAt, result, standing, visitor } from "./plan.js";
 import { RunMap } from "./run-map.js";
 
-const FORGOTTEN = 410;
 const ALONE = "<b>Train a head on this domain.</b> The set has no other, so accuracy away from home stays unknown.";
 const LOOK = 400; // milliseconds between two requests for progress
 
@@ -32,6 +31,7 @@ class TrainTab {
   constructor(root, offers, unfit) {
     this.root = root;
     this.unfit = unfit;
+    /** @type {any} */
     this.run = null; // {name, question, total, epochs, state}
     this.earlier = [];
     this.at = 0; // the epoch shown; the newest while it follows
@@ -154,8 +154,8 @@ class TrainTab {
     try {
       return await ask("training", { run: run.name, since: run.epochs.length });
     } catch (error) {
-      if (error.status !== FORGOTTEN) throw error;
-      return { ...run.state, state: "failed", problem: error.message, epochs: [] };
+      if (!isForgotten(error)) throw error;
+      return { ...run.state, state: "failed", problem: `${error instanceof Error && error.message}`, epochs: [] };
     }
   }
 

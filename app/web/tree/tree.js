@@ -1,6 +1,6 @@
 /** Tree: the nodes of the current pair or of a domain, for each head side by side. */
 
-import { ask, attempt, json, refused } from "../shared/api.js";
+import { ask, attempt, isCancelled, json, refused } from "../shared/api.js";
 import { nearest } from "../shared/frames.js";
 import { needsHead } from "../shared/headless.js";
 import { heads } from "../shared/headsets.js";
@@ -129,7 +129,7 @@ class TreeTab {
       const found = await ask("tree", { ...question, order: this.order, head: one.name }, signal);
       return { ...one, ...found };
     } catch (error) {
-      if (!place || error.name === "AbortError") throw error;
+      if (!place || isCancelled(error)) throw error;
       let problem = "";
       refused(error, (sentence) => (problem = sentence));
       return { ...one, problem };

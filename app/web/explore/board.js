@@ -1,0 +1,214 @@
+/** What Explore shows of a set: its parts, connected to one scene. */
+
+import { card } from "../shared/card.js";
+import { showFilters } from "../shared/filters.js";
+import { orderText } from "../shared/frames.js";
+import { asText, values } from "../shared/measures.js";
+import { orderBar } from "../shared/order.js";
+import { colouring, isLecture } from "../shared/palette.js";
+import { explained, featuresOf, stageNamed, stepsOf } from "../shared/stages.js";
+import { change, state } from "../shared/store.js";
+import { fill } from "../shared/text.js";
+import { Acts } from "./acts.js";
+import { chapterNamed, featuresHtml, headOf } from "./chapters.js";
+import { Curves } from "./curves.js";
+import { Finder } from "./finder.js";
+import { showGrid } from "./grid.js";
+import { Maps } from "./maps.js";
+import { modeWords } from "./modes.js";
+import { panels } from "./panels.js";
+import { peek } from "./pictures.js";
+import { Saving } from "./saving.js";
+import { Scene } from "./scene.js";
+import { Staircase } from "./staircase.js";
+import { Strangers } from "./strangers.js";
+import { Toy } from "./toy.js";
+import { Waterfall } from "./waterfall.js";
+
+const ANSWERS = ["Correctness", "Confidence"]; // colourings that change with p
+
+export class Board {
+  /** `data` as in library.js. */
+  constructor($, data) {
+    this.$ = $;
+    this.lassoMode = false;
+    this.sample = -1; // the pair that the card shows at first
+    const scene = (this.scene = new Scene(data));
+    this.acts = new Acts(this);
+    this.maps = new Maps($, scene, this.acts.pointing());
+    this.peek = peek($(".peek"), $(".maps"), scene);
+    this.panels = panels($(".panels"), () => this.showToy());
+    this.bar = orderBar($(".ride"), data.own);
+    const toOrder = (p) => change({ p: scene.frames.orders[scene.frames.stop(p)] });
+    const tall = () =>
+      isLecture() ? 0.5 * innerHeight : Math.min(560, 0.3 * innerHeight + 0.5 * Math.max(0, innerHeight - 720));
+    const high = () => (innerWidth < 820 ? 110 : state.chapter === "order" ? tall() : 0.165 * innerHeight);
+    this.ride = new Curves($(".over"), toOrder, { measures: ["accuracy"], high });
+    this.curves = new Curves($(".all"), toOrder, { measures: ["modality_gap", "domain_gap", "margin"] });
+    this.stairs = new Staircase(
+      $(".staircase"),
+      () => state.stage,
+      (stage) => change({ stage }),
+    );
+    this.waterfall = new Waterfall($(".waterfall"), $(".profiles"), scene);
+    this.strangers = new Strangers($, scene, (cell) => this.acts.onlyCell(cell));
+    this.toy = new Toy($(".toy"));
+    this.finder = new Finder($(".finder"), scene);
+    this.saving = new Saving($, scene, this.maps, () => this.showPictures());
+    this.announcing = 0;
+  }
+
+  /** Facts about the set or its head have come. */
+  learned() {
+    const { facts } = this.scene;
+    if (facts.unseen) this.strangers.show();
+    this.finder.show();
+    this.showLesson();
+    if (state.find || state.alike || state.range) this.refilter();
+    if (facts.unseen && state.cell) this.strangers.follow();
+    this.showPictures();
+  }
+
+  /** A chapter opens: nothing is selected, the whole map is in view. `pale` is the curve of another set. */
+  start(frames, pale) {
+    this.scene.selected = new Set();
+    this.sample = frames.label.findIndex((label, pair) => frames.headless || label === frames.prediction[pair]);
+    this.ride.pale = pale;
+    this.maps.reset();
+    this.replace(frames);
+    this.acts.selectNamed();
+  }
+
+  /** Show other frames of the same pairs. */
+  replace(frames) {
+    const { scene } = this;
+    scene.frames = frames;
+    scene.follow();
+    this.bar.replace(frames);
+    this.bar.learned(state.chapter === "order" ? NaN : scene.own.learned); // the mark would give the answer away
+    this.ride.replace(frames);
+    this.curves.replace(frames);
+    this.stairs.replace(frames);
+    this.$(".mode-words").innerHTML = modeWords(frames);
+    this.$(".explore").dataset.kind = frames.kind;
+    this.$(".ride").classList.toggle("blind", !values(frames, "accuracy", "f_hat")?.some(Number.isFinite));
+    this.showColours();
+    this.showStage();
+    this.showMeans();
+    this.showToy();
+  }
+
+  showOrder() {
+    const { scene } = this;
+    scene.follow();
+    this.bar.show(scene.stop);
+    this.ride.mark(scene.stop);
+    this.curves.mark(scene.stop);
+    this.stairs.show(scene.stop);
+    if (this.panels.open("toy")) this.toy.show(scene.p);
+    if (state.chapter === "fooled") this.strangers.mark();
+    if (ANSWERS.includes(colouring(scene.frames, state.colour).label)) this.maps.showLayers();
+    this.maps.showNow();
+    this.showCard();
+    this.showLesson();
+    clearTimeout(this.announcing);
+    this.announcing = setTimeout(() => this.announce(), 400);
+  }
+
+  /** The words and figures of a chapter; in the workbench, the accuracy and whose it is. */
+  showLesson() {
+    const { scene } = this;
+    const lesson = chapterNamed(state.chapter);
+    const set = (selector, html) => fill(this.$(selector), html);
+    if (!lesson) return set(".score", scene.frames.headless ? featuresHtml(scene) : headOf(scene.frames, scene.stop));
+    const words = lesson.words(scene);
+    for (const name of ["title", "figure", "remark"]) set(`.${name}`, words[name]);
+    if (state.chapter === "failure") this.waterfall.show();
+    return undefined;
+  }
+
+  showStage() {
+    const { frames } = this.scene;
+    const steps = stepsOf(frames).map(({ key }) => key);
+    if (!steps.includes(state.stage)) return change({ stage: frames.headless ? "raw" : "frft" }); // it lacks a projection
+    this.stairs.choose();
+    const stage = stageNamed(state.stage);
+    this.$(".explain").innerHTML = `<b>${stage.name}.</b> ${explained(stage, frames)}`;
+    this.scene.near = [];
+    this.maps.showKinds();
+    this.showCurves();
+    return this.showOrder();
+  }
+
+  showCurves() {
+    for (const one of [this.ride, this.curves]) {
+      one.show(state.stage, this.scene.loneDomain());
+      one.mark(this.scene.stop);
+    }
+  }
+
+  showColours() {
+    this.maps.showColourings();
+    showFilters(this.$(".filters"), this.scene.frames, (name) => {
+      this.scene.highlight = name;
+      this.maps.showLayers();
+    });
+    this.refilter();
+  }
+
+  /** Apply the filters everywhere: maps, titles, curves, selection, what is saved. */
+  refilter() {
+    if (this.scene.refilter()) this.acts.nameSelected();
+    this.maps.showLayers();
+    if (this.maps.now.frame) this.maps.showNow();
+    this.showCurves();
+    if (this.scene.facts.unseen) this.finder.count();
+    this.showPictures();
+  }
+
+  showToy() {
+    if (this.panels.open("toy")) this.toy.open().then(() => this.toy.show(this.scene.p));
+  }
+
+  showCard() {
+    const { scene } = this;
+    const pair = scene.hovered >= 0 ? scene.hovered % scene.frames.pairs : (state.pin ?? -1);
+    const pinned = pair >= 0 && pair === state.pin;
+    this.$('[data-panel="card"]').hidden = state.chapter !== "analyse" && state.pin === null;
+    this.$(".card").innerHTML = card(
+      scene.frames,
+      scene.sprite,
+      pair,
+      scene.stop,
+      pinned,
+      this.sample,
+      scene.facts.pairs,
+    );
+    if (pinned) this.acts.showNear();
+  }
+
+  showMeans() {
+    this.$(".tool.means").setAttribute("aria-pressed", state.means === "1");
+    this.maps.paintMarks();
+  }
+
+  /** The pictures of what is selected or found. */
+  showPictures() {
+    showGrid(this.$(".pictures"), this.scene, {
+      onPick: (pair) => this.acts.pick(pair),
+      onClear: () => this.acts.select([]),
+      onSave: () => this.saving.save("csv"),
+    });
+    this.saving.label();
+  }
+
+  announce() {
+    const { frames, stop } = this.scene;
+    const parts = [`p ${orderText(frames.orders[stop])}`];
+    const gap = values(frames, "modality_gap", featuresOf(state.stage))?.[stop];
+    if (Number.isFinite(gap)) parts.push(`modality gap ${asText("modality_gap", gap)}`);
+    const right = values(frames, "accuracy", "f_hat")?.[stop];
+    if (Number.isFinite(right)) parts.push(`accuracy on unseen domains ${asText("accuracy", right)}`);
+    this.$(".said").textContent = parts.join(", ");
+  }
+}

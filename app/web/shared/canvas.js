@@ -1,0 +1,20 @@
+/** What is drawn on a canvas. */
+
+/** The drawing context of a canvas.
+ * @param {HTMLCanvasElement | OffscreenCanvas} canvas @param {any} options @returns {any} */
+export function drawingOn(canvas, options = {}) {
+  const context = canvas.getContext("2d", options);
+  if (!context) throw new Error("This browser gives no canvas to draw on.");
+  return context;
+}
+
+/** Paint a canvas of cells; `colour(x, y)` is [r, g, b], and may have an alpha. */
+export function paintCells(canvas, columns, rows, colour) {
+  [canvas.width, canvas.height] = [columns, rows];
+  const image = new ImageData(columns, rows);
+  for (let i = 0; i < columns * rows; i++) {
+    const [r, g, b, alpha = 255] = colour(i % columns, Math.floor(i / columns));
+    image.data.set([r, g, b, alpha], 4 * i);
+  }
+  drawingOn(canvas).putImageData(image, 0, 0);
+}
