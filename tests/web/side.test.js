@@ -14,7 +14,7 @@ const { state } = await import("../../app/web/shared/store.js");
 
 /** A side without a map; its parts are the properties that `load` sets. */
 function side() {
-  const parts = { ".side-wait": { hidden: true, textContent: "" }, ".order": {} };
+  const parts = { ".side-wait": { hidden: true, textContent: "", classList: { toggle() {} } }, ".order": {} };
   return Object.assign(Object.create(Side.prototype), {
     keys: SIDES[1],
     box: { querySelector: (name) => parts[name] },

@@ -11,6 +11,7 @@ import { stageNamed } from "../shared/stages.js";
 import { change, state, watch, watchIn } from "../shared/store.js";
 import { each, escaped, options } from "../shared/text.js";
 import { theSet } from "../shared/theset.js";
+import { making, press, tell, View } from "../shared/view.js";
 import { counted, sentence } from "./changes.js";
 import { matrix } from "./matrix.js";
 import { SIDES, Side, sideHtml } from "./side.js";
@@ -19,12 +20,8 @@ export async function start(root) {
   if (await needsHead(root)) return;
   const wait = root.querySelector(".wait");
   try {
-    const { frames, sprite } = await theSet((step) => {
-      wait.textContent = step?.total
-        ? `Computing maps, ${step.done} of ${step.total}. Pair works meanwhile.`
-        : "Computing the map…";
-    });
-    wait.hidden = true;
+    const { frames, sprite } = await theSet((step) => tell(wait, making(step)));
+    tell(wait, "");
     const tab = new CompareTab(root, frames, sprite, await heads().catch(() => []));
     matrix(root.querySelector(".matrix"));
     unseen().then(
@@ -32,10 +29,7 @@ export async function start(root) {
       () => {},
     );
   } catch (error) {
-    refused(error, (text) => {
-      wait.classList.add("problem");
-      wait.textContent = text;
-    });
+    refused(error, (sentence) => tell(wait, sentence, true));
   }
 }
 
@@ -53,9 +47,9 @@ function atFirst(frames, known) {
   state.stage2 = stageNamed(state.stage2).key;
 }
 
-class CompareTab {
+class CompareTab extends View {
   constructor(root, frames, sprite, known) {
-    this.root = root;
+    super(root);
     this.frames = frames;
     this.sprite = sprite;
     this.judged = null; // test pairs, once loaded
@@ -74,17 +68,13 @@ class CompareTab {
     this.load();
   }
 
-  $(selector) {
-    return this.root.querySelector(selector);
-  }
-
   wire() {
     this.$(".colouring").innerHTML = options(Object.entries(COLOURINGS).map(([key, c]) => [key, c.label]));
     this.$(".colouring").onchange = (event) => change({ colour: event.target.value });
     this.$(".reset").onclick = () => this.sides[0].cloud.resetView();
-    this.$(".lasso").onclick = (event) => this.press(event.currentTarget, (this.lassoMode = !this.lassoMode));
+    this.$(".lasso").onclick = (event) => press(event.currentTarget, (this.lassoMode = !this.lassoMode));
     this.$(".changed").onclick = (event) => {
-      this.press(event.currentTarget, (this.changedOnly = !this.changedOnly));
+      press(event.currentTarget, (this.changedOnly = !this.changedOnly));
       this.show();
     };
     watchIn("compare", ["p", "p2", "stage", "stage2", "map", "colour", "only", "only2"], () => this.show());
@@ -95,10 +85,6 @@ class CompareTab {
     });
     watch(["pin"], () => this.mark());
     onTheme(() => this.show());
-  }
-
-  press(button, on) {
-    button.setAttribute("aria-pressed", String(on));
   }
 
   /** The test pairs: not used in training, and of a class that the head has. */

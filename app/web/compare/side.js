@@ -13,6 +13,7 @@ import { listen } from "../shared/pointer.js";
 import { STAGES } from "../shared/stages.js";
 import { change, state } from "../shared/store.js";
 import { each, escaped, options } from "../shared/text.js";
+import { making, tell, View } from "../shared/view.js";
 import { difference } from "./changes.js";
 
 const OF_ONE_DOMAIN = ["modality_gap", "accuracy"]; // available for a single domain
@@ -36,11 +37,11 @@ export function sideHtml({ name }, frames, known) {
     <div class="map" role="application" aria-label="${name} map"></div><table class="numbers"><tbody></tbody></table></article>`;
 }
 
-export class Side {
+export class Side extends View {
   /** board: the tab of both sides. */
   constructor(keys, box, frames, board) {
+    super(box);
     this.keys = keys;
-    this.box = box;
     this.frames = frames; // frames of the predictions and maps shown
     this.board = board;
     this.loaded = null; // the head of these frames
@@ -56,10 +57,6 @@ export class Side {
     });
     this.cloud.painters = this.painters();
     this.wire();
-  }
-
-  $(selector) {
-    return this.box.querySelector(selector);
   }
 
   get chosen() {
@@ -139,29 +136,21 @@ export class Side {
   async load(own, onFiner) {
     const wait = this.$(".side-wait");
     const name = this.chosen.head;
-    const tell = (step) => {
-      wait.hidden = false;
-      wait.textContent = step?.total
-        ? `Computing maps, ${step.done} of ${step.total}. Pair works meanwhile.`
-        : "Computing…";
-    };
-    if (name) tell(null);
+    const telling = (step) => tell(wait, making(step));
+    if (name) telling(null);
     this.failed = false;
     try {
-      const found = await framesBy(name, own, tell, onFiner);
+      const found = await framesBy(name, own, telling, onFiner);
       if (this.chosen.head !== name) return;
       if (found.pairs !== own.pairs) throw new Refusal("This head’s map belongs to another set.");
       this.frames = found;
       this.loaded = name;
-      wait.hidden = true;
+      tell(wait, "");
       this.$(".order").disabled = isMethod(name);
     } catch (error) {
       if (this.chosen.head !== name) return; // a late failure of a head that is no longer chosen
       this.failed = true;
-      refused(error, (sentence) => {
-        wait.hidden = false;
-        wait.textContent = sentence;
-      });
+      refused(error, (sentence) => tell(wait, sentence));
     }
   }
 

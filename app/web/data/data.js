@@ -6,6 +6,7 @@ import { fit, loaded } from "../shared/facts.js";
 import { held } from "../shared/held.js";
 import { each, escaped, isSimulated, NO_CLASS, percent, row, table } from "../shared/text.js";
 import { theSetSoon } from "../shared/theset.js";
+import { tell } from "../shared/view.js";
 
 export async function start(root) {
   const wait = root.querySelector(".wait");
@@ -14,17 +15,14 @@ export async function start(root) {
     const exact = ({ frames }) => {
       root.querySelector(".exact").innerHTML = approximations(frames, about.limits);
     };
-    wait.hidden = true;
+    tell(wait, "");
     root.querySelector(".facts").innerHTML = page(about, problem);
     exact(set);
     set.later?.then(exact);
     loading(root.querySelector(".loading"));
     if (!problem) measuring(root.querySelector(".measuring"));
   } catch (error) {
-    refused(error, (sentence) => {
-      wait.classList.add("problem");
-      wait.textContent = sentence;
-    });
+    refused(error, (sentence) => tell(wait, sentence, true));
   }
 }
 

@@ -5,6 +5,7 @@ import { thumbnail } from "../shared/card.js";
 import { featuresOf } from "../shared/stages.js";
 import { change, state } from "../shared/store.js";
 import { each } from "../shared/text.js";
+import { onClick } from "../shared/view.js";
 
 export class Acts {
   constructor(board) {
@@ -133,10 +134,7 @@ export function showNeighbours(box, found, { frames, sprite }, onPick) {
     const name = `${tac ? "TAC" : "VIS"} of pair ${own}, ${frames.classes[frames.label[own]]}, ${frames.domains[frames.domain[own]]}, cosine ${cosine.toFixed(3)}`;
     return `<button type="button" data-point="${point}" title="${name}" aria-label="${name}">${thumbnail(sprite, point, 48, tac ? "TAC" : "VIS")}<small>${tac ? "TAC" : "VIS"} ${cosine.toFixed(2)}</small></button>`;
   });
-  box.onclick = (event) => {
-    const button = event.target.closest("[data-point]");
-    if (button) onPick(+button.dataset.point);
-  };
+  onClick(box, { "[data-point]": ({ dataset }) => onPick(+dataset.point) });
 }
 
 const MOST = 4000; // letters; a longer selection is left out of the address

@@ -9,6 +9,7 @@ import { colouring, isLecture } from "../shared/palette.js";
 import { explained, featuresOf, stageNamed, stepsOf } from "../shared/stages.js";
 import { change, state } from "../shared/store.js";
 import { fill } from "../shared/text.js";
+import { press } from "../shared/view.js";
 import { Acts } from "./acts.js";
 import { chapterNamed, featuresHtml, headOf } from "./chapters.js";
 import { Curves } from "./curves.js";
@@ -188,7 +189,7 @@ export class Board {
   }
 
   showMeans() {
-    this.$(".tool.means").setAttribute("aria-pressed", state.means === "1");
+    press(this.$(".tool.means"), state.means === "1");
     this.maps.paintMarks();
   }
 

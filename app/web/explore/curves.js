@@ -3,15 +3,16 @@
 import { dragged, Scale } from "../shared/chart.js";
 import { asText, axis, MEASURES, spread, values } from "../shared/measures.js";
 import { each, escaped } from "../shared/text.js";
+import { View } from "../shared/view.js";
 
 const LEAST = 150; // CSS pixels; charts are drawn at the width of their box, so text keeps its size
 const PAD = { left: 54, right: 10, top: 8, bottom: 24 }; // explore.css sets the slider under a chart by these
 const ENDS = [0, 1]; // of the axis, whichever stops are ready
 
-export class Curves {
+export class Curves extends View {
   /** Charts of some measures, `high()` CSS pixels high each. */
   constructor(box, onOrder, { measures, high = () => 108 }) {
-    this.box = box;
+    super(box);
     /** @type {any} */
     this.frames = null;
     this.onOrder = onOrder;
@@ -29,7 +30,7 @@ export class Curves {
   }
 
   width() {
-    const around = this.box.querySelector("figure") ?? this.box;
+    const around = this.$("figure") ?? this.box;
     const { paddingLeft, paddingRight } = getComputedStyle(around);
     const borders = around.offsetWidth - around.clientWidth; // clientWidth itself is rounded, up as well
     const padding = (parseFloat(paddingLeft) || 0) + (parseFloat(paddingRight) || 0);
@@ -47,8 +48,7 @@ export class Curves {
   replace(frames) {
     this.frames = frames;
     const xs = [Math.min(ENDS[0], frames.orders[0]), Math.max(ENDS[1], frames.orders.at(-1))];
-    if (!this.box.querySelector("figure"))
-      this.box.innerHTML = each(this.measures, figure) + (this.measures.length > 1 ? DASHED : "");
+    if (!this.$("figure")) this.box.innerHTML = each(this.measures, figure) + (this.measures.length > 1 ? DASHED : "");
     this.wide = this.width();
     this.scale = new Scale({ wide: this.wide, high: this.tall(), pad: PAD, xs });
     this.charts = [...this.box.querySelectorAll("figure")].map((root, i) => ({ root, ...this.measures[i] }));

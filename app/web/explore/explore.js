@@ -3,21 +3,17 @@
 import { attempt } from "../shared/api.js";
 import { choices } from "../shared/facts.js";
 import { openChapter, state } from "../shared/store.js";
+import { making, tell } from "../shared/view.js";
 import { Page } from "./page.js";
 
 export async function start(root) {
   const $ = (selector) => root.querySelector(selector);
   const wait = $(".wait");
   const say = (sentence) => {
-    wait.hidden = false;
-    wait.classList.add("problem");
-    wait.textContent = sentence;
+    tell(wait, sentence, true);
     if (new URLSearchParams(location.search).has("set")) wait.append(" ", homeLink());
   };
-  const telling = (step) => {
-    wait.hidden = step === null;
-    wait.textContent = waiting(step);
-  };
+  const telling = (step) => tell(wait, step === null ? "" : waiting(step));
   await attempt(async () => {
     const page = new Page($, await choices(), { say, telling });
     if (!state.chapter) openChapter(page.first);
@@ -33,8 +29,5 @@ function homeLink() {
   return link;
 }
 
-function waiting(step) {
-  if (!step) return "Computing maps…";
-  const share = step.total ? `, ${step.done} of ${step.total}` : step.text ? `: ${step.text}` : "";
-  return `Computing maps${share}. Pair works meanwhile.`;
-}
+const waiting = (step) =>
+  step?.text && !step.total ? `Computing maps: ${step.text}. Pair works meanwhile.` : making(step);

@@ -2,6 +2,7 @@
 
 import { change, state } from "../shared/store.js";
 import { each } from "../shared/text.js";
+import { View } from "../shared/view.js";
 
 const UP = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 };
 const BINS = 20;
@@ -34,9 +35,9 @@ export function shifted(range, [low, high], by, upper) {
   return upper ? [from, Math.max(from, inside(to + step))] : [Math.min(to, inside(from + step)), to];
 }
 
-export class Finder {
+export class Finder extends View {
   constructor(box, scene) {
-    this.box = box;
+    super(box);
     this.scene = scene;
     this.spans = Object.fromEntries(HISTOGRAMS.map(({ name }) => [name, [0, 1]]));
     box.innerHTML = `<label class="search"><span class="sr">Find pairs</span><input type="search" placeholder="Find pairs: name, class, domain" autocomplete="off"></label>
@@ -58,9 +59,7 @@ export class Finder {
     this.alike.querySelector("small").textContent = `(${count})`;
     if (!unseen) return;
     this.spans = Object.fromEntries(HISTOGRAMS.map(({ name }) => [name, span(unseen.pairs[name])]));
-    this.box.querySelector(".histograms").innerHTML = each(HISTOGRAMS, ({ name, title, help }) =>
-      this.figure(name, title, help),
-    );
+    this.$(".histograms").innerHTML = each(HISTOGRAMS, ({ name, title, help }) => this.figure(name, title, help));
     for (const svg of this.box.querySelectorAll("svg")) this.listen(svg, svg.closest("figure").dataset.name);
     this.count();
   }
@@ -114,8 +113,7 @@ export class Finder {
     const seen = (pair) => shown(pair) || shown(frames.pairs + pair);
     let kept = 0;
     for (let pair = 0; pair < frames.pairs; pair++) kept += seen(pair) ? 1 : 0;
-    this.box.querySelector(".found").textContent =
-      kept === frames.pairs ? "" : `${kept} of ${frames.pairs} pairs shown`;
+    this.$(".found").textContent = kept === frames.pairs ? "" : `${kept} of ${frames.pairs} pairs shown`;
     for (const figure of this.box.querySelectorAll("figure")) {
       const { name } = figure.dataset;
       const own = facts.unseen.pairs[name];

@@ -4,6 +4,7 @@ import { imitation, thumbnail, verdict } from "../shared/card.js";
 import { orderText } from "../shared/frames.js";
 import { state } from "../shared/store.js";
 import { escaped, percent } from "../shared/text.js";
+import { onClick } from "../shared/view.js";
 import { tagOf, tagPairs } from "./tags.js";
 
 const SHOWN = 60; // pairs; the CSV holds all
@@ -75,12 +76,7 @@ export function showGrid(box, scene, { onPick, onClear, onSave }) {
   const more = pairs.length > first ? `<p class="hint">${pairs.length - first} more pairs are in the CSV.</p>` : "";
   const parts = [`<div class="tiles">${tiles.join("")}</div>${more}`, row];
   box.innerHTML = heading(what, scene) + (what.why ? parts : parts.reverse()).join(""); // a chapter shows the pictures first
-  box.onclick = (event) => {
-    if (event.target.matches(".csv")) onSave();
-    if (event.target.matches(".clear")) onClear();
-    const button = event.target.closest("[data-pair]");
-    if (button) onPick(+button.dataset.pair);
-  };
+  onClick(box, { ".csv": onSave, ".clear": onClear, "[data-pair]": ({ dataset }) => onPick(+dataset.pair) });
   box.querySelector(".tagging").onchange = (event) => {
     tagPairs(scene.frames, pairs, event.target.value.trim());
     showGrid(box, scene, { onPick, onClear, onSave });

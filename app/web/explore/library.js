@@ -1,25 +1,18 @@
 /** The sets that the chapters show: frames, pictures, modes of p, facts. Each is fetched once. */
 
+import { once } from "../shared/api.js";
 import { centred, choices, framesOf, unpacked } from "../shared/facts.js";
 import { boxes } from "../shared/frames.js";
 import { theSet } from "../shared/theset.js";
 
-const sets = new Map();
-
 /** {set, own, sprite, coarse, modes, frames, facts}: what is shown of a set. */
-export function dataOf(set, onWait) {
-  if (!sets.has(set))
-    sets.set(
-      set,
-      Promise.all([theSet(onWait, set), choices(set)]).then(([{ frames: own, coarse, sprite }, { modes }]) => {
-        own.coarse = coarse;
-        const frames = new Map([["moved", own]]);
-        return { set, own, sprite, coarse, modes, frames, facts: { unseen: null, pairs: null, fit: null } };
-      }),
-    );
-  sets.get(set).catch(() => sets.delete(set)); // the next call tries again
-  return sets.get(set);
-}
+export const dataOf = (set, onWait) =>
+  once(`data ${set}`, async () => {
+    const [{ frames: own, coarse, sprite }, { modes }] = await Promise.all([theSet(onWait, set), choices(set)]);
+    own.coarse = coarse;
+    const frames = new Map([["moved", own]]);
+    return { set, own, sprite, coarse, modes, frames, facts: { unseen: null, pairs: null, fit: null } };
+  });
 
 /** The frames of a mode of p. */
 export async function modeFrames(data, mode) {

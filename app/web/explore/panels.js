@@ -2,6 +2,7 @@
 
 import { keep, keptJson } from "../shared/memory.js";
 import { each, escaped } from "../shared/text.js";
+import { onClick } from "../shared/view.js";
 
 const KEPT = "omnivat-panels";
 const FIRST = { card: true, grid: true, confusion: false }; // open on the first visit
@@ -48,9 +49,5 @@ export function showSets(box, sets) {
     ({ name, title, shown }) =>
       `<button type="button" data-set="${escaped(name)}" aria-pressed="${shown}" title="${escaped(WORDS[name] ?? "")}">${escaped(title)}</button>`,
   );
-  box.onclick = (event) => {
-    const button = event.target.closest("[data-set]");
-    if (button && button.getAttribute("aria-pressed") !== "true")
-      location.assign(addressOf(button.dataset.set, location.href));
-  };
+  onClick(box, { "[aria-pressed=false]": ({ dataset }) => location.assign(addressOf(dataset.set, location.href)) });
 }

@@ -4,26 +4,24 @@ import { asText, axis, MEASURES, values } from "../shared/measures.js";
 import { ARROWS } from "../shared/radios.js";
 import { STAGES, stepsOf } from "../shared/stages.js";
 import { each, escaped } from "../shared/text.js";
+import { onClick, View } from "../shared/view.js";
 
 const HIGH = 33; // CSS pixels of a row of stairs
 const WORDS = 16; // of these, above the highest step, for its figure
 const ROWS = MEASURES.filter(({ name }) => name !== "accuracy");
 const symbol = (short) => short.replace("_p", "<sub>p</sub>");
 
-export class Staircase {
+export class Staircase extends View {
   /** `chosen()` is the open step; `onChoose(key)` opens another. */
   constructor(box, chosen, onChoose) {
-    this.box = box;
+    super(box);
     this.chosen = chosen;
     this.onChoose = onChoose;
     this.row = ROWS[0].name; // the measure shown
     this.steps = STAGES;
     /** @type {any[]} */
     this.parts = [];
-    box.onclick = (event) => {
-      const step = event.target.closest("[data-stage]");
-      if (step) onChoose(step.dataset.stage);
-    };
+    onClick(box, { "[data-stage]": ({ dataset }) => onChoose(dataset.stage) });
     box.onkeydown = (event) => this.key(event);
   }
 
@@ -41,11 +39,11 @@ export class Staircase {
     );
     const options = ROWS.map(({ name, title }) => `<option value="${name}">${title}</option>`);
     this.box.innerHTML = `<div class="stair heads"><select class="of-steps" aria-label="What the stairs show">${options.join("")}</select><div class="treads" role="radiogroup" aria-label="Step of the head; opens its map">${heads.join("")}</div></div>${rows.join("")}`;
-    const select = this.box.querySelector("select");
+    const select = this.$("select");
     select.value = this.row;
     select.onchange = () => this.choose((this.row = select.value));
     this.parts = ROWS.map(({ name }) => {
-      const root = this.box.querySelector(`[data-name="${name}"]`);
+      const root = this.$(`[data-name="${name}"]`);
       return {
         name,
         ys: axis(frames, name),
@@ -91,7 +89,7 @@ export class Staircase {
     const at = this.steps.findIndex(({ key }) => key === this.chosen());
     const { key } = this.steps[(at + by + this.steps.length) % this.steps.length];
     this.onChoose(key);
-    this.box.querySelector(`[role=radio][data-stage="${key}"]`).focus();
+    this.$(`[role=radio][data-stage="${key}"]`).focus();
   }
 }
 

@@ -4,6 +4,7 @@ import { spread, values } from "../shared/measures.js";
 import { radios } from "../shared/radios.js";
 import { change, state } from "../shared/store.js";
 import { each, escaped, options, percent } from "../shared/text.js";
+import { onClick } from "../shared/view.js";
 
 export const READINGS = [
   { key: "fused", label: "Both" },
@@ -108,10 +109,7 @@ export class Strangers {
     );
     const box = this.confused.querySelector(".confusion");
     box.innerHTML = `<table><thead><tr><th scope="col"><small>true ↓</small></th>${head.join("")}</tr></thead><tbody>${rows.join("")}</tbody></table>`;
-    box.onclick = (event) => {
-      const cell = event.target.closest("[data-truth]");
-      if (cell) this.choose({ truth: +cell.dataset.truth, answer: +cell.dataset.answer });
-    };
+    onClick(box, { "[data-truth]": ({ dataset }) => this.choose({ truth: +dataset.truth, answer: +dataset.answer }) });
   }
 
   button(count, strength, truth, answer) {

@@ -6,6 +6,7 @@ import { toyFacts } from "../shared/facts.js";
 import { nearest, orderText } from "../shared/frames.js";
 import { TAC_COLOUR, VIS_COLOUR } from "../shared/palette.js";
 import { each } from "../shared/text.js";
+import { View } from "../shared/view.js";
 
 const W = 300;
 const HALF = W / 2 - 6; // of two pictures side by side
@@ -16,17 +17,13 @@ const COLOURS = { vis: VIS_COLOUR, tac: TAC_COLOUR };
 const ACTS = { turned: (v) => v, clipped: (v) => Math.max(0, v) };
 const CURVE = new Scale({ wide: W, high: 92, pad: { left: 30, right: 8, top: 8, bottom: 18 }, ys: [0, 2.2] });
 
-export class Toy {
-  constructor(box) {
-    this.box = box;
-  }
-
+export class Toy extends View {
   /** Fetch the toy and draw; later calls only draw. */
   async open() {
     if (this.facts) return;
     await attempt(async () => {
       this.facts = await toyFacts();
-      this.box.append(this.box.querySelector("template").content);
+      this.box.append(this.$("template").content);
       this.set(".apart", distances(this.facts));
     }, this.box);
   }
@@ -48,7 +45,7 @@ export class Toy {
   }
 
   set(selector, inner) {
-    this.box.querySelector(selector).innerHTML = inner;
+    this.$(selector).innerHTML = inner;
   }
 }
 

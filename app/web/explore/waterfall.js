@@ -5,6 +5,7 @@ import { ladder } from "../shared/facts.js";
 import { radios } from "../shared/radios.js";
 import { change, state } from "../shared/store.js";
 import { each, escaped, fill, options, percent } from "../shared/text.js";
+import { onClick, View } from "../shared/view.js";
 
 const STATES = [
   { key: "0", label: "As they come" },
@@ -47,17 +48,19 @@ export function changeOf({ rung, accuracy, low, high, from, known = "" }, away) 
   return { points: 100 * (accuracy - away.accuracy), sure: low > away.high || high < away.low };
 }
 
-export class Waterfall {
+export class Waterfall extends View {
   constructor(box, choice, scene) {
-    this.box = box;
+    super(box);
     this.choice = choice;
     this.scene = scene;
     this.source = "";
-    box.onclick = (event) => {
-      const bar = event.target.closest("[data-rung]");
-      if (bar) change({ rung: stateOf((this.at = bar.dataset.rung)) });
-      if (bar) this.show();
-    };
+    this.at = ""; // the bar that was chosen
+    onClick(box, {
+      "[data-rung]": ({ dataset }) => {
+        change({ rung: stateOf((this.at = dataset.rung)) });
+        this.show();
+      },
+    });
     box.onchange = (event) => this.fetch((this.source = event.target.value));
   }
 

@@ -2,6 +2,7 @@
 
 import { change, openChapter, state, watch, watchIn } from "../shared/store.js";
 import { openTab } from "../shared/tabs.js";
+import { onClick, press } from "../shared/view.js";
 import { chapterNamed } from "./chapters.js";
 import { share, showLink } from "./saving.js";
 
@@ -10,11 +11,11 @@ export function wire(page, board) {
   const { $ } = page;
   listenToTools($, board);
   listenToChapters($, board);
-  $(".card").onclick = (event) => {
-    if (event.target.matches(".open")) openTab("pair");
-    if (event.target.matches(".unpin")) board.acts.pick(-1);
-    if (event.target.matches(".find")) board.acts.near(+event.target.dataset.of);
-  };
+  onClick($(".card"), {
+    ".open": () => openTab("pair"),
+    ".unpin": () => board.acts.pick(-1),
+    ".find": ({ dataset }) => board.acts.near(+dataset.of),
+  });
   const open = (action) => () => page.chapter === state.chapter && page.chapter && action(); // its set is there
   const on = (names, action) => watch(names, open(action));
   watch(["chapter"], () => page.enter());
@@ -51,19 +52,13 @@ function listenToTools($, board) {
   $(".in").onclick = () => board.maps.now.zoomBy(1.4);
   $(".out").onclick = () => board.maps.now.zoomBy(1 / 1.4);
   $(".reset").onclick = () => board.maps.now.resetView();
-  $(".lasso").onclick = () => {
-    board.lassoMode = !board.lassoMode;
-    $(".lasso").setAttribute("aria-pressed", board.lassoMode);
-  };
+  $(".lasso").onclick = () => press($(".lasso"), (board.lassoMode = !board.lassoMode));
   $(".tool.means").onclick = () => change({ means: state.means === "1" ? "" : "1" });
 }
 
 /** The chapters, the lecture and the share button. */
 function listenToChapters($, board) {
-  $(".chapters").onclick = (event) => {
-    const { chapter } = event.target.closest("button")?.dataset ?? {};
-    if (chapter) openChapter(chapter);
-  };
+  onClick($(".chapters"), { "[data-chapter]": ({ dataset }) => openChapter(dataset.chapter) });
   $(".next").onclick = () => {
     openChapter(chapterNamed(state.chapter).to);
     $(".explore").scrollIntoView({ block: "start" });
@@ -73,10 +68,7 @@ function listenToChapters($, board) {
     showLink($(".shared"));
     setTimeout(() => ($(".share").textContent = "Share"), 2500);
   };
-  const lecture = () => {
-    const on = document.body.classList.toggle("lecturing");
-    $(".lecture").setAttribute("aria-pressed", on);
-  };
+  const lecture = () => press($(".lecture"), document.body.classList.toggle("lecturing"));
   $(".lecture").onclick = lecture;
   document.addEventListener("keydown", (event) => {
     const { target, key } = event;

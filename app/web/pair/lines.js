@@ -3,6 +3,7 @@
 import { dragged, Scale } from "../shared/chart.js";
 import { classColour } from "../shared/palette.js";
 import { each, escaped } from "../shared/text.js";
+import { View } from "../shared/view.js";
 
 const WIDE = { least: 320, most: 900 }; // CSS pixels: as wide as its place, so that letters keep their size
 const H = 250;
@@ -27,9 +28,9 @@ export function spread(ends, low = PAD.top, high = H - PAD.bottom, least = 14) {
   return places;
 }
 
-export class Lines {
+export class Lines extends View {
   constructor(box, onOrder) {
-    this.box = box;
+    super(box);
     this.wide = WIDE.least;
     this.scale = new Scale({ wide: WIDE.least, high: H, pad: PAD });
     /** @type {any} */

@@ -5,6 +5,7 @@ import { csv } from "../shared/csv.js";
 import { IMAGES, imagesOf } from "../shared/images.js";
 import { save } from "../shared/save.js";
 import { each } from "../shared/text.js";
+import { onClick, press, View } from "../shared/view.js";
 import { Feed, FRAMES, feedHtml } from "./feed.js";
 import { camera } from "./own-pictures.js";
 import { called, READINGS, unlike } from "./verdict.js";
@@ -18,10 +19,10 @@ const APART = 300; // milliseconds between two recorded pairs, and between frame
 
 const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
-export class Live {
+export class Live extends View {
   /** on: answer(found or null), problem(sentence), taught(fresh) -> name, calibrate(files). */
   constructor(box, on) {
-    this.box = box;
+    super(box);
     this.on = on;
     this.run = null; // a new object for each start: what belongs to an older one is dropped
     this.recording = null;
@@ -31,16 +32,16 @@ export class Live {
       <div class="row"><label>Label <input class="label" maxlength="40" size="8"></label><button type="button" class="record" disabled aria-pressed="false">Record</button></div>
       <p class="hint rate" role="status">Cameras or video files; no picture is kept unless you record.</p>`;
     this.feeds = [...box.querySelectorAll(".feed")].map((one) => new Feed(one, (sentence) => this.tell(sentence)));
-    box.onclick = ({ target }) => {
-      if (target.matches(".start")) this.run ? this.off() : this.start();
-      if (target.matches(".rest")) this.guide(() => this.takeRest());
-      if (target.matches(".calibrate")) this.guide(() => this.calibrate());
-      if (target.matches(".record")) this.record();
-    };
+    onClick(box, {
+      ".start": () => (this.run ? this.off() : this.start()),
+      ".rest": () => this.guide(() => this.takeRest()),
+      ".calibrate": () => this.guide(() => this.calibrate()),
+      ".record": () => this.record(),
+    });
   }
 
   tell(text) {
-    this.box.querySelector(".rate").textContent = text;
+    this.$(".rate").textContent = text;
   }
 
   /** Tell how Live goes, unless the line is needed for what to do. */
@@ -60,11 +61,10 @@ export class Live {
   }
 
   press(on) {
-    const start = this.box.querySelector(".start");
-    start.setAttribute("aria-pressed", String(on));
-    start.textContent = on ? "Stop" : "Start";
+    press(this.$(".start"), on);
+    this.$(".start").textContent = on ? "Stop" : "Start";
     for (const feed of this.feeds) feed.active = on;
-    for (const name of ["rest", "calibrate", "record"]) this.box.querySelector(`.${name}`).disabled = !on;
+    for (const name of ["rest", "calibrate", "record"]) this.$(`.${name}`).disabled = !on;
   }
 
   async start() {
@@ -173,7 +173,7 @@ export class Live {
     const { recording } = this;
     if (!recording || now - recording.last < APART || recording.pairs.length >= MOST) return;
     recording.last = now;
-    const label = this.box.querySelector(".label").value.trim() || "unlabelled";
+    const label = this.$(".label").value.trim() || "unlabelled";
     recording.pairs.push({
       label,
       time: new Date(now).toISOString(),
@@ -185,7 +185,7 @@ export class Live {
   async record() {
     const done = this.recording;
     this.recording = done ? null : { pairs: [], last: 0 };
-    this.box.querySelector(".record").setAttribute("aria-pressed", String(!done));
+    press(this.$(".record"), !done);
     if (done?.pairs.length)
       save("recording.zip", new Blob(zipped(await recorded(done.pairs)), { type: "application/zip" }));
   }

@@ -5,6 +5,7 @@ import { csv as written } from "../shared/csv.js";
 import { IMAGES } from "../shared/images.js";
 import { save } from "../shared/save.js";
 import { escaped, row, table } from "../shared/text.js";
+import { onClick, View } from "../shared/view.js";
 import { upload } from "./own-pictures.js";
 import { paired } from "./pairing.js";
 import { tally } from "./tally.js";
@@ -13,21 +14,20 @@ import { brief, READINGS, readingsOf, said } from "./verdict.js";
 const AT_ONCE = 12; // pairs of one request
 const plural = (n, what) => `${n.toLocaleString("en-US")} ${what}${n === 1 ? "" : "s"}`;
 
-export class Many {
+export class Many extends View {
   /** on: open(pair), labels(pairs) to count and teach, classes() of the head, lessons(). */
   constructor(box, on) {
-    this.box = box;
+    super(box);
     this.on = on;
     this.stopped = new AbortController();
     this.rows = [];
-    box.onclick = ({ target }) => {
-      const row = target.closest("tr[data-row]");
-      if (row) on.open(this.rows[+row.dataset.row]);
-      if (target.matches(".stop")) this.stopped.abort();
-      if (target.matches(".csv")) save("pairs.csv", csv(this.rows));
-      if (target.matches(".labels")) on.labels(this.rows.filter(({ label, said: found }) => label && found));
-      if (target.matches(".close")) this.close();
-    };
+    onClick(box, {
+      "tr[data-row]": ({ dataset }) => on.open(this.rows[+dataset.row]),
+      ".stop": () => this.stopped.abort(),
+      ".csv": () => save("pairs.csv", csv(this.rows)),
+      ".labels": () => on.labels(this.rows.filter(({ label, said: found }) => label && found)),
+      ".close": () => this.close(),
+    });
   }
 
   close() {
@@ -71,7 +71,7 @@ export class Many {
     } catch (error) {
       if (mine.signal.aborted && this.stopped === mine)
         this.show(` Cancelled after ${this.rows.length} of ${plural(pairs.length, "pair")}.${left}`);
-      refused(error, (sentence) => this.show(sentence));
+      refused(error, this.show);
     }
   }
 
@@ -101,14 +101,11 @@ export class Many {
   async again() {
     const there = this.rows.filter(({ readings: read }) => read);
     if (!there.length) return;
-    await attempt(
-      async () => {
-        for (let at = 0; at < there.length; at += AT_ONCE)
-          await this.predict(there.slice(at, at + AT_ONCE), this.stopped.signal);
-        this.show("");
-      },
-      (sentence) => this.show(sentence),
-    );
+    await attempt(async () => {
+      for (let at = 0; at < there.length; at += AT_ONCE)
+        await this.predict(there.slice(at, at + AT_ONCE), this.stopped.signal);
+      this.show("");
+    }, this.show);
   }
 
   progress(done, total, seconds) {
@@ -116,12 +113,11 @@ export class Many {
     this.box.innerHTML = `<div class="stand"><p>Reading pair ${done} of ${total}…${left}</p><div class="bar-of-epochs"><i style="width:${(100 * done) / total}%"></i></div><button type="button" class="stop">Cancel</button></div>`;
   }
 
-  show(note) {
-    const { rows } = this;
-    this.box.innerHTML = rows.length
-      ? tableHtml(rows, note)
+  show = (note) => {
+    this.box.innerHTML = this.rows.length
+      ? tableHtml(this.rows, note)
       : `<div class="stand"><p role="status">${escaped(note)}</p><button type="button" class="close">Close</button></div>`;
-  }
+  };
 }
 
 function tableHtml(rows, note) {

@@ -4,23 +4,37 @@ import { ask, attempt, bytesOf } from "../shared/api.js";
 import { IMAGES } from "../shared/images.js";
 import { made, save } from "../shared/save.js";
 import { escaped, row, table } from "../shared/text.js";
+import { onClick, View } from "../shared/view.js";
 import { isOwn, keyOf, lessonsFor, missing, tally, withoutPair, withPair } from "./tally.js";
 import { READINGS, said } from "./verdict.js";
 import { zipped } from "./zip.js";
 
-export class OwnPairs {
+export class OwnPairs extends View {
   /** onAgain: predict again, by another head; onLabel: a label is new; onOpen: show this pair. */
   constructor(box, { onAgain, onLabel, onOpen }) {
-    this.box = box;
+    super(box);
     this.onAgain = onAgain;
     this.onLabel = onLabel;
-    this.onOpen = onOpen;
     this.pairs = [];
     this.report = null; // result of teaching
     this.inUse = false;
     this.note = "";
     this.held = false; // while a picture is on its way, a label would go to the pair before it
-    box.onclick = (event) => this.clicked(event);
+    const named = ({ dataset }) => this.pairs.find((one) => keyOf(one) === dataset.key);
+    onClick(box, {
+      "[data-label]": ({ dataset }) => this.label(dataset.label),
+      ".drop": ({ dataset }) => this.changed(withoutPair(this.pairs, dataset.key)),
+      ".open": (button) => onOpen(named(button)),
+      ".teach": () => this.teach(),
+      ".use": () => {
+        this.inUse = !this.inUse;
+        this.show(this.now);
+        onAgain();
+      },
+      ".save-set": () => this.keep("save/set", "my-pairs.zip"),
+      ".save-pictures": () => this.keepPictures(),
+      ".save-head": () => this.keep("save/head", "taught-head.zip"),
+    });
     box.onsubmit = (event) => {
       event.preventDefault();
       this.label(box.querySelector("input[name=label]").value.trim());
@@ -55,9 +69,8 @@ export class OwnPairs {
 
   /** Labelled pairs from a table: count them, and offer to teach them. */
   add(pairs) {
-    for (const { vis, tac, label, said: found, name } of pairs)
-      this.pairs = withPair(this.pairs, { vis, tac, label, said: found, name });
-    this.changed();
+    const add = (all, { vis, tac, label, said: found, name }) => withPair(all, { vis, tac, label, said: found, name });
+    this.changed(pairs.reduce(add, this.pairs));
   }
 
   question() {
@@ -102,18 +115,16 @@ export class OwnPairs {
     const { now } = this;
     if (!label || this.held || !isOwn(now)) return;
     const name = this.describe(now);
-    await attempt(
-      async () => {
-        const { classes, pairs } = await ask("many", { pairs: [now] });
-        this.pairs = withPair(this.pairs, { ...now, label, said: said(classes, pairs[0].readings), name });
-        this.changed();
-      },
-      (sentence) => this.say(sentence),
-    );
+    await attempt(async () => {
+      const { classes, pairs } = await ask("many", { pairs: [now] });
+      this.pairs = withPair(this.pairs, { ...now, label, said: said(classes, pairs[0].readings), name });
+      this.changed();
+    }, this.say);
   }
 
   /** Labels changed: discard what was taught from the old ones. */
-  changed() {
+  changed(pairs) {
+    this.pairs = pairs;
     this.report = null;
     this.note = "";
     const used = this.inUse;
@@ -123,45 +134,19 @@ export class OwnPairs {
     else this.onLabel();
   }
 
-  clicked(event) {
-    const button = event.target.closest("button");
-    if (!button) return;
-    if (button.dataset.label) this.label(button.dataset.label);
-    if (button.matches(".drop")) {
-      this.pairs = withoutPair(this.pairs, button.dataset.key);
-      this.changed();
-    }
-    if (button.matches(".open")) this.onOpen(this.pairs.find((one) => keyOf(one) === button.dataset.key));
-    if (button.matches(".teach")) this.teach();
-    if (button.matches(".use")) {
-      this.inUse = !this.inUse;
-      this.show(this.now);
-      this.onAgain();
-    }
-    if (button.matches(".save-set")) this.keep("save/set", "my-pairs.zip");
-    if (button.matches(".save-pictures")) this.keepPictures();
-    if (button.matches(".save-head")) this.keep("save/head", "taught-head.zip");
-  }
-
   async teach() {
     this.say("Teaching…");
-    await attempt(
-      async () => {
-        this.report = await ask("teach", { lessons: lessonsFor(this.pairs, {}) });
-        this.note = "";
-        this.show(this.now);
-      },
-      (sentence) => this.say(sentence),
-    );
+    await attempt(async () => {
+      this.report = await ask("teach", { lessons: lessonsFor(this.pairs, {}) });
+      this.note = "";
+      this.show(this.now);
+    }, this.say);
   }
 
   async keep(path, name) {
-    await attempt(
-      async () => {
-        save(name, await made(path, { lessons: lessonsFor(this.pairs, {}) }));
-      },
-      (sentence) => this.say(sentence),
-    );
+    await attempt(async () => {
+      save(name, await made(path, { lessons: lessonsFor(this.pairs, {}) }));
+    }, this.say);
   }
 
   /** The pictures still in this browser, in folders for `omnivat embed`. */
@@ -180,10 +165,10 @@ export class OwnPairs {
     save("my-pictures.zip", new Blob(zipped(files), { type: "application/zip" }));
   }
 
-  say(sentence) {
+  say = (sentence) => {
     this.note = sentence;
-    this.box.querySelector("[role=status]").textContent = sentence;
-  }
+    this.$("[role=status]").textContent = sentence;
+  };
 }
 
 const ending = ({ type }) =>

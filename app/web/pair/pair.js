@@ -10,6 +10,7 @@ import { onTheme } from "../shared/palette.js";
 import { somePair } from "../shared/pick.js";
 import { change, state, watch, watchIn } from "../shared/store.js";
 import { theSetSoon } from "../shared/theset.js";
+import { onClick, tell, View } from "../shared/view.js";
 import { Live, liveHtml } from "./live.js";
 import { Many } from "./many.js";
 import { OwnPairs } from "./own.js";
@@ -56,9 +57,9 @@ export async function start(root) {
   tab.$(".gallery").textContent = ""; // no map is being computed
 }
 
-class PairTab {
+class PairTab extends View {
   constructor(root, examples, set, rivals, unlinked) {
-    this.root = root;
+    super(root);
     this.unlinked = unlinked; // what the address named and could not be had, until another pair is chosen
     this.examples = examples;
     this.set = set;
@@ -83,7 +84,7 @@ class PairTab {
     });
     this.cameras = new Live(this.$(".cameras"), {
       answer: (found) => this.showLive(found),
-      problem: (sentence) => this.problem(sentence),
+      problem: this.problem,
       taught: async (fresh) => taughtBy(this.own.lessons({}), fresh),
       calibrate: (files) => this.sensor.take(files),
     });
@@ -103,7 +104,7 @@ class PairTab {
         this.settle();
       },
       onMany: (files) => this.many.take(files),
-      onProblem: (sentence) => this.problem(sentence),
+      onProblem: this.problem,
       lessons: () => this.own.lessons(this.pair),
     });
     this.placeOnMap();
@@ -115,10 +116,6 @@ class PairTab {
     if (!state.vis && !state.tac) this.empty();
   }
 
-  $(selector) {
-    return this.root.querySelector(selector);
-  }
-
   wire() {
     watch(IMAGES, () => {
       this.unlinked = "";
@@ -127,18 +124,17 @@ class PairTab {
     watchIn("pair", ["p"], () => this.whatIf.mark());
     watch(["view"], () => this.cameras.run && this.cameras.off());
     onTheme(() => this.whatIf.repaint());
-    this.$(".familiar").onclick = (event) => {
-      const pair = event.target.closest("button")?.dataset.pair;
-      if (pair) change({ pin: +pair, vis: `row:${pair}`, tac: `row:${pair}` });
-      if (event.target.matches(".swap")) change({ vis: state.tac, tac: state.vis });
-    };
-    this.$(".started").onclick = ({ target }) => target.matches("button") && change(this.before);
-    this.root.ondragover = (event) => event.preventDefault();
-    this.root.ondrop = (event) => {
+    onClick(this.$(".familiar"), {
+      "[data-pair]": ({ dataset: { pair } }) => change({ pin: +pair, vis: `row:${pair}`, tac: `row:${pair}` }),
+      ".swap": () => change({ vis: state.tac, tac: state.vis }),
+    });
+    onClick(this.$(".started"), { button: () => change(this.before) });
+    this.box.ondragover = (event) => event.preventDefault();
+    this.box.ondrop = (event) => {
       event.preventDefault();
       droppedFiles(event.dataTransfer).then((files) => (files.length ? this.many.take(files) : undefined));
     };
-    for (const field of this.root.querySelectorAll(".pairs input")) {
+    for (const field of this.box.querySelectorAll(".pairs input")) {
       field.onchange = () => {
         const files = chosenFiles(field.files);
         if (files.length) this.many.take(files);
@@ -166,7 +162,7 @@ class PairTab {
   }
 
   placeOnMap() {
-    this.root.classList.toggle("signals", Boolean(this.set.frames?.signals));
+    this.box.classList.toggle("signals", Boolean(this.set.frames?.signals));
     if (this.set.frames?.signals) speakOfSignals();
     const simulated = this.set.frames?.meta.embeddings.simulated && !this.set.frames.signals;
     this.$(".expect").hidden = this.uploads || !simulated;
@@ -175,10 +171,7 @@ class PairTab {
     this.onMap = this.set.frames ? nodeMap(this.$(".on-map"), this.set.frames, { nodes: false }) : null;
   }
 
-  problem(sentence) {
-    this.$(".problem").textContent = sentence;
-    this.$(".problem").hidden = !sentence;
-  }
+  problem = (sentence) => tell(this.$(".problem"), sentence, true);
 
   get pair() {
     return { vis: state.vis, tac: state.tac };
@@ -234,19 +227,16 @@ class PairTab {
         if (isCancelled(error)) throw error;
         return { problem: error.message };
       });
-    await attempt(
-      async () => {
-        const others = this.rivals.map((one) => quietly(ask("pair", { ...pair, head: one.name }, signal)));
-        const familiar = await quietly(ask("familiar", pair, signal));
-        this.familiar = familiar.problem ? { images: {}, problem: familiar.problem } : familiar;
-        this.showFamiliar();
-        this.showVerdict();
-        this.whatIf.know(this.familiar.images);
-        this.$(".sr").textContent = spoken(this.answer, this.familiar);
-        this.showRivals(await Promise.all(others));
-      },
-      (sentence) => this.problem(sentence),
-    );
+    await attempt(async () => {
+      const others = this.rivals.map((one) => quietly(ask("pair", { ...pair, head: one.name }, signal)));
+      const familiar = await quietly(ask("familiar", pair, signal));
+      this.familiar = familiar.problem ? { images: {}, problem: familiar.problem } : familiar;
+      this.showFamiliar();
+      this.showVerdict();
+      this.whatIf.know(this.familiar.images);
+      this.$(".sr").textContent = spoken(this.answer, this.familiar);
+      this.showRivals(await Promise.all(others));
+    }, this.problem);
   }
 
   showRivals(found) {

@@ -5,6 +5,7 @@ import { loaded } from "../shared/facts.js";
 import { keep, kept } from "../shared/memory.js";
 import { made, save } from "../shared/save.js";
 import { base64, bytesOf, escaped, row, table } from "../shared/text.js";
+import { onClick, View } from "../shared/view.js";
 import { chosenFiles, upload } from "./own-pictures.js";
 import { isPicture, named } from "./pairing.js";
 import { brief, readingsOf, TERMS } from "./verdict.js";
@@ -27,21 +28,21 @@ export function sorted(files, rest) {
   return found;
 }
 
-export class Sensor {
+export class Sensor extends View {
   /** on: again() predicts anew; pair() is the open one. */
   constructor(box, on) {
-    this.box = box;
+    super(box);
     this.on = on;
     /** @type {any} */
     this.counts = null;
     this.stopped = new AbortController();
     this.note = "";
     visit.renew = () => this.restore();
-    box.onclick = ({ target }) => {
-      if (target.matches(".stop")) this.stopped.abort();
-      if (target.matches(".off")) this.use("", null);
-      if (target.matches(".save")) attempt(async () => save("my-sensor.safetensors", await this.bytes()), this.say);
-    };
+    onClick(box, {
+      ".stop": () => this.stopped.abort(),
+      ".off": () => this.use("", null),
+      ".save": () => attempt(async () => save("my-sensor.safetensors", await this.bytes()), this.say),
+    });
     box.onchange = ({ target }) => {
       const files = chosenFiles(target.files ?? []);
       target.value = target.matches("select") ? target.value : "";
@@ -72,7 +73,7 @@ export class Sensor {
   /** The open pair as it comes, and with the profile. */
   async compare() {
     const pair = this.on.pair();
-    const place = this.box.querySelector(".compared");
+    const place = this.$(".compared");
     if (!this.counts || !place || ![pair.vis, pair.tac].some((ref) => ref?.startsWith("image:"))) return;
     await attempt(
       async () => {
@@ -89,7 +90,7 @@ export class Sensor {
   /** files: [{path, file}]. The profile in use stays until the new one is complete. */
   async take(files) {
     const mine = (this.stopped = new AbortController());
-    const queue = Object.entries(sorted(files, this.box.querySelector("select").value)).flatMap(([name, some]) =>
+    const queue = Object.entries(sorted(files, this.$("select").value)).flatMap(([name, some]) =>
       some.map((file) => [name, file]),
     );
     const broken = [];
@@ -103,7 +104,7 @@ export class Sensor {
     };
     try {
       for (const [i, [name, file]] of queue.entries()) {
-        this.box.querySelector("[role=status]").innerHTML =
+        this.$("[role=status]").innerHTML =
           `Reading picture ${i + 1} of ${queue.length}… <button type="button" class="stop">Cancel</button>`;
         try {
           batch[name].push(await upload(file, mine.signal));

@@ -6,6 +6,7 @@ import { IMAGES, OTHER } from "../shared/images.js";
 import { shelf } from "../shared/pick.js";
 import { change } from "../shared/store.js";
 import { each, escaped } from "../shared/text.js";
+import { onClick, View } from "../shared/view.js";
 import { chosenFiles, droppedFiles, sent, snapshot, upload } from "./own-pictures.js";
 import { TERMS } from "./verdict.js";
 import { where } from "./where.js";
@@ -31,9 +32,9 @@ const slotHtml = ([key, { title: name, what }]) => `
     <p class="what">&nbsp;</p>
   </div>`;
 
-class Slot {
+class Slot extends View {
   constructor(element, on) {
-    this.element = element;
+    super(element);
     this.on = on;
     this.modality = element.dataset.modality;
     this.takeFiles();
@@ -42,12 +43,8 @@ class Slot {
     this.$(".where").onclick = () => where(element, on.lessons(), on.onProblem);
   }
 
-  $(selector) {
-    return this.element.querySelector(selector);
-  }
-
   takeFiles() {
-    const { element } = this;
+    const { box: element } = this;
     const input = this.$("input");
     input.onchange = async () => {
       await this.takeAll(chosenFiles(input.files));
@@ -88,7 +85,7 @@ class Slot {
     onBusy(1);
     const what = this.$(".what");
     const before = what.textContent;
-    this.element.classList.add("busy");
+    this.box.classList.add("busy");
     what.textContent = READING;
     try {
       onUpload(this.modality, await upload(file));
@@ -96,7 +93,7 @@ class Slot {
       what.textContent = before;
       refused(error, onProblem);
     } finally {
-      this.element.classList.remove("busy");
+      this.box.classList.remove("busy");
       onBusy(-1);
     }
   }
@@ -130,10 +127,10 @@ function picture(modality, ref, sprite, pairs) {
 export class Gallery {
   constructor(box, take) {
     this.box = box;
-    box.onclick = (event) => {
-      const ref = event.target.closest("button")?.dataset.ref;
-      if (ref) change(take.value === "both" ? { vis: ref, tac: ref } : { [take.value]: ref });
-    };
+    onClick(box, {
+      "[data-ref]": ({ dataset: { ref } }) =>
+        change(take.value === "both" ? { vis: ref, tac: ref } : { [take.value]: ref }),
+    });
   }
 
   fill(examples, set) {

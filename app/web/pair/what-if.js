@@ -7,6 +7,7 @@ import { radios } from "../shared/radios.js";
 import { change, state } from "../shared/store.js";
 import { escaped, percent } from "../shared/text.js";
 import { theSet } from "../shared/theset.js";
+import { View } from "../shared/view.js";
 import { Lines } from "./lines.js";
 import { Attention, Spectra } from "./rasters.js";
 import { best, READINGS, unlike } from "./verdict.js";
@@ -19,9 +20,9 @@ const scale = (answer) => ({
   stop: (p) => Math.max(0, Math.min(100, Math.round(100 * p))),
 });
 
-export class WhatIf {
+export class WhatIf extends View {
   constructor(box) {
-    this.box = box;
+    super(box);
     this.answer = null;
     this.reading = "fused";
     this.bar = orderBar(this.$(".order-bar"), scale(null));
@@ -38,10 +39,6 @@ export class WhatIf {
       },
       () => {}, // Explore shows the reason
     );
-  }
-
-  $(selector) {
-    return this.box.querySelector(selector);
   }
 
   /** answer: the pair's predictions; question: their request. null clears. */

@@ -71,6 +71,20 @@ export async function get(path, options) {
 
 export const json = async (path) => (await get(path)).json();
 
+const kept = new Map();
+
+/** The promise called `name`, made once; after a failure the next call tries again. */
+export function once(name, make) {
+  if (!kept.has(name)) {
+    const made = make().catch((error) => {
+      kept.delete(name);
+      throw error;
+    });
+    kept.set(name, made);
+  }
+  return kept.get(name);
+}
+
 const files = new Map(); // reference -> uploaded file, to send again to a restarted server
 /** Whether the server has lost what a request was about. */
 export const isForgotten = (error) => error instanceof Refusal && error.status === 410;

@@ -1,22 +1,8 @@
 /** Facts about the set and its heads; each is fetched once. */
 
-import { ask, inSet, json, Refusal } from "./api.js";
+import { ask, inSet, json, once, Refusal } from "./api.js";
 import { fetchFrames } from "./frames.js";
 import { bytesOf } from "./text.js";
-
-const kept = new Map();
-
-/** The promise called `name`, created once; after a failure the next call tries again. */
-function once(name, make) {
-  if (!kept.has(name)) {
-    const made = make().catch((error) => {
-      kept.delete(name);
-      throw error;
-    });
-    kept.set(name, made);
-  }
-  return kept.get(name);
-}
 
 /** A fact about a set; "" is the page's own. */
 const fact =

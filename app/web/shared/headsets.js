@@ -1,19 +1,13 @@
 /** Sources of predictions in a view: the head, comparison heads, simple methods. */
 
-import { ask, json } from "./api.js";
+import { ask, json, once } from "./api.js";
 import { fetchFrames, whenFine } from "./frames.js";
 
 const METHOD = "method:";
-const cache = new Map();
-/** @type {Promise<any> | null} */
-let listed = null;
+const finest = new Map(); // head -> its finer frames, once they are there
 
 /** The server's heads: [{name, folder, generation, source, …}], the first one first. */
-export const heads = () =>
-  (listed ??= json("heads").catch((error) => {
-    listed = null;
-    throw error;
-  }));
+export const heads = () => once("heads", () => json("heads"));
 
 export const headLabel = (one) =>
   `${one.name || one.folder}${one.problem ? "" : ` · ${one.source} · ${one.mffa ? one.generation : "no MFFA"}`}`;
@@ -28,17 +22,8 @@ export const isMethod = (name) => name.startsWith(METHOD);
  * If coarse frames come first, `onFiner` is called once finer ones exist. */
 export function framesBy(name, own, onWait, onFiner = () => {}) {
   if (!name) return Promise.resolve(own);
-  if (!cache.has(name)) {
-    const making = isMethod(name) ? byMethod(name, own) : fetched(name, onWait, onFiner);
-    cache.set(
-      name,
-      making.catch((error) => {
-        cache.delete(name);
-        throw error;
-      }),
-    );
-  }
-  return cache.get(name);
+  if (finest.has(name)) return Promise.resolve(finest.get(name));
+  return once(`by ${name}`, () => (isMethod(name) ? byMethod(name, own) : fetched(name, onWait, onFiner)));
 }
 
 async function fetched(name, onWait, onFiner) {
@@ -46,7 +31,7 @@ async function fetched(name, onWait, onFiner) {
   if (coarse) {
     whenFine(() => {}, { head: name }).then(
       (finer) => {
-        cache.set(name, Promise.resolve(finer));
+        finest.set(name, finer);
         onFiner();
       },
       () => {},

@@ -1,26 +1,18 @@
 /** The set's frames and thumbnails, fetched once for all tabs. */
 
-import { inSet, json } from "./api.js";
+import { once } from "./api.js";
+import { loaded } from "./facts.js";
 import { fetchFrames, fetchThumbnails } from "./frames.js";
 import { line } from "./held.js";
 import { isSimulated } from "./text.js";
 
-const fetching = new Map(); // set -> promise
 const waiting = new Set();
 
 /** {frames, coarse, sprite} of a set, "" being the page's own; `onWait` gets the server's progress. Throws a
  * Refusal. @param {(step: any) => void} onWait */
 export function theSet(onWait = () => {}, set = "") {
   waiting.add(onWait);
-  if (!fetching.has(set))
-    fetching.set(
-      set,
-      fetchAll(set).catch((error) => {
-        fetching.delete(set); // the next call tries again
-        throw error;
-      }),
-    );
-  return fetching.get(set);
+  return once(`set ${set}`, () => fetchAll(set));
 }
 
 const NO_SET = { frames: null, sprite: null };
@@ -43,7 +35,7 @@ async function fetchAll(set) {
   let told = false; // the badge does not wait for the map
   const tell = (step) => {
     if (!told)
-      json(inSet("about", set))
+      loaded(set)
         .then(({ embeddings: own }) => sayWhetherSimulated(own.simulated, own.domains ?? []))
         .catch(() => {});
     told = true;

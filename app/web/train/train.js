@@ -5,6 +5,7 @@ import { fit, loaded } from "../shared/facts.js";
 import { remedyHtml } from "../shared/headless.js";
 import { made, save } from "../shared/save.js";
 import { escaped, row, table } from "../shared/text.js";
+import { onClick, tell, View } from "../shared/view.js";
 import { charts } from "./lines.js";
 import { chosen, compared, formHtml, inWords, keep, kept, mapAt, result, standing, visitor } from "./plan.js";
 import { RunMap } from "./run-map.js";
@@ -26,10 +27,10 @@ export async function start(root) {
   }
 }
 
-class TrainTab {
+class TrainTab extends View {
   /** `unfit` says why the loaded head does not fit the set, if so. */
   constructor(root, offers, unfit) {
-    this.root = root;
+    super(root);
     this.unfit = unfit;
     /** @type {any} */
     this.run = null; // {name, question, total, epochs, state}
@@ -43,10 +44,6 @@ class TrainTab {
     this.resume();
   }
 
-  $(selector) {
-    return this.root.querySelector(selector);
-  }
-
   wire() {
     this.$(".choices").onsubmit = (event) => {
       event.preventDefault();
@@ -58,16 +55,10 @@ class TrainTab {
       this.follows = this.at === this.run.epochs.length;
       this.show();
     };
-    this.$(".actions").onclick = (event) => {
-      if (event.target.matches(".use")) this.use();
-      if (event.target.matches(".save")) this.save();
-    };
+    onClick(this.$(".actions"), { ".use": () => this.use(), ".save": () => this.save() });
   }
 
-  problem(sentence) {
-    this.$(".problem").textContent = sentence;
-    this.$(".problem").hidden = !sentence;
-  }
+  problem = (sentence) => tell(this.$(".problem"), sentence, true);
 
   async begin(question) {
     this.problem("");
@@ -77,7 +68,7 @@ class TrainTab {
       keep({ started, question });
       await this.watch(started, question);
     } catch (error) {
-      refused(error, (sentence) => this.problem(sentence));
+      refused(error, this.problem);
     } finally {
       this.$(".go").disabled = false;
     }
@@ -160,12 +151,9 @@ class TrainTab {
   }
 
   async cancel() {
-    await attempt(
-      async () => {
-        await ask("training/cancel", { run: this.run.name });
-      },
-      (sentence) => this.problem(sentence),
-    );
+    await attempt(async () => {
+      await ask("training/cancel", { run: this.run.name });
+    }, this.problem);
   }
 
   show() {
@@ -231,11 +219,8 @@ class TrainTab {
   }
 
   async save() {
-    await attempt(
-      async () => {
-        save("trained-head.zip", await made("save/trained", { run: this.run.name }));
-      },
-      (sentence) => this.problem(sentence),
-    );
+    await attempt(async () => {
+      save("trained-head.zip", await made("save/trained", { run: this.run.name }));
+    }, this.problem);
   }
 }

@@ -11,6 +11,7 @@ import { somePair } from "../shared/pick.js";
 import { change, state, watchIn } from "../shared/store.js";
 import { each, options } from "../shared/text.js";
 import { theSetSoon } from "../shared/theset.js";
+import { tell, View } from "../shared/view.js";
 import { grove } from "./grove.js";
 
 const STOPS = Array.from({ length: 101 }, (_, i) => i / 100);
@@ -49,9 +50,9 @@ export async function start(root) {
   tab.soon();
 }
 
-class TreeTab {
+class TreeTab extends View {
   constructor(root) {
-    this.root = root;
+    super(root);
     this.scale = scaleOf(NaN);
     this.bar = orderBar(this.$(".order-bar"), this.scale);
     this.known = [{ name: "" }];
@@ -65,14 +66,8 @@ class TreeTab {
     onTheme(() => this.trees.length && this.show());
   }
 
-  $(selector) {
-    return this.root.querySelector(selector);
-  }
-
   say(sentence, problem = false) {
-    this.$(".wait").textContent = sentence;
-    this.$(".wait").hidden = !sentence;
-    this.$(".wait").classList.toggle("problem", problem);
+    tell(this.$(".wait"), sentence, problem);
   }
 
   /** The set's map has arrived: offer its domains, and place nodes on it. */
