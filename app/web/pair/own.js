@@ -117,8 +117,7 @@ export class OwnPairs extends View {
     const name = this.describe(now);
     await attempt(async () => {
       const { classes, pairs } = await ask("many", { pairs: [now] });
-      this.pairs = withPair(this.pairs, { ...now, label, said: said(classes, pairs[0].readings), name });
-      this.changed();
+      this.changed(withPair(this.pairs, { ...now, label, said: said(classes, pairs[0].readings), name }));
     }, this.say);
   }
 
