@@ -49,3 +49,34 @@ def test_the_thumb_of_the_slider_stands_under_its_value_on_the_curve(open_page: 
             key,
         )
         assert off <= 2
+
+
+def test_on_a_phone_the_tabs_are_one_row_of_large_targets_and_each_can_be_reached(
+    open_page: Callable[..., Any],
+) -> None:
+    page = open_page("", viewport={"width": 400, "height": 800}, has_touch=True)
+    page.wait_for_selector(MAP)
+    tabs = page.locator("[role=tablist]:visible [role=tab]")
+    boxes = [tabs.nth(i).bounding_box() for i in range(tabs.count())]
+    assert len(boxes) == 6
+    assert len({box["y"] for box in boxes}) == 1
+    assert min(min(box["height"], box["width"]) for box in boxes) >= 43.5
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    for i in range(6):
+        tabs.nth(i).tap()
+        page.wait_for_function(
+            "i => document.querySelectorAll('[role=tab]:not(.visually-hidden *)')[i].getAttribute('aria-selected') === 'true'",
+            arg=i,
+        )
+        box = tabs.nth(i).bounding_box()
+        assert box["x"] >= 0 and box["x"] + box["width"] <= 400
+
+
+def test_bars_that_were_not_measured_now_are_striped_and_the_legend_says_so(open_page: Callable[..., Any]) -> None:
+    page = open_page("?chapter=failure")
+    page.wait_for_selector(".explore .fall[data-rung=m2]")  # the ladder of the project's head stands in a file
+    assert page.locator(".explore .fall").count() == page.locator(".explore .fall:is(.kept, .recorded)").count()
+    assert "Striped: kept in a file" in page.inner_text(".explore .waterfall .hint >> nth=-1")
+    page.locator(".explore .waterfall select").select_option(index=1)  # another source: computed, from the records
+    page.wait_for_function("() => !document.querySelector('.explore .fall.kept')")
+    assert "Striped" not in page.inner_text(".explore .waterfall")

@@ -98,3 +98,43 @@ def test_a_set_without_classes_and_with_one_domain_says_what_is_missing(
     assert not page.locator(".explore .profiles").is_visible()
     assert empty_panels(page) == []
     page.close()
+
+
+def train(page: Any) -> None:
+    """Train a small head to its end."""
+    page.wait_for_selector(".train .go")
+    page.click(".train .choices details summary")
+    page.select_option(".train [name=width]", "16")
+    page.fill(".train [name=epochs]", "5")
+    page.click(".train .go")
+    page.wait_for_selector(".train .actions .use", timeout=120_000)
+
+
+def test_a_head_trained_on_a_set_of_one_domain_shows_what_is_known_of_it(
+    chromium: Any, served: Callable[..., str]
+) -> None:
+    page = chromium.new_page()
+    page.goto(served(domains=("my-sensor",)) + "?view=train")
+    page.wait_for_selector(".train .preview h3:has-text('a head for another set')")
+    assert "The set has no other" in page.inner_text(".train .task")
+    train(page)
+    titles = page.locator(".train .both figcaption").all_inner_texts()
+    assert titles == ["Loss", "Gaps of F̂", "Cosine margin of F̂", "p"]  # no empty chart of accuracy away from home
+    assert page.locator(".train .colouring option").all_inner_texts() == ["class", "modality"]
+    assert page.locator(".train .legend .key").count() == 5  # the colours on the map
+    page.click(".train .use")
+    page.wait_for_selector(".explore.ready .score:has-text('there is no domain that the head has not seen')")
+    page.click('.explore [data-chapter="failure"]')
+    page.wait_for_selector(".explore .title:has-text('One domain')")
+    assert not page.locator(".explore .waterfall").is_visible()
+    assert empty_panels(page) == []
+    page.close()
+
+
+def test_a_set_without_classes_says_what_to_do_instead_of_training(chromium: Any, served: Callable[..., str]) -> None:
+    page = chromium.new_page()
+    page.goto(served(classes=("unlabelled",)) + "?view=train")
+    page.wait_for_selector(".train .problem:has-text('No domain has pairs of two classes')")
+    assert "omnivat report" in page.inner_text(".train .headless pre")
+    assert not page.locator(".train .bench, .train .explain").first.is_visible()
+    page.close()

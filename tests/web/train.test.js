@@ -128,3 +128,10 @@ test("two runs are compared with the spread of seeds, and one is not compared", 
   assert.match(compared(runs, null), /other seeds/);
   assert.equal(compared(runs.slice(1), 0.01), "");
 });
+
+test("once anything is measured, a chart without a value is left out; before, it waits", () => {
+  const titles = (epochs) => [...charts(epochs, 40, 1, 5).matchAll(/<figcaption>([^<]+)/g)].map(([, title]) => title);
+  const measures = { "modality_gap/f_hat": 0.3, "margin/f_hat": 0.1 }; // of a set of one domain
+  assert.equal(titles([{ ...EPOCHS[0], measures: {} }]).length, 6);
+  assert.deepEqual(titles([{ ...EPOCHS[0], measures }]), ["Loss", "Gaps of F̂", "Cosine margin of F̂", "p"]);
+});

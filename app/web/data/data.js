@@ -19,7 +19,7 @@ export async function start(root) {
     root.querySelector(".facts").innerHTML = page(about, problem);
     exact(set);
     set.later?.then(exact);
-    loading(root.querySelector(".loading"));
+    loading(root.querySelector(".loading"), root.querySelector("template"));
     if (!problem) measuring(root.querySelector(".measuring"));
   } catch (error) {
     refused(error, (sentence) => tell(wait, sentence, true));
@@ -188,20 +188,17 @@ function measuredHtml({ rows, pairs, width, repeats, threads, processors }) {
 const HEAD = ["weights.safetensors", "settings.json", "metrics.json", "familiarity.safetensors", "profile.safetensors"];
 const inUse = () => new URLSearchParams(location.search).get("set");
 
-export function loading(box) {
+function loading(box, form) {
   if (held) {
     box.textContent = held.alone;
     return;
   }
-  box.innerHTML = `<p>For you alone, until the server restarts.</p>
-    <div class="pickers"><label>Head (folder) <input type="file" class="head" webkitdirectory multiple></label>
-    <label>Embeddings, thumbnails <input type="file" class="set" multiple accept=".safetensors,.webp,.json"></label></div>
-    <div class="row"><label><input type="checkbox" class="beside"> Add for comparison</label></div>
-    <div class="row"><button type="button" class="main go">Load</button>${inUse() ? '<button type="button" class="back">Back to the server’s own head and set</button>' : ""}<span class="hint" role="status"></span></div>`;
+  box.append(form.content);
   const note = box.querySelector("[role=status]");
   const button = box.querySelector(".go");
   const back = box.querySelector(".back");
-  if (back) back.onclick = () => leave(null);
+  back.hidden = !inUse();
+  back.onclick = () => leave(null);
   button.onclick = async () => {
     button.disabled = true;
     try {

@@ -40,9 +40,6 @@ export class Finder extends View {
     super(box);
     this.scene = scene;
     this.spans = Object.fromEntries(HISTOGRAMS.map(({ name }) => [name, [0, 1]]));
-    box.innerHTML = `<label class="search"><span class="sr">Find pairs</span><input type="search" placeholder="Find pairs: name, class, domain" autocomplete="off"></label>
-      <label class="alike" hidden><input type="checkbox"><span>only look-alikes: touch alone can tell <small></small></span></label>
-      <div class="histograms"></div><p class="hint found" role="status"></p>`;
     this.search = box.querySelector("input[type=search]");
     this.search.value = state.find;
     this.search.oninput = () => change({ find: this.search.value.slice(0, 80) });

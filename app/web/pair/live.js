@@ -27,10 +27,7 @@ export class Live extends View {
     this.run = null; // a new object for each start: what belongs to an older one is dropped
     this.recording = null;
     this.guiding = false; // a rest picture or a calibration has the status line
-    box.innerHTML = `<summary>Live: photo and touch</summary><div class="feeds">${each(IMAGES, feedHtml)}</div>
-      <div class="row"><button type="button" class="main start" aria-pressed="false">Start</button><button type="button" class="rest" disabled title="Do not touch: ten frames of the sensor at rest">Rest picture</button><button type="button" class="calibrate" disabled title="Ten frames of different presses make the profile of My sensor">Calibrate</button></div>
-      <div class="row"><label>Label <input class="label" maxlength="40" size="8"></label><button type="button" class="record" disabled aria-pressed="false">Record</button></div>
-      <p class="hint rate" role="status">Cameras or video files; no picture is kept unless you record.</p>`;
+    this.$(".feeds").innerHTML = each(IMAGES, feedHtml);
     this.feeds = [...box.querySelectorAll(".feed")].map((one) => new Feed(one, (sentence) => this.tell(sentence)));
     onClick(box, {
       ".start": () => (this.run ? this.off() : this.start()),
