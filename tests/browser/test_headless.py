@@ -114,6 +114,7 @@ def test_a_head_trained_on_a_set_of_one_domain_shows_what_is_known_of_it(
     chromium: Any, served: Callable[..., str]
 ) -> None:
     page = chromium.new_page()
+    page.set_default_timeout(90_000)  # the server makes its maps meanwhile
     page.goto(served(domains=("my-sensor",)) + "?view=train")
     page.wait_for_selector(".train .preview h3:has-text('a head for another set')")
     assert "The set has no other" in page.inner_text(".train .task")
@@ -133,6 +134,7 @@ def test_a_head_trained_on_a_set_of_one_domain_shows_what_is_known_of_it(
 
 def test_a_set_without_classes_says_what_to_do_instead_of_training(chromium: Any, served: Callable[..., str]) -> None:
     page = chromium.new_page()
+    page.set_default_timeout(90_000)  # the server makes its maps meanwhile
     page.goto(served(classes=("unlabelled",)) + "?view=train")
     page.wait_for_selector(".train .problem:has-text('No domain has pairs of two classes')")
     assert "omnivat report" in page.inner_text(".train .headless pre")
