@@ -84,13 +84,11 @@ def mean_over_domains(right: NDArray[Any], embeddings: Embeddings, source: str, 
 
 def judged(keep: NDArray[np.bool_], domain: NDArray[Any], most: int = MOST) -> NDArray[np.int64]:
     """Return the rows for retrieval: at most `most` for each domain, evenly spaced, ascending."""
-    chosen = []
+    chosen = [np.zeros(0, dtype=np.int64)]
     for name in np.unique(domain):
         own = np.flatnonzero(keep & (domain == name))
-        if len(own) > most:
-            own = own[np.linspace(0, len(own) - 1, most).round().astype(np.int64)]
-        chosen.append(own)
-    return np.sort(np.concatenate(chosen)) if chosen else np.zeros(0, dtype=np.int64)
+        chosen.append(own if len(own) <= most else own[np.linspace(0, len(own) - 1, most).round().astype(np.int64)])
+    return np.sort(np.concatenate(chosen))
 
 
 def nearest_touch(vis: Array, tac: Array, domain: NDArray[Any], rows: NDArray[np.int64]) -> NDArray[np.int64]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from os.path import isfile
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from omnivat.data.pairs import Skipped
 from omnivat.data.profile import Profile, channels_of
 from omnivat.data.readers import read_pairs
-from omnivat.data.readers.names import folders_in, is_file, is_image_name, show, visible
+from omnivat.data.readers.names import folders_in, is_image_name, show, visible
 from omnivat.data.rest import RESTED, with_rest
 from omnivat.encoders.base import Encoder, for_modality
 from omnivat.encoders.cache import EmbeddingCache, Source, embed_image
@@ -79,7 +80,7 @@ def _images(folder: Path) -> list[Path]:
         place / entry.name
         for place in (folder, *folders_in(folder))
         for entry in visible(place)
-        if is_image_name(entry.name) and is_file(place / entry.name)
+        if is_image_name(entry.name) and isfile(place / entry.name)
     ]
 
 

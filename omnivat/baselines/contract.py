@@ -1,5 +1,6 @@
 """Input and output of every baseline: one source domain in, a prediction function out."""
 
+import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
@@ -207,7 +208,7 @@ def late(alone: Callable[[str, Tensor], Tensor]) -> Predict:
 
 def sized(rows: Tensor) -> Tensor:
     """Return rows (B, D) at length √D, so that an entry is about 1: the input of a network."""
-    return normalize(rows, dim=-1) * rows.shape[1] ** 0.5
+    return normalize(rows, dim=-1) * math.sqrt(rows.shape[1])
 
 
 def joined(vis: Tensor, tac: Tensor) -> dict[str, Tensor]:
