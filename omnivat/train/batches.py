@@ -36,8 +36,9 @@ class Batch:
         """Return the batch on a device; itself if it is already there."""
         if self.labels.device == device:
             return self
-        values: dict[str, Any] = {name: getattr(self, name) for name in self.__slots__}
-        return Batch(**{name: None if value is None else value.to(device) for name, value in values.items()})
+        held: dict[str, Any] = {name: getattr(self, name) for name in self.__slots__}
+        moved: dict[str, Any] = {name: value if value is None else value.to(device) for name, value in held.items()}
+        return Batch(**moved)
 
 
 def labels_of(source: Embeddings, head: HeadSettings) -> Array:

@@ -34,12 +34,13 @@ class Momentum:
                 if one.grad is not None:
                     alike.setdefault((one.device, one.dtype, one not in self.buffers), []).append(one)
             for (_, _, first), these in alike.items():
+                slopes = [one.grad for one in these if one.grad is not None]
                 if first:
-                    self.buffers |= {one: torch.empty_like(one.grad) for one in these}
+                    self.buffers |= {one: torch.empty_like(slope) for one, slope in zip(these, slopes, strict=True)}
                 torch._fused_sgd_(
                     these,
-                    [one.grad for one in these],
-                    [self.buffers[one] for one in these],
+                    slopes,
+                    [self.buffers[one] for one in these if self.momentum],  # none without momentum
                     weight_decay=group["weight_decay"],
                     momentum=self.momentum,
                     lr=group["lr"],
