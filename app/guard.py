@@ -116,12 +116,12 @@ class Guard:
 def refused(scope: Scope, rules: Rules) -> str:
     """Return the reason for refusing a request, one sentence; "" if it is served."""
     sent = Headers(scope=scope)
-    host, origin = sent.get("host", ""), sent.get("origin", "")
+    host, origins = sent.get("host", ""), filter(None, sent.getlist("origin"))
     if not _known(host, rules):
         return f"This server is not called '{host:.80}'. Start it with --allow-host NAME to serve that name, too."
-    opened = sent.get("sec-fetch-mode") == "navigate" and scope["method"] in ("GET", "HEAD")
+    opened = sent.get("sec-fetch-mode") == "navigate" and scope.get("method") in ("GET", "HEAD")
     foreign = sent.get("sec-fetch-site") in ("cross-site", "same-site") and not opened
-    if foreign or (origin and _place(origin) != _place(f"http://{host}")):  # browsers send it with any method
+    if foreign or any(_place(one) != _place(f"http://{host}") for one in origins):  # browsers send it with any method
         return "A page of another site may not use this server; open the page itself."
     return ""
 

@@ -35,6 +35,9 @@ def foreign(app: Callable[[], Any], resources: Any) -> Iterator[Case]:
                     got = client.request(method, f"/omnivat/{name}", headers=headers)
                     shared = any(header.startswith("access-control-") for header in got.headers)
                     yield f"{method} {name} from {origin}", got.status_code == 403 and not shared
+            twice = [("origin", "http://demo.example"), ("origin", "http://evil.example")]
+            got = client.get(f"/omnivat/{name}", headers=twice)
+            yield f"{name} from two origins", got.status_code == 403
 
 
 @contextmanager

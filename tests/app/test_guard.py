@@ -85,6 +85,13 @@ def test_under_a_name_for_which_browsers_leave_the_site_out_the_origin_alone_is_
     assert named.get("/omnivat/a", headers=own).status_code == 200
 
 
+def test_of_several_origins_each_has_to_be_the_pages_own():
+    named = client(rules("127.0.0.1", ["demo.example"]), "http://demo.example")
+    own, other = ("origin", "http://demo.example"), ("origin", "http://evil.example")
+    statuses = [named.get("/omnivat/a", headers=sent).status_code for sent in ([own, own], [own, other], [other, own])]
+    assert statuses == [200, 403, 403]
+
+
 CLOSED = ["heartbeat/x", "dev/reload", "queue/data?session_hash=x", "info", "upload", "file=app.py"]
 
 
