@@ -15,7 +15,7 @@ const DEFAULTS = {
   find: "",
   range: "", // histogram:from:to, joined by ~
   cell: "", // of the confusion matrix: truth~predicted~domain
-  sel: "", // selected points, see selected.js
+  sel: "", // selected points, see acts.js
   rung: "0", // of the waterfall: what is known about each domain
   p: null,
   stage: "f_hat",
