@@ -65,7 +65,7 @@ def whole(most: int, wrong: str, text: str) -> int:
 def require_files(chosen: argparse.Namespace) -> None:
     """Raise DataError for a named head or set that does not exist, or a profile that does not load."""
     if chosen.profile is not None:
-        from omnivat.data.profile_file import load_profile
+        from omnivat.data.profile import load_profile
 
         load_profile(chosen.profile)
     for folder in filter(None, (chosen.head, *chosen.compare)):

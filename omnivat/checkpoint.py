@@ -19,8 +19,7 @@ from torch import Tensor
 
 from omnivat.calibration import Familiarity, load_familiarity, save_familiarity
 from omnivat.config import settings_dict, settings_from
-from omnivat.data.profile import Profile, domain_of, moved, profiled, require_key
-from omnivat.data.profile_file import load_profile, save_profile
+from omnivat.data.profile import Profile, domain_of, load_profile, moved, profiled, require_key, save_profile
 from omnivat.data.rest import RESTED
 from omnivat.data.store import Embeddings
 from omnivat.devices import current

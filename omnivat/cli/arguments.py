@@ -146,7 +146,7 @@ def with_profiles(head: "Head | None", embeddings: "Embeddings", files: list[Pat
     """Return the embeddings, with the domains of profile files moved onto the head's source."""
     if not files:
         return embeddings
-    from omnivat.data.profile_file import load_profile
+    from omnivat.data.profile import load_profile
 
     if head is None:
         raise SettingsError("--profile needs a head, and stage raw uses none; choose another stage.")

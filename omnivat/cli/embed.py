@@ -47,10 +47,10 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Read the pairs, print a summary, embed them."""
-    from omnivat.data.manifest import manifest_place
     from omnivat.data.pairs import summary_table
     from omnivat.data.readers import read_pairs
     from omnivat.data.rest import with_rest
+    from omnivat.data.store import manifest_place
     from omnivat.embed import embed_pairs
 
     require_writable(options.out, ".safetensors")

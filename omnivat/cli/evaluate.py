@@ -78,8 +78,7 @@ def _known(
     """Yield, for each draw, profiled embeddings without the pairs of profiles, and pictures by domain."""
     import numpy as np
 
-    from omnivat.data.profile import domain_of, drawn_profiles, profiled
-    from omnivat.data.profile_file import load_profile
+    from omnivat.data.profile import domain_of, drawn_profiles, load_profile, profiled
 
     if options.unlabelled is None:
         loaded = [load_profile(file) for file in options.profile]

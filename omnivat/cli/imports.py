@@ -54,9 +54,8 @@ def add_foreign(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Read, check, write; print a summary."""
-    from omnivat.data.manifest import manifest_place, require_own
     from omnivat.data.recordings import is_recording
-    from omnivat.data.store import save_embeddings
+    from omnivat.data.store import manifest_place, require_own, save_embeddings
 
     if is_recording(options.file):
         _recordings(options)

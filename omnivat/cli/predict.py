@@ -36,7 +36,7 @@ def run(options: argparse.Namespace) -> None:
     import torch
 
     from omnivat.checkpoint import load_head
-    from omnivat.data.profile_file import load_profile
+    from omnivat.data.profile import load_profile
     from omnivat.data.rest import RESTED
     from omnivat.devices import current, precise
     from omnivat.encoders import load_encoder

@@ -165,8 +165,7 @@ def _what(found: "Features") -> str:
 
 def _write_profiles(found: "Features", out: Path) -> int:
     """Write a profile of each domain; return their number."""
-    from omnivat.data.profile import profile_of
-    from omnivat.data.profile_file import save_profile
+    from omnivat.data.profile import profile_of, save_profile
 
     for k, name in enumerate(found.domains):
         profile = profile_of(found.embeddings, found.members(name), domain=name, modalities=found.modalities)

@@ -18,14 +18,17 @@ from safetensors import SafetensorError
 from omnivat.data.arrays import MOST_COLUMNS, Column, column, read_arrays, released, walked, write_arrays
 from omnivat.data.domains import require_domain_names
 from omnivat.data.embeddings import Array, Embeddings, Header
-from omnivat.data.manifest import write_manifest
-from omnivat.errors import DataError, SettingsError
-from omnivat.files import replacing
+from omnivat.errors import DataError, SettingsError, WriteError
+from omnivat.files import replacing, write_csv
 from omnivat.schema import columns_in, json_in, name_list, object_in
+from omnivat.tables import need
 
 FORMAT = "omnivat-embeddings-1"
 ROW_NAMES = ("vis", "tac", "object", "split", "part", "looks_like", "feels_like")
 _LATER = ("looks_like", "feels_like")  # older files lack these columns
+MANIFESTS = ("csv", "parquet")
+_EARLIER = ("domain", "material", "vis", "tac", "object", "split", "part")
+COLUMNS = (*_EARLIER, "looks_like", "feels_like")
 VECTORS = ("vis", "tac", "vis_flip", "tac_flip")
 DTYPES = {"float32": "F32", "float16": "F16"}
 MOST_NAMES = 65_536  # domains or classes
@@ -252,3 +255,46 @@ def _check(file: Path, embeddings: Embeddings) -> None:
         released(vectors)  # read, not changed
         if not finite:
             raise DataError(f"'{file}' holds NaN or infinite embeddings; embed the pairs again.")
+
+
+def write_manifest(path: Path, columns: Mapping[str, Sequence[str]], kind: str = "csv") -> Path:
+    """Write named columns of text next to `path`, completely or not at all; return the file's path.
+
+    Raises SettingsError for an unknown kind, MissingPackageError for Parquet without pyarrow,
+    WriteError if another table would be lost.
+    """
+    place = manifest_place(path, kind)
+    require_own(place)
+    if kind == "parquet":
+        with replacing(place) as temporary:
+            _write_parquet(temporary, columns)
+    else:
+        write_csv(place, columns, zip(*columns.values(), strict=True))
+    return place
+
+
+def manifest_place(path: Path, kind: str) -> Path:
+    """Return the path of the table next to `path`. Raises SettingsError for an unknown kind."""
+    if kind not in MANIFESTS:
+        raise SettingsError(f"manifest is '{kind}'; choose {' or '.join(MANIFESTS)}.")
+    return path.with_suffix(f".{kind}")
+
+
+def require_own(place: Path) -> None:
+    """Raise WriteError if a CSV that is not a manifest would be replaced, such as a table of pairs."""
+    if place.suffix != ".csv" or not place.is_file():
+        return
+    with place.open("rb") as handle:
+        first = handle.readline(4096).decode("utf-8", "replace").strip()
+    if first not in (",".join(COLUMNS), ",".join(_EARLIER)):
+        raise WriteError(
+            f"'{place}' is another table and would be replaced by that of the embeddings; "
+            "choose another name for the embeddings, or move the table."
+        )
+
+
+def _write_parquet(path: Path, columns: Mapping[str, Sequence[str]]) -> None:
+    pyarrow = need("pyarrow", purpose="a Parquet manifest")
+    parquet = need("pyarrow.parquet", purpose="a Parquet manifest", install="pyarrow")
+    table = pyarrow.table({name: list(values) for name, values in columns.items()})
+    parquet.write_table(table, path)

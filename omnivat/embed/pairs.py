@@ -7,9 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from omnivat.data.manifest import manifest_place, require_own
 from omnivat.data.pairs import PairSet, Skipped
-from omnivat.data.store import Header, vector_type
+from omnivat.data.store import Header, manifest_place, require_own, vector_type
 from omnivat.embed.job import Job, chunks_of
 from omnivat.embed.parts import Part, Parts, merge
 from omnivat.errors import DataError, SettingsError

@@ -15,9 +15,8 @@ from numpy.typing import NDArray
 from omnivat.config import Within, require_declared
 from omnivat.data.domains import SIMULATED_SUFFIX
 from omnivat.data.embeddings import Embeddings, Header
-from omnivat.data.manifest import COLUMNS
 from omnivat.data.pairs import Pair, PairSet
-from omnivat.data.store import ROW_NAMES
+from omnivat.data.store import COLUMNS, ROW_NAMES
 from omnivat.data.strips import ENCODER, PREPROCESSING, READER, STRIPES, strip_picture
 from omnivat.errors import SettingsError
 from omnivat.files import replacing, require_writable

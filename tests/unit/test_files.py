@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from omnivat.cli import main
-from omnivat.data.manifest import COLUMNS, write_manifest
+from omnivat.data.store import COLUMNS, write_manifest
 from omnivat.errors import DataError, OmniVatError, WriteError
 from omnivat.files import replacing, replacing_folder, require_writable, safe_cell, write_csv, write_text
 

@@ -8,8 +8,7 @@ import pytest
 from PIL import Image
 
 from omnivat.cli import main
-from omnivat.data.profile import drawn_profiles, profile_of
-from omnivat.data.profile_file import load_profile, save_profile
+from omnivat.data.profile import drawn_profiles, load_profile, profile_of, save_profile
 from omnivat.data.store import load_embeddings, save_embeddings
 
 

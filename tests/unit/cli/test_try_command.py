@@ -11,7 +11,7 @@ from app.server import parser
 from omnivat import trial
 from omnivat.checkpoint import load_head
 from omnivat.cli import main, try_pairs
-from omnivat.data.profile_file import load_profile
+from omnivat.data.profile import load_profile
 from omnivat.data.store import load_embeddings, save_embeddings
 from omnivat.shift import read_features
 
