@@ -145,9 +145,9 @@ def head(embeddings: Embeddings, source: str, seed: int) -> Trained:
     return _of_head(embeddings, light_head(embeddings, source, seed))
 
 
-def distilled(embeddings: Embeddings, source: str, seed: int) -> Trained:
-    """Train one light head on the mean logits of MEMBERS of them, by the same recipe without LANG."""
-    teachers = [light_head(embeddings, source, member).eval() for member in range(MEMBERS)]
+def distilled(embeddings: Embeddings, source: str, seed: int, members: int = 0) -> Trained:
+    """Train one light head on the mean logits of `members` (0: MEMBERS) of them, by the same recipe without LANG."""
+    teachers = [light_head(embeddings, source, member).eval() for member in range(members or MEMBERS)]
     model = _kept("distilled", _plan(embeddings, source, seed, lang=False), teachers)
     return _of_head(embeddings, model)
 
