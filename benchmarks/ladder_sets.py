@@ -77,7 +77,9 @@ def facts(embeddings: Embeddings, name: str) -> dict[str, Any]:
     }
 
 
-def of_source(embeddings: Embeddings, name: str, source: str, methods: Sequence[str], members: Sequence[int], out: Path) -> None:
+def of_source(
+    embeddings: Embeddings, name: str, source: str, methods: Sequence[str], members: Sequence[int], out: Path
+) -> None:
     """Train what has no line yet and write it."""
     have = {(one["set"], one["source"], one["method"], one["member"]) for one in lines(out, FORMAT) if "method" in one}
     asked = Asked(embeddings, embeddings.header.domains.index(source))

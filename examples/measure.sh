@@ -39,6 +39,17 @@ evidence=(python -m omnivat protocol "${common[@]}" --seeds 0 --folds 3 --set wi
 python -m benchmarks.ladder --out "$out/ladder.jsonl" --pack examples/records/ladder.jsonl.gz
 python -m benchmarks.ladder_table
 python -m benchmarks.ladder_check
+# The same budget on two further sets, drawn with other seeds (a quarter of an hour each to draw; needs Mitsuba).
+sets=(python -m benchmarks.ladder_sets --out "$out/ladder_sets.jsonl")
+for seed in 1 2; do
+    python -m omnivat simulate --out "$out/set$seed" --seed "$seed" --pairs-per-class 30
+    python -m omnivat embed "$out/set$seed" --out "$out/set$seed.safetensors" --dtype float16
+    "${sets[@]}" --embeddings "$out/set$seed.safetensors" --name "$seed"
+done
+"${sets[@]}" --embeddings examples/simulated.safetensors --name 0 --members 3,4
+"${sets[@]}" --embeddings examples/simulated.safetensors --name 0 --members 1,2 --methods dtg_recipe \
+    --pack examples/records/ladder_sets.jsonl.gz
+python -m benchmarks.ladder_sets_table
 python -m benchmarks.profile_step
 python -m benchmarks.cost
 cat "$out/noise/runs.jsonl" "$out/long/runs.jsonl" | gzip -9n >docs/benchmarks/noise.jsonl.gz

@@ -1,0 +1,53 @@
+"""Records of further sets hold what heads predict, and the table's intervals take sources and sets as random."""
+
+import json
+
+import numpy as np
+import pytest
+
+from benchmarks import _ladder_methods, ladder_sets
+from omnivat.data.packing import unodds
+from omnivat.ladder import letters
+
+
+@pytest.fixture
+def written(make_embeddings, monkeypatch, tmp_path):
+    """Return a set, the lines of its records and their file; two members of two epochs."""
+    monkeypatch.setattr(_ladder_methods, "HEADS", tmp_path / "heads")
+    monkeypatch.setattr(_ladder_methods, "PAGE", {**_ladder_methods.PAGE, "epochs": 2})
+    monkeypatch.setattr(ladder_sets, "MEMBERS", 2)
+    made, out = make_embeddings(per_class=24, split=True), tmp_path / "sets.jsonl"
+    ladder_sets.append(out, ladder_sets.facts(made, "7"))
+    methods = ("logistic_recipe", "omnivat")
+    ladder_sets.of_source(made, "7", made.header.domains[0], methods, (0, 1), out)
+    return made, out, methods
+
+
+def test_each_member_and_their_ensemble_have_one_line_and_a_second_run_adds_none(written):
+    made, out, methods = written
+    _, *runs = map(json.loads, out.read_text().splitlines())
+    assert [(r["method"], r["member"]) for r in runs] == [
+        ("logistic_recipe", 0),
+        ("logistic_recipe", 1),
+        ("logistic_recipe", "mean"),
+        ("omnivat", 0),
+        ("omnivat", 1),
+        ("omnivat", "mean"),
+        ("distilled", 0),
+    ]
+    before = out.read_text()
+    ladder_sets.of_source(made, "7", made.header.domains[0], methods, (0, 1), out)
+    assert out.read_text() == before
+
+
+def test_the_odds_of_the_members_give_the_ensembles_classes(written):
+    _, out, _ = written
+    first, *runs = map(json.loads, out.read_text().splitlines())
+    tested = np.array(list(first["split"])) == "e"
+    for method in ("logistic_recipe", "omnivat"):
+        own = {r["member"]: r for r in runs if r["method"] == method}
+        shares = [unodds(own[member]["odds"], len(first["classes"])) for member in (0, 1)]
+        said = letters(own["mean"]["all"])[tested]
+        assert np.mean(np.mean(shares, axis=0).argmax(1) == said) > 0.99  # half precision may break a tie
+        home = letters(first["domain"])[tested] == 0
+        assert (letters(own["mean"]["n5"])[home] == -1).all() and (letters(own["mean"]["n5"])[~home] >= 0).all()
