@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks import _recompute_order
+from benchmarks import _recompute_order, _recompute_sets
 from benchmarks._recompute_numbers import Said, confidence, drawn_scores, probabilities
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -233,7 +233,7 @@ def _said(records: Iterable[Record]) -> Iterator[Said]:
 
 def check_printed(count: Count) -> None:
     """Find every difference with an interval that the README prints in a report or in the ladder."""
-    names = ("protocol_full", "protocol", "noise", "ladder")
+    names = ("protocol_full", "protocol", "noise", "ladder", "ladder_sets")
     known = set().union(*(_triples((TABLES / f"{n}.md").read_text("utf-8")) for n in names))
     for one in sorted(_triples((ROOT / "README.md").read_text(encoding="utf-8"))):
         count.number += 1
@@ -285,6 +285,7 @@ def main() -> None:
         ("intervals at D = 512", lambda c: check_limits(c, "protocol_full.md", full)),
         ("intervals at D = 64", lambda c: check_limits(c, "protocol.md", others + ours)),
         ("README, all intervals", check_printed),
+        ("heads on three sets", lambda c: _recompute_sets.check(c.compare)),
         ("orders or seeds", lambda c: _recompute_order.check_squares(c.compare)),
         ("other unitaries on chirps", lambda c: _recompute_order.check_controls(c.compare)),
         ("the search for p", lambda c: _recompute_order.check_search(c.compare)),

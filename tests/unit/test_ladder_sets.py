@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from benchmarks import _ladder_methods, ladder_sets
+from benchmarks import _ladder_methods, _recompute_sets, ladder_sets, ladder_sets_table
 from omnivat.data.packing import unodds
 from omnivat.ladder import letters
 
@@ -51,3 +51,22 @@ def test_the_odds_of_the_members_give_the_ensembles_classes(written):
         assert np.mean(np.mean(shares, axis=0).argmax(1) == said) > 0.99  # half precision may break a tie
         home = letters(first["domain"])[tested] == 0
         assert (letters(own["mean"]["n5"])[home] == -1).all() and (letters(own["mean"]["n5"])[~home] >= 0).all()
+
+
+def test_both_computations_of_an_interval_agree_and_it_widens_when_sets_differ():
+    random = np.random.default_rng(0)
+    cells = random.normal(size=(8, 1)) + random.normal(scale=0.2, size=(8, 3))  # sources, sets
+    apart = cells + 2 * np.array([-1.0, 0.0, 1.0])
+    for one in (cells, apart, random.normal(size=(8, 3)), cells[:, :2]):
+        np.testing.assert_allclose(ladder_sets_table.crossed(one), _recompute_sets.interval(one.T.tolist()))
+    near, wide = ladder_sets_table.crossed(cells), ladder_sets_table.crossed(apart)
+    assert near.mean == pytest.approx(wide.mean) and wide.high - wide.low > 3 * (near.high - near.low)
+
+
+def test_an_interval_holds_the_truth_as_often_as_it_says():
+    random, held = np.random.default_rng(1), 0
+    for _ in range(400):
+        cells = random.normal(size=(8, 1)) + 0.5 * random.normal(size=(1, 3)) + random.normal(size=(8, 3))
+        found = ladder_sets_table.crossed(cells)
+        held += found.low < 0 < found.high
+    assert held >= 0.93 * 400

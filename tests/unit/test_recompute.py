@@ -6,7 +6,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks import _recompute_numbers, _recompute_order, ladder_check, ladder_table, recompute
+from benchmarks import (
+    _recompute_numbers,
+    _recompute_order,
+    _recompute_sets,
+    ladder_check,
+    ladder_sets_table,
+    ladder_table,
+    recompute,
+)
 from omnivat.data.packing import odds, unodds
 
 
@@ -65,7 +73,7 @@ def test_a_figure_of_the_order_that_its_record_does_not_give_is_named(monkeypatc
 
 
 def test_the_script_imports_nothing_of_the_project():
-    for module in (recompute, _recompute_numbers, _recompute_order):
+    for module in (recompute, _recompute_numbers, _recompute_order, _recompute_sets, ladder_sets_table):
         tree = ast.parse(Path(module.__file__).read_text(encoding="utf-8"))
         names = {n.module for n in ast.walk(tree) if isinstance(n, ast.ImportFrom)}
         names |= {a.name for n in ast.walk(tree) if isinstance(n, ast.Import) for a in n.names}
