@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import t
 
-RECORDS = Path("examples/records")
+RECORDS, OUT = Path("examples/records"), Path("docs/benchmarks")
 SHIPPED = "0"  # the set whose seed is 0
 MEMBERS = 5
 NAMES = {
@@ -301,11 +301,9 @@ def _less(ours: Mapping[str, Array], theirs: Mapping[str, Array], budget: str, n
 def main() -> None:
     """Write the table."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument(
-        "--records", type=Path, default=RECORDS / "ladder_sets.jsonl.gz", help="of benchmarks.ladder_sets"
-    )
+    parser.add_argument("--records", type=Path, default=OUT / "ladder_sets.jsonl.gz", help="of benchmarks.ladder_sets")
     parser.add_argument("--ladder", type=Path, default=RECORDS / "ladder.jsonl.gz", help="of benchmarks.ladder")
-    parser.add_argument("--out", type=Path, default=Path("docs/benchmarks/ladder_sets.md"))
+    parser.add_argument("--out", type=Path, default=OUT / "ladder_sets.md")
     options = parser.parse_args()
     text = table(Runs(options.records, options.ladder))
     options.out.write_text(text, encoding="utf-8")

@@ -48,7 +48,7 @@ for seed in 1 2; do
 done
 "${sets[@]}" --embeddings examples/simulated.safetensors --name 0 --members 3,4
 "${sets[@]}" --embeddings examples/simulated.safetensors --name 0 --members 1,2 --methods dtg_recipe \
-    --pack examples/records/ladder_sets.jsonl.gz
+    --pack docs/benchmarks/ladder_sets.jsonl.gz
 python -m benchmarks.ladder_sets_table
 python -m benchmarks.profile_step
 python -m benchmarks.cost
