@@ -285,8 +285,8 @@ def table(runs: Runs) -> str:
             for name in sets:
                 said = [[runs.known(name, s, method, budget, rung) for s in runs.sources] for rung in ("n5", "n20")]
                 if all(value is not None for row in said for value in row):
-                    cells = " | ".join(f"{np.mean([v for v in row if v is not None]):.1f}" for row in said)
-                    text.append(f"| {words} | {NAMES[method]} | {name} | {cells} |")
+                    means = " | ".join(f"{np.mean([v for v in row if v is not None]):.1f}" for row in said)
+                    text.append(f"| {words} | {NAMES[method]} | {name} | {means} |")
     return "\n".join(text) + "\n"
 
 
