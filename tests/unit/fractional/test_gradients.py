@@ -88,3 +88,16 @@ def test_functional_gradients_work() -> None:
     by_hand = p.clone().requires_grad_()
     loss(by_hand).backward()
     assert torch.allclose(torch.func.grad(loss)(p), by_hand.grad, rtol=1e-12)
+
+
+def test_planes_have_the_gradients_of_the_complex_result() -> None:
+    """For several rows, each with its own order."""
+    generator = torch.Generator().manual_seed(0)
+    x = torch.randn(3, 12, dtype=torch.float64, generator=generator, requires_grad=True)
+    order = torch.tensor([0.2, 0.7, 1.4], dtype=torch.float64, requires_grad=True)
+    weight = torch.randn(2, 3, 12, dtype=torch.float64, generator=generator)
+    whole = dfrft(x, order)
+    wanted = torch.autograd.grad((torch.stack([whole.real, whole.imag]) * weight).sum(), (x, order))
+    found = torch.autograd.grad((dfrft(x, order, planar=True) * weight).sum(), (x, order))
+    for one, other in zip(found, wanted, strict=True):
+        torch.testing.assert_close(one, other)

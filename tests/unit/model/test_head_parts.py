@@ -4,7 +4,7 @@ import pytest
 import torch
 
 from omnivat.model import reference
-from omnivat.model.dtg import DTG
+from omnivat.model.dtg import DTG, parents
 from omnivat.model.mffa import FrATT
 from omnivat.model.training import class_means
 
@@ -75,3 +75,11 @@ def test_one_image_counts_twice_in_a_taught_head(make_head, make_pairs):
     torch.testing.assert_close(found["vis"][:, 2], 2 * own[:, 0] + model.taught_bias[0])
     alone = model.taught_logits({"vis": vis})
     torch.testing.assert_close(alone["fused"], found["vis"])
+
+
+@pytest.mark.parametrize(
+    ("arrangement", "wanted"),
+    [("tree", [-1, 0, 0, 1]), ("series", [-1, 0, 1, 2]), ("parallel", [-1, 0, 0, 0]), ("none", [-1, -1, -1, -1])],
+)
+def test_every_node_but_a_root_has_a_parent_before_it(arrangement, wanted):
+    assert parents(arrangement, 4) == wanted
