@@ -135,15 +135,8 @@ def rung(
     masks = [known & (domain == d) for d in np.unique(domain) if (d == home) == (name == "home")]
     counts = [(round(float(right[m].sum())), int(m.sum())) for m in masks if m.any()]
     low, high = wilson(*counts[0]) if name == "home" else of_domains(counts)
-    return Rung(
-        rung=name,
-        known=KNOWN[name],
-        accuracy=float(np.mean([right[m].mean() for m in masks if m.any()])),
-        low=low,
-        high=high,
-        source=source,
-        origin=origin,
-    )
+    mean = float(np.mean([right[m].mean() for m in masks if m.any()]))
+    return Rung(rung=name, known=KNOWN[name], accuracy=mean, low=low, high=high, source=source, origin=origin)
 
 
 @cache

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from html import escape
+from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
@@ -60,30 +61,21 @@ def explore(
         raise SettingsError(f"height is {height}; choose {HEIGHTS[0]} to {HEIGHTS[1]} pixels.")
     from app.export import export_page, frames_file, where_from
 
-    with TemporaryDirectory(prefix="omnivat-notebook-") as folder:
-        place = Path(folder)
-        where = where_from(_head_folder(head, place), _embeddings_file(embeddings, place))
+    with TemporaryDirectory(prefix="omnivat-notebook-") as temporary:
+        place = Path(temporary)
+        folder = _place(head, place / "head", "omnivat.checkpoint", "save_head")
+        where = where_from(
+            folder, _place(embeddings, place / "set.safetensors", "omnivat.data.store", "save_embeddings")
+        )
         frames = frames_file(where, on_step)
         export_page(where, frames, place / "page.html")
         page = (place / "page.html").read_text(encoding="utf-8")
     return Cell(page, height)
 
 
-def _head_folder(head: Any, place: Path) -> Path | None:
-    """Return the folder of a head; a head in memory is first written to a temporary folder."""
-    if head is None or isinstance(head, str | Path):
-        return None if head is None else Path(head)
-    from omnivat.checkpoint import save_head
-
-    return save_head(place / "head", head)
-
-
-def _embeddings_file(embeddings: Any, place: Path) -> Path | None:
-    """Return the file of a set; a set in memory is first written to a temporary file."""
-    if embeddings is None or isinstance(embeddings, str | Path):
-        return None if embeddings is None else Path(embeddings)
-    from omnivat.data.store import save_embeddings
-
-    file = place / "set.safetensors"
-    save_embeddings(file, embeddings)
-    return file
+def _place(given: Any, target: Path, module: str, save: str) -> Path | None:
+    """Return the path of a head or a set; one in memory is first written to `target`."""
+    if given is None or isinstance(given, str | Path):
+        return None if given is None else Path(given)
+    getattr(import_module(module), save)(target, given)
+    return target

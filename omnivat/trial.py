@@ -84,8 +84,8 @@ def try_pairs(found: Features, *, source: str = "", seed: int = 0, on_step: OnSt
     lines = [_about(plan, source)]
     records = []
     if tested.any():
-        record = _record(source, data.label[own][tested], objects[own][tested])
-        records.append(_filled(record, {name: labels[tested] for name, labels in said.items()}))
+        told = {name: labels[tested] for name, labels in said.items()}
+        records.append(_record(source, data.label[own][tested], objects[own][tested], told))
         lines.append(f"At home, objects that it did not see: {_sentence(records[-1])}")
         lines += alone
     else:
@@ -178,25 +178,19 @@ def _probed(found: Features, fit: Rows, rows: Rows) -> Labels:
     return labels
 
 
-def _record(domain: str, labels: Labels, objects: Rows) -> dict[str, Any]:
-    """Return a record without predictions; the labels and objects of the tested pairs."""
-    sizes = np.bincount(labels)
-    return {
+def _record(domain: str, labels: Labels, objects: Rows, said: dict[str, Labels]) -> dict[str, Any]:
+    """Return the tested pairs' counts, and the share right of each reading with its interval, by objects."""
+    sizes, count = np.bincount(labels), len(np.unique(objects))
+    record: dict[str, Any] = {
         "domain": domain,
         "pairs": len(labels),
-        "objects": len(np.unique(objects)),
+        "objects": count,
         "classes": int((sizes > 0).sum()),
-        "always the largest class": float(sizes.max() / len(labels)),
-        "labels": labels,
     }
-
-
-def _filled(record: dict[str, Any], said: dict[str, Labels]) -> dict[str, Any]:
-    """Return the record with the share right of each reading and its interval, by objects."""
-    labels, objects = record.pop("labels"), record["objects"]
+    record["always the largest class"] = float(sizes.max() / len(labels))
     for name, guessed in said.items():
         share = float((guessed == labels).mean())
-        low, high = wilson(share * objects, objects)
+        low, high = wilson(share * count, count)
         record[name] = {"share": share, "low": low, "high": high}
     return record
 
@@ -208,10 +202,8 @@ def _in_target(found: Features, head: Head, own: Rows, rows: Rows, name: str) ->
     known = rows[np.isin(data.label[rows], np.unique(data.label[own]))]
     if not len(known):
         return None, f"{lead}: no pair is of a class that the head learned."
-    record = _filled(
-        _record(name, data.label[known], _objects(data)[known]),
-        _predicted(head.model, data, known, views) | {PROBE: _probed(found, own, known)},
-    )
+    told = _predicted(head.model, data, known, views) | {PROBE: _probed(found, own, known)}
+    record = _record(name, data.label[known], _objects(data)[known], told)
     text = f"{lead}, of which nothing was known: {_sentence(record)}"
     mixed = np.random.default_rng(derive_seed(0, "known", name)).permutation(rows)
     count = min(KNOWN, len(rows) // 2)

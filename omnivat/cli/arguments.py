@@ -132,14 +132,14 @@ def figure(parser: argparse.ArgumentParser, of: str) -> None:
     parser.add_argument("--figure", "--html", type=Path, metavar="FILE", help=text)
 
 
-def head_and_set(options: argparse.Namespace, *, sample: int = 0) -> "tuple[Head, Embeddings]":
-    """Return the head and the embeddings that fit it, `sample` of its pairs or all, as the options name them."""
+def head_and_set(options: argparse.Namespace, *, sample: int = 0, profiled: bool = True) -> "tuple[Head, Embeddings]":
+    """Return the head and the embeddings that fit it, `sample` of the pairs or all, with the profiles of the options."""
     from omnivat.checkpoint import load_head
     from omnivat.data.store import load_embeddings
 
     head, embeddings = load_head(options.head), load_embeddings(options.embeddings).sampled(sample)
     head.require_embeddings(embeddings)
-    return head, embeddings
+    return head, with_profiles(head, embeddings, options.profile) if profiled else embeddings
 
 
 def with_profiles(head: "Head | None", embeddings: "Embeddings", files: list[Path]) -> "Embeddings":

@@ -21,17 +21,8 @@ def add(parser: argparse.ArgumentParser) -> None:
         f"image encoder: {', '.join(ENCODERS)}; hf:NAME_OR_FOLDER for a vision model of transformers; module:function or "
         "file.py:function for your own (docs/encoders.md)"
     )
-    shared(
-        parser,
-        "out",
-        "weights",
-        "tac_rest",
-        "workers",
-        "device",
-        encoder=text,
-        seed="of balanced subsampling",
-        set="an option of the reader, such as by_folder=true (docs/data.md lists them)",
-    )
+    shared(parser, "out", "weights", "tac_rest", "workers", "device", encoder=text, seed="of balanced subsampling")
+    shared(parser, set="an option of the reader, such as by_folder=true (docs/data.md lists them)")
     parser.add_argument("--tac-encoder", metavar="NAME", help="another encoder for tactile images; named as above")
     parser.add_argument("--tac-weights", type=Path, help="checkpoint of --tac-encoder")
     text = "layout of PAIRS; default: recognised from the files"

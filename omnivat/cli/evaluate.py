@@ -50,7 +50,7 @@ def run(options: argparse.Namespace) -> None:
     check_figure(options)
     from omnivat.evaluate import evaluate
 
-    head, embeddings = head_and_set(options)
+    head, embeddings = head_and_set(options, profiled=False)
     if options.ladder:
         from omnivat.ladder import write_ladder
 
@@ -124,20 +124,13 @@ def summary(records: Sequence[dict[str, Any]], source: str) -> dict[str, Any]:
 
     domains, strange = [], []
     for record in (one for one in records if one["scores"]):
-        right = {n: round(s["accuracy"] * record["pairs"]) for n, s in record["scores"].items()}
-        ends = {name: wilson(count, record["pairs"]) for name, count in right.items()}
-        domains.append(
-            {
-                "name": record["domain"],
-                "is_source": record["is_source"],
-                "pairs": record["pairs"],
-                **{
-                    f"answers/{n}": {"share": right[n] / record["pairs"], "low": a, "high": b}
-                    for n, (a, b) in ends.items()
-                },
-            }
-        )
-        strange += [] if record["is_source"] else [(right, record["pairs"])]
+        count = record["pairs"]
+        right = {n: round(s["accuracy"] * count) for n, s in record["scores"].items()}
+        domains.append({"name": record["domain"], "is_source": record["is_source"], "pairs": count})
+        for name, hits in right.items():
+            low, high = wilson(hits, count)
+            domains[-1][f"answers/{name}"] = {"share": hits / count, "low": low, "high": high}
+        strange += [] if record["is_source"] else [(right, count)]
     unseen = {}
     for name in strange[0][0] if strange else ():
         counts = [(right[name], pairs) for right, pairs in strange]

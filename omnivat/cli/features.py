@@ -97,9 +97,8 @@ def stage_features(options: argparse.Namespace) -> StageFeatures:
     if options.sample < 0:
         raise SettingsError(f"--sample is {options.sample}; give a number of pairs, or 0 for all.")
     if options.stage == "raw":
-        head, order, embeddings = None, None, load_embeddings(options.embeddings).sampled(options.sample)
-    else:
-        head, embeddings = head_and_set(options, sample=options.sample)
-        order = head.model.order if options.order is None else options.order
-    embeddings = with_profiles(head, embeddings, options.profile)
+        embeddings = with_profiles(None, load_embeddings(options.embeddings).sampled(options.sample), options.profile)
+        return StageFeatures(embeddings=embeddings, head=None, order=None, stage=options.stage)
+    head, embeddings = head_and_set(options, sample=options.sample)
+    order = head.model.order if options.order is None else options.order
     return StageFeatures(embeddings=embeddings, head=head, order=order, stage=options.stage)

@@ -54,6 +54,7 @@ def add_foreign(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Read, check, write; print a summary."""
+    from omnivat.data.foreign import import_embeddings
     from omnivat.data.recordings import is_recording
     from omnivat.data.store import manifest_place, require_own, save_embeddings
 
@@ -64,7 +65,11 @@ def run(options: argparse.Namespace) -> None:
         raise SettingsError(f"'{options.file}' is no recording, so --encoder has to name the encoder of its vectors.")
     require_writable(options.out, ".safetensors")
     require_own(manifest_place(options.out, "csv"))
-    found = _signals(options) if options.file.is_dir() else _vectors(options)
+    if options.file.is_dir():
+        found = _signals(options)
+    else:
+        about = passed(options, "encoder", "preprocessing", "origin")
+        found = import_embeddings(options.file, **about, **foreign(options))
     save_embeddings(options.out, found, dtype=options.dtype)
     header = found.header
     print(
@@ -103,13 +108,6 @@ def _signals(options: argparse.Namespace) -> "Embeddings":
     found, skipped = signal_embeddings(options.file, window=options.window)
     _tell(skipped)
     return found
-
-
-def _vectors(options: argparse.Namespace) -> "Embeddings":
-    from omnivat.data.foreign import import_embeddings
-
-    about = passed(options, "encoder", "preprocessing", "origin")
-    return import_embeddings(options.file, **about, **foreign(options))
 
 
 def foreign(options: argparse.Namespace) -> dict[str, Any]:

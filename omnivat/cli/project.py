@@ -43,7 +43,12 @@ def run(options: argparse.Namespace) -> None:
     """Compute the features, map them, write the CSV, print the faithfulness."""
     check_figure(options)
     if options.centred:
-        _centre(options)
+        from omnivat.data.store import load_embeddings
+        from omnivat.frames.centred import write_centred
+
+        if options.out is not None or options.figure is not None:
+            raise SettingsError("--centred writes next to the embeddings; leave out --out and --figure.")
+        print(f"written: {write_centred(options.embeddings, load_embeddings(options.embeddings))}")
         return
     if options.out is None and options.figure is None:
         raise SettingsError("There is no output; give --out MAP.csv or --figure MAP.html.")
@@ -72,15 +77,6 @@ def run(options: argparse.Namespace) -> None:
         print(f"{MOST_ROWS:,} points were mapped; the others are placed between their neighbours")
     written = " and ".join(str(path) for path in (options.out, options.figure) if path)
     print(f"{len(points)} points written to {written}")
-
-
-def _centre(options: argparse.Namespace) -> None:
-    from omnivat.data.store import load_embeddings
-    from omnivat.frames.centred import write_centred
-
-    if options.out is not None or options.figure is not None:
-        raise SettingsError("--centred writes next to the embeddings; leave out --out and --figure.")
-    print(f"written: {write_centred(options.embeddings, load_embeddings(options.embeddings))}")
 
 
 def _draw(options: argparse.Namespace, found: StageFeatures, flat: "Tensor", trust: str) -> None:

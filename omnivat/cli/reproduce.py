@@ -31,17 +31,8 @@ def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--no-ablations", action="store_true", help="skip the ablations")
     parser.add_argument("--styles", type=whole(1), default=80, help="styles of PromptStyler")
     parser.add_argument("--steps", type=whole(1), default=100, help="steps for each style")
-    shared(
-        parser,
-        "seeds",
-        "jobs",
-        "workers",
-        "only",
-        "device",
-        out="output folder",
-        set="a setting of the head",
-        weights="checkpoint of CLIP, of any layout and size",
-    )
+    shared(parser, "seeds", "jobs", "only", "device", out="output folder", set="a setting of the head")
+    shared(parser, "workers", weights="checkpoint of CLIP, of any layout and size")
     download(parser)
 
 

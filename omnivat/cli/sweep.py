@@ -27,7 +27,6 @@ from omnivat.cli.arguments import (
     shared,
     split_settings,
     whole,
-    with_profiles,
 )
 from omnivat.errors import SettingsError
 from omnivat.files import require_writable
@@ -92,7 +91,6 @@ def run(options: argparse.Namespace) -> None:
     if options.measures:
         wanted = {**wanted, "measures": names_of(options.measures, (*STAGE_MEASURES, *PREDICTION_MEASURES), "measure")}
     head, embeddings = head_and_set(options)
-    embeddings = with_profiles(head, embeddings, options.profile)
     provenance = {
         "hash": head_hash(options.head),
         "source": head.source,

@@ -7,7 +7,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from omnivat.cli.arguments import as_json, head_and_set, progress_bar, shared, with_profiles
+from omnivat.cli.arguments import as_json, head_and_set, progress_bar, shared
 from omnivat.errors import DataError
 
 if TYPE_CHECKING:
@@ -28,7 +28,6 @@ def run(options: argparse.Namespace) -> None:
 
     require_head_folder(options.out)
     head, embeddings = head_and_set(options)
-    embeddings = with_profiles(head, embeddings, options.profile)
     if options.domain:
         embeddings = embeddings.in_domain(options.domain)
     lessons = lessons_of(embeddings)

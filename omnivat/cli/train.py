@@ -9,22 +9,15 @@ the temperatures to the last quarter; --no-calibration skips it.
 
 import argparse
 
-from omnivat.cli.arguments import numbers, progress_bar, shared, split_settings
+from omnivat.cli.arguments import numbers, passed, progress_bar, shared, split_settings
 
 
 def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--source", required=True, help="the source domain")
     parser.add_argument("--part", default="", help="only this part of it, such as outdoor")
-    text = "a setting of the head or of training, such as width=64 or lr=0.02"
-    shared(
-        parser,
-        "embeddings",
-        "lang",
-        "device",
-        out="folder for the head",
-        set=text,
-        seed="seed of weights and batches; default: 0",
-    )
+    shared(parser, "embeddings", "lang", "device", out="folder for the head")
+    shared(parser, seed="seed of weights and batches; default: 0")
+    shared(parser, set="a setting of the head or of training, such as width=64 or lr=0.02")
     text = "train again with these seeds, for the spread of the scores; the saved head uses --seed"
     parser.add_argument("--repeat", default="", metavar="1,2", help=text)
     parser.add_argument("--no-calibration", action="store_true", help="keep temperature 1: half the time")
@@ -43,26 +36,14 @@ def run(options: argparse.Namespace) -> None:
     repeat = numbers(options.repeat, name="--repeat") if options.repeat else ()
     require_head_folder(options.out, also=(STATE,))
     head_values, train_values = split_settings(options.set, HeadSettings, TrainSettings)
-    plan = plan_training(
-        load_embeddings(options.embeddings),
-        options.source,
-        part=options.part,
-        head=head_values,
-        training=TrainSettings(**train_values),
-        bank=options.lang,
-        seed=options.seed,
-    )
+    embeddings, how = load_embeddings(options.embeddings), {**passed(options, "part", "seed"), "bank": options.lang}
+    plan = plan_training(embeddings, options.source, head=head_values, training=TrainSettings(**train_values), **how)
     print(f"{parameter_count(plan.settings):,} trainable parameters, {len(plan.pairs)} pairs")
     if not options.resume:
         (options.out / STATE).unlink(missing_ok=True)
     with progress_bar(f"train on {options.source}") as show:
-        head = trained_head(
-            plan,
-            repeat=repeat,
-            calibrate=not options.no_calibration,
-            resume=options.out / STATE,
-            watch=Watch(on_step=show),
-        )
+        how = {"repeat": repeat, "calibrate": not options.no_calibration, "resume": options.out / STATE}
+        head = trained_head(plan, **how, watch=Watch(on_step=show))
     save_head(options.out, head)
     from omnivat.cli.evaluate import table
 

@@ -44,18 +44,10 @@ def lines(
         known = [(y, b) for y, b in zip(ys, bars or [0.0] * len(ys), strict=True) if _is(y)]
         ends += [float(y) + sign * b for y, b in known if y is not None for sign in (-1, 1)]
         places += list(xs)
-        look = {"color": SERIES[index % len(SERIES)]}
-        traces.append(
-            go.Scatter(
-                x=list(xs),
-                y=[y if _is(y) else None for y in ys],
-                error_y={"array": bars} if bars else None,
-                name=plain(name),
-                mode="lines+markers",
-                line=look,
-                marker=look | {"size": 6},
-            )
-        )
+        colour = {"color": SERIES[index % len(SERIES)]}
+        look = {"mode": "lines+markers", "line": colour, "marker": colour | {"size": 6}}
+        look["error_y"] = {"array": bars} if bars else None
+        traces.append(go.Scatter(x=list(xs), y=[y if _is(y) else None for y in ys], name=plain(name), **look))
     marks = {"tickvals": list(range(len(ticks))), "ticktext": [plain(t) for t in ticks]}
     low, high = (min(ends), max(ends)) if ends else (0.0, 1.0)
     room = 0.05 * (high - low or 1)
@@ -109,18 +101,9 @@ def gap_curves(frames: FrameSet, *, stage: str = "f_hat", order: float | None = 
             shapes.append({"type": "line", "line": {"color": SOFT, "dash": "dash"}, **here, **ends})
         shapes.append({"type": "line", "line": {"color": MARK, "width": 1}, **upright, "x0": at, "x1": at})
         traces += _chart(frames, name, words, stage, {"xaxis": f"x{key}", "yaxis": f"y{key}"})
-        value = _value_at(frames, name, stage, at)
-        place = {"xref": f"x{key} domain", "yref": f"y{key} domain", "x": 0, "y": 1}
-        notes.append(
-            {
-                "text": f"{words}<br>{value}",
-                "xanchor": "left",
-                "yanchor": "bottom",
-                "align": "left",
-                "showarrow": False,
-                **place,
-            }
-        )
+        place = {"xref": f"x{key} domain", "yref": f"y{key} domain", "x": 0, "y": 1, "showarrow": False}
+        place |= {"xanchor": "left", "yanchor": "bottom", "align": "left"}
+        notes.append({"text": f"{words}<br>{_value_at(frames, name, stage, at)}", **place})
     return figure(
         traces,
         title=f"OmniVaT, {STAGE_TITLES.get(stage, stage)}, against p",
@@ -142,31 +125,20 @@ def _chart(frames: FrameSet, name: str, words: str, stage: str, axes: Mapping[st
     if low is not None and high is not None:
         there = [k for k, (a, b) in enumerate(zip(low, high, strict=True)) if _is(a) and _is(b)]
         around = [*there, *reversed(there)]
-        traces.append(
-            go.Scatter(
-                x=[frames.orders[k] for k in around],
-                y=[(low if i < len(there) else high)[k] for i, k in enumerate(around)],
-                fill="toself",
-                fillcolor=AREA,
-                line_width=0,
-                mode="lines",
-                hoverinfo="skip",
-                **axes,
-            )
-        )
+        ends = [(low if i < len(there) else high)[k] for i, k in enumerate(around)]
+        look: dict[str, Any] = {
+            "fill": "toself",
+            "fillcolor": AREA,
+            "line_width": 0,
+            "mode": "lines",
+            "hoverinfo": "skip",
+        }
+        traces.append(go.Scatter(x=[frames.orders[k] for k in around], y=ends, **look, **axes))
     own = _curve(frames, name, stage)
     if own is not None:
-        traces.append(
-            go.Scatter(
-                x=list(frames.orders),
-                y=list(own),
-                name=words,
-                mode="lines+markers" if kind == "retrained" else "lines",
-                line_color=SOFT if kind == "moved" else ACCENT,  # fixed weights: a what-if
-                marker={"size": 5, "color": ACCENT},
-                **axes,
-            )
-        )
+        look = {"mode": "lines+markers" if kind == "retrained" else "lines", "marker": {"size": 5, "color": ACCENT}}
+        look["line_color"] = SOFT if kind == "moved" else ACCENT  # fixed weights: a what-if
+        traces.append(go.Scatter(x=list(frames.orders), y=list(own), name=words, **look, **axes))
     return traces
 
 
@@ -225,32 +197,19 @@ def staircase(frames: FrameSet, *, order: float | None = None) -> Figure:
     for name in ("modality_gap", "domain_gap", "margin"):
         values = [frames.curves.get(f"{name}/{stage}") for stage in STAGE_TITLES]
         series[MEASURES[name]] = [None if v is None else v[stop] for v in values]
-    found = figure(
-        [
-            go.Scatter(
-                x=[x for k in range(len(words)) for x in (k - 0.5, k + 0.5)],
-                y=[v for v in values for _ in range(2)],
-                name=name,
-                mode="lines",
-                line={"color": SERIES[index], "width": 3},
-            )
-            for index, (name, values) in enumerate(series.items())
-        ],
+    edges = [x for k in range(len(words)) for x in (k - 0.5, k + 0.5)]
+    looks = ({"mode": "lines", "line": {"color": colour, "width": 3}} for colour in SERIES)
+    steps = {name: [v for v in values for _ in range(2)] for name, values in series.items()}
+    most = max(_highest(frames, name) for name in ("modality_gap", "domain_gap", "margin"))
+    ticks = {"tickvals": list(range(len(words))), "ticktext": words, "tickangle": -35}  # all names, on a phone, too
+    return figure(
+        [go.Scatter(x=edges, y=ys, name=n, **look) for (n, ys), look in zip(steps.items(), looks, strict=False)],
         title=f"Gaps at each step, p = {frames.orders[stop]:.2f}",
         caption=_caption(frames).replace(" Dashed: the raw embedding, or chance.", ""),
-        xaxis=axis(
-            range=[-0.5, len(words) - 0.5],
-            tickvals=list(range(len(words))),
-            ticktext=words,
-            tickangle=-35,  # all names, on a phone, too
-            showgrid=False,
-        ),
-        yaxis=axis(
-            "gap or margin", range=[0, max(_highest(frames, name) for name in ("modality_gap", "domain_gap", "margin"))]
-        ),
+        xaxis=axis(range=[-0.5, len(words) - 0.5], showgrid=False, **ticks),
+        yaxis=axis("gap or margin", range=[0, most]),
         hovermode="x unified",
     )
-    return found
 
 
 def training_curves(epochs: Sequence[Mapping[str, float]], *, title: str = "Training") -> Figure:

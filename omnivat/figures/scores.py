@@ -48,24 +48,12 @@ def dots(
         shift = (k - (len(series) - 1) / 2) * 0.62 / max(2, len(series))
         values = [float(r["value"]) for r in own]
         low, high = ([_end(r, end) for r in own] for end in ("low", "high"))
-        traces.append(
-            go.Scatter(
-                x=values,
-                y=[rows.index(str(r["row"])) + shift for r in own],
-                error_x={
-                    "type": "data",
-                    "array": [h - v for h, v in zip(high, values, strict=True)],
-                    "arrayminus": [v - b for b, v in zip(low, values, strict=True)],
-                    "thickness": 1.6,
-                    "width": 0,
-                },
-                name=plain(name),
-                mode="markers",
-                marker={"color": colour, "size": 9},
-                text=[_words(r, percent) for r in own],
-                hoverinfo="text",
-            )
-        )
+        bars: dict[str, Any] = {"type": "data", "thickness": 1.6, "width": 0}
+        bars["array"] = [h - v for h, v in zip(high, values, strict=True)]
+        bars["arrayminus"] = [v - b for b, v in zip(low, values, strict=True)]
+        look = {"mode": "markers", "marker": {"color": colour, "size": 9}, "error_x": bars, "hoverinfo": "text"}
+        places, text = [rows.index(str(r["row"])) + shift for r in own], [_words(r, percent) for r in own]
+        traces.append(go.Scatter(x=values, y=places, name=plain(name), text=text, **look))
     every = [_end(r, end) for r in known for end in ("low", "high")] + ([level] if level else [])
     room = 0.04 * (max(every) - min(every) or 1)
     span = (ends[0], 1.02 * ends[1]) if ends else (min(0.0, min(every)) and min(every) - room, max(every) + room)
@@ -242,24 +230,17 @@ def tree(facts: Any, classes: Sequence[str], *, title: str = "Nodes of the tree"
         for i, (n, row) in enumerate(zip(facts.lengths, facts.probabilities, strict=True))
     ]
     edges = [(at[p], at[i]) for i, p in enumerate(facts.parents) if p >= 0]
+    sides = [[end for a, b in edges for end in (a[k], b[k], None)] for k in (0, 1)]
+    across, up = [x for x, _ in at], [y for _, y in at]
     sizes = [10 + 30 * math.sqrt(float(n) / most) for n in facts.lengths]
-    colours = [CLASSES[k % len(CLASSES)] for k in best]
-    few = max(map(len, rows.values())) <= 8
+    dot = {"size": sizes, "color": [CLASSES[k % len(CLASSES)] for k in best]}
+    words = label if max(map(len, rows.values())) <= 8 else [""] * len(at)
+    below = {"mode": "text", "textposition": "bottom center", "hoverinfo": "skip"}
     return figure(
         [
-            go.Scatter(
-                x=[x for a, b in edges for x in (a[0], b[0], None)],
-                y=[y for a, b in edges for y in (a[1], b[1], None)],
-                mode="lines", line={"color": SOFT, "width": 1}, hoverinfo="skip",
-            ),
-            go.Scatter(
-                x=[x for x, _ in at], y=[y for _, y in at], marker={"size": sizes, "color": colours},
-                mode="markers", hovertext=hover, hoverinfo="text",
-            ),
-            go.Scatter(
-                x=[x for x, _ in at], y=[y - 0.2 for _, y in at], text=label if few else [""] * len(at),
-                mode="text", textposition="bottom center", hoverinfo="skip",
-            ),
+            go.Scatter(x=sides[0], y=sides[1], mode="lines", line={"color": SOFT, "width": 1}, hoverinfo="skip"),
+            go.Scatter(x=across, y=up, mode="markers", marker=dot, hovertext=hover, hoverinfo="text"),
+            go.Scatter(x=across, y=[y - 0.2 for y in up], text=words, **below),
         ],
         title=title,
         caption="Area: norm of the node. Colour: its most probable class, with its probability.",

@@ -37,6 +37,7 @@ def template(name: str) -> Any:
     ink, line, card = colour["ink"], colour["line"], colour["card"]
     axis = {"gridcolor": line, "linecolor": line, "zerolinecolor": line, "automargin": True}
     scale = [[0, card], [1, colour["full"]]]
+    legend = {"orientation": "h", "yref": "container", "yanchor": "bottom", "itemsizing": "constant"}
     return go.layout.Template(
         layout={
             "font": {"family": FONT, "color": ink, "size": 13},
@@ -46,14 +47,7 @@ def template(name: str) -> Any:
             "colorway": SERIES,
             "margin": MARGIN,
             "hoverlabel": {"bgcolor": card, "bordercolor": line, "font": {"color": ink}},
-            "legend": {
-                "orientation": "h",
-                "yref": "container",
-                "y": 0,
-                "yanchor": "bottom",
-                "x": 0,
-                "itemsizing": "constant",
-            },
+            "legend": {**legend, "x": 0, "y": 0},
             "modebar": {"remove": [UPLOAD], "bgcolor": card, "color": SOFT, "activecolor": ACCENT},
             "xaxis": axis,
             "yaxis": axis,

@@ -244,16 +244,8 @@ def build_frames(
     known = dict(provenance or {})
     if model is None:
         orders, maps = (0.0,), {name: 1 for name in maps if name.endswith("/raw")}
-    builder = FrameBuilder(
-        model.settings if model else None,
-        embeddings,
-        orders=orders,
-        maps=maps,
-        measures=measures,
-        source=str(known.get("source", "")),
-        still=STILL,
-        seed=seed,
-    )
+    more: dict[str, Any] = {"measures": measures, "source": str(known.get("source", "")), "still": STILL, "seed": seed}
+    builder = FrameBuilder(model.settings if model else None, embeddings, orders=orders, maps=maps, **more)
     for found in walk(model, embeddings, orders, stages=builder.stages, predictions=model is not None):
         builder.add(found)
         on_step(Step(done=found.index + 1, total=len(orders), text=f"map at order {found.order:.2f}"))

@@ -6,7 +6,7 @@ pictures of stripes for each pair, and pairs.csv."""
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 import torch
@@ -75,25 +75,16 @@ def chirp_embeddings(settings: ChirpSettings) -> Embeddings:
     The same settings give the same numbers. The largest magnitude of a signal is 1, as after reading its picture.
     """
     count, domains = settings.pairs_per_class, settings.domains
-    label = np.tile(np.repeat(np.arange(settings.classes), count), domains)
-    domain = np.repeat(np.arange(domains), count * settings.classes)
-    halves = [domain_signals(settings, number) for number in range(domains)]
-    return Embeddings(
-        header=Header(
-            encoder=ENCODER,
-            weights_hash=READER,
-            preprocessing=PREPROCESSING,
-            domains=settings.domain_names,
-            classes=settings.class_names,
-            simulated=True,
-            origin=origin(settings),
-        ),
-        vis=np.concatenate([vis for vis, _ in halves]),
-        tac=np.concatenate([tac for _, tac in halves]),
-        domain=domain.astype(np.int64),
-        label=label.astype(np.int64),
-        rows=pair_names(settings),
-    )
+    label = np.tile(np.repeat(np.arange(settings.classes), count), domains).astype(np.int64)
+    domain = np.repeat(np.arange(domains), count * settings.classes).astype(np.int64)
+    names: dict[str, Any] = {
+        "domains": settings.domain_names,
+        "classes": settings.class_names,
+        "origin": origin(settings),
+    }
+    header = Header(encoder=ENCODER, weights_hash=READER, preprocessing=PREPROCESSING, simulated=True, **names)
+    vis, tac = map(np.concatenate, zip(*(domain_signals(settings, number) for number in range(domains)), strict=True))
+    return Embeddings(header=header, vis=vis, tac=tac, domain=domain, label=label, rows=pair_names(settings))
 
 
 def origin(settings: ChirpSettings) -> str:

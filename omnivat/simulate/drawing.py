@@ -45,7 +45,7 @@ def calibrated(thing: Thing, press: Press, calibration: str, *, size: int) -> Ar
     height = square[edge : edge + _HEIGHT]
     depth = DEPTH[0] + press.depth * (DEPTH[1] - DEPTH[0])
     # Taxim measures distance from the gel: the highest point has the smallest.
-    return _square(_rendered(calibration, -height, depth), size)
+    return _seen(calibration, -height, depth, size)
 
 
 def untouched(calibration: str, *, size: int) -> Array:
@@ -53,17 +53,13 @@ def untouched(calibration: str, *, size: int) -> Array:
 
     Raises MissingPackageError without taxim and jax.
     """
-    return _square(_rendered(calibration, np.full((_HEIGHT, _WIDTH), 1000.0), None), size)
+    return _seen(calibration, np.full((_HEIGHT, _WIDTH), 1000.0), None, size)
 
 
-def _rendered(calibration: str, distance: Array, depth: float | None) -> Array:
+def _seen(calibration: str, distance: Array, depth: float | None, size: int) -> Array:
     seen = _simulator(calibration).render(distance.astype(np.float32), with_shadow=False, press_depth=depth)
-    return np.asarray(seen)
-
-
-def _square(seen: Array, size: int) -> Array:
     edge = (_WIDTH - _HEIGHT) // 2
-    middle = seen[:, edge : edge + _HEIGHT]
+    middle = np.asarray(seen)[:, edge : edge + _HEIGHT]
     whole = Image.fromarray(np.round(np.clip(middle, 0, 1) * 255).astype(np.uint8))
     small = whole.resize((size, size), Image.Resampling.BICUBIC)
     return np.asarray(small, dtype=np.float64) / 255.0

@@ -73,14 +73,9 @@ def streaks(x: Array, y: Array, *, angle: float, width: float, length: float, se
     stretch = width / length
     total = np.zeros(np.broadcast(x, y).shape)
     for step, (scale, weight) in enumerate(((1.0, 1.0), (0.5, 0.7), (0.25, 0.5))):
-        total += weight * _unturned(u * stretch, v, wavelength=width * scale, seed=seed + step)
+        own = 2 * np.pi * np.random.default_rng(seed + step).uniform(0.0, 1.0, 3)[2]  # the noise's turn is undone
+        total += weight * noise(*turned(u * stretch, v, -own), wavelength=width * scale, seed=seed + step)
     return total / 1.32
-
-
-def _unturned(u: Array, v: Array, *, wavelength: float, seed: int) -> Array:
-    """Return noise whose lattice keeps to the given axes by undoing its random turn."""
-    angle = 2 * np.pi * np.random.default_rng(seed).uniform(0.0, 1.0, 3)[2]
-    return noise(*turned(u, v, -angle), wavelength=wavelength, seed=seed)
 
 
 @field

@@ -28,7 +28,8 @@ def _hand(mi: Any, framing: Framing, rng: np.random.Generator) -> dict[str, Any]
     at, up = framing.spot.point, framing.spot.normal
     arm = _arm(framing, rng, lift=0.35)
     side = np.cross(up, arm)
-    skin, sleeve = _SKINS[rng.integers(len(_SKINS))], _dark(rng)
+    skin = _SKINS[rng.integers(len(_SKINS))]
+    sleeve: Colour = tuple(map(float, rng.uniform(0.015, 0.12) * rng.uniform(0.6, 1.6, 3)))  # type: ignore[assignment]
     shapes = {"housing": _rod(mi, at + 0.3 * up, at + 62 * up, 12.0, _HOUSINGS[0])}
     palm = at + 44 * up + 30 * arm
     shapes["palm"] = _ball(mi, palm, (arm, 30.0), (side, 23.0), (up, 15.0), skin)
@@ -67,11 +68,6 @@ def _arm(framing: Framing, rng: np.random.Generator, *, lift: float) -> Array:
     way = aside + rng.uniform(-0.2, 0.7) * sight + lift * up
     way[2] = max(float(way[2]), -0.2)
     return np.asarray(way / np.linalg.norm(way))
-
-
-def _dark(rng: np.random.Generator) -> Colour:
-    red, green, blue = rng.uniform(0.015, 0.12) * rng.uniform(0.6, 1.6, 3)
-    return (float(red), float(green), float(blue))
 
 
 def _rod(mi: Any, start: Array, end: Array, radius: float, colour: Colour) -> dict[str, Any]:

@@ -8,8 +8,7 @@ from omnivat.seeding import derive_seed
 from omnivat.simulate.plan import EMBOSSED, OTHER_SHAPE, Planned
 from omnivat.simulate.shapes import KINDS, OBJECTS, PARTS, Solid, Spot, kind_of, made_of, spot
 from omnivat.simulate.shapes.spots import contact_height
-from omnivat.simulate.surfaces import Surface, recipe, surface
-from omnivat.simulate.surfaces.skins import SMOOTH, skinned, spend
+from omnivat.simulate.surfaces import SMOOTH, Surface, recipe, skinned, spend, surface
 
 _TRIES = 8
 _FIELD = 14.0  # mm: smallest field of all sensors
@@ -25,7 +24,7 @@ def touch_surface(pair: Planned, *, seed: int) -> Surface:
     """
     rng = np.random.default_rng(derive_seed(seed, "skin", pair.material, pair.number))
     if pair.feels_like:
-        maker = SMOOTH[pair.feels_like][0]
+        maker = SMOOTH[pair.feels_like]
         own = maker(rng)
         spend(pair.feels_like, rng)
         return skinned(own, pair.feels_like, maker, rng)

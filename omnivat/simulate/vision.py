@@ -40,6 +40,8 @@ def rendered(thing: Thing, framing: Framing, *, size: int) -> Array:
     texture = textured(thing, framing)
     clear = thing.sight.gloss == "glass"
     depth, samples = (9, SAMPLES_GLASS) if clear else (3, SAMPLES)
+    # Light through clear glass is found by chance, so a small lamp would sparkle.
+    sky = panorama(framing, least_softness=0.6 if clear else 0.0).astype(np.float32)
     scene = mi.load_dict(
         props(mi, framing)
         | place(mi, thing, framing)
@@ -48,7 +50,11 @@ def rendered(thing: Thing, framing: Framing, *, size: int) -> Array:
             "type": "scene",
             "integrator": {"type": "path", "max_depth": depth, "rr_depth": 6},
             "sensor": _camera(mi, framing, size, samples),
-            "light": _light(mi, framing, clear=clear),
+            "light": {
+                "type": "envmap",
+                "bitmap": mi.Bitmap(sky),
+                "to_world": mi.ScalarTransform4f().rotate([1, 0, 0], 90),
+            },
             "object": mesh(mi, thing.solid, texture.uv, material(mi, thing, texture)),
         }
     )
@@ -76,13 +82,6 @@ def _camera(mi: Any, framing: Framing, size: int, samples: int) -> dict[str, Any
         "film": {"type": "hdrfilm", "width": size, "height": size, "pixel_format": "rgb", "rfilter": {"type": "box"}},
         "sampler": {"type": "independent", "sample_count": samples},
     }
-
-
-def _light(mi: Any, framing: Framing, *, clear: bool) -> dict[str, Any]:
-    # Light through clear glass is found by chance, so a small lamp would sparkle.
-    sky = panorama(framing, least_softness=0.6 if clear else 0.0).astype(np.float32)
-    upright = mi.ScalarTransform4f().rotate([1, 0, 0], 90)
-    return {"type": "envmap", "bitmap": mi.Bitmap(sky), "to_world": upright}
 
 
 _STEPS = (1, 2, 4)  # pixels between the taps of each pass

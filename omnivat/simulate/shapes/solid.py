@@ -126,11 +126,7 @@ def outline(corners: Profile) -> Array:
         start, end = here + back / lengths[0] * soft, here + ahead / lengths[1] * soft
         t = np.linspace(0.0, 1.0, _ARC)[:, None] if soft > 0.0 else np.zeros((1, 1))
         pieces.append((1 - t) ** 2 * start + 2 * t * (1 - t) * here + t**2 * end)
-    return _dense(np.concatenate([*pieces, points[-1:]]))
-
-
-def _dense(points: Array) -> Array:
-    """Return the line with points added where two lie further apart than a step."""
+    points = np.concatenate([*pieces, points[-1:]])  # and more where two lie further apart than a step
     away = np.linalg.norm(np.diff(points, axis=0), axis=1)
     counts = np.maximum(np.ceil(away / _STEP), 1).astype(int)
     pieces = [a + (b - a) * np.arange(n)[:, None] / n for a, b, n in zip(points, points[1:], counts, strict=False)]
@@ -175,21 +171,14 @@ def swept(path: Array, half: Array, *, power: float = 2.0) -> Solid:
     angle = np.linspace(0.0, 2 * np.pi, 33)
     cos, sin = np.cos(angle), np.sin(angle)
     plan = (np.abs(cos) ** power + np.abs(sin) ** power) ** (-1.0 / power)
-    ends = _ends(len(path))
+    ends = np.ones((len(path), 1))  # each end falls to 0 like a quarter circle
+    ends[[0, -1]], ends[[1, -2]] = 1e-3, 0.75
     wide, thick = half[:, :1] * ends, half[:, 1:] * ends
     across = wide[..., None] * (plan * cos)[None, :, None] * side[:, None]
     points = path[:, None] + across + thick[..., None] * (plan * sin)[None, :, None] * up[:, None]
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
     v = angle[None] * np.maximum(half.mean(1), 0.5)[:, None]
     return grid(points, np.stack([np.repeat(along[:, None], 33, 1), v], axis=-1))
-
-
-def _ends(count: int) -> Array:
-    """Return 1 along a bar and a quarter circle's fall to 0 at both of its ends, (N, 1)."""
-    ends = np.ones((count, 1))
-    ends[[0, -1]] = 1e-3
-    ends[[1, -2]] = 0.75
-    return ends
 
 
 def bar(start: Sequence[float], end: Sequence[float], half: Point, *, power: float = 4.0) -> Solid:

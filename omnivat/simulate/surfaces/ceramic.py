@@ -91,4 +91,14 @@ def carved(rng: np.random.Generator) -> Surface:
     return Surface("carved", relief, colour, gloss="coated", roughness=pick(rng, 0.03, 0.1))
 
 
+def skin(rng: np.random.Generator, angle: float) -> Field:
+    """Return a wavy glaze, grains of grit under it, and pinholes."""
+    seed, wave = stream(rng), pick_log(rng, 0.03, 0.06)
+    bump, holes = pick_log(rng, 0.07, 0.13), pick(rng, 0.15, 0.35)
+    grit = pits(size=2.6, radius=0.55, share=0.35, seed=seed + 3)
+    open_ = pits(size=2.2, radius=0.30, share=holes, seed=seed + 9)
+    return wave * orange_peel(size=4.5, seed=seed) + bump * grit - 0.08 * open_
+
+
 RECIPES = {glazed: 2.0, crazed: 1.3, stoneware: 1.5, terracotta: 1.2, thrown: 0.8, tiled: 0.4, carved: 0.4}
+SMOOTH = glazed  # its skin is faint

@@ -75,4 +75,11 @@ def pressed(rng: np.random.Generator) -> Surface:
     return _glass(rng, "pressed", relief, vessel=rng.random() < 0.5)
 
 
+def skin(rng: np.random.Generator, angle: float) -> Field:
+    """Return the long waves of fire-polished glass, which is otherwise smooth."""
+    seed, rise = stream(rng), pick_log(rng, 0.004, 0.012)
+    return rise * orange_peel(size=11.0, seed=seed)
+
+
 RECIPES = {float_glass: 2.0, rippled: 1.7, reeded: 0.5, pebbled: 1.5, frosted: 0.5, cut: 0.7, pressed: 0.7}
+SMOOTH = float_glass  # its skin is faint

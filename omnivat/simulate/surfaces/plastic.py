@@ -4,7 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from omnivat.simulate.fields import Field, borders, dots, grain, orange_peel, ribs, scratches, smooth, tinted
+from omnivat.simulate.fields import Field, borders, dots, field, grain, orange_peel, ribs, scratches, smooth, tinted
+from omnivat.simulate.noise import Array, smoothstep, turned
 from omnivat.simulate.surfaces.base import Colour, Surface, pick, pick_log, stream
 
 
@@ -78,4 +79,20 @@ def printed(rng: np.random.Generator) -> Surface:
     return _moulded("printed", rise * lines, dye, shade, roughness=pick(rng, 0.2, 0.35), brushing=0.4, angle=angle)
 
 
+def skin(rng: np.random.Generator, angle: float) -> Field:
+    """Return even mould texture, sink marks, and the parting lines of the mould."""
+    seed, texture = stream(rng), pick_log(rng, 0.020, 0.034)
+    size, turn = pick(rng, 0.5, 0.9), pick(rng, 0, np.pi)
+    apart, high = pick(rng, 9.0, 24.0), pick(rng, 0.07, 0.14)
+
+    @field
+    def parting(x: Array, y: Array) -> Array:
+        across = turned(x, y, turn)[1]
+        return 1.0 - smoothstep(np.abs(across / apart - np.round(across / apart)) * apart, 0.08, 0.28)
+
+    sunk = 0.02 * orange_peel(size=14.0, seed=seed + 5)
+    return texture * grain(coarsest=size, finest=0.25, seed=seed) + sunk + high * parting()
+
+
 RECIPES = {eroded: 1.6, leather_grain: 1.3, ribbed: 1.1, studded: 1.2, glossy: 1.3, printed: 0.7}
+SMOOTH = glossy  # its skin is faint

@@ -13,6 +13,7 @@ from omnivat.simulate.fields import (
     mixed,
     orange_peel,
     pits,
+    ribs,
     scratches,
     smooth,
     streaks,
@@ -103,4 +104,15 @@ def knurled(rng: np.random.Generator) -> Surface:
     return _metal("knurled", relief, colour, roughness=pick(rng, 0.15, 0.25), angle=angle)
 
 
+def skin(rng: np.random.Generator, angle: float) -> Field:
+    """Return even tool marks, straight or about a far centre, and scratches across them."""
+    seed, pitch = stream(rng), pick_log(rng, 0.45, 0.9)
+    depth, count = pick_log(rng, 0.018, 0.032), int(rng.integers(15, 45))
+    far = (150.0 * np.sin(angle), -150.0 * np.cos(angle))
+    straight = rng.random() < 0.6
+    marks = 2.0 * ribs(angle=angle, pitch=pitch) - 1.0 if straight else arcs(centre=far, pitch=pitch)
+    return depth * marks - 0.05 * scratches(count=count, reach=40.0, width=0.12, seed=seed)
+
+
 RECIPES = {brushed: 2.0, machined: 1.5, ground: 1.2, cast: 0.6, rusty: 0.6, chequered: 0.5, knurled: 0.6}
+SMOOTH = ground  # its skin is faint

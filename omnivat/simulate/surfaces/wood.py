@@ -99,4 +99,14 @@ def end_grain(rng: np.random.Generator) -> Surface:
     return replace(wood.surface("end grain", relief, roughness=0.6), colour=colour)
 
 
+def skin(rng: np.random.Generator, angle: float) -> Field:
+    """Return fibres, and pores as short open slits along the grain."""
+    seed, fibre, pore = stream(rng), pick_log(rng, 0.018, 0.035), pick_log(rng, 0.07, 0.13)
+    width, length, level = pick(rng, 0.35, 0.6), pick(rng, 3.0, 6.0), pick(rng, 0.9, 1.3)
+    fibres = streaks(angle=angle, width=0.7, length=22.0, seed=seed)
+    slits = streaks(angle=angle, width=width, length=length, seed=seed + 7)
+    return fibre * fibres - pore * smooth(slits, level, level + 0.6)
+
+
 RECIPES = {sawn: 1.3, sanded: 1.8, ringed: 1.6, weathered: 1.2, varnished: 1.2, end_grain: 0.3}
+SMOOTH = varnished  # its skin is faint

@@ -8,8 +8,7 @@ from omnivat.simulate.domains import SIMULATED
 from omnivat.simulate.plan import Planned, planned
 from omnivat.simulate.shapes import KINDS, made_of
 from omnivat.simulate.shapes.spots import contact_height
-from omnivat.simulate.surfaces import RECIPES
-from omnivat.simulate.surfaces.skins import SMOOTH
+from omnivat.simulate.surfaces import RECIPES, SMOOTH
 from omnivat.simulate.things import touch_surface, touched_spot
 
 STEEL = planned(SIMULATED["TAG"], "steel", pairs=60)
@@ -29,7 +28,7 @@ def test_a_sensor_meets_the_object_first_in_the_middle_of_its_gel(name: str) -> 
 
 
 def smooth_recipes(material: str) -> set[str]:
-    return {maker(np.random.default_rng(0)).recipe for maker in SMOOTH[material]}
+    return {SMOOTH[material](np.random.default_rng(0)).recipe}
 
 
 def feels(pair: Planned) -> str:
