@@ -7,7 +7,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from omnivat.cli.arguments import choice, listed, numbers, progress_bar, shared, split_settings, whole
+from omnivat.cli.arguments import choice, listed, numbers, passed, progress_bar, shared, split_settings, whole
 from omnivat.errors import DataError, SettingsError
 from omnivat.files import require_writable
 
@@ -64,15 +64,13 @@ def run(options: argparse.Namespace) -> None:
         if options.images:
             note_images(set_of_pairs, options.images)
         head, training = split_settings(options.set, HeadSettings, TrainSettings)
-        methods = methods_named(
-            listed(options.methods) or DEFAULT_METHODS, head, training, candidates_of(options.candidate)
-        )
+        named, candidates = listed(options.methods) or DEFAULT_METHODS, candidates_of(options.candidate)
+        methods = methods_named(named, head, training, candidates)
         sources = listed(options.sources) or available(set_of_pairs)
         if not sources:
             raise DataError(f"'{options.embeddings}' has no domain with pairs of two classes or more to learn from.")
         folds = tuple(range(options.folds)) or (None,)
-        seeds = numbers(options.seeds)
-        runs = planned(methods, sources, seeds, folds, calibrate=options.calibrate)
+        runs = planned(methods, sources, numbers(options.seeds), folds, calibrate=options.calibrate)
         work(runs, options, lang=training.get("lang", True))
     found = records.read(options.out / RUNS)
     print(write_evidence(found, options.out) if options.folds else write_report(found, options.out))
@@ -110,14 +108,7 @@ def work(runs: "list[Run]", options: argparse.Namespace, *, lang: bool = True) -
     from omnivat.lang.bank import DEFAULT_BANK
     from omnivat.protocol.engine import run_all
 
+    bank, how = (options.lang or DEFAULT_BANK) if lang else None, passed(options, "embeddings", "jobs", "engine")
     with progress_bar(f"{len(runs)} runs") as show:
-        done = run_all(
-            runs,
-            options.out / RUNS,
-            embeddings=options.embeddings,
-            bank=(options.lang or DEFAULT_BANK) if lang else None,
-            jobs=options.jobs,
-            engine=options.engine,
-            on_step=show,
-        )
+        done = run_all(runs, options.out / RUNS, bank=bank, **how, on_step=show)
     print(f"{done} runs done, {len(runs) - done} were there already")

@@ -39,8 +39,7 @@ def run(options: argparse.Namespace) -> None:
     from omnivat.data.pairs import summary_table
     from omnivat.simulate.build import write_examples
 
-    others = SENSOR_OPTIONS if options.set == "chirps" else CHIRP_OPTIONS
-    for name in others:
+    for name in SENSOR_OPTIONS if options.set == "chirps" else CHIRP_OPTIONS:
         if getattr(options, name) is not None:
             raise SettingsError(f"--{name} does not apply to --set {options.set}; leave it out.")
     require_writable(options.out / "pairs.csv")

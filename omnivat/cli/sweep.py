@@ -254,9 +254,7 @@ def table(orders: Stops, curves: Values) -> str:
     heads = " ".join(f"{f'p = {orders[place]:g}':>10}" for place in places)
     lines = [f"{'curve':<{width}} {heads}"]
     for name, values in curves.items():
-        lines.append(f"{name:<{width}} " + " ".join(_number(values[place]) for place in places))
+        shown = (values[place] for place in places)
+        cells = (f"{'-':>10}" if value is None or value != value else f"{value:>10.4f}" for value in shown)
+        lines.append(f"{name:<{width}} " + " ".join(cells))
     return "\n".join(lines)
-
-
-def _number(value: float | None) -> str:
-    return f"{'-':>10}" if value is None or value != value else f"{value:>10.4f}"

@@ -40,16 +40,14 @@ def run(options: argparse.Namespace) -> None:
             raise
     found = taught(head, lessons, report.method if report else "")
     save_head(options.out, found)
+    names, tested = ("object", "label", "before", "after"), report.judged if report else ()
     record: dict[str, Any] = {
         "pairs": len(lessons),
         "before": report.before if report else None,
         "after": report.after if report else None,
         "method": found.provenance["taught_by"],
         "right": dict(report.right) if report else {},
-        "held_out": [
-            {"object": one.object, "label": one.label, "before": one.before, "after": one.after}
-            for one in (report.judged if report else ())
-        ],
+        "held_out": [{name: getattr(one, name) for name in names} for one in tested],
         "classes": list(found.settings.classes),
         "out": str(options.out),
     }

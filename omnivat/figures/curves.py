@@ -95,7 +95,8 @@ def gap_curves(frames: FrameSet, *, stage: str = "f_hat", order: float | None = 
             ends = {"x0": max(span[0], fits[0]), "x1": min(span[1], fits[1])}
             if ends["x0"] < ends["x1"]:
                 shapes.append({"type": "rect", "fillcolor": AREA, "line_width": 0, **upright, **ends})
-        level = _level(frames, name)
+        raw = frames.curves.get(f"{name}/raw") or [None]
+        level = 1 / len(frames.classes) if name == "accuracy" else raw[0]
         if level is not None:
             ends = {"x0": span[0], "x1": span[1], "y0": level, "y1": level}
             shapes.append({"type": "line", "line": {"color": SOFT, "dash": "dash"}, **here, **ends})
@@ -148,14 +149,6 @@ def _curve(frames: FrameSet, name: str, stage: str) -> Values | None:
         return frames.curves.get(f"{name}/{stage}")
     retrained = frames.head.get("kind") == "retrained"
     return frames.curves.get("seeds:accuracy/unseen/mean" if retrained else "accuracy/unseen")
-
-
-def _level(frames: FrameSet, name: str) -> float | None:
-    """Return the dashed level: chance, or the raw embedding."""
-    if name == "accuracy":
-        return 1 / len(frames.classes)
-    raw = frames.curves.get(f"{name}/raw")
-    return raw[0] if raw else None
 
 
 def _value_at(frames: FrameSet, name: str, stage: str, order: float) -> str:

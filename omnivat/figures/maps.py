@@ -132,16 +132,10 @@ def frames_map(
         f"{frames.domains[d]} · {frames.classes[c]}{'' if headless else p}"
         for d, c, p in zip(frames.domain, frames.label, predicted, strict=True)
     ]
-    return map_figure(
-        drawn.places(frame),
-        group,
-        names,
-        colours=colours,
-        hover=hover,
-        pictures=pictures,
-        title=f"OmniVaT, {STAGE_TITLES[stage]}{'' if headless else f', p = {at:.2f}'}",
-        caption=f"{kind.upper()} of {frames.pairs} pairs, {what}; the axes have no unit",
-    )
+    title = f"OmniVaT, {STAGE_TITLES[stage]}{'' if headless else f', p = {at:.2f}'}"
+    caption = f"{kind.upper()} of {frames.pairs} pairs, {what}; the axes have no unit"
+    look: dict[str, Any] = {"colours": colours, "hover": hover, "pictures": pictures}
+    return map_figure(drawn.places(frame), group, names, title=title, caption=caption, **look)
 
 
 def _grouped(frames: FrameSet, colour: str, stop: int) -> tuple[Sequence[str], Sequence[str], NDArray[Any]]:

@@ -59,19 +59,12 @@ def dots(
     span = (ends[0], 1.02 * ends[1]) if ends else (min(0.0, min(every)) and min(every) - room, max(every) + room)
     chance = {"type": "line", "line": {"color": SOFT, "dash": "dash"}, "x0": level, "x1": level, "yref": "y domain"}
     tall = 116 + max(ROW, 15 * len(series) + 8) * len(rows)
-    return figure(
-        traces,
-        title=title,
-        caption=caption,
-        height=tall,
-        xaxis=axis(across, range=list(span), tickformat=".0%" if percent else None),
-        yaxis=axis(
-            range=[len(rows) - 0.5, -0.5], tickvals=list(range(len(rows))), ticktext=[plain(row) for row in rows]
-        ),
-        margin={"l": 24 + 7 * max(map(len, rows))},
-        showlegend=len(series) > 1,
-        shapes=[] if level is None else [{**chance, "y0": 0, "y1": 1}],
-    )
+    ticks = {"tickvals": list(range(len(rows))), "ticktext": [plain(row) for row in rows]}
+    layout: dict[str, Any] = {"showlegend": len(series) > 1, "margin": {"l": 24 + 7 * max(map(len, rows))}}
+    layout["xaxis"] = axis(across, range=list(span), tickformat=".0%" if percent else None)
+    layout["yaxis"] = axis(range=[len(rows) - 0.5, -0.5], **ticks)
+    layout["shapes"] = [] if level is None else [{**chance, "y0": 0, "y1": 1}]
+    return figure(traces, title=title, caption=caption, height=tall, **layout)
 
 
 def _end(record: Record, name: str) -> float:

@@ -47,7 +47,8 @@ def picture(figure: Any, *, width: float = WIDTH) -> Picture:
                 f"A figure of the kind '{trace.type}' has no SVG or PNG; name a file that ends in .html."
             )
     height = float(figure.layout.height or 420)
-    planes = {key: _plane(figure, key, width, height) for key in _keys(figure)}
+    keys = [name[5:] for name in figure.layout.to_plotly_json() if name.startswith("xaxis")]  # "", "2", ...
+    planes = {key: _plane(figure, key, width, height) for key in keys}
     shapes = [shape for key, plane in planes.items() for shape in _axes(figure, key, plane)]
     shapes += [s for one in figure.layout.shapes for s in _marked(one, planes)]
     for index, trace in enumerate(figure.data):
@@ -63,11 +64,6 @@ def picture(figure: Any, *, width: float = WIDTH) -> Picture:
 def svg_of(figure: Any) -> str:
     """Return a figure as SVG text; raises as `picture`."""
     return svg(picture(figure))
-
-
-def _keys(figure: Any) -> list[str]:
-    """Return the suffixes of the axes: "", "2", ..."""
-    return [name[5:] for name in figure.layout.to_plotly_json() if name.startswith("xaxis")]
 
 
 def _plane(figure: Any, key: str, width: float, height: float) -> Plane:

@@ -20,6 +20,7 @@ MAGIC = b"OVFRAMES"
 VERSION = 1
 ALIGN = 8
 DTYPES: dict[str, np.dtype[Any]] = {"u8": np.dtype("u1"), "u16": np.dtype("<u2")}
+FACTS = ("curves", "head", "embeddings")
 INDEXES = ("domain", "label", "prediction", "confidence")
 
 
@@ -35,7 +36,7 @@ def write_frames(path: str | Path, frames: FrameSet) -> None:
         entries[name] = {"offset": offset, "dtype": kind, "shape": list(array.shape)}
         blobs.append(blob + b"\0" * (-len(blob) % ALIGN))
         offset += len(blobs[-1])
-    record = {
+    record: dict[str, Any] = {
         "version": VERSION,
         "orders": list(frames.orders),
         "pairs": frames.pairs,
@@ -43,9 +44,7 @@ def write_frames(path: str | Path, frames: FrameSet) -> None:
         "classes": list(frames.classes),
         "arrays": entries,
         "maps": maps,
-        "curves": dict(frames.curves),
-        "head": dict(frames.head),
-        "embeddings": dict(frames.embeddings),
+        **{name: dict(getattr(frames, name)) for name in FACTS},
     }
     text = json.dumps(record, ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode()
     text += b" " * (-(len(MAGIC) + 4 + len(text)) % ALIGN)
@@ -80,16 +79,9 @@ def read_frames(path: str | Path) -> FrameSet:
     content = file.read_bytes()
     try:
         arrays = {name: _array(file, content, start, name, entry) for name, entry in record["arrays"].items()}
-        frames = FrameSet(
-            orders=tuple(record["orders"]),
-            domains=tuple(record["domains"]),
-            classes=tuple(record["classes"]),
-            **{name: arrays[name] for name in INDEXES},
-            maps={name: _map(entry, arrays) for name, entry in record["maps"].items()},
-            curves=record["curves"],
-            head=record["head"],
-            embeddings=record["embeddings"],
-        )
+        known: dict[str, Any] = {name: tuple(record[name]) for name in ("orders", "domains", "classes")}
+        known |= {name: arrays[name] for name in INDEXES} | {name: record[name] for name in FACTS}
+        frames = FrameSet(**known, maps={name: _map(entry, arrays) for name, entry in record["maps"].items()})
         if record["pairs"] != frames.pairs:
             raise ValueError(f"{record['pairs']} pairs stated, {frames.pairs} found")
         require_fit(frames)

@@ -142,12 +142,8 @@ def panorama(framing: Framing, *, least_softness: float = 0.0) -> Array:
     lamp = np.exp(-((away / width) ** 4))
     weight = np.sin(polar)
     lamp = lamp / (lamp * weight).sum() * _ROWS * _COLUMNS / np.pi**2
-    sky = np.asarray(framing.sky) * _surroundings(way, polar, framing.seed)[..., None]
+    x, y = 3.0 * way[..., 0] + way[..., 2], 3.0 * way[..., 1]
+    blocks = octaves(x, y, wavelength=1.5, finest=0.4, seed=framing.seed)
+    around = (0.2 + 0.8 * smoothstep(np.cos(polar), -0.05, 0.25)) * (1.0 + 0.8 * np.tanh(2.0 * blocks))
+    sky = np.asarray(framing.sky) * around[..., None]
     return np.asarray(sky + 1.3 * np.asarray(framing.sun) * lamp[..., None])
-
-
-def _surroundings(way: Array, polar: Array, seed: int) -> Array:
-    """Return the uneven brightness of the surroundings, about 1."""
-    above = smoothstep(np.cos(polar), -0.05, 0.25)
-    blocks = octaves(3.0 * way[..., 0] + way[..., 2], 3.0 * way[..., 1], wavelength=1.5, finest=0.4, seed=seed)
-    return np.asarray((0.2 + 0.8 * above) * (1.0 + 0.8 * np.tanh(2.0 * blocks)))
