@@ -45,7 +45,7 @@ def lines(
         ends += [float(y) + sign * b for y, b in known if y is not None for sign in (-1, 1)]
         places += list(xs)
         colour = {"color": SERIES[index % len(SERIES)]}
-        look = {"mode": "lines+markers", "line": colour, "marker": colour | {"size": 6}}
+        look: dict[str, Any] = {"mode": "lines+markers", "line": colour, "marker": colour | {"size": 6}}
         look["error_y"] = {"array": bars} if bars else None
         traces.append(go.Scatter(x=list(xs), y=[y if _is(y) else None for y in ys], name=plain(name), **look))
     marks = {"tickvals": list(range(len(ticks))), "ticktext": [plain(t) for t in ticks]}
@@ -194,7 +194,11 @@ def staircase(frames: FrameSet, *, order: float | None = None) -> Figure:
     looks = ({"mode": "lines", "line": {"color": colour, "width": 3}} for colour in SERIES)
     steps = {name: [v for v in values for _ in range(2)] for name, values in series.items()}
     most = max(_highest(frames, name) for name in ("modality_gap", "domain_gap", "margin"))
-    ticks = {"tickvals": list(range(len(words))), "ticktext": words, "tickangle": -35}  # all names, on a phone, too
+    ticks: dict[str, Any] = {
+        "tickvals": list(range(len(words))),
+        "ticktext": words,
+        "tickangle": -35,
+    }  # all names, on a phone, too
     return figure(
         [go.Scatter(x=edges, y=ys, name=n, **look) for (n, ys), look in zip(steps.items(), looks, strict=False)],
         title=f"Gaps at each step, p = {frames.orders[stop]:.2f}",

@@ -59,7 +59,7 @@ def dots(
     span = (ends[0], 1.02 * ends[1]) if ends else (min(0.0, min(every)) and min(every) - room, max(every) + room)
     chance = {"type": "line", "line": {"color": SOFT, "dash": "dash"}, "x0": level, "x1": level, "yref": "y domain"}
     tall = 116 + max(ROW, 15 * len(series) + 8) * len(rows)
-    ticks = {"tickvals": list(range(len(rows))), "ticktext": [plain(row) for row in rows]}
+    ticks: dict[str, Any] = {"tickvals": list(range(len(rows))), "ticktext": [plain(row) for row in rows]}
     layout: dict[str, Any] = {"showlegend": len(series) > 1, "margin": {"l": 24 + 7 * max(map(len, rows))}}
     layout["xaxis"] = axis(across, range=list(span), tickformat=".0%" if percent else None)
     layout["yaxis"] = axis(range=[len(rows) - 0.5, -0.5], **ticks)
