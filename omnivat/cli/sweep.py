@@ -38,10 +38,9 @@ if TYPE_CHECKING:
 
 ALL = "all"
 MOST_STOPS = 1001
-ONLY_RETRAIN = ("source", "seeds", "jobs", "keep", "lang", "set")
 Stops = Sequence[float]
 Values = Mapping[str, Sequence[float | None]]
-Wanted = Mapping[str, Sequence[str]]  # "stages" and "measures"
+Wanted = Mapping[str, Any]  # "stages" and "measures"
 
 
 def add(parser: argparse.ArgumentParser) -> None:
@@ -135,7 +134,7 @@ def _draw(file: Path, orders: Stops, curves: Values, frames: Any) -> None:
 def _check_retrain(options: argparse.Namespace) -> None:
     """Raise SettingsError for contradictory arguments."""
     if options.retrain is None:
-        for name in ONLY_RETRAIN:
+        for name in ("source", "seeds", "jobs", "keep", "lang", "set"):
             if getattr(options, name) is not None:
                 raise SettingsError(f"--{name} applies to --retrain N only; leave it out.")
         return

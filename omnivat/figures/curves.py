@@ -194,11 +194,8 @@ def staircase(frames: FrameSet, *, order: float | None = None) -> Figure:
     looks = ({"mode": "lines", "line": {"color": colour, "width": 3}} for colour in SERIES)
     steps = {name: [v for v in values for _ in range(2)] for name, values in series.items()}
     most = max(_highest(frames, name) for name in ("modality_gap", "domain_gap", "margin"))
-    ticks: dict[str, Any] = {
-        "tickvals": list(range(len(words))),
-        "ticktext": words,
-        "tickangle": -35,
-    }  # all names, on a phone, too
+    # the angle leaves room for all names, on a phone, too
+    ticks: dict[str, Any] = {"tickvals": list(range(len(words))), "ticktext": words, "tickangle": -35}
     return figure(
         [go.Scatter(x=edges, y=ys, name=n, **look) for (n, ys), look in zip(steps.items(), looks, strict=False)],
         title=f"Gaps at each step, p = {frames.orders[stop]:.2f}",
