@@ -119,6 +119,7 @@ class Trainings:
             "run": name,
             "total": plan.training.epochs,
             "source": plan.source,
+            "left_out": plan.left_out,
             "reach": REACH,
             "domains": list(embeddings.header.domains),
             "classes": list(embeddings.header.classes),

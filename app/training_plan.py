@@ -38,6 +38,7 @@ class Plan:
     training: "TrainSettings"
     seed: int
     first: str  # the step before the first epoch, in words
+    left_out: int = 0  # training pairs of the source without a class
 
 
 def offers(embeddings: "Embeddings", source: str) -> dict[str, Any]:
@@ -45,6 +46,7 @@ def offers(embeddings: "Embeddings", source: str) -> dict[str, Any]:
 
     Raises DataError for a set in which no domain has pairs of two classes.
     """
+    from omnivat.data.materials import NO_CLASS
     from omnivat.lang.bank import DEFAULT_BANK, load_bank
 
     header, domains = embeddings.header, list(embeddings.learnable)
@@ -59,7 +61,7 @@ def offers(embeddings: "Embeddings", source: str) -> dict[str, Any]:
             "source": source if source in domains else domains[0],
             "width": 64,
             "order": "gradient",
-            "lang": set(header.classes) <= set(load_bank(DEFAULT_BANK).classes),
+            "lang": set(header.classes) - {NO_CLASS} <= set(load_bank(DEFAULT_BANK).classes),
             **{name: ends[2] for name, ends in RANGES.items()},
         },
     }
@@ -74,7 +76,8 @@ def plan_from(question: Mapping[str, Any], embeddings: "Embeddings") -> Plan:
     from omnivat.train import TrainSettings
 
     source = _one_of("source", question.get("source"), embeddings.header.domains)
-    pairs = len(embeddings.in_domain(source, split="train"))
+    rows = embeddings.rows_of(source, split="train")
+    pairs = int(embeddings.labelled[rows].sum())
     if pairs > MOST_PAIRS:
         raise DataError(
             f"'{source}' has {pairs:,} training pairs and at most {MOST_PAIRS:,} are trained on "
@@ -104,6 +107,7 @@ def plan_from(question: Mapping[str, Any], embeddings: "Embeddings") -> Plan:
         training=training,
         seed=number["seed"],
         first="searching p" if order == "search" else "loading",
+        left_out=len(rows) - pairs,
     )
 
 

@@ -65,6 +65,7 @@ def try_pairs(found: Features, *, source: str = "", seed: int = 0, on_step: OnSt
         return Trial(head=None, lines=[f"No head was trained: {why}"])
     source = source or max(able, key=lambda name: len(found.members(name)))
     own, objects = found.members(source), _objects(data)
+    own = own[data.labelled[own]]
     folds, alone = _folds(data.label[own], objects[own], seed)
     plan = _plan(found, source, len(folds) + 2, seed)
     each = plan.training.epochs * steps_of(len(plan.pairs), plan.training)
@@ -126,7 +127,7 @@ def _plan(found: Features, source: str, trainings: int, seed: int, rows: Rows | 
     count = len(found.members(source))
     batch = 16 if count <= 500 else 64 if count <= 2000 else 256
     epochs = int(np.clip(STEPS * batch // (trainings * max(count, batch)), 5, 40))
-    classes = {data.header.classes[k] for k in np.unique(data.label)}
+    classes = {data.header.classes[k] for k in np.unique(data.label[data.labelled])}
     training = TrainSettings(
         epochs=epochs,
         batch=batch,
@@ -229,8 +230,9 @@ def _in_target(found: Features, head: Head, own: Rows, rows: Rows, name: str) ->
 
 def _about(plan: TrainingPlan, source: str) -> str:
     numbers, settings = parameter_count(plan.settings), plan.training
+    without = f" ({plan.left_out} pairs without a class left out)" if plan.left_out else ""
     return (
-        f"Trained on '{printable(source)}': {len(plan.pairs)} pairs, {len(plan.settings.classes)} classes; "
+        f"Trained on '{printable(source)}': {len(plan.pairs)} pairs, {len(plan.settings.classes)} classes{without}; "
         f"a small head of {numbers:,} numbers (width {plan.settings.width}, noise {settings.noise:g}, "
         f"shift {settings.shift:g}, {settings.epochs} epochs{', with texts' if settings.lang else ''})."
     )

@@ -114,6 +114,19 @@ def make_embeddings() -> Callable[..., object]:
 
 
 @pytest.fixture(scope="session")
+def without_classes() -> Callable[..., object]:
+    """Return a function of embeddings and a count that takes the last classes from their pairs."""
+    from dataclasses import replace
+
+    def without(embeddings: Any, count: int) -> object:
+        known = embeddings.header.classes[: len(embeddings.header.classes) - count]
+        header = replace(embeddings.header, classes=(*known, "unlabelled"))
+        return replace(embeddings, header=header, label=np.minimum(embeddings.label, len(known)))
+
+    return without
+
+
+@pytest.fixture(scope="session")
 def head_folder(make_embeddings: Callable[..., object], tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the folder of a small head, trained for two epochs on made-up embeddings."""
     from omnivat.cli import main

@@ -38,7 +38,8 @@ def run(options: argparse.Namespace) -> None:
     head_values, train_values = split_settings(options.set, HeadSettings, TrainSettings)
     embeddings, how = load_embeddings(options.embeddings), {**passed(options, "part", "seed"), "bank": options.lang}
     plan = plan_training(embeddings, options.source, head=head_values, training=TrainSettings(**train_values), **how)
-    print(f"{parameter_count(plan.settings):,} trainable parameters, {len(plan.pairs)} pairs")
+    without = f"; {plan.left_out} pairs without a class are left out" if plan.left_out else ""
+    print(f"{parameter_count(plan.settings):,} trainable parameters, {len(plan.pairs)} pairs{without}")
     if not options.resume:
         (options.out / STATE).unlink(missing_ok=True)
     with progress_bar(f"train on {options.source}") as show:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omnivat.data.arrays import walked
+from omnivat.data.materials import NO_CLASS
 from omnivat.errors import DataError
 from omnivat.seeding import derive_seed
 
@@ -65,10 +66,16 @@ class Embeddings:
         return int(self.vis.shape[1])
 
     @property
+    def labelled(self) -> NDArray[np.bool_]:
+        """(N,) true for pairs with a class: `NO_CLASS` is the lack of one."""
+        named: NDArray[np.bool_] = np.array([name != NO_CLASS for name in self.header.classes], bool)[self.label]
+        return named
+
+    @property
     def learnable(self) -> tuple[str, ...]:
         """Names of the domains with pairs of two classes or more, from which a head can learn."""
         there = np.zeros((len(self.header.domains), len(self.header.classes)), dtype=bool)
-        there[self.domain, self.label] = True
+        there[self.domain, self.label] = self.labelled
         return tuple(n for n, own in zip(self.header.domains, there, strict=True) if own.sum() > 1)
 
     def select(self, keep: NDArray[Any]) -> "Embeddings":

@@ -28,11 +28,12 @@ class TrainingPlan:
     embeddings: Embeddings  # the whole set; only `pairs` are used for training
     source: str
     part: str
-    pairs: Embeddings  # training pairs of the source
+    pairs: Embeddings  # training pairs of the source, those with a class
     settings: HeadSettings
     training: TrainSettings
     bank: LangBank | None
     seed: int = 0
+    left_out: int = 0  # training pairs of the source without a class
 
     def at(self, order: float, seed: int) -> "TrainingPlan":
         """Return the same plan with p fixed at `order`, and another seed."""
@@ -60,6 +61,7 @@ class TrainingPlan:
             "simulated": header.simulated,
             "data": header.origin,
             "pairs": len(self.pairs),
+            "left_out": self.left_out,
             "seed": self.seed,
             "train": settings_dict(self.training),
             "lang": {"origin": bank.origin, "hash": bank.hash} if bank else None,
@@ -79,7 +81,7 @@ def plan_training(
 ) -> TrainingPlan:
     """Plan a training on the pairs of one domain, without training.
 
-    source    name of the domain; its split "train" is used, or all pairs without a split
+    source    name of the domain; its split "train" is used, or all pairs without a split. Pairs without a class are left out
     part      only this part of it, such as "outdoor"
     head      settings of the head by name; classes and widths follow from the data
     training  None: default settings
@@ -93,6 +95,10 @@ def plan_training(
     if not len(pairs):
         what = f" of part '{part}'" if part else ""
         raise DataError(f"'{source}' has no pairs{what} to train on; choose another domain.")
+    if left_out := len(pairs) - int(pairs.labelled.sum()):
+        pairs = pairs.select(pairs.labelled)
+        if not len(pairs):
+            raise DataError(f"None of the {left_out} pairs of '{source}' has a class; choose another domain.")
     present = set(pairs.label.tolist())
     classes = tuple(name for k, name in enumerate(embeddings.header.classes) if k in present)
     texts = None
@@ -121,6 +127,7 @@ def plan_training(
         training=training,
         bank=texts,
         seed=seed,
+        left_out=left_out,
     )
 
 

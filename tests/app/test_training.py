@@ -55,6 +55,18 @@ def test_a_training_is_watched_to_its_end_and_its_head_is_loaded_and_saved(sets,
     assert load_head(tmp_path / "trained-head").source == "TAG-sim"
 
 
+def test_pairs_without_a_class_are_left_out_of_a_training_and_told(sets, without_classes, monkeypatch):
+    some = without_classes(sets.first.embeddings(), 2)
+    monkeypatch.setattr(sets.first, "embeddings", lambda: some)
+    trainings = Trainings(sets)
+    assert trainings.offers(sets.first, {})["first"]["lang"]  # no text is wanted of pairs without a class
+    started = trainings.start(sets.first, SMALL)
+    assert started["left_out"] == 16
+    assert until_ended(trainings, started["run"])["state"] == "done"
+    zipped = zipfile.ZipFile(io.BytesIO(trainings.saved({"run": started["run"]})))
+    assert b"unlabelled" not in zipped.read("trained-head/settings.json")
+
+
 def test_every_step_of_a_training_gives_way_to_requests(sets, monkeypatch):
     ways = []
     monkeypatch.setattr("app.jobs.Job.give_way", lambda job: ways.append(job))

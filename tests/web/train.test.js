@@ -79,6 +79,14 @@ test("a waiting training tells its place, a running one its epoch", () => {
   assert.equal(standing({ state: "failed", place: 0, text: "", problem: "The loss is nan." }, at), "The loss is nan.");
 });
 
+test("pairs without a class are counted as left out while a training waits, runs and ends", () => {
+  const at = { epochs: 40, total: 40, leftOut: 12 };
+  assert.match(standing({ state: "waiting", place: 2 }, at), /12 pairs without a class are left out\.$/);
+  assert.equal(standing({ state: "done" }, at), "Done: 40 epochs. 12 pairs without a class are left out.");
+  assert.match(standing({ state: "done" }, { ...at, leftOut: 1 }), /1 pair without a class is left out\.$/);
+  assert.equal(standing({ state: "failed", problem: "The loss is nan." }, at), "The loss is nan.");
+});
+
 test("scrubbing back shows the newest map and measures up to that epoch", () => {
   assert.deepEqual(mapAt(EPOCHS, 2), { map: "AA==", epoch: 1 });
   assert.equal(mapAt(EPOCHS, 0), null);

@@ -50,8 +50,14 @@ export function chosen(entries) {
 export const inWords = (q) =>
   `${q.source}, D = ${q.width}, ${ORDERS[q.order]}${q.order === "fixed" ? ` = ${q.p}` : ""}, λ = ${q.mma}, R = ${q.levels}, E = ${q.expansion}, ${q.noise ? `noise ${q.noise}, ` : ""}${q.lang ? "LANG" : "no LANG"}, seed ${q.seed}`;
 
-/** One sentence for a state from the server. */
-export function standing({ state, place, text, left, problem }, { epochs, total }) {
+/** A state from the server in words. leftOut: pairs of the source without a class */
+export function standing(state, { epochs, total, leftOut = 0 }) {
+  const words = stateInWords(state, epochs, total);
+  if (!leftOut || ["failed", "cancelled"].includes(state.state)) return words;
+  return `${words} ${leftOut === 1 ? "1 pair without a class is" : `${leftOut} pairs without a class are`} left out.`;
+}
+
+function stateInWords({ state, place, text, left, problem }, epochs, total) {
   if (state === "waiting" && !place) return "Waiting.";
   if (state === "waiting") return `Waiting: place ${place} in the queue. One training runs at a time.`;
   if (state === "running" && epochs >= total) return "Calibrating probabilities on held-out pairs.";

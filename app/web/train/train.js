@@ -115,6 +115,7 @@ class TrainTab extends View {
       name: started.run,
       question,
       total: started.total,
+      leftOut: started.left_out,
       classes: started.classes.length,
       epochs: [],
       state: { state: "waiting", place: 0, text: "", left: "", problem: "", set: "" },
@@ -164,7 +165,7 @@ class TrainTab extends View {
     if (!run) return;
     const done = run.epochs.length;
     this.$(".preview").hidden = true;
-    this.$(".status").textContent = standing(run.state, { epochs: done, total: run.total });
+    this.$(".status").textContent = standing(run.state, { epochs: done, total: run.total, leftOut: run.leftOut });
     this.$(".bar-of-epochs").hidden = !active;
     this.$(".bar-of-epochs i").style.width = `${(100 * done) / run.total}%`;
     this.showActions();

@@ -166,6 +166,17 @@ def test_parquet_and_hdf5_are_tried_like_npz(tmp_path, capsys, ending, write, la
     assert load_head(tmp_path / "b-try" / "head").settings.classes == ("a", "b", "c")
 
 
+def test_pairs_without_a_class_among_others_are_neither_learned_nor_tested(
+    make_embeddings, without_classes, tmp_path, capsys
+):
+    save_embeddings(tmp_path / "mine.safetensors", without_classes(make_embeddings(), 2))
+    said = tried(capsys, tmp_path / "mine.safetensors")
+    assert "24 pairs, 3 classes (16 pairs without a class left out)" in said and "with texts" in said
+    assert load_head(tmp_path / "mine-try" / "head").settings.classes == ("wood", "steel", "plastic")
+    home, away = json.loads((tmp_path / "mine-try" / "figures.json").read_text())
+    assert (home["pairs"], home["classes"], away["pairs"]) == (24, 3, 24)
+
+
 def test_pictures_with_names_alone_get_thumbnails(tmp_path, capsys):
     root = pictures(tmp_path / "p", [f"{k}_{half}.png" for k in range(2) for half in ("vis", "tac")])
     said = tried(capsys, root)

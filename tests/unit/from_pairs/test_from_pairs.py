@@ -10,7 +10,7 @@ from omnivat.checkpoint import load_head
 from omnivat.cli import main
 from omnivat.data.store import load_embeddings, save_embeddings
 from omnivat.errors import DataError, SettingsError
-from omnivat.from_pairs import head_from_pairs, plan_like, plan_training
+from omnivat.from_pairs import head_from_pairs, plan_like, plan_training, trained_head
 from omnivat.sweep import sweep
 from omnivat.train import TrainingCancelled, TrainSettings
 
@@ -67,6 +67,29 @@ def test_the_command_writes_the_head_that_the_function_returns(watched, pairs, t
     assert all(torch.equal(first[name], second[name]) for name in first)
     assert written.metrics["target_accuracy"] == head.metrics["target_accuracy"]
     assert written.model.calibration == head.model.calibration
+
+
+def test_pairs_without_a_class_are_left_out_of_training_and_counted(pairs, without_classes):
+    some = without_classes(pairs, 2)
+    plan = plan_training(some, "TAG-sim", head=SMALL, training=SHORT)
+    assert plan.settings.classes == pairs.header.classes[:3]
+    assert (len(plan.pairs), plan.left_out) == (24, 16)
+    assert plan.bank is not None  # texts are wanted of classes alone
+    head = trained_head(plan, calibrate=False)
+    assert head.settings.classes == pairs.header.classes[:3]
+    assert (head.provenance["pairs"], head.provenance["left_out"]) == (24, 16)
+    assert [one["left_out"] for one in head.metrics["domains"]] == [16, 16]
+
+
+def test_a_domain_whose_pairs_have_no_class_or_one_beside_none_is_refused(pairs, without_classes):
+    none = without_classes(pairs, 5)
+    assert none.learnable == ()
+    with pytest.raises(DataError, match="None of the 40 pairs of 'TAG-sim' has a class"):
+        plan_training(none, "TAG-sim", head=SMALL, training=SHORT)
+    one = without_classes(pairs, 4)
+    assert one.learnable == ()
+    with pytest.raises(SettingsError, match="two or more"):
+        plan_training(one, "TAG-sim", head=SMALL, training=SHORT)
 
 
 def test_a_training_stops_when_it_is_cancelled(pairs):
