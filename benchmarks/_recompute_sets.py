@@ -71,7 +71,8 @@ class Set:
             own = [a for a, b in pairs if a == b]
             truth, guess = [a for a, _ in pairs], [b for _, b in pairs]
             f1 = fmean(2 * own.count(c) / (truth.count(c) + guess.count(c)) for c in set(truth))
-            bins, tested = defaultdict(float), [row for row in rows if row in shares]
+            bins: defaultdict[int, float] = defaultdict(float)
+            tested = [row for row in rows if row in shares]
             for row in tested:
                 chances, right = shares[row], ord(self.truth[row]) - 97
                 bins[math.ceil(max(chances) * 15)] += (chances.index(max(chances)) == right) - max(chances)
