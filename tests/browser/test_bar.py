@@ -16,6 +16,12 @@ OUTSIDE = """selectors => selectors.filter((one) => {
   return !height || top < 0 || bottom > innerHeight;
 })"""
 
+# true if the button to the next chapter hides a part of the sentence that replies to the title
+COVERED = """() => {
+  const [remark, onward] = ['.remark', '.onward'].map((one) => document.querySelector(`.explore ${one}`));
+  return remark.getBoundingClientRect().bottom > onward.getBoundingClientRect().top + 1;
+}"""
+
 
 @pytest.mark.parametrize("size", SIZES, ids=str)
 def test_map_chart_and_control_of_each_chapter_need_no_scrolling(
@@ -28,9 +34,11 @@ def test_map_chart_and_control_of_each_chapter_need_no_scrolling(
     page.wait_for_selector(".explore .fall[data-rung=m2]")  # the whole ladder
     page.wait_for_selector(".explore .profiles button")
     assert page.evaluate(OUTSIDE, [".map", ".waterfall", ".title"]) == []
+    assert page.evaluate(COVERED) is False
     page.click('.explore [data-chapter="fooled"]')
     page.wait_for_selector(".explore .bar-row:visible")
     assert page.evaluate(OUTSIDE, [".map", ".readings", ".title"]) == []
+    assert page.evaluate(COVERED) is False
 
 
 def test_the_thumb_of_the_slider_stands_under_its_value_on_the_curve(open_page: Callable[..., Any]) -> None:
