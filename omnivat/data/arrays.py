@@ -46,10 +46,11 @@ def write_arrays(path: Path, columns: Mapping[str, Column], metadata: Mapping[st
     """
     table: dict[str, Any] = {"__metadata__": dict(metadata)}
     # Widest numbers first, so that every array starts at a multiple of its own width.
-    order = sorted(columns, key=lambda name: -np.dtype(NAMES[columns[name].dtype]).itemsize)
-    end = 0
+    widths = {name: np.dtype(NAMES[one.dtype]).itemsize for name, one in columns.items()}
+    sizes = {name: widths[name] * int(np.prod(one.shape, dtype=np.int64)) for name, one in columns.items()}
+    order, end = sorted(columns, key=lambda name: -widths[name]), 0
     for name in order:
-        start, end = end, end + _size(columns[name].dtype, columns[name].shape)
+        start, end = end, end + sizes[name]
         table[name] = {"dtype": columns[name].dtype, "shape": list(columns[name].shape), "data_offsets": [start, end]}
     head = json.dumps(table, ensure_ascii=False, separators=(",", ":")).encode()
     head += b" " * (-len(head) % 8)
@@ -59,15 +60,14 @@ def write_arrays(path: Path, columns: Mapping[str, Column], metadata: Mapping[st
             code, written = NAMES[columns[name].dtype], 0
             for block in columns[name].blocks:
                 written += handle.write(np.ascontiguousarray(block, dtype=code).tobytes())
-            if written != _size(columns[name].dtype, columns[name].shape):
+            if written != sizes[name]:
                 raise ValueError(f"{name} has {written} bytes, not what {columns[name].shape} needs")
 
 
 def read_arrays(path: Path, *, large: int | None = None) -> tuple[dict[str, NDArray[Any]], dict[str, str]]:
     """Return named memory-mapped arrays and the metadata.
 
-    large  bytes up to which an array is writable in memory, without changing the file; None:
-           LARGE_BYTES
+    large  bytes up to which an array is writable in memory, without changing the file; None: LARGE_BYTES
 
     Raises DataError for an invalid header, SafetensorError for a truncated file.
     """
@@ -107,13 +107,9 @@ def walked(array: NDArray[Any], rows: NDArray[np.int64] | None = None, *, size: 
     if rows is not None and not array.flags.writeable:
         size = min(size, 256)  # scattered rows map whole pages and their neighbours
     for start in range(0, count, size):
-        some = slice(start, start + size)
-        if rows is None:
-            block = np.array(array[some], wide)
-            read += array[some].nbytes
-        else:
-            block, own = np.array(array[rows[some]], wide), rows[some]
-            read += array[:1].nbytes * int(own.max() - own.min() + 1)
+        some: Any = slice(start, start + size) if rows is None else rows[start : start + size]
+        block = np.array(array[some], wide)
+        read += array[:1].nbytes * (len(block) if rows is None else int(some.max() - some.min() + 1))
         if read >= WALKED_BYTES or start + size >= count:
             read = 0
             if not array.flags.writeable:
@@ -128,7 +124,3 @@ def _mapped(path: Path, start: int, entry: Mapping[str, Any], large: int) -> NDA
         return np.empty(shape, code)
     mode: Literal["r", "c"] = "r" if end - first > large else "c"
     return np.memmap(path, dtype=code, mode=mode, offset=start + first, shape=shape)
-
-
-def _size(dtype: str, shape: tuple[int, ...]) -> int:
-    return int(np.prod(shape, dtype=np.int64)) * np.dtype(NAMES[dtype]).itemsize

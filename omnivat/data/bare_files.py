@@ -24,9 +24,7 @@ def bare_file(content: bytes, kind: str) -> tuple[bytes, int | None]:
              None for a kind whose rotation the decoder knows
     """
     found = {"PNG": _png, "JPEG": _jpeg, "TIFF": _tiff, "WEBP": _webp}.get(kind)
-    if found is not None:
-        return found(content)
-    return content, 1 if kind in ("GIF", "BMP") else None
+    return found(content) if found else (content, 1 if kind in ("GIF", "BMP") else None)
 
 
 def rotation(exif: bytes) -> int:
@@ -45,8 +43,7 @@ def rotation(exif: bytes) -> int:
         for start in range(at + 2, at + 2 + 12 * min(many, MOST_ENTRIES), 12):
             tag, kind = struct.unpack_from(order + "HH", exif, start)
             if tag == ORIENTATION:
-                code = {1: "B", 3: "H", 4: "I"}[kind]
-                (turn,) = struct.unpack_from(order + code, exif, start + 8)
+                (turn,) = struct.unpack_from(order + {1: "B", 3: "H", 4: "I"}[kind], exif, start + 8)
                 return turn if 1 <= turn <= 8 else 1
     except (struct.error, KeyError):
         pass

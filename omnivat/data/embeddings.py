@@ -13,6 +13,7 @@ from omnivat.errors import DataError
 from omnivat.seeding import derive_seed
 
 Array = NDArray[np.float32]
+VECTORS = ("vis", "tac", "vis_flip", "tac_flip")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -61,6 +62,11 @@ class Embeddings:
         return len(self.label)
 
     @property
+    def vectors(self) -> dict[str, Array]:
+        """The arrays of vectors that are there, by name."""
+        return {name: array for name in VECTORS if (array := getattr(self, name)) is not None}
+
+    @property
     def width(self) -> int:
         """D, the encoder's width."""
         return int(self.vis.shape[1])
@@ -81,16 +87,9 @@ class Embeddings:
     def select(self, keep: NDArray[Any]) -> "Embeddings":
         """Return the pairs of `keep`, a mask or indices; the list of domains stays the same."""
         index = np.flatnonzero(keep) if keep.dtype == bool else keep
-        return replace(
-            self,
-            vis=_rows(self.vis, index),
-            tac=_rows(self.tac, index),
-            domain=self.domain[index],
-            label=self.label[index],
-            vis_flip=None if self.vis_flip is None else _rows(self.vis_flip, index),
-            tac_flip=None if self.tac_flip is None else _rows(self.tac_flip, index),
-            rows={name: [column[i] for i in index] for name, column in self.rows.items()},
-        )
+        rows = {name: [column[i] for i in index] for name, column in self.rows.items()}
+        vectors: dict[str, Any] = {name: _rows(array, index) for name, array in self.vectors.items()}
+        return replace(self, **vectors, domain=self.domain[index], label=self.label[index], rows=rows)
 
     def sampled(self, count: int, *, seed: int = 0) -> "Embeddings":
         """Return `count` random pairs in their order, or all if there are fewer.

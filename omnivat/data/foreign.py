@@ -16,10 +16,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from omnivat.data.embeddings import Array, Embeddings, Header, indices
+from omnivat.data.embeddings import VECTORS, Array, Embeddings, Header, indices
 from omnivat.data.foreign_files import read_columns
 from omnivat.data.materials import in_order
-from omnivat.data.store import ROW_NAMES, VECTORS
+from omnivat.data.store import ROW_NAMES
 from omnivat.errors import DataError
 
 PREFIX = "imported:"  # prefix of the encoder's name for imported embeddings
@@ -57,32 +57,26 @@ def import_embeddings(
     if not encoder.strip():
         raise DataError("Imported embeddings need the name of their encoder; pass --encoder NAME.")
     found = _renamed(read_columns(place), columns or {}, place)
-    vectors = {name: found[name] for name in VECTORS if name in found}
     for name in ("vis", "tac"):
-        if name not in vectors:
+        if name not in found:
             raise DataError(
                 f"'{place}' has no vectors '{name}'; it has {', '.join(found) or 'nothing'}. Name the "
                 f"right one with --column {name}=THEIRS."
             )
-    count = len(vectors["vis"])
-    vectors = {name: _vectors(array, name, count, place) for name, array in vectors.items()}
+    count = len(found["vis"])
+    vectors = {name: _vectors(found[name], name, count, place) for name in VECTORS if name in found}
     if len(vectors) == 3:
         vectors = {name: vectors[name] for name in ("vis", "tac")}
     texts = {name: _texts(found[name], name, count, place) for name in TEXTS if name in found}
-    if domain and "domain" not in texts:
-        texts["domain"] = [domain] * count
-    if material and "material" not in texts:
-        texts["material"] = [material] * count
+    texts = {name: [text] * count for name, text in (("domain", domain), ("material", material)) if text} | texts
     _require_names(texts, place)
     texts["material"] = _materials(texts["material"], classes, place)
     widths = {name: array.shape[1] for name, array in vectors.items()}
-    how = preprocessing or "made elsewhere"
-    if len(set(widths.values())) > 1:
-        how += f" ({', '.join(f'{name} {width}' for name, width in widths.items())} values, then zeros)"
+    padded = f" ({', '.join(f'{name} {width}' for name, width in widths.items())} values, then zeros)"
     header = Header(
         encoder=PREFIX + encoder.strip(),
         weights_hash=blake2b(encoder.strip().encode(), digest_size=8).hexdigest(),
-        preprocessing=how,
+        preprocessing=(preprocessing or "made elsewhere") + (padded if len(set(widths.values())) > 1 else ""),
         domains=tuple(dict.fromkeys(texts["domain"])),
         classes=in_order(set(texts["material"])),
         simulated=simulated,
@@ -102,12 +96,8 @@ def _rows(found: Columns, texts: Mapping[str, list[str]], place: Path) -> dict[s
     count = len(texts["material"])
     rows = {name: texts.get(name, [""] * count) for name in ROW_NAMES}
     for name in ("vis", "tac"):
-        own = found.get(f"{name}_file")
-        rows[name] = (
-            [f"{place.stem}/{row}_{name}" for row in range(count)]
-            if own is None
-            else _texts(own, f"{name}_file", count, place)
-        )
+        numbered = np.array([f"{place.stem}/{row}_{name}" for row in range(count)])
+        rows[name] = _texts(found.get(f"{name}_file", numbered), f"{name}_file", count, place)
     if not any(rows["object"]):
         rows["object"] = [f"{place.stem}/{row}" for row in range(count)]
     return rows
@@ -126,10 +116,9 @@ def _renamed(found: Columns, columns: Mapping[str, str], place: Path) -> Columns
             found = {ours: found[theirs], **{k: v for k, v in found.items() if k != ours}}
         else:
             found |= {ours + key.removeprefix(theirs): value for key, value in numbered.items()}
-    if "material" not in found:
-        for other in ("label", "class"):
-            if other in found:
-                found["material"] = found[other]
+    for other in ("class", "label"):
+        if other in found and "material" not in found:
+            found["material"] = found[other]
     return _joined(found, place)
 
 

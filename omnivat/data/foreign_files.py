@@ -2,7 +2,6 @@
 
 import csv
 import zipfile
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -50,15 +49,13 @@ def _parquet(place: Path) -> Columns:
     parquet = need("pyarrow.parquet", purpose="reading Parquet", install="pyarrow")
     table = parquet.read_table(place)
     found: Columns = {}
-    for name in table.column_names:
-        column = table.column(name)
-        if "list" in str(column.type):
-            rows = column.to_pylist()
-            if len({len(row or ()) for row in rows}) > 1:
-                raise DataError(f"'{place}' has lists of differing lengths in '{name}'.")
-            found[name] = np.array(rows)
-        else:
-            found[name] = np.array(["" if v is None else v for v in column.to_pylist()])
+    for name, column in zip(table.column_names, table.columns, strict=True):
+        rows = column.to_pylist()
+        if "list" not in str(column.type):
+            rows = ["" if value is None else value for value in rows]
+        elif len({len(row or ()) for row in rows}) > 1:
+            raise DataError(f"'{place}' has lists of differing lengths in '{name}'.")
+        found[name] = np.array(rows)
     return found
 
 
@@ -84,10 +81,4 @@ def _csv(place: Path) -> Columns:
     return {name: np.array(column) for name, column in zip(names, zip(*body, strict=True), strict=True)}
 
 
-READERS: dict[str, Callable[[Path], Columns]] = {
-    ".npz": _npz,
-    ".parquet": _parquet,
-    ".h5": _hdf5,
-    ".hdf5": _hdf5,
-    ".csv": _csv,
-}
+READERS = {".npz": _npz, ".parquet": _parquet, ".h5": _hdf5, ".hdf5": _hdf5, ".csv": _csv}

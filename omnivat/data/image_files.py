@@ -6,7 +6,7 @@ their decoder. The number of parsed pieces is limited for any file.
 
 import re
 import struct
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import islice
 from mmap import mmap
@@ -62,10 +62,8 @@ class ImageFile:
 
     def cost(self, scale: int = 1) -> int:
         """Return the memory for decoding, at 1/scale of the size if the kind allows it."""
-        if self.kind != "JPEG":
-            scale = 1
-        seen = self.bytes_a_pixel - self.kept
-        return int(self.pixels * (self.kept + seen / scale**2))
+        shrunk = scale**2 if self.kind == "JPEG" else 1
+        return int(self.pixels * (self.kept + (self.bytes_a_pixel - self.kept) / shrunk))
 
 
 def image_file(content: Content) -> ImageFile | None:
@@ -76,12 +74,9 @@ def image_file(content: Content) -> ImageFile | None:
     kind = next((k for k, start in STARTS if re.match(start, content[:32], re.DOTALL)), None)
     if kind is None:
         return None
-    found = ImageFile(kind=kind, bytes_a_pixel=COSTS.get(kind, 6), usual=False)
-    walk = WALKS.get(kind)
-    if walk is None:
-        return found
+    found = ImageFile(kind=kind, bytes_a_pixel=COSTS.get(kind, 6), usual=kind in WALKS)
     try:
-        return walk(content, replace(found, usual=True))
+        return WALKS[kind](content, found) if found.usual else found
     except (struct.error, IndexError) as error:
         raise OddFileError("is cut short or damaged") from error
 
@@ -121,22 +116,15 @@ def _jpeg(content: Content, found: ImageFile) -> ImageFile:
         raise OddFileError("is cut short or damaged")
     height, width, count = struct.unpack_from(">xHHB", frame)
     shares = [(frame[7 + 3 * k] >> 4, frame[7 + 3 * k] & 15) for k in range(count)]
-    most = max(h * v for h, v in shares) or 1
-    samples = sum(h * v for h, v in shares) / most
+    samples = sum(h * v for h, v in shares) / (max(h * v for h, v in shares) or 1)
     whole = process in (0xC2, 0xCA) or content[at + 4] < count  # coefficients of all the picture
     scans = sum(1 for _ in islice(re.finditer(rb"\xff\xda", content), MOST_SCANS + 1))
     if whole and (scans > MOST_SCANS or width * height * samples * scans > MOST_SCANNED):
         raise OddFileError(f"is a JPEG of {width} × {height} pixels drawn in {scans} passes")
     kept = 2 * samples if whole else 0.0
-    return replace(
-        found,
-        width=width,
-        height=height,
-        bytes_a_pixel=kept + (1 if count == 1 else 4),
-        kept=kept,
-        usual=process in (0xC0, 0xC1, 0xC2),
-        simple=not whole and process in (0xC0, 0xC1) and width * height <= SIMPLE_PIXELS,
-    )
+    simple = not whole and process in (0xC0, 0xC1) and width * height <= SIMPLE_PIXELS
+    found = replace(found, usual=process in (0xC0, 0xC1, 0xC2), simple=simple, kept=kept)
+    return replace(found, width=width, height=height, bytes_a_pixel=kept + (1 if count == 1 else 4))
 
 
 def jpeg_segments(content: Content) -> Iterator[tuple[int, int, int]]:
@@ -176,13 +164,8 @@ def _bmp(content: Content, found: ImageFile) -> ImageFile:
     (size,) = struct.unpack_from("<I", content, 14)
     fields = struct.unpack_from("<HHHH" if size == 12 else "<iiHHI", content, 18)
     width, height, _, bits, packed = (*fields, 0)[:5]
-    return replace(
-        found,
-        width=abs(width),
-        height=abs(height),
-        bytes_a_pixel=1 if bits <= 8 else 4,
-        usual=packed in (0, 3),  # run lengths are unpacked slowly
-    )
+    each, usual = 1 if bits <= 8 else 4, packed in (0, 3)  # run lengths are unpacked slowly
+    return replace(found, width=abs(width), height=abs(height), bytes_a_pixel=each, usual=usual)
 
 
 def _webp(content: Content, found: ImageFile) -> ImageFile:
@@ -205,13 +188,8 @@ def _tiff(content: Content, found: ImageFile) -> ImageFile:
     packed = tags.get(259, 1)
     piece = tags.get(322, width) * tags.get(323, min(tags.get(278, height), height))
     unpacked = 0.0 if packed == 1 else piece * samples * bits / 8
-    return replace(
-        found,
-        width=width,
-        height=height,
-        bytes_a_pixel=each + unpacked / max(1, width * height),
-        usual=packed in (1, 5, 8, 32773, 32946),
-    )
+    needed, usual = each + unpacked / max(1, width * height), packed in (1, 5, 8, 32773, 32946)
+    return replace(found, width=width, height=height, bytes_a_pixel=needed, usual=usual)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -259,12 +237,4 @@ def _ppm(content: Content, found: ImageFile) -> ImageFile:
     return replace(found, usual=False)
 
 
-WALKS: dict[str, Callable[[Content, ImageFile], ImageFile]] = {
-    "PNG": _png,
-    "JPEG": _jpeg,
-    "GIF": _gif,
-    "BMP": _bmp,
-    "WEBP": _webp,
-    "TIFF": _tiff,
-    "PPM": _ppm,
-}
+WALKS = {"PNG": _png, "JPEG": _jpeg, "GIF": _gif, "BMP": _bmp, "WEBP": _webp, "TIFF": _tiff, "PPM": _ppm}

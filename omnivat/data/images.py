@@ -82,8 +82,7 @@ def read_image(
     del source
     with BytesIO(content) as handle:
         image = _open(handle, found, name)
-        seen = replace(found, width=image.width, height=image.height)
-        _check_cost(seen, name, limits, reduced=reduced)
+        _check_cost(replace(found, width=image.width, height=image.height), name, limits, reduced=reduced)
         return _rgb(image, name, reduced=reduced, turn=turn)
 
 
@@ -170,28 +169,21 @@ def _rgb(image: Image.Image, name: str, *, reduced: bool, turn: int | None = Non
         raise DataError(f"'{name}' is cut short or damaged; {REMEDY}.") from error
     try:
         seen = _eight_bit_rgb(image, name, factor(*image.size) if reduced else 1)
+    except DataError:
+        raise
     except ValueError as error:
-        if isinstance(error, DataError):
-            raise
         raise DataError(f"'{name}' has colours of kind {image.mode}; {REMEDY}.") from error
     return seen if upright is None else seen.transpose(upright)
 
 
 def _check_size(width: int, height: int, name: str) -> None:
+    size, most = f"'{name}' is {width} × {height} pixels", MAX_PIXELS // 10**6
     if width * height > MAX_PIXELS:
-        raise DataError(
-            f"'{name}' is {width} × {height} pixels, more than the {MAX_PIXELS // 10**6} megapixels "
-            "that are read; scale it down and try again."
-        )
+        raise DataError(f"{size}, more than the {most} megapixels that are read; scale it down and try again.")
     if max(width, height) > MAX_SIDE:
-        raise DataError(
-            f"'{name}' is {width} × {height} pixels, and a side may have {MAX_SIDE:,}; crop it and try again."
-        )
+        raise DataError(f"{size}, and a side may have {MAX_SIDE:,}; crop it and try again.")
     if min(width, height) < MIN_SIDE:
-        raise DataError(
-            f"'{name}' is {width} × {height} pixels; a side needs {MIN_SIDE} or more for a surface "
-            "to be seen, so choose a larger image."
-        )
+        raise DataError(f"{size}; a side needs {MIN_SIDE} or more for a surface to be seen, so choose a larger image.")
 
 
 def _check_cost(found: ImageFile, name: str, limits: Limits, *, reduced: bool) -> None:
@@ -234,43 +226,24 @@ def _on_white(strip: Image.Image) -> Image.Image:
 
 def _levels(image: Image.Image, name: str) -> Callable[[Image.Image], Image.Image] | None:
     """Return a function from the picture's values to 8 bits; None if it has 8 bits."""
-    if not (image.mode.startswith("I") or image.mode == "F"):
+    floating = image.mode == "F"
+    if not (floating or image.mode.startswith("I")):
         return None
-    if image.mode.startswith("I;16"):  # no value is outside
-        return _upper_byte
-    low, high = _extremes(image)
-    if image.mode == "F":
-        if not (low >= 0 and high <= 1):  # also true of NaN
-            raise DataError(
-                f"'{name}' holds floating values from {low:g} to {high:g}, expected 0 to 1; "
-                "save it as 8- or 16-bit PNG."
-            )
-        return _from_unit_range
-    if low < 0 or high > 65535:
-        raise DataError(f"'{name}' holds values from {int(low)} to {int(high)}; save it as 8- or 16-bit PNG.")
-    return _upper_byte
-
-
-def _extremes(image: Image.Image) -> tuple[float, float]:
     import numpy as np
 
-    lows, highs = [], []
-    step = max(1, STRIP_PIXELS // image.width)
-    for top in range(0, image.height, step):
-        box = (0, top, image.width, min(image.height, top + step))
-        values = np.asarray(image.crop(box))
-        lows.append(values.min())
-        highs.append(values.max())
-    return float(np.min(lows)), float(np.max(highs))
+    if not image.mode.startswith("I;16"):  # of which no value is outside
+        step = max(1, STRIP_PIXELS // image.width)
+        boxes = [(0, top, image.width, min(image.height, top + step)) for top in range(0, image.height, step)]
+        ends = [(values.min(), values.max()) for values in (np.asarray(image.crop(box)) for box in boxes)]
+        low, high = float(np.min(ends)), float(np.max(ends))
+        if floating and not (low >= 0 and high <= 1):  # also true of NaN
+            what = f"floating values from {low:g} to {high:g}, expected 0 to 1"
+            raise DataError(f"'{name}' holds {what}; save it as 8- or 16-bit PNG.")
+        if low < 0 or high > 65535:
+            raise DataError(f"'{name}' holds values from {int(low)} to {int(high)}; save it as 8- or 16-bit PNG.")
 
+    def eight_bits(strip: Image.Image) -> Image.Image:
+        values = np.asarray(strip)
+        return Image.fromarray((np.rint(values * 255) if floating else values.astype(np.uint32) >> 8).astype(np.uint8))
 
-def _upper_byte(strip: Image.Image) -> Image.Image:
-    import numpy as np
-
-    return Image.fromarray((np.asarray(strip).astype(np.uint32) >> 8).astype(np.uint8))
-
-
-def _from_unit_range(strip: Image.Image) -> Image.Image:
-    import numpy as np
-
-    return Image.fromarray(np.rint(np.asarray(strip) * 255).astype(np.uint8))
+    return eight_bits

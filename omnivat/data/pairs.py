@@ -106,15 +106,12 @@ def _reasons(found: PairSet, examples: int) -> list[list[str]]:
     by_reason: dict[str, list[Skipped]] = {}
     for skipped in found.skipped:
         by_reason.setdefault(skipped.why, []).append(skipped)
-    return [
-        [
-            str(sum(skipped.count for skipped in group)),
-            why,
-            "; ".join(skipped.what for skipped in group[:examples])
-            + (f"; and {len(group) - examples} more" if len(group) > examples else ""),
-        ]
-        for why, group in by_reason.items()
-    ]
+    rows = []
+    for why, group in by_reason.items():
+        more = [f"and {len(group) - examples} more"] if len(group) > examples else []
+        named = "; ".join([*(one.what for one in group[:examples]), *more])
+        rows.append([str(sum(one.count for one in group)), why, named])
+    return rows
 
 
 def _aligned(header: list[str], rows: list[list[str]]) -> list[str]:

@@ -82,5 +82,4 @@ def read_paper_sets(root: Path, *, seed: int = 0) -> PaperSets:
     pairs = tuple(pair for part in parts.values() for pair in part.pairs)
     skipped = tuple(one for part in parts.values() for one in part.skipped)
     origin = "; ".join(part.origin or SETS[name] for name, part in parts.items())
-    whole = PairSet(pairs=pairs, skipped=skipped, origin=origin)
-    return PaperSets(places=places, parts=parts, pairs=whole)
+    return PaperSets(places=places, parts=parts, pairs=PairSet(pairs=pairs, skipped=skipped, origin=origin))

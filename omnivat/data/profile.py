@@ -30,7 +30,6 @@ KEY = ("encoder", "weights_hash", "preprocessing")
 MEAN_PRIOR, VARIANCE_PRIOR = 2, 10  # pictures that the source's mean and variance weigh
 STEP_SHIFTED = 0.875  # of a head trained with imitated sensors (benchmarks.profile_step)
 FLOOR = 1.0  # mean deviations added to every channel's, so that still channels count less
-FIELDS = tuple(f"{name}{flip}" for name in IMAGES for flip in ("", "_flip"))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,9 +62,11 @@ class Profile:
         return len(next(iter(self.channels.values())).mean)
 
     def checked(self) -> "Profile":
-        """Return itself; raise ValueError without a modality, or with two widths."""
+        """Return itself; raise ValueError without a modality, with two widths, or another step."""
         if len({len(one.mean) for one in self.channels.values()}) != 1:
             raise ValueError("it needs one modality or two of equal width")
+        if not 0 <= self.step <= 1:
+            raise ValueError("its step is no share from 0 to 1")
         return self
 
     @property
@@ -134,8 +135,7 @@ def floor_of(source: Channels) -> float:
 
 def scale_of(channels: Channels, floor: float) -> Array:
     """Return the divisor (W,) of each channel: its deviation and the floor."""
-    scale: Array = np.sqrt(channels.variance) + np.float32(floor)
-    return scale
+    return np.asarray(np.sqrt(channels.variance) + np.float32(floor))
 
 
 def moved(rows: Array, target: Channels, source: Channels, step: float = 1.0) -> Array:
@@ -146,8 +146,7 @@ def moved(rows: Array, target: Channels, source: Channels, step: float = 1.0) ->
     """
     near, floor = shrunk(target, source, step), floor_of(source)
     ratio = scale_of(source, floor) / scale_of(near, floor)
-    changed: Array = (rows - near.mean) * ratio + source.mean
-    return changed
+    return np.asarray((rows - near.mean) * ratio + source.mean)
 
 
 def standardised(rows: Array, source: Channels) -> Array:
@@ -155,8 +154,7 @@ def standardised(rows: Array, source: Channels) -> Array:
 
     The bound keeps a channel that a new sensor shifts far from drowning the others.
     """
-    changed: Array = np.tanh((rows - source.mean) / scale_of(source, floor_of(source)))
-    return changed
+    return np.asarray(np.tanh((rows - source.mean) / scale_of(source, floor_of(source))))
 
 
 def profiled(embeddings: Embeddings, profiles: Mapping[str, Profile], source: Profile) -> Embeddings:
@@ -173,12 +171,11 @@ def profiled(embeddings: Embeddings, profiles: Mapping[str, Profile], source: Pr
         owners[embeddings.header.domains.index(name)] = profile
     if not owners:
         return embeddings
-    arrays: dict[str, Any] = {}
-    for field in FIELDS:
-        array = getattr(embeddings, field)
-        if array is not None:
-            arrays[field] = _moved_array(array, embeddings.domain, owners, field[:3], source)
-    return replace(embeddings, **arrays)
+    moves: dict[str, Any] = {
+        name: _moved_array(array, embeddings.domain, owners, name[:3], source)
+        for name, array in embeddings.vectors.items()
+    }
+    return replace(embeddings, **moves)
 
 
 def domain_of(profile: Profile, domains: Sequence[str], source: str) -> str:
@@ -258,12 +255,11 @@ def drawn_profiles(
 
 def save_profile(file: str | Path, profile: Profile) -> None:
     """Write a profile, completely or not at all."""
+    header = dict(zip(KEY, profile.key, strict=True)) | {"domain": profile.domain}
     columns: dict[str, Column] = {}
-    counts: dict[str, str] = {}
     for name, one in profile.channels.items():
         columns |= {f"{name}_mean": column(one.mean), f"{name}_variance": column(one.variance)}
-        counts[f"{name}_count"] = str(one.count)
-    header = dict(zip(KEY, profile.key, strict=True)) | {"domain": profile.domain} | counts
+        header[f"{name}_count"] = str(one.count)
     if profile.step != 1:
         header["step"] = repr(profile.step)
     with replacing(file) as temporary:
@@ -291,30 +287,16 @@ def load_profile(file: str | Path) -> Profile:
             channels={n: _channels(arrays, metadata, n) for n in IMAGES if f"{n}_mean" in arrays},
             key=(metadata["encoder"], metadata["weights_hash"], metadata["preprocessing"]),
             domain=metadata.get("domain", "")[:LONGEST_NAME],
-            step=_step(metadata),
+            step=float(metadata.get("step", "1")),
         ).checked()
     except (SafetensorError, OSError, ValueError, KeyError) as error:
         raise DataError(f"'{path}' cannot be read as a profile ({error!s:.200}); make it again.") from error
 
 
-def _step(metadata: dict[str, str]) -> float:
-    step = float(metadata.get("step", "1"))
-    if not 0 <= step <= 1:
-        raise ValueError("its step is no share from 0 to 1")
-    return step
-
-
 def _channels(arrays: dict[str, Any], metadata: dict[str, str], name: str) -> Channels:
     mean, variance = (np.array(arrays[f"{name}_{what}"]) for what in ("mean", "variance"))
-    good = (
-        mean.dtype == variance.dtype == np.float32
-        and mean.ndim == 1
-        and mean.shape == variance.shape
-        and len(mean) > 0
-        and np.isfinite([mean, variance]).all()
-        and (variance >= 0).all()
-        and 0 < int(metadata[f"{name}_count"]) < 10**12
-    )
-    if not good:
+    count, sound = int(metadata[f"{name}_count"]), mean.dtype == variance.dtype == np.float32
+    shaped = mean.ndim == 1 and mean.shape == variance.shape and mean.size and 0 < count < 10**12
+    if not (sound and shaped and np.isfinite([mean, variance]).all() and (variance >= 0).all()):
         raise ValueError(f"its {name} statistics are no finite means and variances")
-    return Channels(mean=mean, variance=variance, count=int(metadata[f"{name}_count"]))
+    return Channels(mean=mean, variance=variance, count=count)

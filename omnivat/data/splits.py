@@ -50,13 +50,10 @@ def _choose(objects: dict[Hashable, Counter[Hashable]], fraction: float, random:
     Objects are visited in random order, and one is chosen if that brings its classes closer to
     their share. Then every class without one gets its smallest object, if it has another.
     """
-    total: Counter[Hashable] = Counter()
-    owners: Counter[Hashable] = Counter()
+    total, owners, taken, taken_owners = (Counter[Hashable]() for _ in range(4))
     for content in objects.values():
         total.update(content)
         owners.update(content.keys())
-    taken: Counter[Hashable] = Counter()
-    taken_owners: Counter[Hashable] = Counter()
     held: set[Hashable] = set()
 
     def leaves_some(content: Counter[Hashable]) -> bool:
@@ -121,8 +118,7 @@ def balance(pairs: Sequence[Pair], *, seed: int) -> tuple[tuple[Pair, ...], tupl
     for (domain, split), classes in groups.items():
         smallest = min(map(len, classes.values()))
         for material, members in classes.items():
-            random = Random(derive_seed(seed, "balance", domain, split, material))
-            keep.update(random.sample(members, smallest))
+            keep.update(Random(derive_seed(seed, "balance", domain, split, material)).sample(members, smallest))
             if extra := len(members) - smallest:
                 what = f"{domain}{' ' if split else ''}{split}: {extra} of {len(members)} {material}"
                 lost.append(Skipped(what=what, why="balanced to the smallest class", count=extra))

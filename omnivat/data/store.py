@@ -17,7 +17,7 @@ from safetensors import SafetensorError
 
 from omnivat.data.arrays import MOST_COLUMNS, Column, column, read_arrays, released, walked, write_arrays
 from omnivat.data.domains import require_domain_names
-from omnivat.data.embeddings import Array, Embeddings, Header
+from omnivat.data.embeddings import VECTORS, Array, Embeddings, Header
 from omnivat.errors import DataError, SettingsError, WriteError
 from omnivat.files import replacing, write_csv
 from omnivat.schema import columns_in, json_in, name_list, object_in
@@ -29,7 +29,6 @@ _LATER = ("looks_like", "feels_like")  # older files lack these columns
 MANIFESTS = ("csv", "parquet")
 _EARLIER = ("domain", "material", "vis", "tac", "object", "split", "part")
 COLUMNS = (*_EARLIER, "looks_like", "feels_like")
-VECTORS = ("vis", "tac", "vis_flip", "tac_flip")
 DTYPES = {"float32": "F32", "float16": "F16"}
 MOST_NAMES = 65_536  # domains or classes
 MOST_CELLS = 1_000_000  # domains times classes: entries of the table of counts
@@ -45,22 +44,15 @@ def save_embeddings(path: str | Path, embeddings: Embeddings, *, dtype: str = "f
 
     Raises DataError when a value is not finite or too large for float16.
     """
-    vectors = {name: array for name in VECTORS if (array := getattr(embeddings, name)) is not None}
+    vectors = embeddings.vectors
     if set(vectors) != set(VECTORS):
         vectors = {name: vectors[name] for name in ("vis", "tac")}
     columns = {
         name: Column(dtype=vector_type(dtype), shape=array.shape, blocks=_blocks(array))
         for name, array in vectors.items()
     }
-    write_columns(
-        path,
-        embeddings.header,
-        columns,
-        domain=embeddings.domain,
-        label=embeddings.label,
-        rows=embeddings.rows,
-        manifest=manifest,
-    )
+    of_pairs = {"domain": embeddings.domain, "label": embeddings.label}
+    write_columns(path, embeddings.header, columns, **of_pairs, rows=embeddings.rows, manifest=manifest)
 
 
 def write_columns(
@@ -90,9 +82,8 @@ def write_columns(
         "material": [header.classes[index] for index in label],
         **{name: rows[name] for name in ROW_NAMES},
     }
-    count, width = vectors["vis"].shape
     with replacing(path) as temporary:
-        write_arrays(temporary, columns, _metadata(header, count, width))
+        write_arrays(temporary, columns, _metadata(header, *vectors["vis"].shape))
         write_manifest(Path(path), names, manifest)
 
 
@@ -175,14 +166,15 @@ def load_embeddings(path: str | Path, *, large: int | None = None) -> Embeddings
                 f"'{file}' is not a set of embeddings (format '{metadata.get('format', 'none')}', "
                 f"expected '{FORMAT}'). Make one with `python -m omnivat embed`."
             )
-        rows = columns_in(_bytes(arrays["rows"]), f"{file} (rows)", MOST_COLUMNS)
-        vectors = {name: _single(arrays[name]) for name in VECTORS if name in arrays}
+        if arrays["rows"].dtype != np.uint8 or arrays["rows"].ndim != 1:
+            raise DataError("'rows' should be the bytes of a JSON object; make the file again.")
+        rows = columns_in(arrays["rows"].tobytes(), f"{file} (rows)", MOST_COLUMNS)
         embeddings = Embeddings(
             header=_header(metadata),
             rows=_completed(rows, len(arrays["label"])),
             domain=arrays["domain"],
             label=arrays["label"],
-            **vectors,
+            **{name: _single(arrays[name]) for name in VECTORS if name in arrays},
         )
     except DataError:
         raise
@@ -193,12 +185,6 @@ def load_embeddings(path: str | Path, *, large: int | None = None) -> Embeddings
         ) from error
     _check(file, embeddings)
     return embeddings
-
-
-def _bytes(array: NDArray[Any]) -> bytes:
-    if array.dtype != np.uint8 or array.ndim != 1:
-        raise DataError("'rows' should be the bytes of a JSON object; make the file again.")
-    return array.tobytes()
 
 
 def _single(array: NDArray[Any]) -> Array:
@@ -241,13 +227,10 @@ def _check(file: Path, embeddings: Embeddings) -> None:
         and embeddings.domain.shape == embeddings.label.shape == (count,)
         and all(len(embeddings.rows.get(name, ())) == count for name in ROW_NAMES)
     )
-    whole = embeddings.domain.dtype == embeddings.label.dtype == np.int64
-    if not shapes_agree or not whole:
+    if not shapes_agree or not embeddings.domain.dtype == embeddings.label.dtype == np.int64:
         raise DataError(f"'{file}' holds arrays of differing lengths; make it again.")
-    for name, index, names in (
-        ("domain", embeddings.domain, header.domains),
-        ("label", embeddings.label, header.classes),
-    ):
+    for name, names in (("domain", header.domains), ("label", header.classes)):
+        index = getattr(embeddings, name)
         if count and not (index.min() >= 0 and index.max() < len(names)):
             raise DataError(f"'{file}' has a {name} index without a name; make it again.")
     for vectors in (embeddings.vis, embeddings.tac, *flips):
@@ -265,11 +248,13 @@ def write_manifest(path: Path, columns: Mapping[str, Sequence[str]], kind: str =
     """
     place = manifest_place(path, kind)
     require_own(place)
-    if kind == "parquet":
-        with replacing(place) as temporary:
-            _write_parquet(temporary, columns)
-    else:
+    if kind == "csv":
         write_csv(place, columns, zip(*columns.values(), strict=True))
+        return place
+    pyarrow = need("pyarrow", purpose="a Parquet manifest")
+    parquet = need("pyarrow.parquet", purpose="a Parquet manifest", install="pyarrow")
+    with replacing(place) as temporary:
+        parquet.write_table(pyarrow.table({name: list(values) for name, values in columns.items()}), temporary)
     return place
 
 
@@ -291,10 +276,3 @@ def require_own(place: Path) -> None:
             f"'{place}' is another table and would be replaced by that of the embeddings; "
             "choose another name for the embeddings, or move the table."
         )
-
-
-def _write_parquet(path: Path, columns: Mapping[str, Sequence[str]]) -> None:
-    pyarrow = need("pyarrow", purpose="a Parquet manifest")
-    parquet = need("pyarrow.parquet", purpose="a Parquet manifest", install="pyarrow")
-    table = pyarrow.table({name: list(values) for name, values in columns.items()})
-    parquet.write_table(table, path)

@@ -26,8 +26,7 @@ def strip_picture(signal: NDArray[np.floating]) -> Image.Image:
     if values.shape != (STRIPES,):
         raise ShapeError(f"A strip shows {STRIPES} values, got shape {values.shape}.")
     largest = float(np.abs(values).max()) or 1.0
-    grey = np.rint(MIDDLE + SWING * values / largest).astype(np.uint8)
-    row = np.repeat(grey, SIDE // STRIPES)
+    row = np.repeat(np.rint(MIDDLE + SWING * values / largest).astype(np.uint8), SIDE // STRIPES)
     return Image.fromarray(np.tile(row, (SIDE, 1))).convert("RGB")
 
 
@@ -40,5 +39,4 @@ def strip_signal(picture: Image.Image) -> NDArray[np.float32]:
     """
     grey = picture.convert("RGB").convert("L").convert("F")
     bands = np.asarray(grey.resize((STRIPES, 1), Image.Resampling.BOX), dtype=np.float32)[0]
-    values: NDArray[np.float32] = (bands - np.float32(MIDDLE)) / np.float32(SWING)
-    return values
+    return np.asarray((bands - np.float32(MIDDLE)) / np.float32(SWING))

@@ -18,7 +18,6 @@ from omnivat.errors import DataError, printable
 from omnivat.files import replacing
 
 MARKERS = 20  # markers on each side
-
 SIDE = 224  # pixels of the image drawn
 ROBUST = 99  # percent of the displacements within the scale
 MOST_FOR_SCALE = 2000  # fields used for the scale, evenly spaced
@@ -62,14 +61,9 @@ def field_to_rgb(field: Field, scale: Field, *, side: int = SIDE) -> NDArray[np.
     field  (20, 20, 3) displacements along x, y, z
     scale  (3,) > 0, the displacements drawn as full colour; larger ones are clipped
     """
-    colours = np.clip(field / scale, -1, 1) * 127.5 + 127.5
-    channels = [
-        np.asarray(
-            Image.fromarray(colours[..., axis].astype(np.float32)).resize((side, side), Image.Resampling.BICUBIC)
-        )
-        for axis in range(3)
-    ]
-    return np.clip(np.round(np.stack(channels, axis=-1)), 0, 255).astype(np.uint8)
+    colours = (np.clip(field / scale, -1, 1) * 127.5 + 127.5).astype(np.float32)
+    axes = [Image.fromarray(colours[..., k]).resize((side, side), Image.Resampling.BICUBIC) for k in range(3)]
+    return np.clip(np.round(np.stack(list(map(np.asarray, axes)), axis=-1)), 0, 255).astype(np.uint8)
 
 
 def draw_all(files: Sequence[Path], folder: Path) -> tuple[dict[Path, Path], dict[Path, str]]:

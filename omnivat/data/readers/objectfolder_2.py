@@ -13,7 +13,7 @@ from pathlib import Path
 from random import Random
 
 from omnivat.data.materials import class_key, rules, why_left_out
-from omnivat.data.pairs import Pair, PairSet, Skipped, Tally
+from omnivat.data.pairs import Pair, PairSet, Tally
 from omnivat.data.readers.lists import read_cells, read_json
 from omnivat.data.readers.names import folders_in, frames_in, is_file, number_of, show
 from omnivat.errors import DataError, SettingsError
@@ -53,12 +53,12 @@ def read(
     raw = materials_of_objects(source, Path(objects) if objects else source / "objects.csv")
     things = _things(source, raw, strict, left_out)
     pairs = [pair for thing in things for pair in _pairs(source, thing, things[thing], left_out)]
-    pairs, lost = _released(source, pairs) if split == "release" else _drawn(pairs, seed)
+    pairs = _released(source, pairs, left_out) if split == "release" else _drawn(pairs, seed, left_out)
     if not pairs:
         raise DataError(f"No pairs of ObjectFolder 2.0 in '{show(source)}'.{left_out.reasons()}")
     return PairSet(
         pairs=tuple(pairs),
-        skipped=left_out.skipped() + lost,
+        skipped=left_out.skipped(),
         origin=f"ObjectFolder 2.0, {'split.json' if split == 'release' else 'objects drawn as many a class'}",
         simulated=True,
     )
@@ -69,7 +69,12 @@ def materials_of_objects(source: Path, table: Path) -> dict[int, str]:
 
     Raises DataError unless every number of label.json matches one material and every material one number.
     """
-    labels = _labels(source / "label.json")
+    file = source / "label.json"
+    listed = read_json(file, dict).items()
+    try:
+        labels = {int(thing): int(label) for thing, label in listed}
+    except (TypeError, ValueError) as error:
+        raise DataError(f"'{show(file)}' holds something else than numbers: {error}.") from error
     materials = _materials(table)
     meaning: dict[int, tuple[str, int]] = {}
     number_of: dict[str, tuple[int, int]] = {}
@@ -91,14 +96,6 @@ def materials_of_objects(source: Path, table: Path) -> dict[int, str]:
     if not meaning:
         raise DataError(f"label.json and '{show(table)}' have no object in common.")
     return {thing: materials.get(thing, "") for thing in labels}
-
-
-def _labels(file: Path) -> dict[int, int]:
-    labels = read_json(file, dict)
-    try:
-        return {int(thing): int(label) for thing, label in labels.items()}
-    except (TypeError, ValueError) as error:
-        raise DataError(f"'{show(file)}' holds something else than numbers: {error}.") from error
 
 
 def _materials(table: Path) -> dict[int, str]:
@@ -149,26 +146,23 @@ def _pairs(source: Path, thing: int, material: str, left_out: Tally) -> Iterator
         )
 
 
-def _released(source: Path, pairs: list[Pair]) -> tuple[list[Pair], tuple[Skipped, ...]]:
+def _released(source: Path, pairs: list[Pair], left_out: Tally) -> list[Pair]:
     """Return the pairs that split.json lists, with its splits."""
     file = source / "split.json"
-    where: dict[tuple[str, int], str] = {}
+    listed = read_json(file, dict).items()
     try:
-        for name, members in read_json(file, dict).items():
-            where.update({(str(int(thing)), int(instance)): name for thing, instance in members})
+        where = {(str(int(thing)), int(k)): name for name, members in listed for thing, k in members}
     except (TypeError, ValueError) as error:
-        if isinstance(error, DataError):
-            raise
         raise DataError(
             f"'{show(file)}' is no split ({error}); expected [object, instance] under train, val, test."
         ) from error
     placed = [(pair, where.get((pair.object, number_of(pair.tac) or 0))) for pair in pairs]
-    lost = sum(name is None for _, name in placed)
-    skipped = (Skipped(what="instances", why="split.json does not list them", count=lost),)
-    return [replace(pair, split=name) for pair, name in placed if name], skipped[: bool(lost)]
+    if lost := sum(name is None for _, name in placed):
+        left_out.add("instances", "split.json does not list them", lost)
+    return [replace(pair, split=name) for pair, name in placed if name]
 
 
-def _drawn(pairs: list[Pair], seed: int) -> tuple[list[Pair], tuple[Skipped, ...]]:
+def _drawn(pairs: list[Pair], seed: int, left_out: Tally) -> list[Pair]:
     """Return equally many objects of each class, split to match the paper's counts.
 
     B: as many objects of each class as the rarest has, five of them for testing. A: as many as the
@@ -193,6 +187,6 @@ def _drawn(pairs: list[Pair], seed: int) -> tuple[list[Pair], tuple[Skipped, ...
         for name, chosen in (("train", train), ("test", test)):
             drawn += [replace(pair, split=name) for thing in chosen for pair in members[thing]]
     used = {(pair.domain, pair.object) for pair in drawn}
-    lost = sum((pair.domain, pair.object) not in used for pair in pairs)
-    skipped = (Skipped(what="pairs of other objects", why="as many objects a class", count=lost),)
-    return drawn, skipped[: bool(lost)]
+    if lost := sum((pair.domain, pair.object) not in used for pair in pairs):
+        left_out.add("pairs of other objects", "as many objects a class", lost)
+    return drawn

@@ -117,15 +117,6 @@ def _pairs(thing: Path, material: str, choice: str, camera: str, left_out: Tally
 
 def _camera_frames(recording: Path, camera: str) -> list[Path]:
     """Return the frames of the given camera, or of the best one with frames."""
-    beside = [folder for folder in folders_in(recording) if folder.name != TOUCH]
-    if camera:
-        beside = [folder for folder in beside if folder.name == camera]
-
-    def rank(folder: Path) -> tuple[list[bool], str]:
-        name = folder.name.lower()
-        return [word not in name for word in PREFERRED], name
-
-    for folder in sorted(beside, key=rank):
-        if frames := list(frames_in(folder).values()):
-            return frames
-    return []
+    beside = [one for one in folders_in(recording) if one.name != TOUCH and camera in ("", one.name)]
+    beside.sort(key=lambda one: ([word not in one.name.lower() for word in PREFERRED], one.name.lower()))
+    return next((list(frames.values()) for frames in map(frames_in, beside) if frames), [])

@@ -69,8 +69,7 @@ def read_signals(source: Path | str, *, reader: str = "auto") -> Recordings:
     if not root.is_dir():
         raise DataError(f"'{show(root)}' is not a folder; expected a folder of {LAYOUT}.")
     if reader == "auto":
-        other = "arrays" if _array_files(root) else "folder"
-        reader = "biotac" if next(_biotac_files(root), None) else other
+        reader = "biotac" if any(_biotac_files(root)) else "arrays" if _array_files(root) else "folder"
     found: Recordings = load(SIGNAL_READERS, reader, kind="reader of signals")(root)
     if not found.recordings:
         why = f" ({found.skipped[0].what}: {found.skipped[0].why})" if found.skipped else ""
@@ -155,8 +154,7 @@ def signal_embeddings(
 ) -> tuple[Embeddings, tuple[Skipped, ...]]:
     """Return windows of all recordings as embeddings, and what was left out.
 
-    window      samples, 8 or more; 64 fits the encoder `strip`, so pictures of stripes can be
-                predicted as well
+    window      samples, 8 or more; 64 fits the encoder `strip`, so pictures of stripes can be predicted as well
     most        windows of a recording, evenly spaced
     test_share  of the recordings of each class; a recording is one object, never in both parts
 
@@ -181,11 +179,11 @@ def signal_embeddings(
             f"'{show(Path(source))}' has windows of {window} samples in {len(classes)} classes; "
             "two or more are needed. Choose a shorter window or add recordings."
         )
-    domains = tuple(dict.fromkeys(one.domain for _, one, _, _ in rows))
-    vectors = np.stack([cut for cut, *_ in rows])
+    vectors, owners = np.stack([cut for cut, *_ in rows]), [one for _, one, _, _ in rows]
+    domains = tuple(dict.fromkeys(one.domain for one in owners))
     texts = {name: [""] * len(rows) for name in ROW_NAMES}
     texts["vis"] = texts["tac"] = [f"{one.name}#{start}" for _, one, start, _ in rows]
-    texts["object"] = [one.name for _, one, _, _ in rows]
+    texts["object"] = [one.name for one in owners]
     texts["split"] = [split if test_share else "" for *_, split in rows]
     strip = window == STRIPES
     header = Header(
@@ -200,8 +198,8 @@ def signal_embeddings(
         header=header,
         vis=vectors,
         tac=vectors.copy(),
-        domain=indices(domains, [one.domain for _, one, _, _ in rows]),
-        label=indices(classes, [one.material for _, one, _, _ in rows]),
+        domain=indices(domains, [one.domain for one in owners]),
+        label=indices(classes, [one.material for one in owners]),
         rows=texts,
     )
     return made, found.skipped
@@ -291,8 +289,7 @@ def _wav(file: Path) -> NDArray[np.float64]:
         if not 0 < count <= MOST:
             raise DataError(f"has {count} samples; expected 1 to {MOST:,}")
         data = np.frombuffer(sound.readframes(count), np.uint8)
-    data = data[: len(data) // (width * channels) * width * channels]
-    bytes_ = data.reshape(-1, channels, width)[:, 0]
+    bytes_ = data[: len(data) // (width * channels) * width * channels].reshape(-1, channels, width)[:, 0]
     if width == 1:
         return (bytes_[:, 0].astype(np.float64) - 128) / 128
     whole = np.zeros((len(bytes_), 4), np.uint8)

@@ -49,7 +49,13 @@ def read(source: Path, *, strict: bool = False, seed: int = 0) -> PairSet:
             if earlier == number:
                 pairs.append(pair)
                 continue
-            _require_same(file, pair, number, same, earlier)
+            for name in ("domain", "material"):
+                here, there = getattr(pair, name), getattr(same, name)
+                if here != there:
+                    raise DataError(
+                        f"'{show(file)}' gives the same two images the {name} '{show(there)}' in row "
+                        f"{earlier} and '{show(here)}' in row {number}. Keep the right one."
+                    )
             why = "repeats an earlier row"
         skipped.append(Skipped(what=f"row {number}", why=why))
     if not pairs:
@@ -66,7 +72,8 @@ def read(source: Path, *, strict: bool = False, seed: int = 0) -> PairSet:
 def _rows(file: Path) -> Iterator[tuple[int, Row]]:
     """Yield the rows with their spreadsheet numbers and stripped cells."""
     try:
-        reader = csv.reader(StringIO(_text(file), newline=""), strict=True)
+        text = read_whole(file, MOST_TEXT, show(file)).decode("utf-8-sig")
+        reader = csv.reader(StringIO(text, newline=""), strict=True)
         header = [name.strip().lower() for name in next(reader, [])]
         _check_header(file, header)
         for number, cells in enumerate(reader, start=2):
@@ -79,11 +86,6 @@ def _rows(file: Path) -> Iterator[tuple[int, Row]]:
             f"'{show(file)}' cannot be read as a CSV after line {reader.line_num} ({error}). "
             "Look for a quotation mark that is not closed."
         ) from error
-
-
-def _text(file: Path) -> str:
-    try:
-        return read_whole(file, MOST_TEXT, show(file)).decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise DataError(f"'{show(file)}' is not UTF-8 text (byte {error.start}). Save it as 'CSV UTF-8'.") from error
 
@@ -148,13 +150,3 @@ def _pair(folder: Path, row: Row) -> Pair:
         looks_like=class_key(row.get("looks_like", "")),
         feels_like=class_key(row.get("feels_like", "")),
     )
-
-
-def _require_same(file: Path, pair: Pair, number: int, same: Pair, earlier: int) -> None:
-    for name in ("domain", "material"):
-        here, there = getattr(pair, name), getattr(same, name)
-        if here != there:
-            raise DataError(
-                f"'{show(file)}' gives the same two images the {name} '{show(there)}' in row "
-                f"{earlier} and '{show(here)}' in row {number}. Keep the right one."
-            )

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from random import Random
 
-from omnivat.data.materials import MATERIALS, Rule, class_key, rules_in_text, why_left_out
+from omnivat.data.materials import MATERIALS, class_key, rules_in_text, why_left_out
 from omnivat.data.pairs import Pair, PairSet, Tally
 from omnivat.data.readers.lists import read_cells, read_names
 from omnivat.data.readers.names import frames_in, is_file, is_text, show
@@ -78,8 +78,7 @@ def read(
     all_frames  keep every frame in contact; otherwise 41 training and 15 test frames of each
                 outdoor item and 15 test frames of each indoor item, as the paper's counts suggest
     by_object   put whole outdoor items into train or test; otherwise frames of one item are in both
-    materials   the table item,material, if it is not <root>/materials.csv; an empty material
-                skips the item
+    materials   the table item,material, if it is not <root>/materials.csv; an empty material skips the item
     cache       folder of the images of Tac3D fields; by default the user's cache folder
 
     Raises DataError if there are no pairs.
@@ -89,8 +88,7 @@ def read(
     pairs: list[Pair] = []
     for contact in contacts:
         for sensor in SENSORS:
-            found = list(_touches(contact, sensor, left_out))
-            pairs += _with_splits(found, contact, sensor, seed, all_frames)
+            pairs += _with_splits(list(_touches(contact, sensor, left_out)), contact, sensor, seed, all_frames)
     pairs += _tac3d(contacts, Path(cache) if cache else cache_folder() / "tac3d", seed, left_out)
     if not pairs:
         raise DataError(f"No pairs of TacQuad in '{show(source)}'.{left_out.reasons()}")
@@ -143,12 +141,12 @@ def material_of(item: str, caption: str, overrides: dict[str, str], *, strict: b
     if item in overrides:
         return overrides[item], "" if overrides[item] else "left out by the table of materials"
     for text, glued in ((item, True), (caption, False)):
-        found: tuple[Rule, ...] = rules_in_text(text, "tacquad", glued=glued)
+        found = rules_in_text(text, "tacquad", glued=glued)
         if len(found) > 1:
             return "", f"names {' and '.join(sorted(rule.named for rule in found))}"
         if found:
             why = why_left_out(found[0], found[0].named, strict=strict)
-            return ("", why) if why else (found[0].material, "")
+            return ("" if why else found[0].material), why
     return "", "neither name nor caption has a material"
 
 
@@ -161,10 +159,10 @@ def _touches(contact: Contact, sensor: Sensor, left_out: Tally) -> Iterator[Pair
         return
     first, last = map(int, bounds)
     touch = frames_in(contact.folder / sensor.folder)
-    inside = [number for number in touch if first <= number <= last]
+    inside = {number: file for number, file in touch.items() if first <= number <= last}
     if missing := last - first + 1 - len(inside):
         left_out.add(what, "frames of the range that are not there", missing)
-    yield from _paired(contact, sensor, {number: touch[number] for number in inside}, len(touch), left_out)
+    yield from _paired(contact, sensor, inside, len(touch), left_out)
 
 
 def _paired(contact: Contact, sensor: Sensor, touch: dict[int, Path], recorded: int, left_out: Tally) -> Iterator[Pair]:

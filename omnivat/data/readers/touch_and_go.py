@@ -92,12 +92,11 @@ def read(
 def _list_files(places: tuple[Path, ...], by_folder: bool) -> tuple[dict[str, Path], bool]:
     """Return the lists by split, and True for the official split."""
     for place in places:
-        both = {"train": place / "train.txt", "test": place / "test.txt"}
-        every = place / "label.txt"
+        both = {split: place / f"{split}.txt" for split in ("train", "test")}
         if all(map(is_file, both.values())):
             return both, not by_folder
-        if is_file(every):
-            return {"": every}, False
+        if is_file(place / "label.txt"):
+            return {"": place / "label.txt"}, False
     return {}, False
 
 
@@ -115,8 +114,7 @@ def _listed(files: dict[str, Path], left_out: Tally) -> Iterator[Frame]:
             elif label == INCONCLUSIVE:
                 left_out.add(show(file.name), "label -1, inconclusive")
             elif earlier := seen.get((clip, int(number))):
-                same = "listed twice" if earlier == label else "listed with two labels"
-                left_out.add(show(clip), same)
+                left_out.add(show(clip), "listed twice" if earlier == label else "listed with two labels")
             else:
                 seen[clip, int(number)] = label
                 yield Frame(clip, int(number), label, split)

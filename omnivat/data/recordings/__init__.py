@@ -60,12 +60,11 @@ def _videos(file: Path, domain: str) -> list[Clip]:
         names = {half: row[half] for half in HALVES if row.get(half)}
         if not names:
             raise DataError(f"'{show(file)}', row {number}: name a video under vis or tac.")
+        tracks = {half: Track(file=file.parent / name, start=start + delay[half]) for half, name in names.items()}
         clips.append(
             Clip(
                 name=f"row {number}",
-                tracks={
-                    half: Track(file=file.parent / name, start=start + delay[half]) for half, name in names.items()
-                },
+                tracks=tracks,
                 length=seconds["end"] - start if "end" in seconds else None,
                 domain=row.get("domain") or domain or file.absolute().parent.name,
                 material=class_key(row["material"]) or NO_CLASS,

@@ -52,8 +52,7 @@ class LeRobot:
         photo, touches = self._chosen(vis, tac)
         episodes = self._episodes()
         tasks = {one["task"] for one in episodes}
-        rows = read_rows(labels, ("episode", "material")) if labels else ()
-        table = {row["episode"]: row for row in rows}
+        table = {row["episode"]: row for row in read_rows(labels, ("episode", "material"))} if labels else {}
         clips = []
         for one in episodes:
             number = one["episode_index"]
@@ -97,8 +96,7 @@ class LeRobot:
         """Return index, length, task and places of each episode; raises DataError for odd ones."""
         meta = self.root / "meta"
         if self.version.startswith("v3."):
-            files = sorted((meta / "episodes").rglob("*.parquet"))
-            rows = [row for file in files for row in parquet_rows(file)]
+            rows = [row for file in sorted((meta / "episodes").rglob("*.parquet")) for row in parquet_rows(file)]
         else:
             try:
                 rows = [json.loads(line) for line in read_lines(meta / "episodes.jsonl") if line]
