@@ -67,13 +67,10 @@ def chunks_of(pairs: Sequence[Pair], encoder: Encoder, job: Job, size: int = CHU
     made_by = [encoder.name, encoder.weights_hash, encoder.preprocessing, encoder.precision, job.columns]
     for index, start in enumerate(range(0, len(pairs), size)):
         part = tuple(pairs[start : start + size])
-        files = [
-            [*_state(pair.vis), *_state(pair.tac), pair.tac_crop, *(_state(pair.tac_rest) if pair.tac_rest else ())]
-            for pair in part
-        ]
+        rests = [_state(pair.tac_rest) if pair.tac_rest else () for pair in part]
+        files = [[*_state(p.vis), *_state(p.tac), p.tac_crop, *rest] for p, rest in zip(part, rests, strict=True)]
         text = json.dumps([made_by, files])
-        fingerprint = blake2b(text.encode(), digest_size=16).hexdigest()
-        yield Chunk(index=index, pairs=part, fingerprint=fingerprint)
+        yield Chunk(index=index, pairs=part, fingerprint=blake2b(text.encode(), digest_size=16).hexdigest())
 
 
 def _state(path: Path) -> tuple[str, int, int]:
@@ -86,11 +83,10 @@ def _state(path: Path) -> tuple[str, int, int]:
 
 def embed_one(encoder: Encoder, job: Job, pair: Pair, cache: EmbeddingCache | None = None) -> list[Array] | Skipped:
     """Return a pair's vectors (D,) in the order of `job.columns`, or the reason of a failure."""
+    photos, touches = for_modality(encoder, "vis"), for_modality(encoder, "tac")
     try:
-        vis = embed_views(for_modality(encoder, "vis"), pair.vis, cache, flips=job.views)
-        tac = embed_views(
-            for_modality(encoder, "tac"), pair.tac, cache, flips=job.views, crop=pair.tac_crop, rest=pair.tac_rest
-        )
+        vis = embed_views(photos, pair.vis, cache, flips=job.views)
+        tac = embed_views(touches, pair.tac, cache, flips=job.views, crop=pair.tac_crop, rest=pair.tac_rest)
     except DataError as error:
         return Skipped(what=f"{pair.vis} + {pair.tac}", why=str(error))
     return [*vis, *tac]

@@ -107,17 +107,13 @@ def _require_sound(pairs: PairSet, out: Path, workers: int | None, dtype: str, m
     if workers is not None and workers < 1:
         raise SettingsError(f"workers is {workers}; choose 1 or more.")
     if not pairs.pairs:
-        raise DataError(
-            f"There are no pairs to embed in {pairs.origin or 'what was given'}; "
-            "check the items that the reader skipped."
-        )
+        place = pairs.origin or "what was given"
+        raise DataError(f"There are no pairs to embed in {place}; check the items that the reader skipped.")
 
 
 def usable_cores() -> int:
     """Return the number of cores for this process."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _require_all(finished: list[Part], wanted: int, pairs: PairSet, parts: Parts) -> None:

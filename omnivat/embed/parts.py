@@ -38,14 +38,12 @@ class Part:
 
 def part_bytes(chunk: Chunk, job: Job, results: Sequence[list[Array] | Skipped]) -> bytes:
     """Return the content of a chunk's part file from the results of `embed_one`."""
-    kept = [index for index, result in enumerate(results) if not isinstance(result, Skipped)]
     skipped = [asdict(result) for result in results if isinstance(result, Skipped)]
-    arrays: dict[str, NDArray[Any]] = {"kept": np.array(kept, np.int64)}
-    vectors = [result for result in results if not isinstance(result, Skipped)]
-    for name, column in zip(job.columns, zip(*vectors, strict=True), strict=bool(vectors)):
+    vectors = {index: result for index, result in enumerate(results) if not isinstance(result, Skipped)}
+    arrays: dict[str, NDArray[Any]] = {"kept": np.array(list(vectors), np.int64)}
+    for name, column in zip(job.columns, zip(*vectors.values(), strict=True), strict=bool(vectors)):
         arrays[name] = np.stack(column)
-    metadata = {"fingerprint": chunk.fingerprint, "skipped": json.dumps(skipped)}
-    return bytes(save(arrays, metadata=metadata))
+    return bytes(save(arrays, metadata={"fingerprint": chunk.fingerprint, "skipped": json.dumps(skipped)}))
 
 
 class Parts:
@@ -90,11 +88,8 @@ class Parts:
                 return None
         except (SafetensorError, OSError, ValueError, KeyError):
             return None
-        return Part(
-            file=file,
-            pairs=tuple(chunk.pairs[index] for index in kept),
-            skipped=tuple(Skipped(**entry) for entry in skipped),
-        )
+        pairs = tuple(chunk.pairs[index] for index in kept)
+        return Part(file=file, pairs=pairs, skipped=tuple(Skipped(**entry) for entry in skipped))
 
     def remove(self) -> None:
         """Remove the part files, and the folder if nothing else is in it."""
@@ -126,20 +121,20 @@ def merge(
         origin=source.origin,
         tac_rest=rests,
     )
-    shape = (len(found.pairs), encoder.width)
-    vectors = {
-        name: Column(dtype=vector_type(dtype), shape=shape, blocks=_vectors(parts, name)) for name in job.columns
-    }
+    kind, shape = vector_type(dtype), (len(found.pairs), encoder.width)
+    vectors = {name: Column(dtype=kind, shape=shape, blocks=_vectors(parts, name)) for name in job.columns}
+    files = [path.absolute() for pair in found.pairs for path in (pair.vis, pair.tac)]
+    root = _shared_folder(files)
     write_columns(
         out,
         header,
         vectors,
         domain=indices(header.domains, [pair.domain for pair in found.pairs]),
         label=indices(header.classes, [pair.material for pair in found.pairs]),
-        rows=_names(found.pairs),
+        rows=_names(found.pairs, files, root),
         manifest=manifest,
     )
-    if root := _shared_folder(_files(found.pairs)):
+    if root:
         remember(images_key(header), Path(root))
     return header
 
@@ -150,22 +145,12 @@ def _vectors(parts: Sequence[Part], name: str) -> Iterator[NDArray[Any]]:
             yield read_arrays(part.file)[0][name]
 
 
-def _names(pairs: Sequence[Pair]) -> dict[str, list[str]]:
-    """Return the named columns; see `_short` for the paths."""
-    files = _files(pairs)
-    root = _shared_folder(files)
-    crops = {"tac_crop": [str(pair.tac_crop) for pair in pairs]}
-    return {
-        "vis": [_short(file, root) for file in files[::2]],
-        "tac": [_short(file, root) for file in files[1::2]],
-        **{name: [_text(getattr(pair, name)) for pair in pairs] for name in ROW_NAMES[2:]},
-        **(crops if any(pair.tac_crop for pair in pairs) else {}),
-    }
-
-
-def _files(pairs: Sequence[Pair]) -> list[Path]:
-    """Return VIS and TAC of every pair, in turn."""
-    return [path.absolute() for pair in pairs for path in (pair.vis, pair.tac)]
+def _names(pairs: Sequence[Pair], files: Sequence[Path], root: str) -> dict[str, list[str]]:
+    """Return the named columns; `files` has VIS and TAC of every pair in turn, named from `root`."""
+    short = [_text((file.relative_to(root) if root else file).as_posix()) for file in files]
+    crops = {"tac_crop": [str(pair.tac_crop) for pair in pairs]} if any(pair.tac_crop for pair in pairs) else {}
+    others = {name: [_text(getattr(pair, name)) for pair in pairs] for name in ROW_NAMES[2:]}
+    return {"vis": short[::2], "tac": short[1::2], **others, **crops}
 
 
 def _shared_folder(files: Sequence[Path]) -> str:
@@ -177,10 +162,6 @@ def _shared_folder(files: Sequence[Path]) -> str:
         return os.path.commonpath({str(file.parents[min(2, len(file.parents) - 1)]) for file in files})
     except ValueError:  # different drives
         return ""
-
-
-def _short(file: Path, root: str) -> str:
-    return _text((file.relative_to(root) if root else file).as_posix())
 
 
 def _text(name: str) -> str:

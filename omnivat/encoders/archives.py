@@ -7,6 +7,7 @@ may use only listed names; any other name raises an error.
 
 import pickle
 from collections import OrderedDict
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 from zipfile import ZipFile, is_zipfile
@@ -56,8 +57,7 @@ class _Reader(pickle.Unpickler):
 
     def __init__(self, handle: Any, archive: ZipFile, folder: str) -> None:
         super().__init__(handle)
-        self._archive = archive
-        self._folder = folder
+        self._archive, self._folder = archive, folder
         self._numbers: dict[str, Tensor] = {}
 
     def find_class(self, module: str, name: str) -> Any:
@@ -88,11 +88,9 @@ def _tensor(numbers: Tensor, offset: int, size: Any, stride: Any, *_: Any) -> Te
     return numbers.as_strided(tuple(size), tuple(stride), offset).clone()
 
 
-def _tensors(module: Any, prefix: str) -> list[tuple[str, Tensor]]:
-    found: list[tuple[str, Tensor]] = []
+def _tensors(module: Any, prefix: str) -> Iterator[tuple[str, Tensor]]:
     for name, value in module.attributes.items():
         if isinstance(value, Tensor):
-            found.append((prefix + name, value))
+            yield prefix + name, value
         elif isinstance(value, _Module) and hasattr(value, "attributes"):
-            found += _tensors(value, f"{prefix}{name}.")
-    return found
+            yield from _tensors(value, f"{prefix}{name}.")

@@ -55,8 +55,7 @@ def for_modality(encoder: "Encoder", modality: str) -> "Encoder":
     """Return the encoder for "vis" or "tac"; a single encoder serves both."""
     if not isinstance(encoder, PairEncoder):
         return encoder
-    found: Encoder = encoder.vis if modality == "vis" else encoder.tac
-    return found
+    return encoder.vis if modality == "vis" else encoder.tac
 
 
 DEFAULT_ENCODER = "efficientnet-lite0"
@@ -197,8 +196,7 @@ def _accepted(loader: Callable[..., Any], name: str, wanted: Mapping[str, Any]) 
     taken = inspect.signature(loader).parameters
     if any(parameter.kind is parameter.VAR_KEYWORD for parameter in taken.values()):
         return dict(wanted)
-    plain = {"weights": None, "precision": "fp32"}
-    for setting, value in plain.items():
+    for setting, value in (("weights", None), ("precision", "fp32")):
         if setting not in taken and wanted.get(setting) != value:
             raise SettingsError(
                 f"The encoder '{name}' takes no {setting}, and '{wanted[setting]}' came; leave out "

@@ -8,6 +8,7 @@ place, so two processes cannot corrupt it. An entry with a wrong checksum is com
 import threading
 from collections import OrderedDict
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from functools import lru_cache, partial
 from hashlib import blake2b
 from pathlib import Path
@@ -134,14 +135,12 @@ def embed_views(
     def pixels() -> "torch.Tensor":
         seen = central_square(read_image(content, name, reduced=not crop), crop)
         if calm:
-            still = central_square(read_image(calm, str(rest), reduced=not crop), crop)
-            seen = minus_rest(seen, still)
+            seen = minus_rest(seen, central_square(read_image(calm, str(rest), reduced=not crop), crop))
         return encoder.preprocess(seen)
 
     def compute(flip: bool) -> Array:
         seen = pixels().flip(-1) if flip else pixels()
-        value: Array = encoder.embed(seen[None])[0].cpu().numpy()
-        return value
+        return np.asarray(encoder.embed(seen[None])[0].cpu())
 
     if cache is None:
         return [compute(flip) for flip in flips]
@@ -173,22 +172,13 @@ def embed_pair(
 
 
 def _keys(encoder: Encoder, source: bytes | Image.Image, crop: int, flips: Sequence[bool], calm: bytes) -> list[str]:
-    content = blake2b(source if isinstance(source, bytes) else _pixel_bytes(source)).hexdigest()
-    made_by = (
-        READING,
-        encoder.name,
-        encoder.weights_hash,
-        encoder.precision,
-        encoder.preprocessing,
-        *([blake2b(calm).hexdigest()] if calm else []),
-    )
-    texts = ("\x1f".join((*made_by, content, str(crop), str(flip))) for flip in flips)
+    if isinstance(source, Image.Image):
+        upright = read_image(source)
+        source = f"{upright.size}".encode() + upright.tobytes()
+    made_by = (READING, encoder.name, encoder.weights_hash, encoder.precision, encoder.preprocessing)
+    contents = [blake2b(content).hexdigest() for content in ((calm, source) if calm else (source,))]
+    texts = ("\x1f".join((*made_by, *contents, str(crop), str(flip))) for flip in flips)
     return [blake2b(text.encode(), digest_size=20).hexdigest() for text in texts]
-
-
-def _pixel_bytes(image: Image.Image) -> bytes:
-    upright = read_image(image)
-    return f"{upright.size}".encode() + upright.tobytes()
 
 
 def _checksum(values: bytes) -> bytes:
@@ -199,9 +189,7 @@ def _drop_oldest(folder: Path, keep: int) -> None:
     """Remove all but the newest `keep` entries; another process may do the same."""
     entries = []
     for path in folder.glob("??/*"):
-        try:
+        with suppress(OSError):
             entries.append((path.stat().st_mtime, path))
-        except OSError:
-            continue
     for _, path in sorted(entries, reverse=True)[keep:]:
         path.unlink(missing_ok=True)

@@ -49,9 +49,8 @@ def open_clip(name: str, weights: Path | None, *, download: str = "ask") -> Clip
     state = clip_state(found.state)
     if state is None:
         raise DataError(
-            f"'{found.file}' holds no weights of CLIP (its first name is "
-            f"'{min(found.state, default='none')}'); name a checkpoint of CLIP, or use "
-            f"--encoder hf:FOLDER for another model of transformers."
+            f"'{found.file}' holds no weights of CLIP (its first name is '{min(found.state, default='none')}'); "
+            "name a checkpoint of CLIP, or use --encoder hf:FOLDER for another model of transformers."
         )
     try:
         shape = image_shape(state) if state.image else None

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -44,11 +45,9 @@ def clip_settings(weights: Weights, name: str) -> ClipSettings:
         return _of_transformers(folder / "config.json", name)
     if (folder / "open_clip_config.json").is_file():
         return _of_open_clip(folder / "open_clip_config.json", name)
-    run = weights.training
-    plain = run is not None and "quickgelu" not in run.lower()
-    if plain or (run is None and weights.file.name.startswith("open_clip")):
-        return ClipSettings(activation=GELU)
-    return ClipSettings()
+    run, of_open_clip = weights.training, weights.file.name.startswith("open_clip")
+    gelu = of_open_clip if run is None else "quickgelu" not in run.lower()
+    return ClipSettings(activation=GELU if gelu else QUICK_GELU)
 
 
 def _of_transformers(file: Path, name: str) -> ClipSettings:
@@ -82,26 +81,21 @@ def _of_open_clip(file: Path, name: str) -> ClipSettings:
     vision, text = model.get("vision_cfg"), model.get("text_cfg")
     if not isinstance(vision, dict) or not isinstance(text, dict):
         raise DataError(f"'{file}' is not of a CLIP model; fetch {name} again.")
-    stated = {"heads": int(text["heads"])} if "heads" in text else {}
     width = vision.get("head_width")
-    of_image = {"heads": int(vision["width"]) // int(width)} if width and "width" in vision else {}
     return ClipSettings(
         activation=QUICK_GELU if model.get("quick_gelu") else GELU,
+        image={"heads": int(vision["width"]) // int(width)} if width and "width" in vision else {},
+        text={"heads": int(text["heads"])} if "heads" in text else {},
         mean=tuple(map(float, pixels.get("mean", CLIP_MEAN))),
         std=tuple(map(float, pixels.get("std", CLIP_STD))),
-        image=of_image,
-        text=stated,
     )
 
 
 def _json(file: Path, name: str) -> dict[str, Any]:
-    try:
-        found = json.loads(file.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        found = None
-    if not isinstance(found, dict):
-        raise DataError(f"'{file}' is not of a CLIP model; fetch {name} again.")
-    return found
+    with suppress(OSError, ValueError):
+        if isinstance(found := json.loads(file.read_text(encoding="utf-8")), dict):
+            return found
+    raise DataError(f"'{file}' is not of a CLIP model; fetch {name} again.")
 
 
 ANY = "clip"  # name for CLIP of any size

@@ -1,7 +1,7 @@
 """CLIP's text tower, through `transformers`: text embeddings in the space of the images."""
 
 import gzip
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -86,7 +86,7 @@ def load_text_encoder(
 
 
 MERGES = "bpe_simple_vocab_16e6.txt.gz"  # the file that OpenAI and open_clip ship
-CARRIERS = ("open_clip", "clip")  # packages with that file inside
+CARRIERS = ("open_clip", "clip")  # packages with that file inside, which are not imported
 MERGED = 49152 - 256 - 2  # merges in use: the vocabulary without bytes and the two special tokens
 FILES = (("tokenizer.json",), ("vocab.json", "merges.txt"))
 
@@ -104,7 +104,10 @@ def load_tokenizer(place: Path, *, longest: int, vocabulary: int) -> Any:
     """
     transformers = need("transformers", purpose="CLIP's tokenizer")
     folder = place if place.is_dir() else place.parent
-    for candidate in (folder, *sorted(cache_folder().glob("clip*")), *_packages()):
+    packages = [
+        Path(path) for spec in map(find_spec, CARRIERS) if spec for path in spec.submodule_search_locations or ()
+    ]
+    for candidate in (folder, *sorted(cache_folder().glob("clip*")), *packages):
         if any(all((candidate / name).is_file() for name in names) for names in FILES):
             found = transformers.CLIPTokenizer.from_pretrained(candidate)
             break
@@ -125,25 +128,13 @@ def load_tokenizer(place: Path, *, longest: int, vocabulary: int) -> Any:
     return found
 
 
-def _packages() -> Iterator[Path]:
-    """Yield the folders of installed packages with the merges, without importing them."""
-    for spec in filter(None, map(find_spec, CARRIERS)):
-        yield from map(Path, spec.submodule_search_locations or ())
-
-
 def _of_merges(transformers: Any, file: Path) -> Any:
     """Build the tokenizer from OpenAI's list of merges, most frequent first."""
-    lines = gzip.decompress(file.read_bytes()).decode("utf-8").split("\n")
-    merges = lines[1 : MERGED + 1]
-    letters = _byte_letters()
-    words = [*letters, *(letter + "</w>" for letter in letters)]
-    words += [line.replace(" ", "") for line in merges]
+    merges = gzip.decompress(file.read_bytes()).decode("utf-8").split("\n")[1 : MERGED + 1]
+    # A printable letter for each of the 256 bytes, in the order of CLIP's vocabulary.
+    printable = [*range(33, 127), *range(161, 173), *range(174, 256)]
+    letters = [*map(chr, printable), *(chr(256 + i) for i in range(256 - len(printable)))]
+    words = [*letters, *(letter + "</w>" for letter in letters), *(line.replace(" ", "") for line in merges)]
     words += ["<|startoftext|>", "<|endoftext|>"]
     vocabulary = {word: index for index, word in enumerate(words)}
     return transformers.CLIPTokenizer(vocab=vocabulary, merges=[tuple(m.split()) for m in merges])
-
-
-def _byte_letters() -> list[str]:
-    """Return a printable letter for each of the 256 bytes, in the order of CLIP's vocabulary."""
-    printable = [*range(33, 127), *range(161, 173), *range(174, 256)]
-    return [chr(b) for b in printable] + [chr(256 + i) for i in range(256 - len(printable))]

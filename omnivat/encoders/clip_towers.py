@@ -126,15 +126,12 @@ class Tower(nn.Module):
     def __init__(self, state: State) -> None:
         super().__init__()
         self.stem = nn.ModuleList(FoldedConv(state, f"conv{i}", f"bn{i}", stride=2 if i == 1 else 1) for i in (1, 2, 3))
-        self.stages = nn.ModuleList(
-            nn.Sequential(
-                *(
-                    Bottleneck(state, f"layer{stage}.{block}", stride=stride if block == 0 else 1)
-                    for block in range(count(state, f"layer{stage}."))
-                )
+        self.stages = nn.ModuleList()
+        for stage, stride in enumerate(STRIDES, start=1):
+            names = [f"layer{stage}.{block}" for block in range(count(state, f"layer{stage}."))]
+            self.stages.append(
+                nn.Sequential(*(Bottleneck(state, n, stride=1 if k else stride) for k, n in enumerate(names)))
             )
-            for stage, stride in enumerate(STRIDES, start=1)
-        )
         self.pool = AttentionPool(state)
 
     def levels(self, x: Tensor) -> list[Tensor]:

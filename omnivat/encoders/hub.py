@@ -109,8 +109,7 @@ def _agreed(question: str, ask: Callable[[str], str] = input) -> bool:
 def _status(error: BaseException | None) -> int | None:
     """Return the HTTP status of an error or of its cause."""
     while error is not None:
-        response = getattr(error, "response", None)
-        if (code := getattr(response, "status_code", None)) is not None:
+        if (code := getattr(getattr(error, "response", None), "status_code", None)) is not None:
             return int(code)
         error = error.__cause__ or error.__context__
     return None
@@ -172,12 +171,10 @@ def remember(weights_hash: str, place: Path) -> None:
     """Store the location of weights. If the cache cannot be written, nothing else fails."""
     places = _read()
     path = str(place.resolve())
-    if places.get(weights_hash) == path:
+    if places.pop(weights_hash, None) == path:
         return
-    places.pop(weights_hash, None)
-    places[weights_hash] = path
     with suppress(WriteError):
-        write_json(cache_folder() / MEMORY, dict(list(places.items())[-NEWEST:]))
+        write_json(cache_folder() / MEMORY, dict([*places.items(), (weights_hash, path)][-NEWEST:]))
 
 
 def recall(weights_hash: str) -> Path | None:

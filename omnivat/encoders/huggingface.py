@@ -39,9 +39,8 @@ def load(
     network = _network(folder)
     side, mean, std = _image_settings(folder, network.config)
     run, about = _run_and_pooling(network, side)
-    return TorchEncoder(
-        _Tower(network, run), side=side, mean=mean, std=std, about=about, device=device, precision=precision
-    )
+    tower = _Tower(network, run)
+    return TorchEncoder(tower, side=side, mean=mean, std=std, about=about, device=device, precision=precision)
 
 
 class _Tower(nn.Module):
@@ -99,7 +98,9 @@ def _has_class_token(network: nn.Module) -> bool:
 
 def _run_and_pooling(network: Any, side: int) -> tuple[Callable[[Tensor], Tensor], str]:
     """Return the function from images to (B, D), and the name of its pooling."""
-    inputs = partial(_inputs, patch=_patches(network))
+    config = getattr(network.config, "vision_config", network.config)
+    # A model whose input is patches (SigLIP 2 NaFlex) states their number.
+    inputs = partial(_inputs, patch=int(config.patch_size) if hasattr(config, "num_patches") else None)
     if hasattr(network, "get_image_features"):
 
         def features(images: Tensor) -> Tensor:
@@ -134,12 +135,6 @@ def _pooling(network: Any, example: dict[str, Tensor]) -> str:
             "a function of your own and pass --encoder module:function (docs/encoders.md)."
         ) from error
     return POOLED if getattr(output, "pooler_output", None) is not None else MEAN_TOKEN
-
-
-def _patches(network: Any) -> int | None:
-    """Return the patch side for a model with patch input (SigLIP 2 NaFlex), else None."""
-    config = getattr(network.config, "vision_config", network.config)
-    return int(config.patch_size) if hasattr(config, "num_patches") else None
 
 
 def _inputs(images: Tensor, patch: int | None) -> dict[str, Tensor]:

@@ -67,8 +67,7 @@ def in_half(file: Path) -> None:
         values, name = onnx.numpy_helper.to_array(one), one.name
         top = np.abs(values).max(axis=tuple(range(1, values.ndim)), keepdims=True)
         scale = np.maximum(top, 1e-30).astype(np.float32) / 32767
-        whole = np.rint(values / scale).astype(np.int16)
-        one.CopyFrom(onnx.numpy_helper.from_array(whole, f"{name}/whole"))
+        one.CopyFrom(onnx.numpy_helper.from_array(np.rint(values / scale).astype(np.int16), f"{name}/whole"))
         graph.initializer.append(onnx.numpy_helper.from_array(scale, f"{name}/scale"))
         make = onnx.helper.make_node
         nodes += [

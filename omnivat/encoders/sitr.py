@@ -52,8 +52,7 @@ class Block(nn.Module):
 class Sitr(nn.Module):
     """Differences (B, 3, side, side) to the sensor at rest -> class tokens (B, W).
 
-    rest     (3, side, side) the sensor at rest, 0 to 255; stored here, so that the hash depends
-             on it
+    rest     (3, side, side) the sensor at rest, 0 to 255; stored here, so that the hash depends on it
     presses  (1, 3 P, side, side) normalised differences of the sensor's calibration; P may be 0
     """
 
@@ -66,8 +65,7 @@ class Sitr(nn.Module):
         self.pos_embed = nn.Parameter(torch.zeros(1, places + 1, width))
         self.calibrated = bool(presses.shape[1])
         if self.calibrated:
-            layer = nn.Conv2d(presses.shape[1], width, patch, patch)
-            self.c_patch_embed = nn.ModuleDict({"proj": layer})
+            self.c_patch_embed = nn.ModuleDict({"proj": nn.Conv2d(presses.shape[1], width, patch, patch)})
             self.c_pos_embed = nn.Parameter(torch.zeros(1, places, width))
         self.blocks = nn.ModuleList(Block(width, hidden) for _ in range(depth))
         self.norm = nn.LayerNorm(width)
@@ -78,8 +76,7 @@ class Sitr(nn.Module):
     def forward(self, images: Tensor) -> Tensor:
         """Return the class token after the last norm."""
         tokens = self.patch_embed["proj"](images).flatten(2).mT + self.pos_embed[:, 1:]
-        first = (self.cls_token + self.pos_embed[:, :1]).expand(len(images), -1, -1)
-        parts = [first, tokens]
+        parts = [(self.cls_token + self.pos_embed[:, :1]).expand(len(images), -1, -1), tokens]
         if self.calibrated:
             own = self.c_patch_embed["proj"](self.presses).flatten(2).mT + self.c_pos_embed
             parts.append(own.expand(len(images), -1, -1))
@@ -104,25 +101,20 @@ def load(weights: Path | None = None, device: torch.device | str = "cpu", precis
         )
     file = weights_file(weights, NAME)
     found = read_weights(weights, NAME).state
-    inner = {k.removeprefix(INSIDE): v for k, v in found.items() if k.startswith(INSIDE)}
-    state = inner or found
+    state = {k.removeprefix(INSIDE): v for k, v in found.items() if k.startswith(INSIDE)} or found
     side, sizes = _sizes(state, file)
-    rest, presses = _calibration(file.parent / "calibration", _channels(state, file), side)
+    number = _presses(state, file)
+    rest, presses = _calibration(file.parent / "calibration", number, side)
     network = Sitr(**sizes, rest=rest, presses=presses)
     _fill(network, state, file)
 
     def prepare(image: Image.Image) -> Tensor:
         return _normalised(_raw(image, side) - rest)
 
-    return TorchEncoder(
-        network,
-        prepare=prepare,
-        about=f"resize {side}x{side} bicubic, difference to the sensor at rest, class token, "
-        f"{presses.shape[1] // 3} presses of calibration",
-        device=device,
-        precision=precision,
-        name=NAME,
+    about = (
+        f"resize {side}x{side} bicubic, difference to the sensor at rest, class token, {number} presses of calibration"
     )
+    return TorchEncoder(network, prepare=prepare, about=about, device=device, precision=precision, name=NAME)
 
 
 def _sizes(state: Mapping[str, Tensor], file: Path) -> tuple[int, dict[str, int]]:
@@ -145,7 +137,7 @@ def _sizes(state: Mapping[str, Tensor], file: Path) -> tuple[int, dict[str, int]
     return grid * patch, {"width": width, "depth": depth, "hidden": hidden, "patch": patch, "places": places}
 
 
-def _channels(state: Mapping[str, Tensor], file: Path) -> int:
+def _presses(state: Mapping[str, Tensor], file: Path) -> int:
     """Return the number of presses of the checkpoint."""
     weight = state.get("c_patch_embed.proj.weight")
     channels = 0 if weight is None or weight.ndim != 4 else weight.shape[1]
@@ -166,8 +158,7 @@ def _calibration(folder: Path, number: int, side: int) -> tuple[Tensor, Tensor]:
             f"is missing ({len(missing)} are); 0000.png is the sensor at rest (docs/encoders.md)."
         )
     rest, *pressed = [_raw(read_image(file), side) for file in wanted]
-    presses = [_normalised(one - rest) for one in pressed]
-    return rest, torch.cat([*presses, torch.zeros(0, side, side)])[None]
+    return rest, torch.cat([*(_normalised(one - rest) for one in pressed), torch.zeros(0, side, side)])[None]
 
 
 def _raw(image: Image.Image, side: int) -> Tensor:

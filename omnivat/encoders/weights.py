@@ -10,20 +10,11 @@ from safetensors.torch import load_file
 from torch import Tensor
 
 from omnivat.encoders.archives import is_script, read_script
+from omnivat.encoders.hub import WEIGHTS as ON_HUB
 from omnivat.errors import DataError, first_line
 
-WEIGHTS = (
-    "model.safetensors",
-    "pytorch_model.bin",
-    "open_clip_model.safetensors",
-    "open_clip_pytorch_model.bin",
-    "RN50.pt",
-    "RN101.pt",
-    "ViT-B-32.pt",
-    "ViT-B-16.pt",
-    "ViT-L-14.pt",
-    "ViT-L-14-336px.pt",
-)
+_OPENAI = ("RN50.pt", "RN101.pt", "ViT-B-32.pt", "ViT-B-16.pt", "ViT-L-14.pt", "ViT-L-14-336px.pt")
+WEIGHTS = (*ON_HUB, "open_clip_pytorch_model.bin", *_OPENAI)
 WRAPPERS = ("module.", "_orig_mod.", "model.")  # before every name
 NESTED = ("state_dict", "model_state_dict", "model", "teacher", "encoder")
 
@@ -53,8 +44,7 @@ def read_weights(place: Path, name: str) -> Weights:
     """
     file = weights_file(place, name)
     try:
-        found = _content(file)
-        state, training = _unwrapped(found)
+        state, training = _unwrapped(_content(file))
     except Exception as error:  # a damaged file may raise any error in three readers
         raise DataError(
             f"'{file}' cannot be read as weights of {name} ({first_line(error)}); fetch it again, or "

@@ -61,9 +61,8 @@ def stop_folder(folder: Path, order: float, seed: int) -> Path:
 
 def _is_done(plan: TrainingPlan, stop: Stop, folder: Path) -> bool:
     """True if the head of a stop exists, with the same pairs and settings."""
-    file = stop_folder(folder, *stop) / SETTINGS
     try:
-        record = json.loads(file.read_text(encoding="utf-8"))
+        record = json.loads((stop_folder(folder, *stop) / SETTINGS).read_text(encoding="utf-8"))
         return bool(record["provenance"]["run"] == plan.at(*stop).name)
     except (OSError, ValueError, KeyError, TypeError):
         return False

@@ -97,8 +97,7 @@ def trained_head(
     )
     head.metrics.update(_metrics(plan, head, trained))
     for seed in repeat:
-        again = replace(plan, seed=seed)
-        other = replace(head, model=_trained(again, steps, None).model, metrics={})
+        other = replace(head, model=_trained(replace(plan, seed=seed), steps, None).model, metrics={})
         head.metrics["seeds"].append(_summary(seed, other, evaluate(other, plan.embeddings)))
     return head
 
@@ -138,9 +137,9 @@ def _calibration(plan: TrainingPlan, order: float, watch: Watch) -> tuple[Calibr
 
 def _familiarity(source: Embeddings, labels: NDArray[np.int64]) -> Familiarity | None:
     """Return the head's familiarity; None if all training images are of one object."""
-    vis, tac = (torch.from_numpy(rows) for rows in (source.vis, source.tac))
+    vis, tac, classes = map(torch.from_numpy, (source.vis, source.tac, labels))
     try:
-        return familiarity_of(vis, tac, source.rows["object"], torch.from_numpy(labels))
+        return familiarity_of(vis, tac, source.rows["object"], classes)
     except DataError:
         return None
 

@@ -103,15 +103,9 @@ def plan_training(
     classes = tuple(name for k, name in enumerate(embeddings.header.classes) if k in present)
     texts = None
     if training.lang:
-        loaded = bank if isinstance(bank, LangBank) else load_bank(bank or DEFAULT_BANK)
-        texts = loaded.for_classes(classes)
-    values = {
-        "classes": classes,
-        "input_width": embeddings.width,
-        "lang_width": texts.width if texts else 1,
-        **(head or {}),
-    }
-    settings = settings_from(HeadSettings, values)
+        texts = (bank if isinstance(bank, LangBank) else load_bank(bank or DEFAULT_BANK)).for_classes(classes)
+    values = {"classes": classes, "input_width": embeddings.width, "lang_width": texts.width if texts else 1}
+    settings = settings_from(HeadSettings, {**values, **(head or {})})
     labels = labels_of(pairs, settings)  # raises an error for a single class before any work
     if training.selection != "last" and not len(held_out(pairs, labels, training, seed)[1]):
         raise DataError(

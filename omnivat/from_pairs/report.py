@@ -67,23 +67,19 @@ class Meter:
         """Return the measures of `EpochReport`, without undefined ones."""
         gaps = {name: value for _, name, value in measured(found, self.facts, GAPS)}
         kept = {f"{name}/{STAGE}": gaps[f"{name}/{STAGE}"] for name in GAPS}
-        for reading, suffix in (("fused", ""), ("vis", ":vis"), ("tac", ":tac")):
-            if reading in found.probabilities:
-                kept |= self._accuracies(found.probabilities[reading], suffix)
+        own = self.keep & (self.embeddings.domain == self.embeddings.header.domains.index(self.source))
+        for reading in (one for one in ("fused", "vis", "tac") if one in found.probabilities):
+            name = "accuracy" if reading == "fused" else f"accuracy:{reading}"
+            right = found.probabilities[reading].argmax(1).cpu().numpy() == self.label
+            if own.any():
+                kept[f"{name}/source_test"] = float(right[own].mean())
+            if (unseen := mean_over_domains(right, self.embeddings, self.source, self.keep)) is not None:
+                kept[f"{name}/unseen"] = unseen
         return {name: value for name, value in kept.items() if np.isfinite(value)}
-
-    def _accuracies(self, probabilities: Tensor, suffix: str) -> dict[str, float]:
-        right = probabilities.argmax(1).cpu().numpy() == self.label
-        unseen = mean_over_domains(right, self.embeddings, self.source, self.keep)
-        domains = self.embeddings.header.domains
-        own = self.keep & (self.embeddings.domain == domains.index(self.source))
-        found = {f"accuracy{suffix}/source_test": float(right[own].mean())} if own.any() else {}
-        return found if unseen is None else {**found, f"accuracy{suffix}/unseen": unseen}
 
     def map(self, found: AtOrder) -> NDArray[Any]:
         """Return a map (2N, 2) of F̂, aligned with the previous map."""
         features = found.features[STAGE]
         flat = pca.project(torch.cat([unit(features["vis"]), unit(features["tac"])]))
         self._before = flat if self._before is None else aligned(flat, self._before)
-        points: NDArray[Any] = self._before.double().cpu().numpy()
-        return points
+        return np.asarray(self._before.double().cpu())

@@ -59,10 +59,9 @@ class LangBank:
         missing = [name for name in classes if name not in self.classes]
         if missing:
             raise DataError(
-                f"The LANG bank has no text for {', '.join(missing)}; it has "
-                f"{', '.join(self.classes)}. Make one with `python -m omnivat prompts --classes "
-                f"{','.join(classes)} --out FILE` and pass it as --lang FILE, or train with "
-                "--set lang=false."
+                f"The LANG bank has no text for {', '.join(missing)}; it has {', '.join(self.classes)}. "
+                f"Make one with `python -m omnivat prompts --classes {','.join(classes)} --out FILE` "
+                "and pass it as --lang FILE, or train with --set lang=false."
             )
         rows = [self.classes.index(name) for name in classes]
         plain = None if self.plain is None else self.plain[rows]
@@ -77,10 +76,9 @@ class LangBank:
             return False
         if self.encoder == header.encoder and self.text_hash != header.text_hash:
             raise DataError(
-                f"The LANG bank was made by another checkpoint of {self.encoder} (text tower "
-                f"{self.text_hash}) than the images' (text tower {header.text_hash}); make it again "
-                f"with `python -m omnivat prompts --encoder {self.encoder} --weights FILE`, FILE "
-                "being the checkpoint of the images."
+                f"The LANG bank was made by another checkpoint of {self.encoder} (text tower {self.text_hash}) "
+                f"than the images' (text tower {header.text_hash}); make it again with `python -m omnivat prompts "
+                f"--encoder {self.encoder} --weights FILE`, FILE being the checkpoint of the images."
             )
         return self.text_hash == header.text_hash
 

@@ -51,8 +51,7 @@ class ClipPrompts:
 
     def _embedded(self, ids: Tensor, mask: Tensor, change: Callable[[Tensor], Tensor] | None = None) -> Tensor:
         """Return embeddings (N, D) of tokens; `change` alters their word vectors (N, T, W)."""
-        altered = self._embedding.register_forward_hook(lambda *call: change(call[-1])) if change else nullcontext()
-        with altered:
+        with self._embedding.register_forward_hook(lambda *call: change(call[-1])) if change else nullcontext():
             found: Tensor = self._network(input_ids=ids, attention_mask=mask).text_embeds
         return found
 

@@ -42,5 +42,4 @@ def embed_texts(texts: list[str]) -> NDArray[np.float32]:
         states = model(**tokens).last_hidden_state
     mask = tokens["attention_mask"][..., None].to(states.dtype)
     pooled = (states * mask).sum(1) / mask.sum(1)
-    array: NDArray[np.float32] = torch.nn.functional.normalize(pooled, dim=-1).numpy()
-    return array
+    return np.asarray(torch.nn.functional.normalize(pooled, dim=-1))

@@ -69,8 +69,7 @@ def learn_styles(
     earlier = contents[:0]
     for index in range(styles):
         random = torch.Generator().manual_seed(derive_seed(seed, "style", index))
-        word = 0.02 * torch.randn(tower.word_width, generator=random)
-        word = word.to(contents).requires_grad_()
+        word = (0.02 * torch.randn(tower.word_width, generator=random)).to(contents).requires_grad_()
         optimiser = torch.optim.SGD([word], lr=lr, momentum=momentum)
         for _ in range(steps):
             embedded = tower.embed_with_word(texts, word)
