@@ -14,6 +14,7 @@ from io import TextIOWrapper
 from omnivat import __version__
 from omnivat.devices import computing_on, named
 from omnivat.errors import OmniVatError, WriteError, printable
+from omnivat.files import require_writable
 from omnivat.tables import suggestion
 
 NAMES = (  # in the order of the help; a command's file has its name, or that in FILES
@@ -59,6 +60,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         if sys.stdout is None:
             raise WriteError("Standard output is closed; leave it open, or send it to a file.")
+        if getattr(options, "figure", None):  # before long work
+            from omnivat.figures.page import require_ending
+
+            require_writable(require_ending(options.figure))
         device = getattr(options, "device", "cpu")
         with nullcontext() if device == named() == "cpu" else computing_on(device):
             COMMANDS[options.command].run(options)

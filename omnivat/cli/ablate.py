@@ -23,7 +23,7 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Run what is missing, then write tables and plots."""
-    from omnivat.ablations import chosen
+    from omnivat.ablations import chosen, method_name
     from omnivat.model.settings import HeadSettings
     from omnivat.protocol import records
     from omnivat.reports.ablation_report import write_ablations
@@ -41,7 +41,7 @@ def run(options: argparse.Namespace) -> None:
             "title": table.title,
             "axis": table.axis,
             "sources": listed(options.sources) or table.sources,
-            "rows": {row: (_name(row), one.label, one.value) for row, one in table.rows.items()},
+            "rows": {row: (method_name(row), one.label, one.value) for row, one in table.rows.items()},
         }
         for name, table in tables.items()
     }
@@ -56,6 +56,7 @@ def planned_rows(
     training: dict[str, Any],
 ) -> "list[Run]":
     """Return the runs of all tables; a row in several tables runs once."""
+    from omnivat.ablations import method_name
     from omnivat.protocol.methods import HEAD, Method
     from omnivat.protocol.run import Run
 
@@ -66,7 +67,7 @@ def planned_rows(
                 for row, one in table.rows.items():
                     ours = one.base == HEAD
                     method = Method(
-                        name=_name(row),
+                        name=method_name(row),
                         label=one.label,
                         base=one.base,
                         head={**head, **one.head} if ours else {},
@@ -75,9 +76,3 @@ def planned_rows(
                     )
                     runs[row, source, seed] = Run(method=method, source=source, seed=seed)
     return list(runs.values())
-
-
-def _name(row: str) -> str:
-    from omnivat.ablations import method_name
-
-    return method_name(row)

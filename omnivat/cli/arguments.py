@@ -13,7 +13,6 @@ from omnivat.config import field_names, parse_assignments
 from omnivat.devices import named
 from omnivat.encoders.base import DEFAULT_ENCODER
 from omnivat.errors import SettingsError
-from omnivat.files import require_writable
 from omnivat.heads import default_embeddings, default_head
 from omnivat.progress import OnStep, Pace, Step
 from omnivat.stages import checked_order
@@ -45,18 +44,15 @@ def progress_bar(title: str) -> Iterator[OnStep]:
         return
     from tqdm import tqdm
 
-    bar = tqdm(desc=title, leave=False, dynamic_ncols=True)
+    with tqdm(desc=title, leave=False, dynamic_ncols=True) as bar:
 
-    def show(step: Step) -> None:
-        if step.total:
-            bar.total = step.total
-        bar.set_postfix_str(step.text, refresh=False)
-        bar.update(step.done - bar.n)
+        def show(step: Step) -> None:
+            if step.total:
+                bar.total = step.total
+            bar.set_postfix_str(step.text, refresh=False)
+            bar.update(step.done - bar.n)
 
-    try:
         yield show
-    finally:
-        bar.close()
 
 
 class _Lines:
@@ -74,10 +70,8 @@ class _Lines:
         if not due or now - self.written < EVERY_S:
             return
         self.tenth, self.written = tenth, now
-        parts = [f"{step.done:,} done"]
-        if step.total:
-            parts = [f"{100 * step.done // step.total} %", f"{step.done:,} of {step.total:,}"]
-        text = ", ".join(filter(None, [*parts, left, step.text]))
+        share = f"{100 * step.done // step.total} %, {step.done:,} of {step.total:,}" if step.total else ""
+        text = ", ".join(filter(None, [share or f"{step.done:,} done", left, step.text]))
         print(f"{self.title}: {text}", file=sys.stderr, flush=True)
 
 
@@ -161,14 +155,6 @@ def as_json(value: Any) -> str:
 def passed(options: argparse.Namespace, *names: str) -> dict[str, Any]:
     """Return some of the options by name, to pass them on."""
     return {name: getattr(options, name) for name in names}
-
-
-def check_figure(options: argparse.Namespace) -> None:
-    """Check, before long work, that --figure can be written; raises SettingsError or WriteError."""
-    if options.figure is not None:
-        from omnivat.figures.page import require_ending
-
-        require_writable(require_ending(options.figure))
 
 
 def order(text: str) -> float:

@@ -50,18 +50,19 @@ def run(options: argparse.Namespace) -> None:
             f"--out is '{options.out}', and its table would replace '{options.pairs}'; choose another name."
         )
     encoder = encoder_name(options.encoder, options.tac_encoder, options.tac_weights)
-    found = read_pairs(
-        options.pairs, reader=options.reader, strict=options.strict, seed=options.seed, **reader_options(options.set)
-    )
+    for text in options.set:
+        if "=" not in text:
+            raise SettingsError(f"--set got '{text}'; write it as key=value.")
+    of_reader = dict(text.split("=", 1) for text in options.set)
+    found = read_pairs(options.pairs, **passed(options, "reader", "strict", "seed"), **of_reader)
     found = with_rest(found, options.tac_rest or "none")
     print(summary_table(found))
     if rested := sum(pair.tac_rest is not None for pair in found.pairs):
         print(f"a rest picture is subtracted from {rested} of {len(found.pairs)} tactile images")
-    how = passed(options, "weights", "tac_weights", "device", "download", "precision", "dtype", "manifest", "engine")
+    names = ("weights", "tac_weights", "device", "download", "precision", "dtype", "manifest", "engine", "workers")
+    how = {**passed(options, *names), "flips": not options.no_flips}
     with progress_bar(f"embed with {encoder}") as show:
-        report = embed_pairs(
-            found, encoder, options.out, **how, flips=not options.no_flips, workers=options.workers, on_step=show
-        )
+        report = embed_pairs(found, encoder, options.out, **how, on_step=show)
     for skipped in report.skipped:
         print(f"skipped {skipped.what}: {skipped.why}")
     resumed = f", {report.resumed} of them by an earlier run" if report.resumed else ""
@@ -78,11 +79,3 @@ def encoder_name(vis: str, tac: str | None, tac_weights: Path | None) -> str:
     if tac_weights is not None:
         raise SettingsError("--tac-weights needs --tac-encoder; without it both use --weights.")
     return vis
-
-
-def reader_options(texts: list[str]) -> dict[str, str]:
-    """Return {option: text} for `key=value` texts. Raises SettingsError for one without "="."""
-    for text in texts:
-        if "=" not in text:
-            raise SettingsError(f"--set got '{text}'; write it as key=value.")
-    return dict(text.split("=", 1) for text in texts)

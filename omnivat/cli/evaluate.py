@@ -11,16 +11,7 @@ from collections.abc import Iterator, Sequence
 from statistics import pstdev
 from typing import TYPE_CHECKING, Any
 
-from omnivat.cli.arguments import (
-    as_json,
-    check_figure,
-    figure,
-    head_and_set,
-    progress_bar,
-    shared,
-    whole,
-    with_profiles,
-)
+from omnivat.cli.arguments import as_json, figure, head_and_set, progress_bar, shared, whole, with_profiles
 from omnivat.errors import SettingsError
 
 if TYPE_CHECKING:
@@ -47,7 +38,6 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Load both, score every domain, print a table."""
-    check_figure(options)
     from omnivat.evaluate import evaluate
 
     head, embeddings = head_and_set(options, profiled=False)
@@ -100,21 +90,16 @@ def averaged(draws: Sequence[list[dict[str, Any]]]) -> list[dict[str, Any]]:
 
     Counts and confusions are those of the first draw. A domain without drawn pairs stays as it is.
     """
-    first = draws[0]
-    if len(draws) == 1:
-        return first
-    found = []
-    for k, record in enumerate(first):
-        if not record["unlabelled"]:
-            found.append(record)
+    found = list(draws[0])
+    for k, record in enumerate(found):
+        if len(draws) == 1 or not record["unlabelled"]:
             continue
         own = [one[k]["scores"] for one in draws if one[k]["scores"]]
         scores = {
             reading: {m: sum(s[reading][m] for s in own) / len(own) for m in values}
             for reading, values in record["scores"].items()
         }
-        accuracies = [s["fused"]["accuracy"] for s in own]
-        found.append({**record, "scores": scores, "draws": accuracies})
+        found[k] = {**record, "scores": scores, "draws": [s["fused"]["accuracy"] for s in own]}
     return found
 
 
@@ -167,8 +152,7 @@ def table(records: Sequence[dict[str, Any]]) -> str:
         lines.append("mean of targets: none, because no other domain has pairs of the head's classes")
     else:
         lines.append(f"{'mean of targets':<18} {'':>6} {100 * mean:>6.1f} {100 * f1:>6.1f}")
-    if any(record.get("unlabelled") for record in records):
-        most = max(record["unlabelled"] for record in records)
+    if most := max((record.get("unlabelled", 0) for record in records), default=0):
         lines.append(
             f"Known of the profiled targets: up to {most} pictures without labels (their pairs are "
             "not predicted). Not comparable with strict domain generalisation."

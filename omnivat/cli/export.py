@@ -33,28 +33,22 @@ def add(parser: argparse.ArgumentParser) -> None:
     choice(parser, "--colour", ("domain", "class", "modality", "correctness", "confidence"), "meaning of colours")
 
 
-def write_site(options: argparse.Namespace) -> None:
-    """Write the page as a folder."""
-    from app.export import where_from
-    from app.site import export_site
-
-    where = where_from(options.head, options.embeddings)
-    if options.frames:
-        where = replace(where, frames=options.frames)
-    with progress_bar("site") as show:
-        sizes = export_site(
-            where, options.site, options.sets, models=options.models, runtime=options.runtime, on_step=show
-        )
-    print(
-        f"{len(sizes)} files, {sum(sizes.values()) / 1e6:.1f} MB, in {options.site}; "
-        f"`python -m http.server --directory {options.site}` serves them"
-    )
-
-
 def run(options: argparse.Namespace) -> None:
     """Find or make the frames, then write."""
     if options.site:
-        return write_site(options)
+        from app.export import where_from
+        from app.site import export_site
+
+        where = where_from(options.head, options.embeddings)
+        if options.frames:
+            where = replace(where, frames=options.frames)
+        with progress_bar("site") as show:
+            sizes = export_site(where, options.site, options.sets, **passed(options, "models", "runtime"), on_step=show)
+        print(
+            f"{len(sizes)} files, {sum(sizes.values()) / 1e6:.1f} MB, in {options.site}; "
+            f"`python -m http.server --directory {options.site}` serves them"
+        )
+        return
     if options.sets or options.runtime or not options.models:
         raise SettingsError("--sets, --runtime and --no-models belong to --site; leave them out.")
     wanted = (".html",) if options.what == "page" else (".html", ".svg", ".png", ".json")

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from omnivat.data.store import Embeddings
 
 LARGE = 50_000  # from this many pairs on, the cost is printed first
-COPIES = 2  # of the features that are held at once
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,9 +55,14 @@ class StageFeatures:
 
         from omnivat.devices import current
 
-        if warning := size_warning(len(self.embeddings), self.embeddings.width):
-            print(warning, file=sys.stderr, flush=True)
-        count, points = len(self.embeddings), torch.empty(0, 0)
+        count, width, points = len(self.embeddings), self.embeddings.width, torch.empty(0, 0)
+        if count > LARGE:
+            # held once, and as much again while they are measured; twice as wide in the transform's two stages
+            text = (
+                f"{count:,} pairs of width {width}: about {2 * 2 * 4 * count * width / 1e9:.1f} GB and some minutes "
+                "(docs/scale.md has the times of one machine); --sample 20000 takes a random part"
+            )
+            print(text, file=sys.stderr, flush=True)
         for rows, found in self.blocks():
             if not len(points):
                 points = torch.empty(2 * count, found["vis"].shape[1], device=current())
@@ -75,30 +79,16 @@ def add_stage(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--sample", type=int, default=0, metavar="N", help="use N random pairs; default: all")
 
 
-def size_warning(pairs: int, width: int) -> str:
-    """Return the approximate memory for a large set; "" for a small one.
-
-    Features of a stage are held once, and as much again while they are measured; the two stages of
-    the transform are twice as wide, for Re and Im.
-    """
-    if pairs <= LARGE:
-        return ""
-    memory = COPIES * 2 * 4 * pairs * width / 1e9
-    return (
-        f"{pairs:,} pairs of width {width}: about {memory:.1f} GB and some minutes (docs/scale.md has "
-        "the times of one machine); --sample 20000 takes a random part"
-    )
-
-
 def stage_features(options: argparse.Namespace) -> StageFeatures:
     """Load head and set; "raw" needs no head."""
     from omnivat.data.store import load_embeddings
 
     if options.sample < 0:
         raise SettingsError(f"--sample is {options.sample}; give a number of pairs, or 0 for all.")
+    head, order = None, None
     if options.stage == "raw":
         embeddings = with_profiles(None, load_embeddings(options.embeddings).sampled(options.sample), options.profile)
-        return StageFeatures(embeddings=embeddings, head=None, order=None, stage=options.stage)
-    head, embeddings = head_and_set(options, sample=options.sample)
-    order = head.model.order if options.order is None else options.order
+    else:
+        head, embeddings = head_and_set(options, sample=options.sample)
+        order = head.model.order if options.order is None else options.order
     return StageFeatures(embeddings=embeddings, head=head, order=order, stage=options.stage)

@@ -6,15 +6,11 @@ python -m omnivat gaps [--stage S] [--order P] [--measure M] [--json] [--figure 
 import argparse
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from omnivat.cli.arguments import as_json, check_figure, choice, figure, shared
+from omnivat.cli.arguments import as_json, choice, figure, shared
 from omnivat.cli.features import LARGE, StageFeatures, add_stage, stage_features
 from omnivat.gaps import GAPS
-
-if TYPE_CHECKING:
-    from omnivat.gaps.unit import Estimate
 
 
 def add(parser: argparse.ArgumentParser) -> None:
@@ -26,7 +22,6 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Compute the features, measure, print the matrices."""
-    check_figure(options)
     found = stage_features(options)
     record = {
         "stage": options.stage,
@@ -71,25 +66,26 @@ def gaps_of(found: StageFeatures, measure: str) -> dict[str, Any]:
     more: dict[str, Any] = {}
     sets: dict[str, dict[str, Any]]
     every: Mapping[str, Any]
-    gap: Callable[[Any, Any], Any] = load(GAPS, measure, kind="gap")
+    gap: Callable[[Any, Any], Any]
     if measure in ESTIMATES and 2 * len(data) > MOST_ROWS:
         rows, alike = drawn(data.domain)
         found = replace(found, embeddings=data.select(rows))
         sets, every = parts_of(found.points(), data.domain[rows], names, alike)
-        gap = partial(_estimated, ESTIMATES[measure], more)
         more |= {"drawn": len(rows), "standard_error": 0.0}
+
+        def estimated(a: Any, b: Any) -> Any:
+            one = ESTIMATES[measure](a, b)
+            more["standard_error"] = max(more["standard_error"], float(one.error))
+            return one.value
+
+        gap = estimated
     elif measure in MOMENT_GAPS and len(data) > LARGE:
         sets, every = moments_of(found.blocks(), data.domain, names, squares=measure == "frechet")
         gap = MOMENT_GAPS[measure]
     else:
         sets, every = parts_of(found.points(), data.domain, names)
+        gap = load(GAPS, measure, kind="gap")
     return gap_record(every, sets, gap) | more
-
-
-def _estimated(estimate: Callable[..., "Estimate"], more: dict[str, Any], a: Any, b: Any) -> Any:
-    found = estimate(a, b)
-    more["standard_error"] = max(more["standard_error"], float(found.error))
-    return found.value
 
 
 def matrix(table: Mapping[str, Mapping[str, float]]) -> str:

@@ -16,7 +16,6 @@ from omnivat.files import require_writable
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from omnivat.data.embeddings import Embeddings
     from omnivat.data.pairs import Skipped
 
 
@@ -55,8 +54,10 @@ def add_foreign(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Read, check, write; print a summary."""
     from omnivat.data.foreign import import_embeddings
+    from omnivat.data.readers.signals import signal_embeddings
     from omnivat.data.recordings import is_recording
     from omnivat.data.store import manifest_place, require_own, save_embeddings
+    from omnivat.data.strips import ENCODER
 
     if is_recording(options.file):
         _recordings(options)
@@ -66,7 +67,13 @@ def run(options: argparse.Namespace) -> None:
     require_writable(options.out, ".safetensors")
     require_own(manifest_place(options.out, "csv"))
     if options.file.is_dir():
-        found = _signals(options)
+        if options.encoder != ENCODER:
+            raise SettingsError(
+                f"'{options.file}' is a folder, which is read as signals: pass --encoder {ENCODER}, or "
+                "name a file of vectors."
+            )
+        found, skipped = signal_embeddings(options.file, window=options.window)
+        _tell(skipped)
     else:
         about = passed(options, "encoder", "preprocessing", "origin")
         found = import_embeddings(options.file, **about, **foreign(options))
@@ -82,9 +89,9 @@ def _recordings(options: argparse.Namespace) -> None:
     """Write pictures of recordings as a folder of pairs."""
     from omnivat.data.recordings import clips_of, write_pairs
 
-    clips = clips_of(options.file, vis=options.vis, tac=options.tac, domain=options.domain, labels=options.labels)
+    clips = clips_of(options.file, **passed(options, "vis", "tac", "domain", "labels"))
     with progress_bar("import") as show:
-        count, skipped = write_pairs(clips, options.out, frames=options.frames, pick=options.pick, on_step=show)
+        count, skipped = write_pairs(clips, options.out, **passed(options, "frames", "pick"), on_step=show)
     _tell(skipped)
     print(f"{count} pairs of {len(clips) - len(skipped)} recordings; next: python -m omnivat try {options.out}")
 
@@ -94,20 +101,6 @@ def _tell(skipped: "Sequence[Skipped]") -> None:
         print(f"left out: {one.what}: {one.why}")
     if len(skipped) > 3:
         print(f"left out: {len(skipped) - 3} more")
-
-
-def _signals(options: argparse.Namespace) -> "Embeddings":
-    from omnivat.data.readers.signals import signal_embeddings
-    from omnivat.data.strips import ENCODER
-
-    if options.encoder != ENCODER:
-        raise SettingsError(
-            f"'{options.file}' is a folder, which is read as signals: pass --encoder {ENCODER}, or "
-            "name a file of vectors."
-        )
-    found, skipped = signal_embeddings(options.file, window=options.window)
-    _tell(skipped)
-    return found
 
 
 def foreign(options: argparse.Namespace) -> dict[str, Any]:

@@ -32,7 +32,13 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Load the head and its encoder, embed the pairs, print the predictions."""
-    _check(options)
+    given = len(options.images)
+    if options.pairs and given:
+        raise SettingsError("Give either images or --pairs, not both.")
+    if not options.pairs and (not given or given % 2):
+        raise SettingsError(
+            f"Got {given} image{'' if given == 1 else 's'}; give VIS and TAC for each pair, with '-' for a missing one."
+        )
     import torch
 
     from omnivat.checkpoint import load_head
@@ -66,8 +72,8 @@ def run(options: argparse.Namespace) -> None:
                     raise
                 print(f"skipped: {error}", file=sys.stderr)
                 continue
-            given = [None if e is None else torch.from_numpy(e[None].copy()) for e in embedded]
-            predicted = predict_embeddings(head, *given, order=options.order, profile=profile)[0]
+            rows = [None if e is None else torch.from_numpy(e[None].copy()) for e in embedded]
+            predicted = predict_embeddings(head, *rows, order=options.order, profile=profile)[0]
             predictions.append({"vis": vis and str(vis), "tac": tac and str(tac), **predicted})
     if not predictions:
         raise DataError(f"None of the {len(pairs)} pairs in '{options.pairs}' could be read.")
@@ -77,17 +83,6 @@ def run(options: argparse.Namespace) -> None:
         print(as_json(records[0] if len(records) == 1 and not options.pairs else records))
     else:
         print("\n".join(_readable(predicted, head.source) for predicted in predictions))
-
-
-def _check(options: argparse.Namespace) -> None:
-    """Raise SettingsError for images that are no pairs, before torch is loaded."""
-    given = len(options.images)
-    if options.pairs and given:
-        raise SettingsError("Give either images or --pairs, not both.")
-    if not options.pairs and (not given or given % 2):
-        raise SettingsError(
-            f"Got {given} image{'' if given == 1 else 's'}; give VIS and TAC for each pair, with '-' for a missing one."
-        )
 
 
 def _rest(options: argparse.Namespace, rested: bool) -> str:

@@ -34,29 +34,25 @@ def add(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Read the embeddings or embed the pictures, write the profile, print what it holds."""
     require_writable(options.out, EMBEDDINGS)
-    from omnivat.data.profile import save_profile
+    from omnivat.data.profile import profile_of, save_profile
+    from omnivat.data.store import load_embeddings
 
     named = [place for place in (options.pictures, options.vis, options.tac) if place]
     if not named or (options.pictures and len(named) > 1):
         raise SettingsError("Give PICTURES, or --vis and --tac: one of the two, or both.")
-    whole = options.pictures and options.pictures.suffix.lower() == EMBEDDINGS
-    profile = _of_embeddings(options) if whole else _of_pictures(options)
+    if options.pictures and options.pictures.suffix.lower() == EMBEDDINGS:
+        embeddings = load_embeddings(options.pictures)
+        domains = embeddings.header.domains
+        if not options.domain and len(domains) > 1:
+            raise SettingsError(f"The set has {len(domains)} domains; name one: --domain {domains[0]!r}.")
+        name = options.domain or domains[0]
+        profile = profile_of(embeddings, embeddings.rows_of(name), domain=name)
+    else:
+        profile = _of_pictures(options)
     save_profile(options.out, profile)
     words = {"vis": "photos", "tac": "tactile images"}
     counts = " and ".join(f"{count:,} {words[name]}" for name, count in profile.counts.items())
     print(f"profile of {counts}, no labels read; written to {options.out}")
-
-
-def _of_embeddings(options: argparse.Namespace) -> "Profile":
-    from omnivat.data.profile import profile_of
-    from omnivat.data.store import load_embeddings
-
-    embeddings = load_embeddings(options.pictures)
-    domains = embeddings.header.domains
-    if not options.domain and len(domains) > 1:
-        raise SettingsError(f"The set has {len(domains)} domains; name one: --domain {domains[0]!r}.")
-    name = options.domain or domains[0]
-    return profile_of(embeddings, embeddings.rows_of(name), domain=name)
 
 
 def _of_pictures(options: argparse.Namespace) -> "Profile":

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from omnivat.cli.arguments import check_figure, choice, figure, shared
+from omnivat.cli.arguments import choice, figure, shared
 from omnivat.cli.features import StageFeatures, add_stage, stage_features
 from omnivat.errors import SettingsError
 from omnivat.files import require_writable, write_csv
@@ -41,7 +41,6 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Compute the features, map them, write the CSV, print the faithfulness."""
-    check_figure(options)
     if options.centred:
         from omnivat.data.store import load_embeddings
         from omnivat.frames.centred import write_centred

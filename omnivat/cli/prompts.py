@@ -7,7 +7,7 @@ python -m omnivat prompts --out FILE --encoder clip-vit-b16 --method promptstyle
 import argparse
 from typing import TYPE_CHECKING
 
-from omnivat.cli.arguments import choice, download, listed, progress_bar, shared
+from omnivat.cli.arguments import choice, download, listed, passed, progress_bar, shared
 from omnivat.data.materials import MATERIALS
 from omnivat.errors import SettingsError
 from omnivat.files import require_writable
@@ -39,13 +39,24 @@ def run(options: argparse.Namespace) -> None:
     if len(classes) < 2 or len(set(classes)) < len(classes):
         raise SettingsError(f"--classes is '{options.classes}'; give two or more different names.")
     require_writable(options.out)
-    make = _learned if options.method == "promptstyler" else _phrases
-    bank = make(options, classes)
-    save_bank(options.out, bank)
+    learned, clip = options.method == "promptstyler", None
+    if learned and options.encoder == "minilm":
+        raise SettingsError(
+            "--method promptstyler learns word vectors through CLIP's text tower; "
+            "add --encoder clip-vit-b16 or --encoder clip-vit-l14."
+        )
+    if learned and (options.styles < 1 or options.steps < 1):
+        raise SettingsError("--styles and --steps must be 1 or more.")
+    if options.encoder != "minilm":
+        from omnivat.encoders.clip_text import load_text_encoder
+
+        clip = load_text_encoder(options.encoder, **passed(options, "weights", "device", "download"))
+    bank = _learned(options, classes, clip) if learned and clip else _phrases(classes, clip)
+    save_bank(options.out, _of_clip(bank, clip) if clip else bank)
     print(f"{bank.embeddings[..., 0].size} texts by {bank.origin} written to {options.out}")
 
 
-def _phrases(options: argparse.Namespace, classes: tuple[str, ...]) -> "LangBank":
+def _phrases(classes: tuple[str, ...], clip: "ClipText | None") -> "LangBank":
     """Embed the classes in fixed phrases."""
     import numpy as np
 
@@ -53,44 +64,25 @@ def _phrases(options: argparse.Namespace, classes: tuple[str, ...]) -> "LangBank
     from omnivat.lang.prompts import ORIGIN, STYLES, embed_texts, prompts_for
 
     texts = [text for name in classes for text in prompts_for(name)]
-    clip = None if options.encoder == "minilm" else _clip(options)
     if clip is None:
         values, origin = embed_texts(texts), ORIGIN
     else:
         values = clip.embed_texts(texts).cpu().numpy()
         origin = f"{clip.name}, fixed style phrases, not PromptStyler"
     shaped = values.astype(np.float32).reshape(len(classes), len(STYLES), -1)
-    bank = LangBank(embeddings=shaped, classes=classes, origin=origin)
-    return bank if clip is None else _of_clip(bank, clip)
+    return LangBank(embeddings=shaped, classes=classes, origin=origin)
 
 
-def _learned(options: argparse.Namespace, classes: tuple[str, ...]) -> "LangBank":
+def _learned(options: argparse.Namespace, classes: tuple[str, ...], clip: "ClipText") -> "LangBank":
     """Learn styles through CLIP's text tower."""
-    if options.encoder == "minilm":
-        raise SettingsError(
-            "--method promptstyler learns word vectors through CLIP's text tower; "
-            "add --encoder clip-vit-b16 or --encoder clip-vit-l14."
-        )
-    if options.styles < 1 or options.steps < 1:
-        raise SettingsError("--styles and --steps must be 1 or more.")
     from omnivat.lang.clip_prompts import ClipWords
     from omnivat.lang.promptstyler import learn_styles, styled_bank
 
-    clip = _clip(options)
     origin = f"{clip.name} (weights {clip.weights_hash[:12]})"
     tower = ClipWords(clip.network, clip.tokenizer, origin=origin)
     with progress_bar("learn styles") as show:
-        words = learn_styles(
-            tower, classes, styles=options.styles, steps=options.steps, seed=options.seed, on_step=show
-        )
-    how = f" of {options.steps} steps, seed {options.seed}"
-    return _of_clip(styled_bank(tower, classes, words, how=how), clip)
-
-
-def _clip(options: argparse.Namespace) -> "ClipText":
-    from omnivat.encoders.clip_text import load_text_encoder
-
-    return load_text_encoder(options.encoder, weights=options.weights, device=options.device, download=options.download)
+        words = learn_styles(tower, classes, **passed(options, "styles", "steps", "seed"), on_step=show)
+    return styled_bank(tower, classes, words, how=f" of {options.steps} steps, seed {options.seed}")
 
 
 def _of_clip(bank: "LangBank", clip: "ClipText") -> "LangBank":

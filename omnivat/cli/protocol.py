@@ -5,14 +5,13 @@ python -m omnivat protocol --embeddings FILE --out DIR --methods a,b,c --seeds 0
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from omnivat.cli.arguments import choice, listed, numbers, passed, progress_bar, shared, split_settings, whole
 from omnivat.errors import DataError, SettingsError
 from omnivat.files import require_writable
 
 if TYPE_CHECKING:
-    from omnivat.data.store import Embeddings
     from omnivat.protocol.run import Run
 
 RUNS = "runs.jsonl"
@@ -48,7 +47,9 @@ def add_running(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Run what is missing, then write the tables."""
+    from omnivat.cli.thumbnails import start_of
     from omnivat.data.store import load_embeddings
+    from omnivat.encoders.hub import images_key, remember
     from omnivat.model.settings import HeadSettings
     from omnivat.protocol import records
     from omnivat.protocol.engine import planned
@@ -61,10 +62,18 @@ def run(options: argparse.Namespace) -> None:
     require_writable(options.out / RUNS)
     if not options.tables_only:
         set_of_pairs = load_embeddings(options.embeddings)
+        if options.images and not options.images.exists():
+            raise DataError(f"There is no folder or file at '{options.images}'. Check --images.")
         if options.images:
-            note_images(set_of_pairs, options.images)
+            remember(images_key(set_of_pairs.header), start_of(options.images, set_of_pairs.rows["vis"]))
         head, training = split_settings(options.set, HeadSettings, TrainSettings)
-        named, candidates = listed(options.methods) or DEFAULT_METHODS, candidates_of(options.candidate)
+        if len(options.candidate) == 1:
+            raise SettingsError("One --candidate leaves nothing to choose; give two or more.")
+        candidates = {}
+        for text in options.candidate:
+            own = split_settings(list(listed(text)), HeadSettings, TrainSettings)
+            candidates[text or "as set"] = dict(zip(("head", "train"), own, strict=True))
+        named = listed(options.methods) or DEFAULT_METHODS
         methods = methods_named(named, head, training, candidates)
         sources = listed(options.sources) or available(set_of_pairs)
         if not sources:
@@ -74,33 +83,6 @@ def run(options: argparse.Namespace) -> None:
         work(runs, options, lang=training.get("lang", True))
     found = records.read(options.out / RUNS)
     print(write_evidence(found, options.out) if options.folds else write_report(found, options.out))
-
-
-def note_images(embeddings: "Embeddings", pairs: Path) -> None:
-    """Remember the image folder of a set. Raises DataError if it does not exist."""
-    from omnivat.cli.thumbnails import start_of
-    from omnivat.encoders.hub import images_key, remember
-
-    if not pairs.exists():
-        raise DataError(f"There is no folder or file at '{pairs}'. Check --images.")
-    remember(images_key(embeddings.header), start_of(pairs, embeddings.rows["vis"]))
-
-
-def candidates_of(texts: list[str]) -> dict[str, dict[str, dict[str, Any]]]:
-    """Return candidates by name: "key=value,key=value" -> settings of the head and of training.
-
-    Raises SettingsError for an unknown setting, or for a single candidate.
-    """
-    from omnivat.model.settings import HeadSettings
-    from omnivat.train import TrainSettings
-
-    if len(texts) == 1:
-        raise SettingsError("One --candidate leaves nothing to choose; give two or more.")
-    found = {}
-    for text in texts:
-        head, training = split_settings(list(listed(text)), HeadSettings, TrainSettings)
-        found[text or "as set"] = {"head": head, "train": training}
-    return found
 
 
 def work(runs: "list[Run]", options: argparse.Namespace, *, lang: bool = True) -> None:

@@ -7,6 +7,7 @@ Every step resumes. docs/reproduce.md lists the data sets, their sources and siz
 
 import argparse
 import time
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -38,6 +39,7 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Run every unfinished step; write the tables."""
+    from omnivat.data.pairs import summary_table
     from omnivat.data.paper_sets import read_paper_sets
     from omnivat.encoders import load_encoder
     from omnivat.protocol import records
@@ -46,7 +48,12 @@ def run(options: argparse.Namespace) -> None:
     options.out.mkdir(parents=True, exist_ok=True)
     name = options.encoder or ("clip" if options.weights else "clip-vit-b16")
     sets = read_paper_sets(options.data)
-    _say_what_was_found(sets, options.out)
+    lines = [summary_table(part) for part in sets.parts.values()]
+    if sets.missing:
+        lines.append(f"Not found: {', '.join(sets.missing)}; their settings are skipped.")
+    text = "\n\n".join(lines)
+    write_text(options.out / "data.txt", text + "\n")
+    print(text)
     encoder = load_encoder(name, **passed(options, *ENCODING))
     _embed(sets, name, encoder, options)
     bank = _lang(name, encoder, options)
@@ -62,40 +69,22 @@ def run(options: argparse.Namespace) -> None:
     )
 
 
-def _say_what_was_found(sets: "PaperSets", out: Path) -> None:
-    from omnivat.data.pairs import summary_table
-
-    lines = [summary_table(part) for part in sets.parts.values()]
-    if sets.missing:
-        lines.append(f"Not found: {', '.join(sets.missing)}; their settings are skipped.")
-    text = "\n\n".join(lines)
-    write_text(out / "data.txt", text + "\n")
-    print(text)
-
-
 def _embed(sets: "PaperSets", name: str, encoder: "Encoder", options: argparse.Namespace) -> None:
     """Embed all pairs, unless the file has the same pairs and encoder."""
     from omnivat.embed import embed_pairs
+    from omnivat.schema import read_object
 
     made_by = [encoder.name, encoder.weights_hash, encoder.precision, encoder.preprocessing]
     state = {"pairs": sets.fingerprint, "encoder": made_by}
     file = options.out / EMBEDDINGS
-    if file.is_file() and _state(options.out) == state:
-        print(f"{file} has these pairs and this encoder; kept")
-        return
+    with suppress(DataError, OSError):
+        if file.is_file() and read_object(options.out / STATE) == state:
+            print(f"{file} has these pairs and this encoder; kept")
+            return
     with progress_bar(f"embed with {name}") as show:
         report = embed_pairs(sets.pairs, name, file, **passed(options, *ENCODING, "workers"), on_step=show)
     write_json(options.out / STATE, state)
     print(f"{report.embedded} pairs embedded, {len(report.skipped)} skipped")
-
-
-def _state(out: Path) -> dict[str, Any]:
-    from omnivat.schema import read_object
-
-    try:
-        return read_object(out / STATE)
-    except (DataError, OSError):
-        return {}
 
 
 def _lang(name: str, encoder: "Encoder", options: argparse.Namespace) -> Path | None:

@@ -10,15 +10,15 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from omnivat.cli.arguments import choice, progress_bar, shared, whole
+from omnivat.cli.arguments import choice, passed, progress_bar, shared, whole
 from omnivat.errors import SettingsError
 from omnivat.files import require_writable
+from omnivat.progress import OnStep
 
 if TYPE_CHECKING:
     from omnivat.data.pairs import PairSet
 
 CHIRP_OPTIONS = ("order", "strength", "shift")
-SENSOR_OPTIONS = ("domains", "workers")
 
 
 def add(parser: argparse.ArgumentParser) -> None:
@@ -39,13 +39,14 @@ def run(options: argparse.Namespace) -> None:
     from omnivat.data.pairs import summary_table
     from omnivat.simulate.build import write_examples
 
-    for name in SENSOR_OPTIONS if options.set == "chirps" else CHIRP_OPTIONS:
+    for name in ("domains", "workers") if options.set == "chirps" else CHIRP_OPTIONS:
         if getattr(options, name) is not None:
             raise SettingsError(f"--{name} does not apply to --set {options.set}; leave it out.")
     require_writable(options.out / "pairs.csv")
     if options.examples:
         require_writable(options.examples / "pairs")
-    made = _chirps(options) if options.set == "chirps" else _sensors(options)
+    with progress_bar("simulate chirps" if options.set == "chirps" else "simulate") as show:
+        made = (_chirps if options.set == "chirps" else _sensors)(options, show)
     print(summary_table(made))
     if options.examples:
         files = write_examples(made, options.examples, each=options.examples_per_class)
@@ -53,20 +54,17 @@ def run(options: argparse.Namespace) -> None:
         print(f"{len(files) // 2} example pairs in '{options.examples}', {size:.1f} MB")
 
 
-def _sensors(options: argparse.Namespace) -> "PairSet":
+def _sensors(options: argparse.Namespace, show: OnStep) -> "PairSet":
     from omnivat.simulate.build import simulate
 
     domains = [name.strip() for name in options.domains.split(",")] if options.domains else None
     count = {} if options.pairs_per_class is None else {"pairs_per_class": options.pairs_per_class}
-    with progress_bar("simulate") as show:
-        return simulate(options.out, domains=domains, seed=options.seed, workers=options.workers, on_step=show, **count)
+    return simulate(options.out, domains=domains, **passed(options, "seed", "workers"), on_step=show, **count)
 
 
-def _chirps(options: argparse.Namespace) -> "PairSet":
+def _chirps(options: argparse.Namespace, show: OnStep) -> "PairSet":
     from omnivat.simulate.chirps import ChirpSettings, write_chirps
 
     names = (*CHIRP_OPTIONS, "pairs_per_class")
     given = {name: value for name in names if (value := getattr(options, name)) is not None}
-    settings = ChirpSettings(seed=options.seed, **given)
-    with progress_bar("simulate chirps") as show:
-        return write_chirps(options.out, settings, on_step=show)
+    return write_chirps(options.out, ChirpSettings(seed=options.seed, **given), on_step=show)

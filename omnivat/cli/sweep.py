@@ -17,17 +17,7 @@ from os.path import realpath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from omnivat.cli.arguments import (
-    check_figure,
-    choice,
-    figure,
-    head_and_set,
-    numbers,
-    progress_bar,
-    shared,
-    split_settings,
-    whole,
-)
+from omnivat.cli.arguments import choice, figure, head_and_set, numbers, progress_bar, shared, split_settings, whole
 from omnivat.errors import SettingsError
 from omnivat.files import require_writable
 from omnivat.stages import checked_order
@@ -70,8 +60,12 @@ def add(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Measure, write the outputs, print the ends of the curves."""
     outputs = [p for p in (options.out, options.json, options.csv, options.figure) if p]
-    require_outputs(outputs)
-    check_figure(options)
+    if not outputs:
+        raise SettingsError("There is no output; give --out, --json, --csv or --figure.")
+    if len({realpath(path) for path in outputs}) < len(outputs):
+        raise SettingsError("Two of --out, --json, --csv and --figure name the same file; give each its own file.")
+    for path in outputs:
+        require_writable(path)
     _check_retrain(options)
     if options.profile and (options.engine == "ray" or options.retrain is not None):
         raise SettingsError("--profile goes with one head on this machine: no --retrain, no ray.")
@@ -81,6 +75,7 @@ def run(options: argparse.Namespace) -> None:
     orders = orders_of(options.orders, stops)
     from omnivat.checkpoint import head_hash
     from omnivat.frames import write_frames
+    from omnivat.frames.builder import DEFAULT_MAPS, build_frames
     from omnivat.frames.records import kind_of, with_learned
     from omnivat.gaps.measures import PREDICTION_MEASURES, STAGE_MEASURES
     from omnivat.sweep import MEASURES, STAGES
@@ -103,7 +98,11 @@ def run(options: argparse.Namespace) -> None:
     elif options.out:
         if options.orders is None and options.stops is None:
             orders = list(with_learned(orders, head.model.order))
-        frames = _frames(head, embeddings, orders, wanted, provenance)
+        more: dict[str, Any] = {"measures": wanted["measures"], "provenance": provenance}
+        with progress_bar("sweep") as show:
+            frames = build_frames(
+                head.model, embeddings, orders=orders, maps=_of(DEFAULT_MAPS, wanted), on_step=show, **more
+            )
     if frames is not None:
         write_frames(options.out, frames)
     curves: Values = frames.curves if frames else _curves(options, head, embeddings, orders, wanted)
@@ -123,12 +122,10 @@ def _draw(file: Path, orders: Stops, curves: Values, frames: Any) -> None:
     from omnivat.figures import gap_curves, lines, write
     from omnivat.stages import STAGES
 
-    if frames is not None:
-        write(file, gap_curves(frames))
-        return
     whole = (*STAGES, "all", "unseen")
     series = {n: (orders, v) for n, v in curves.items() if n.partition("/")[2] in whole}
-    write(file, lines(series, title="Measures against p", across="order p", up="gap, margin or share"))
+    titles = {"title": "Measures against p", "across": "order p", "up": "gap, margin or share"}
+    write(file, gap_curves(frames) if frames is not None else lines(series, **titles))
 
 
 def _check_retrain(options: argparse.Namespace) -> None:
@@ -142,16 +139,6 @@ def _check_retrain(options: argparse.Namespace) -> None:
         raise SettingsError("--retrain needs --out, the frames file to write.")
     if options.stops is not None or options.orders is not None:
         raise SettingsError("--retrain N sets the orders; leave out --stops and --orders.")
-
-
-def require_outputs(paths: Sequence[Path]) -> None:
-    """Check the output files: at least one, all different, all writable."""
-    if not paths:
-        raise SettingsError("There is no output; give --out, --json, --csv or --figure.")
-    if len({realpath(path) for path in paths}) < len(paths):
-        raise SettingsError("Two of --out, --json, --csv and --figure name the same file; give each its own file.")
-    for path in paths:
-        require_writable(path)
 
 
 def _retrained(
@@ -181,17 +168,7 @@ def _retrained(
     return frames
 
 
-def _frames(head: "Head", embeddings: "Embeddings", orders: Stops, wanted: Wanted, known: Mapping[str, Any]) -> Any:
-    from omnivat.frames import build_frames
-    from omnivat.frames.builder import DEFAULT_MAPS
-
-    more: dict[str, Any] = {"maps": _of(DEFAULT_MAPS, wanted), "measures": wanted["measures"], "provenance": known}
-    with progress_bar("sweep") as show:
-        return build_frames(head.model, embeddings, orders=orders, on_step=show, **more)
-
-
 def _of(maps: Mapping[str, int], wanted: Wanted) -> dict[str, int]:
-    """Return the maps of the wanted stages."""
     return {name: stops for name, stops in maps.items() if name.split("/")[1] in wanted["stages"]}
 
 

@@ -14,14 +14,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from omnivat.cli.arguments import download, progress_bar, shared
+from omnivat.cli.arguments import download, passed, progress_bar, shared
 from omnivat.cli.imports import add_foreign, foreign
 from omnivat.encoders.base import DEFAULT_ENCODER
 from omnivat.errors import DataError, SettingsError, printable
 from omnivat.files import replacing, require_writable, write_json
 
 if TYPE_CHECKING:
-    from omnivat.data.pairs import PairSet
     from omnivat.shift import Features
 
 SET, HEAD, SUMMARY = "set.safetensors", "head", "summary.txt"
@@ -50,18 +49,28 @@ def run(options: argparse.Namespace) -> None:
     if (out / SET).resolve() == whole:
         raise SettingsError(f"--out would replace '{place}'; name another folder.")
     from omnivat.checkpoint import require_head_folder, save_head
+    from omnivat.data.profile import profile_of, save_profile
     from omnivat.trial import try_pairs
 
     require_head_folder(out / HEAD)
     for name in (SET, SUMMARY):
         require_writable(out / name)
     found, notes = _features(options, out)
-    notes.append(_what(found))
+    classes = len({*found.embeddings.label.tolist()}) if found.labelled else 0
+    alone = {"vis": "photos alone", "tac": "touches alone"}.get("+".join(found.modalities))
+    notes.append(
+        f"{len(found.embeddings)} pairs, {len(found.domains)} domain(s): "
+        f"{', '.join(map(printable, found.domains))}; {classes or 'no'} classes"
+        + (f"; {alone}: the page draws each twice." if alone else ".")
+    )
     print("\n".join(notes), flush=True)
     with progress_bar("train and test") as show:
         trial = try_pairs(found, source=options.source, seed=options.seed, on_step=show)
     print("\n".join(trial.lines))
-    files = _write_profiles(found, out)
+    for k, name in enumerate(found.domains):
+        profile = profile_of(found.embeddings, found.members(name), domain=name, modalities=found.modalities)
+        plain = "".join(letter if letter.isalnum() else "-" for letter in name)[:60]
+        save_profile(out / "profiles" / f"{k + 1}-{plain}.safetensors", profile)
     if trial.head is not None:
         save_head(out / HEAD, trial.head)
     else:
@@ -69,9 +78,18 @@ def run(options: argparse.Namespace) -> None:
     write_json(out / "figures.json", trial.records)
     with replacing(out / SUMMARY) as temporary:
         temporary.write_text("\n".join([*notes, *trial.lines, ""]), encoding="utf-8")
-    print(f"Everything is in {out}: {SET}, {files} profiles, {SUMMARY}, figures.json")
-    if not options.no_page:
-        _open_page(out)
+    print(f"Everything is in {out}: {SET}, {len(found.domains)} profiles, {SUMMARY}, figures.json")
+    if options.no_page:
+        return
+    command = [sys.executable, "-c", PAGE, "--embeddings", str(out / SET)]
+    if (out / HEAD).is_dir():  # without one, the page shows the set through the project's, or its features alone
+        command += ["--head", str(out / HEAD)]
+    print(f"The page again: python app.py {' '.join(command[3:])}", flush=True)
+    with subprocess.Popen(command) as page:
+        try:
+            page.wait()
+        except KeyboardInterrupt:  # the page gets it, too, and cleans up
+            page.wait()
 
 
 def _features(options: argparse.Namespace, out: Path) -> tuple["Features", list[str]]:
@@ -113,78 +131,33 @@ def _of_pictures(table: Path) -> bool:
 def _embed(options: argparse.Namespace, out: Path) -> list[str]:
     """Embed the pictures into `out`, with thumbnails; return notes."""
     from omnivat.data.pairs import summary_table
+    from omnivat.data.readers import read_pairs
     from omnivat.data.rest import with_rest
     from omnivat.data.store import load_embeddings
     from omnivat.embed import embed_pairs
     from omnivat.thumbnails import sheet_of, write_thumbnails
 
-    pairs = with_rest(_pairs(options.pairs), options.tac_rest or "none")
+    try:
+        found = read_pairs(options.pairs)
+    except DataError as error:  # no known layout: names of files alone may make pairs
+        if not options.pairs.is_dir():
+            raise
+        try:
+            found = read_pairs(options.pairs, reader="loose")
+        except DataError:
+            raise error from None
+    pairs = with_rest(found, options.tac_rest or "none")
     print(summary_table(pairs), flush=True)
     with progress_bar(f"embed with {options.encoder}") as show:
-        report = embed_pairs(
-            pairs, options.encoder, out / SET, device=options.device, download=options.download, on_step=show
-        )
+        report = embed_pairs(pairs, options.encoder, out / SET, **passed(options, "device", "download"), on_step=show)
     notes = [f"Skipped {one.what}: {one.why}" for one in report.skipped]
     embeddings = load_embeddings(out / SET)
     wanted = Path(embeddings.rows["vis"][0]).parts
     files = (pair.vis.absolute() for pair in pairs.pairs)
-    depth = len(wanted)
-    root = next(f.parents[depth - 1] for f in files if f.parts[-depth:] == wanted)
+    root = next(f.parents[len(wanted) - 1] for f in files if f.parts[-len(wanted) :] == wanted)
     try:
         with progress_bar("thumbnails") as show:
             write_thumbnails(embeddings, root, sheet_of(out / SET), on_step=show)
     except DataError as error:
         notes.append(f"No thumbnails: {error}")
     return notes
-
-
-def _pairs(place: Path) -> "PairSet":
-    """Return the pairs in a known layout; otherwise those that names of files alone make."""
-    from omnivat.data.readers import read_pairs
-
-    try:
-        return read_pairs(place)
-    except DataError as error:
-        if not place.is_dir():
-            raise
-        try:
-            return read_pairs(place, reader="loose")
-        except DataError:
-            raise error from None
-
-
-def _what(found: "Features") -> str:
-    classes = len({*found.embeddings.label.tolist()}) if found.labelled else 0
-    alone = {"vis": "photos alone", "tac": "touches alone"}.get("+".join(found.modalities))
-    text = (
-        f"{len(found.embeddings)} pairs, {len(found.domains)} domain(s): "
-        f"{', '.join(map(printable, found.domains))}; {classes or 'no'} classes"
-    )
-    return f"{text}; {alone}: the page draws each twice." if alone else f"{text}."
-
-
-def _write_profiles(found: "Features", out: Path) -> int:
-    """Write a profile of each domain; return their number."""
-    from omnivat.data.profile import profile_of, save_profile
-
-    for k, name in enumerate(found.domains):
-        profile = profile_of(found.embeddings, found.members(name), domain=name, modalities=found.modalities)
-        plain = "".join(letter if letter.isalnum() else "-" for letter in name)[:60]
-        save_profile(out / "profiles" / f"{k + 1}-{plain}.safetensors", profile)
-    return len(found.domains)
-
-
-def _open_page(out: Path) -> None:
-    """Open the page on the folder in another process, until it is stopped.
-
-    Without a head of its own, it shows the set through the project's, or its features alone.
-    """
-    command = [sys.executable, "-c", PAGE, "--embeddings", str(out / SET)]
-    if (out / HEAD).is_dir():
-        command += ["--head", str(out / HEAD)]
-    print(f"The page again: python app.py {' '.join(command[3:])}", flush=True)
-    with subprocess.Popen(command) as page:
-        try:
-            page.wait()
-        except KeyboardInterrupt:  # the page gets it, too, and cleans up
-            page.wait()
