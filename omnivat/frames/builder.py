@@ -94,7 +94,17 @@ class FrameBuilder:
         still: Sequence[str],
         seed: int = 0,
     ) -> None:
-        _require(orders, maps, embeddings)
+        if not orders or any(after <= before for before, after in pairwise(orders)):
+            raise SettingsError("orders must be one or more numbers, each above the one before it.")
+        for name, stops in maps.items():
+            method, _, stage = name.partition("/")
+            if method not in METHODS or stage not in STAGES or stops < 1:
+                raise SettingsError(
+                    f"No map is called '{name}' with {stops} stops; name METHOD/STAGE of "
+                    f"{', '.join(METHODS)} and {', '.join(STAGES)}, with 1 stop or more."
+                )
+        if not len(embeddings):
+            raise DataError("There are no pairs to draw; choose a set with pairs.")
         self.orders, self.embeddings, self.measures = tuple(orders), embeddings, measures
         self.seed, self.still = seed, still
         projects, known = (settings.projects, settings.classes) if settings else (True, ())
@@ -131,8 +141,10 @@ class FrameBuilder:
 
     def finish(self, head: Mapping[str, Any]) -> FrameSet:
         """Return the frames. head: facts about the head."""
-        if "frft" in self.unitary:
-            self.curves |= _with_frft(self.curves)
+        if "frft" in self.unitary:  # the curves of the raw embedding are those of the raw DFrFT
+            raw = {name: name.split("/") for name in self.curves if name.split(":")[0].split("/")[0] in STAGE_MEASURES}
+            found = {"/".join([n, "frft", *rest]): name for name, (n, at, *rest) in raw.items() if at == "raw"}
+            self.curves |= {name: list(self.curves[own]) for name, own in found.items()}
         frames = {track: track.frames() for track in set(self.tracks.values())}
         header = self.embeddings.header
         return FrameSet(
@@ -188,26 +200,6 @@ def _tracks(maps: Mapping[str, int], count: int, *, projects: bool, still: Seque
     return tracks
 
 
-def _with_frft(curves: Mapping[str, list[float | None]]) -> dict[str, list[float | None]]:
-    """Return the curves of the raw embedding as those of the raw DFrFT."""
-    raw = {name: name.split("/") for name in curves if name.split(":")[0].split("/")[0] in STAGE_MEASURES}
-    return {"/".join([n, "frft", *rest]): list(curves[name]) for name, (n, at, *rest) in raw.items() if at == "raw"}
-
-
-def _require(orders: Sequence[float], maps: Mapping[str, int], embeddings: Embeddings) -> None:
-    if not orders or any(after <= before for before, after in pairwise(orders)):
-        raise SettingsError("orders must be one or more numbers, each above the one before it.")
-    for name, stops in maps.items():
-        method, _, stage = name.partition("/")
-        if method not in METHODS or stage not in STAGES or stops < 1:
-            raise SettingsError(
-                f"No map is called '{name}' with {stops} stops; name METHOD/STAGE of "
-                f"{', '.join(METHODS)} and {', '.join(STAGES)}, with 1 stop or more."
-            )
-    if not len(embeddings):
-        raise DataError("There are no pairs to draw; choose a set with pairs.")
-
-
 PCA_STOPS, UMAP_STOPS = 128, 21  # PCA: more than 101 round stops and the learned order
 DEFAULT_ORDERS = tuple(k / 100 for k in range(101))
 # maps, and the largest number of evenly spaced stops of each
@@ -234,9 +226,8 @@ def build_frames(
 
     model       None: the features alone, one stop, with the maps and gaps of the raw stage
     orders      stops of the slider, in quarter turns, ascending
-    maps        "method/stage" -> largest number of stops, evenly spaced with both ends; the page
-                shows the nearest one. Raw embedding and raw DFrFT have one map for all stops,
-                because the transform is unitary
+    maps        "method/stage" -> largest number of stops, evenly spaced with both ends; the page shows the nearest one.
+                Raw embedding and raw DFrFT have one map for all stops, because the transform is unitary
     measures    curves to compute, for the stages with a map; see docs/gaps.md
     provenance  facts about the head, apart from its learned order: hash, source domain
     Raises SettingsError for an unknown map or order, DataError for too many domains or classes.

@@ -34,8 +34,7 @@ def centred(rows: Tensor, domain: Tensor) -> Tensor:
 def centred_reply(embeddings: Embeddings, method: str, *, seed: int = 0) -> dict[str, Any]:
     """Return a map of the touches in two frames by "pca" or "umap", and the curve of their domain gap, for a browser.
 
-    return  {"points": packed (2, N, 2), "bounds", "trust": [2], "curves": "domain_gap/raw" -> [as
-            it comes, centred]}
+    return  {"points": packed (2, N, 2), "bounds", "trust": [2], "curves": "domain_gap/raw" -> [as it comes, centred]}
 
     Frame 0 shows the unit rows as they come, frame 1 with each domain centred. PCA has one basis for both frames, so
     that a domain moves by its offset. The two UMAPs are independent: one that starts from the other keeps its islands.

@@ -36,16 +36,9 @@ def write_frames(path: str | Path, frames: FrameSet) -> None:
         entries[name] = {"offset": offset, "dtype": kind, "shape": list(array.shape)}
         blobs.append(blob + b"\0" * (-len(blob) % ALIGN))
         offset += len(blobs[-1])
-    record: dict[str, Any] = {
-        "version": VERSION,
-        "orders": list(frames.orders),
-        "pairs": frames.pairs,
-        "domains": list(frames.domains),
-        "classes": list(frames.classes),
-        "arrays": entries,
-        "maps": maps,
-        **{name: dict(getattr(frames, name)) for name in FACTS},
-    }
+    record: dict[str, Any] = {"version": VERSION, "orders": list(frames.orders), "pairs": frames.pairs}
+    record |= {"domains": list(frames.domains), "classes": list(frames.classes), "arrays": entries, "maps": maps}
+    record |= {name: dict(getattr(frames, name)) for name in FACTS}
     text = json.dumps(record, ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode()
     text += b" " * (-(len(MAGIC) + 4 + len(text)) % ALIGN)
     with replacing(path) as temporary:

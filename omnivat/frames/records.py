@@ -99,7 +99,6 @@ class FrameSet:
 
     @property
     def pairs(self) -> int:
-        """N."""
         return len(self.label)
 
 

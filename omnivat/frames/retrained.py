@@ -60,12 +60,9 @@ def _spread(heads: Sequence[Head]) -> dict[str, float | None]:
     found: dict[str, float | None] = {}
     for name in (name for name in each[0] if all(name in scores for scores in each)):
         values = [scores[name] for scores in each]
-        found |= {
-            f"seeds:{name}/mean": fmean(values),
-            f"seeds:{name}/std": stdev(values) if len(values) > 1 else None,
-            f"seeds:{name}/low": min(values),
-            f"seeds:{name}/high": max(values),
-        }
+        std = stdev(values) if len(values) > 1 else None
+        of_seeds = {"mean": fmean(values), "std": std, "low": min(values), "high": max(values)}
+        found |= {f"seeds:{name}/{kind}": value for kind, value in of_seeds.items()}
     return found
 
 

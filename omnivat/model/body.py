@@ -50,7 +50,8 @@ class Body(nn.Module):
         else:
             self.project_lang = nn.Identity()
         self.mffa = MFFA(settings)
-        self.dtg = DTG.from_settings(settings)
+        levels = settings.levels if settings.edges else 1  # without matrices, a single root
+        self.dtg = DTG(width, levels=levels, init=settings.tree_init, arrangement=settings.generation)
         self.classifier = nn.Parameter(torch.empty(len(settings.classes), width))
         if not self.classifier.is_meta:  # there, torch would load its compiler for this: 0.9 s
             nn.init.normal_(self.classifier, std=width**-0.5)
@@ -114,7 +115,8 @@ class Body(nn.Module):
         raw = torch.stack([self.standardised(n, r.to(self.dtype)) for n, r in given.items()])
         projected: Tensor
         if self.settings.projects_apart and not lang:
-            projected = torch.stack([self._projection(n)(r) for n, r in zip(given, raw, strict=True)])
+            maps = {"vis": self.project_image, "tac": self.project_tac}
+            projected = torch.stack([maps[n](r) for n, r in zip(given, raw, strict=True)])
         else:
             projected = (self.project_lang if lang else self.project_image)(raw)
         if self.settings.feature_scale == "literal":
@@ -158,6 +160,3 @@ class Body(nn.Module):
             place = self.taught_class.expand(len(each), -1)
             found[name] = empty.scatter_reduce(1, place, each, "amax")
         return found
-
-    def _projection(self, name: str) -> nn.Module:
-        return self.project_tac if name == "tac" else self.project_image

@@ -65,15 +65,13 @@ class DTG(nn.Module):
         edges = 2**levels - 2
         self.weight = nn.Parameter(torch.empty(edges, width, width))
         self.bias = nn.Parameter(torch.zeros(edges, width))
-        for weight in self.weight.data:
-            _initialise(weight, init)
-
-    @classmethod
-    def from_settings(cls, settings: HeadSettings) -> "DTG":
-        """Build the DTG of these settings; without learned generation, it is a single root."""
-        if not settings.edges:
-            return cls(settings.width, levels=1)
-        return cls(settings.width, levels=settings.levels, init=settings.tree_init, arrangement=settings.generation)
+        for weight in self.weight.data if not self.weight.is_meta else ():  # there, a file fills it
+            if init == "orthogonal":  # node norms stay equal, so nodes are comparable
+                nn.init.orthogonal_(weight)
+            elif init == "default":
+                nn.init.kaiming_uniform_(weight, a=5**0.5)
+            else:  # identity with a little noise: nodes start almost equal
+                weight.copy_(torch.eye(width) + 0.01 * torch.randn_like(weight))
 
     def grow(self, root: Float[Tensor, "B D"]) -> Grown:
         """Grow all nodes in heap order: root, its two children, and so on."""
@@ -120,15 +118,3 @@ def interpolated(features: Float[Tensor, "M B D"], levels: int) -> Float[Tensor,
     first, last = features[0], features[-1]
     shares = torch.arange(1, count, dtype=first.dtype, device=first.device)[:, None] / count
     return torch.lerp(first[:, None], last[:, None], shares)
-
-
-def _initialise(weight: Float[Tensor, "D D"], init: str) -> None:
-    """Fill one W in place. "orthogonal" keeps node norms equal, so nodes are comparable."""
-    if weight.is_meta:  # a file fills it
-        return
-    if init == "orthogonal":
-        nn.init.orthogonal_(weight)
-    elif init == "default":
-        nn.init.kaiming_uniform_(weight, a=5**0.5)
-    else:  # identity with a little noise: nodes start almost equal
-        weight.copy_(torch.eye(len(weight)) + 0.01 * torch.randn_like(weight))

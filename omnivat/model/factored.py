@@ -31,21 +31,12 @@ def base_vectors(channels: Float[Tensor, "C M B D"], halves: int) -> Float[Tenso
     return positive if halves == 1 else torch.cat((positive, torch.relu(-channels)))
 
 
-def _halves(theta: Float[Tensor, "M E"]) -> Float[Tensor, "M h E"]:
-    """Return ReLU(θ), and ReLU(-θ) if any θ is negative."""
-    signs = (theta, -theta) if bool((theta < 0).any()) else (theta,)
-    return torch.relu(torch.stack(signs, dim=1))
-
-
-def _token_table(weights: Float[Tensor, "M h E"], channels: int) -> Float[Tensor, "M r T"]:
-    eye = torch.eye(channels, dtype=weights.dtype, device=weights.device)
-    return torch.einsum("mhe,cd->mhcde", weights, eye).flatten(3).flatten(1, 2)
-
-
 def tables(theta: Float[Tensor, "M E"], channels: int) -> Tables:
     """Return the tables for θ. If no θ is negative, they need half the work."""
-    weights = _halves(theta)
-    tokens = _token_table(weights, channels)
+    signs = (theta, -theta) if bool((theta < 0).any()) else (theta,)
+    weights = torch.relu(torch.stack(signs, dim=1))  # (M, h, E)
+    eye = torch.eye(channels, dtype=weights.dtype, device=weights.device)
+    tokens = torch.einsum("mhe,cd->mhcde", weights, eye).flatten(3).flatten(1, 2)  # (M, r, T)
     pairs = torch.einsum("mri,msj->mrsij", tokens, tokens)
     columns = tokens[:, :, None].expand(-1, -1, tokens.shape[-1], -1)
     return Tables(tokens, pairs.flatten(3).flatten(1, 2), columns.flatten(2), weights.mean(-1))

@@ -1,9 +1,8 @@
 """Prediction with folded weights: the fast path of the head.
 
-Scores need only θ_Qᵀ θ_K. θ_V comes after the mean over tokens, so it is merged into the first
-layer of the feed-forward network. The mean of the tree is one matrix, and the class token is one
-constant vector. Products of weights are computed once in double precision, so folding loses no
-accuracy.
+Scores need only θ_Qᵀ θ_K. θ_V comes after the mean over tokens, so it is merged into the first layer of the
+feed-forward network. The mean of the tree is one matrix, and the class token is one constant vector. Products of
+weights are computed once in double precision, so folding loses no accuracy.
 """
 
 from collections.abc import Callable, Sequence

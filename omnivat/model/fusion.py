@@ -3,8 +3,7 @@
 mean        mean of the two softmaxes
 product     softmax of the mean of the two log-probabilities, a product of experts
 confidence  mean of the softmaxes, weighted by certainty: log K minus the entropy
-learned     softmax of a weighted sum of the two log-probabilities; the weight of VIS is fitted on
-            held-out source pairs
+learned     softmax of a weighted sum of the two log-probabilities; the weight of VIS is fitted on held-out source pairs
 feature     one classification of the sum of the two features
 """
 

@@ -92,26 +92,23 @@ class OmniVaT(Body):
         Without gradients and attention weights, the head uses folded weights and processes pairs in
         chunks that fit the processor's cache.
         """
-        return replace(self._stages(kept, order, nodes=nodes, attention=attention), taught=kept.taught)
-
-    def _stages(
-        self, kept: PairCoefficients, order: float | Tensor | None, *, nodes: bool, attention: bool
-    ) -> HeadOutput:
         names, stacked = kept.names, kept.stacked
         order = self.mffa.orders(names) if order is None else order
         grad = torch.is_grad_enabled() and any(
             t.requires_grad for t in (stacked.values, torch.as_tensor(order), *self.parameters())
         )
         if grad or attention or self.settings.complex_to_real == "hermitian":
-            return self._output(names, stacked, order, nodes=nodes, attention=attention)
+            found = self._output(names, stacked, order, nodes=nodes, attention=attention)
+            return replace(found, taught=kept.taught)
         self._folds.refresh(self)
         with one_thread(len(kept) <= FEW_PAIRS):
             if len(kept) <= CHUNK:
-                return self._output(names, stacked, order, nodes=nodes, fold=True)
-            chunks = (slice(start, start + CHUNK) for start in range(0, len(kept), CHUNK))
-            return joined(
-                [self._output(names, stacked[:, rows], _rows(order, rows), nodes=nodes, fold=True) for rows in chunks]
-            )
+                found = self._output(names, stacked, order, nodes=nodes, fold=True)
+            else:
+                chunks = [slice(start, start + CHUNK) for start in range(0, len(kept), CHUNK)]
+                each = [(names, stacked[:, rows], _rows(order, rows)) for rows in chunks]
+                found = joined([self._output(*one, nodes=nodes, fold=True) for one in each])
+        return replace(found, taught=kept.taught)
 
     def _output(
         self,
@@ -197,8 +194,7 @@ class OmniVaT(Body):
 
         lang      of each pair's class, or None
         lang_on   pairs whose VIS and TAC are guided by LANG; None: all
-        token_on  pairs that use the token of their class; the others use the class-agnostic one, as in
-                  prediction
+        token_on  pairs that use the token of their class; the others use the class-agnostic one, as in prediction
         order     orders that replace the learned one, without gradient
         """
         given = {n: e for n, e in (("vis", vis), ("tac", tac)) if e is not None}

@@ -134,8 +134,7 @@ class MFFA(nn.Module):
     def mean_tokens(self, own: Expanded) -> Float[Tensor, "M B D"]:
         """Return the mean over the tokens of each sample.
 
-        With complex attention it is the mean of the real tokens, because class tokens are added to
-        them.
+        With complex attention it is the mean of the real tokens, because class tokens are added to them.
         """
         if self.real == "hermitian":
             return factored.mean_channels(own.base, own.table)[0]

@@ -23,8 +23,12 @@ def training_pass(
     """Run one batch; see `OmniVaT.training_pass`. given: "vis", "tac" or both."""
     names = tuple(given)
     lang_on = torch.ones_like(labels, dtype=torch.bool) if lang_on is None else lang_on
-    if not model.settings.mffa:
-        return _without_mffa(model, given, lang, lang_on)
+    if not model.settings.mffa:  # the tree grows from the embeddings, and MMA has nothing to align
+        found = model.embedded(given) / model.length
+        root = found.sum(0)
+        if lang is not None:
+            root = root + model.embedded({"lang": lang})[0] / model.length * lang_on[:, None]
+        return _output(model, dict(zip(given, found, strict=True)), found, root, {})
     features: dict[str, Tensor] = {}
     tokens: dict[str, Tensor] = {}
     embedding = model.embedded(given)
@@ -47,17 +51,6 @@ def training_pass(
     if guide is not None:
         root = root + features["lang"] * lang_on[:, None]
     return _output(model, features, found, root, tokens)
-
-
-def _without_mffa(
-    model: Body, given: dict[str, Float[Tensor, "B W"]], lang: Float[Tensor, "B L"] | None, lang_on: Bool[Tensor, " B"]
-) -> TrainingOutput:
-    """Grow the tree from the embeddings; MMA has nothing to align."""
-    found = model.embedded(given) / model.length
-    root = found.sum(0)
-    if lang is not None:
-        root = root + model.embedded({"lang": lang})[0] / model.length * lang_on[:, None]
-    return _output(model, dict(zip(given, found, strict=True)), found, root, {})
 
 
 def _output(

@@ -74,9 +74,8 @@ def sweep(
     orders    quarter turns, any real numbers; computed coarse first, returned as given
     stages    of `STAGES`; others are not kept
     measures  of `STAGE_MEASURES` and `ANSWER_MEASURES`
-    chunk     pairs that pass the head at once. Memory holds one order's predictions, the
-              probabilities of all orders and, for measures that are not of `SUM_MEASURES`, one
-              order's features
+    chunk     pairs that pass the head at once. Memory holds one order's predictions, the probabilities of all orders
+              and, for measures that are not of `SUM_MEASURES`, one order's features
 
     Measures of the raw embedding and the raw DFrFT are computed once, because they do not depend on
     the order. Without prediction measures and other stages, the head runs at one order at most.
@@ -94,9 +93,8 @@ def sweep(
     )
     visits = coarse_first(len(orders))
     sums = facts if all(name in SUM_MEASURES for name in measures if name in STAGE_MEASURES) else None
-    walked = walk(
-        model, embeddings, orders, stages=stages, predictions=predictions, visits=visits, chunk=chunk, sums_for=sums
-    )
+    how: dict[str, Any] = {"stages": stages, "predictions": predictions, "visits": visits, "chunk": chunk}
+    walked = walk(model, embeddings, orders, **how, sums_for=sums)
     for done, found in enumerate(walked, start=1):
         for stage, name, value in measured(found, facts, measures):
             curve = result.curves.setdefault(name, np.full(len(orders), np.nan))
@@ -110,29 +108,25 @@ def sweep(
 def measured(found: AtOrder, facts: Facts, measures: Sequence[str]) -> Iterator[tuple[str, str, float]]:
     """Yield stage ("" for predictions), name and value of all curves at one order."""
     for stage in (*found.features, *found.sums):
-        for name, suffix, value in _of_stage(found, stage, facts, measures):
-            variant, _, domain = suffix.partition("/")
-            tail = f"/{domain}" if domain else ""
-            yield stage, f"{name}{variant}/{stage}{tail}", float(value)
+        features, sums = found.features.get(stage, {}), found.sums.get(stage)
+        if sums is None and any(name in SUM_MEASURES for name in measures):
+            sums = facts.sums()
+            sums.add(features, facts.labels, facts.domains)
+        units: dict[str, Tensor] = {}
+        for name in (name for name in measures if name in STAGE_MEASURES):
+            if name in SUM_MEASURES and sums is not None:
+                values = SUM_MEASURES[name](sums, facts)
+            else:
+                units = units or {modality: unit(rows) for modality, rows in features.items()}
+                values = STAGE_MEASURES[name](units, facts)
+            for suffix, value in values:
+                variant, _, domain = suffix.partition("/")
+                tail = f"/{domain}" if domain else ""
+                yield stage, f"{name}{variant}/{stage}{tail}", float(value)
     for name in measures:
         if name in PREDICTION_MEASURES and found.probabilities:
             for suffix, value in PREDICTION_MEASURES[name](found.probabilities, facts):
                 yield "", f"{name}{suffix}", float(value)
-
-
-def _of_stage(found: AtOrder, stage: str, facts: Facts, measures: Sequence[str]) -> Iterator[tuple[str, str, Tensor]]:
-    """Yield measure, suffix and value; the sums of a stage are computed once."""
-    features, sums = found.features.get(stage, {}), found.sums.get(stage)
-    if sums is None and any(name in SUM_MEASURES for name in measures):
-        sums = facts.sums()
-        sums.add(features, facts.labels, facts.domains)
-    whole = [name for name in measures if name in STAGE_MEASURES and name not in SUM_MEASURES]
-    units = {name: unit(rows) for name, rows in features.items()} if whole else {}
-    for name in measures:
-        if name in whole:
-            yield from ((name, *found) for found in STAGE_MEASURES[name](units, facts))
-        elif name in SUM_MEASURES and sums is not None:
-            yield from ((name, *found) for found in SUM_MEASURES[name](sums, facts))
 
 
 def facts_of(

@@ -18,6 +18,7 @@ from omnivat.stages import STAGES, STILL
 from omnivat.tables import unknown
 
 CHUNK = 512  # pairs in one pass of the head; it bounds the memory for any set
+NO_PAIRS = "There are no pairs in these embeddings; choose a set with pairs."
 KEPT_PAIRS = 20_000  # pairs whose coefficients are kept for all orders; beyond, they are recomputed
 
 Features = Mapping[str, Tensor]  # modality -> (N, W), rows of any length
@@ -73,7 +74,8 @@ def walk(
         raise SettingsError("Only the raw stage needs no head; give one.")
     if chunk < 1 or not np.isfinite(np.array(orders, dtype=np.float64)).all():
         raise SettingsError("chunk must be 1 or more and every order a finite number.")
-    _require_pairs(embeddings)
+    if not len(embeddings):
+        raise DataError(NO_PAIRS)
     visits = list(range(len(orders))) if visits is None else list(visits)
     moving = [stage for stage in stages if stage not in STILL]
     if not moving and not predictions:
@@ -129,7 +131,6 @@ def stage_blocks(
     Raises SettingsError for an unknown stage, DataError if there are no pairs.
     """
     require_known([stage], STAGES, "stage")
-    _require_pairs(embeddings)
     if model is None or stage == "raw":
         yield from _raw_chunks(model, embeddings, chunk)
         return
@@ -141,7 +142,6 @@ def stage_blocks(
 @torch.no_grad()
 def coefficients_of(model: OmniVaT, embeddings: Embeddings) -> PairCoefficients:
     """Return the coefficients of all pairs."""
-    _require_pairs(embeddings)
     _, raw = next(_raw_chunks(model, embeddings, len(embeddings)))
     return model.coefficients(raw["vis"], raw["tac"])
 
@@ -166,12 +166,9 @@ def stage_features(output: HeadOutput, stage: str) -> Features:
 
 
 def _raw_chunks(model: OmniVaT | None, embeddings: Embeddings, chunk: int) -> Iterator[tuple[slice, dict[str, Tensor]]]:
-    return blocks(embeddings, model.classifier.device if model else None, size=chunk)
-
-
-def _require_pairs(embeddings: Embeddings) -> None:
     if not len(embeddings):
-        raise DataError("There are no pairs in these embeddings; choose a set with pairs.")
+        raise DataError(NO_PAIRS)
+    return blocks(embeddings, model.classifier.device if model else None, size=chunk)
 
 
 def require_known(names: Sequence[str], known: Sequence[str], kind: str) -> None:

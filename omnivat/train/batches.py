@@ -37,8 +37,7 @@ class Batch:
         if self.labels.device == device:
             return self
         held: dict[str, Any] = {name: getattr(self, name) for name in self.__slots__}
-        moved: dict[str, Any] = {name: value if value is None else value.to(device) for name, value in held.items()}
-        return Batch(**moved)
+        return Batch(**{name: value if value is None else value.to(device) for name, value in held.items()})
 
 
 def labels_of(source: Embeddings, head: HeadSettings) -> Array:
@@ -78,15 +77,22 @@ def batches(
     lang_on = torch.from_numpy(random.random(count) >= settings.lang_drop)
     token_on = torch.from_numpy(random.random(count) >= settings.class_token_drop)
     images = {n: _mirrored(source, n, shuffled, random) for n in settings.given}
-    noise, spread = _noise(source, fit, settings), _spread(source, fit, settings, random)
-    texts = _styled(bank, truth, random) if bank is not None and settings.lang else None
+    noise: dict[str, Array] = {}  # standard deviation of each channel
+    if settings.noise:
+        noise = {n: settings.noise * getattr(source, n)[fit].std(0, dtype=np.float32) for n in settings.given}
+    spread = _spread(source, fit, settings, random)
+    texts = None
+    if bank is not None and settings.lang:  # a random style for every pair
+        _, styles, width = bank.embeddings.shape
+        drawn = random.integers(styles, size=count)
+        texts = _Drawn(bank.embeddings.reshape(-1, width), truth * styles + drawn)
     targets = torch.from_numpy(truth)
     orders = _orders(count, settings, random)
     for start in range(0, count, settings.batch):
         rows = slice(start, start + settings.batch)
         given = {
-            name: torch.from_numpy(_disturbed(drawn.rows(rows), noise.get(name), spread.get(name), random))
-            for name, drawn in images.items()
+            name: torch.from_numpy(_disturbed(held.rows(rows), noise.get(name), spread.get(name), random))
+            for name, held in images.items()
         }
         yield Batch(
             vis=given.get("vis"),
@@ -107,13 +113,6 @@ def _orders(count: int, settings: TrainSettings, random: np.random.Generator) ->
     if settings.order_draw == "batch":
         drawn = drawn[np.arange(count) // settings.batch * settings.batch]
     return torch.from_numpy(drawn)
-
-
-def _noise(source: Embeddings, fit: Array, settings: TrainSettings) -> dict[str, Array]:
-    """Return the noise's standard deviation (input_width,) by modality; nothing without noise."""
-    if not settings.noise:
-        return {}
-    return {name: settings.noise * getattr(source, name)[fit].std(0, dtype=np.float32) for name in settings.given}
 
 
 def _spread(source: Embeddings, fit: Array, settings: TrainSettings, random: np.random.Generator) -> dict[str, Array]:
@@ -163,10 +162,3 @@ def _mirrored(source: Embeddings, name: str, shuffled: Array, random: np.random.
     if flipped is None:
         return _Drawn(plain, shuffled)
     return _Drawn(plain, shuffled, flipped, random.random(len(shuffled)) < 0.5)
-
-
-def _styled(bank: LangBank, truth: Array, random: np.random.Generator) -> _Drawn:
-    """Draw a text style for every pair."""
-    _, styles, width = bank.embeddings.shape
-    drawn = random.integers(styles, size=len(truth))
-    return _Drawn(bank.embeddings.reshape(-1, width), truth * styles + drawn)

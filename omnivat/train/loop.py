@@ -19,7 +19,7 @@ from omnivat.model.head import OmniVaT, build_head
 from omnivat.model.settings import HeadSettings
 from omnivat.progress import OnStep, Step, ignore, never
 from omnivat.seeding import derive_seed
-from omnivat.train.batches import Array, Batch, batches, held_out, labels_of
+from omnivat.train.batches import Batch, batches, held_out, labels_of
 from omnivat.train.momentum import Momentum
 from omnivat.train.settings import TrainSettings
 from omnivat.train.state import Progress, load_state, run_name, save_state
@@ -32,8 +32,7 @@ class TrainingCancelled(OmniVatError):
     """The caller cancelled the training. Nothing was written."""
 
 
-def _no_epoch(record: dict[str, float], model: OmniVaT) -> None:
-    """Ignore the report of an epoch."""
+def _no_epoch(record: dict[str, float], model: OmniVaT) -> None: ...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -109,7 +108,10 @@ def train_once(
         drawn = batches(source, labels, fit, bank, settings, stream)
         record = _epoch(model, optimiser, drawn, settings, epoch, steps, watch, teachers)
         if len(held):
-            record["source_val_macro_f1"] = _source_score(model, source, held, labels[held], settings)
+            shares = predicted_probabilities(model.eval(), source, modalities=settings.given, rows=held)
+            model.train()
+            score = macro_f1(torch.from_numpy(labels[held]), shares["fused"].argmax(-1))
+            record["source_val_macro_f1"] = float(score)
             progress.keep_best(record["source_val_macro_f1"], epoch, model)
         progress.epochs.append(record)
         watch.on_epoch(record, model)
@@ -149,18 +151,5 @@ def _epoch(
         done = epoch * steps + step + 1
         text = f"epoch {epoch + 1} of {settings.epochs}, loss {losses['loss']:.3f}"
         watch.step(done, steps * settings.epochs, text)
-    return {"epoch": float(epoch), **sums, **_orders(model)}
-
-
-def _orders(model: OmniVaT) -> dict[str, float]:
-    """Return the learned order for the record, and one for each modality if they differ."""
-    if not model.settings.order_per_modality:
-        return {"order": model.order}
-    return {"order": model.order, **{f"order_{n}": p for n, p in model.orders.items()}}
-
-
-def _source_score(model: OmniVaT, source: Embeddings, held: Array, labels: Array, settings: TrainSettings) -> float:
-    model.eval()
-    shares = predicted_probabilities(model, source, modalities=settings.given, rows=held)
-    model.train()
-    return float(macro_f1(torch.from_numpy(labels), shares["fused"].argmax(-1)))
+    apart = {f"order_{n}": p for n, p in model.orders.items()} if model.settings.order_per_modality else {}
+    return {"epoch": float(epoch), **sums, "order": model.order, **apart}

@@ -70,12 +70,11 @@ def search_order(
 ) -> dict[str, Any]:
     """Return the best order for the source, and the curve behind it.
 
-    return  "start" the order; "orders", "score", "spread", "round" one entry for each order scored
-            (score: mean squared error on pairs left out over that of the class shares, mean of six
-            classifiers: tokens and energies, each of photo only, touch only and both; 1 is chance,
-            lower is better; spread: its standard error); "between" the lowest and highest order
-            around the best that the source cannot tell from it, "ties" the best such order in each
-            other valley, "note" both in words; "seconds" and "steps" the cost of the search
+    return  "start" the order; "orders", "score", "spread", "round" one entry for each order scored (score: mean squared
+            error on pairs left out over that of the class shares, mean of six classifiers: tokens and energies, each of
+            photo only, touch only and both; 1 is chance, lower is better; spread: its standard error); "between" the
+            lowest and highest order around the best that the source cannot tell from it, "ties" the best such order in
+            each other valley, "note" both in words; "seconds" and "steps" the cost of the search
 
     The initial order in `head` has no effect. Orders outside [0, 1] repeat those inside.
     """
@@ -93,16 +92,23 @@ def search_order(
     best = min(bottom, key=lambda one: one.score)
     ties = tied(everything, best, APART / head.width)
     low, high = neighbours(everything, best)
-    between = [round(min(low, start), 4), round(max(high, start), 4)]
+    low, high = round(min(low, start), 4), round(max(high, start), 4)
+    note = f"p = {start:.3f}; orders outside {low:.3f} to {high:.3f} are worse by two standard errors."
+    if ties:
+        others = ", ".join(f"{p:.3f}" for p in ties[:3]) + (" and others" if len(ties) > 3 else "")
+        note = (
+            f"p = {start:.3f} (as good from {low:.3f} to {high:.3f}) ties with {others}: the source alone "
+            "does not tell them apart. Compare heads at each of them on another domain."
+        )
     return {
         "start": start,
         "orders": [one.order for one in everything],
         "score": [one.score for one in everything],
         "spread": [one.spread for one in everything],
         "round": [one.round for one in everything],
-        "between": between,
+        "between": [low, high],
         "ties": ties,
-        "note": _note(start, between, ties),
+        "note": note,
         "steps": len(everything),
         "seconds": round(time.monotonic() - began, 2),
     }
@@ -149,17 +155,6 @@ def neighbours(found: Sequence[Scored], best: Scored) -> tuple[float, float]:
 def _as_good(one: Scored, best: Scored) -> bool:
     more = (one.losses - best.losses).mean(0)
     return bool(more.mean() <= DOUBT * more.std(ddof=1) / len(more) ** 0.5)
-
-
-def _note(start: float, between: Sequence[float], ties: Sequence[float]) -> str:
-    low, high = between
-    if not ties:
-        return f"p = {start:.3f}; orders outside {low:.3f} to {high:.3f} are worse by two standard errors."
-    others = ", ".join(f"{p:.3f}" for p in ties[:3]) + (" and others" if len(ties) > 3 else "")
-    return (
-        f"p = {start:.3f} (as good from {low:.3f} to {high:.3f}) ties with {others}: the source alone "
-        "does not tell them apart. Compare heads at each of them on another domain."
-    )
 
 
 def folded(order: float) -> float:

@@ -68,22 +68,14 @@ def learn(
     "clipped" and "order_clipped" are 1 if a gradient was clipped.
     Raises OmniVatError if the loss or a gradient is not finite.
     """
-    output = model.training_pass(
-        batch.vis,
-        batch.tac,
-        batch.lang,
-        batch.labels,
-        lang_on=batch.lang_on,
-        token_on=batch.token_on,
-        order=batch.order,
-    )
-    aligned = pairs_of(settings.mma_on, batch)
+    on = {"lang_on": batch.lang_on, "token_on": batch.token_on}
+    output = model.training_pass(batch.vis, batch.tac, batch.lang, batch.labels, **on, order=batch.order)
     losses = joint_loss(
         features=output.features,
-        aligned=aligned,
         layers=output.layers,
         logits=output.logits,
         labels=batch.labels,
+        aligned=pairs_of(settings.mma_on, batch),
         mma_weight=settings.mma_weight,
         nod_weight=settings.nod_weight,
         targets=taught_logits(teachers, batch) if teachers else None,
@@ -95,9 +87,8 @@ def learn(
     order = model.mffa.order
     rest = [p.grad for p in parameters if p is not order and p.grad is not None]
     norms = torch.stack(torch._foreach_norm(rest))
-    values = [losses.total, losses.mma, losses.nod, losses.cross_entropy]
     norm = float(torch.linalg.vector_norm(norms))
-    total, mma, nod, cross_entropy = torch.stack(values).detach().tolist()
+    total, mma, nod, cross_entropy = torch.stack(losses).detach().tolist()
     if not (math.isfinite(total) and math.isfinite(norm)):
         raise OmniVatError(
             f"Training stopped: the loss is {total:g}. Lower lr or "
@@ -114,11 +105,5 @@ def learn(
     own = pairs_of(settings.bank_from, batch)
     tokens = {n: t.detach() if own is None else t.detach()[own] for n, t in output.tokens.items()}
     model.mffa.update_bank(tokens, batch.labels if own is None else batch.labels[own])
-    return {
-        "loss": total,
-        "mma": mma,
-        "nod": nod,
-        "cross_entropy": cross_entropy,
-        "clipped": float(clipped),
-        "order_clipped": held,
-    }
+    known = {"loss": total, "mma": mma, "nod": nod, "cross_entropy": cross_entropy}
+    return {**known, "clipped": float(clipped), "order_clipped": held}

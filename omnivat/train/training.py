@@ -57,8 +57,12 @@ def train(
         bank.is_of(source.header)  # raises an error for texts of another checkpoint
     with one_thread(head.width <= LIGHT):
         search: dict[str, Any] = {}
-        if settings.order_search:
-            search, watch = _searched(source, head, settings, seed, watch)
+        if settings.order_search:  # it keeps no state: a resumed training finds the same order again
+            part = source.select(held_out(source, labels_of(source, head), settings, seed)[0])
+            first = search_steps(head, settings)
+            whole = first + settings.epochs * steps_of(len(part), settings)
+            search = search_order(part, head, settings, seed=seed, watch=watch.part(0, whole).steps_only())
+            watch = watch.part(first, whole)
             head = replace(head, order=search["start"])
             settings = replace(settings, order_lr_scale=AFTER * settings.order_lr_scale)
         teachers: list[OmniVaT] = []
@@ -68,9 +72,7 @@ def train(
         trained = train_once(
             source, head, settings, bank=bank, seed=seed, resume=resume, watch=watch, teachers=teachers
         )
-    if search:
-        search = {**search, "found": trained.model.order}
-    return replace(trained, search=search)
+    return replace(trained, search={**search, "found": trained.model.order} if search else {})
 
 
 def _teachers(
@@ -81,42 +83,15 @@ def _teachers(
     They keep no state: a resumed training makes the same teachers again.
     """
     count = settings.order_teachers
-    own = replace(
-        settings,
-        epochs=min(settings.epochs, TEACHER.epochs),
-        batch=TEACHER.batch,
-        lr=TEACHER.lr,
-        order_draw="none",
-        order_teachers=0,
-    )
+    own = replace(settings, batch=TEACHER.batch, lr=TEACHER.lr, order_draw="none", order_teachers=0)
+    own = replace(own, epochs=min(settings.epochs, TEACHER.epochs))
     orders = [k / (count - 1) for k in range(count)] if count > 1 else [head.order]
     pairs = len(held_out(source, labels_of(source, head), settings, seed)[0])
     each = own.epochs * steps_of(pairs, own)
     whole = count * each + settings.epochs * steps_of(pairs, settings)
-    made = [
-        train_once(
-            source,
-            replace(head, order=order),
-            own,
-            bank=bank,
-            seed=derive_seed(seed, "teacher", k),
-            resume=None,
-            watch=watch.part(k * each, whole).steps_only(),
-        ).model
-        for k, order in enumerate(orders)
-    ]
+    made = []
+    for k, order in enumerate(orders):
+        part, one = watch.part(k * each, whole).steps_only(), derive_seed(seed, "teacher", k)
+        held = replace(head, order=order)
+        made.append(train_once(source, held, own, bank=bank, seed=one, resume=None, watch=part).model)
     return made, watch.part(count * each, whole)
-
-
-def _searched(
-    source: Embeddings, head: HeadSettings, settings: TrainSettings, seed: int, watch: Watch
-) -> tuple[dict[str, Any], Watch]:
-    """Return the record of the order search, and the watch of the rest.
-
-    It keeps no state: a resumed training finds the same order again.
-    """
-    part = source.select(held_out(source, labels_of(source, head), settings, seed)[0])
-    first = search_steps(head, settings)
-    whole = first + settings.epochs * steps_of(len(part), settings)
-    found = search_order(part, head, settings, seed=seed, watch=watch.part(0, whole).steps_only())
-    return found, watch.part(first, whole)
