@@ -68,14 +68,10 @@ def checked_order(order: float | Tensor | Any, device: torch.device) -> Float64[
     if found.is_complex():
         raise SettingsError(f"The order is complex ({found.dtype}), expected real quarter turns.")
     if readable(found) and not bool(torch.isfinite(found).all()):
-        raise SettingsError(f"The order holds NaN or infinity ({_shortened(found)}), expected finite quarter turns.")
+        bad = found.detach()[~torch.isfinite(found)]
+        few = ", ".join(str(value) for value in bad[:3].tolist()) + (", …" if len(bad) > 3 else "")
+        raise SettingsError(f"The order holds NaN or infinity ({few}), expected finite quarter turns.")
     return found.to(device=device, dtype=torch.float64)
-
-
-def _shortened(order: Tensor) -> str:
-    bad = order.detach().reshape(-1)
-    bad = bad[~torch.isfinite(bad)]
-    return ", ".join(str(value) for value in bad[:3].tolist()) + (", …" if len(bad) > 3 else "")
 
 
 def split_for(values: Inexact[Tensor, "... N"]) -> Split:

@@ -52,28 +52,20 @@ def build_split(size: int, like: Tensor) -> Split:
         vectors = torch.from_numpy(_tiny_vectors(size)).to(like)
         return PlainSplit(vectors, torch.from_numpy(indices_by_parity(size)).to(like.device))
     with one_blas_thread():  # each parity has a core: identical to the last bit for any number of threads
-        return _build_from_blocks(size, like)
+        blocks = parity_blocks(size)
+        if size % 4 == 0 and size > 4:
+            factors = _both(refined_quarter, blocks)
+            return QuarterSplit(factors[0], factors[1], like)
+        even, odd = _both(refined_spectrum, blocks)
+    even[1 : (size + 1) // 2] *= np.sqrt(0.5)  # every sample but 0 and N/2 has a mirror image
+    halves = (torch.from_numpy(half).to(like) for half in (even, odd * np.sqrt(0.5)))
+    return HalfSplit(*halves, torch.from_numpy(indices_by_parity(size)).to(like.device))
 
 
 def _both(refine: Callable[[Tridiagonal], T], blocks: ParityBlocks) -> list[T]:
     """Compute even and odd eigenvectors in parallel; they are independent."""
     calls = [functools.partial(refine, block) for block in (blocks.even, blocks.odd)]
     return side_by_side(calls, spread=len(blocks.even) > _WORTH_THREADS)
-
-
-def _build_from_blocks(size: int, like: Tensor) -> Split:
-    blocks = parity_blocks(size)
-    if size % 4 == 0 and size > 4:
-        factors = _both(refined_quarter, blocks)
-        return QuarterSplit(factors[0], factors[1], like)
-    even, odd = _both(refined_spectrum, blocks)
-    even[1 : (size + 1) // 2] *= np.sqrt(0.5)  # every sample but 0 and N/2 has a mirror image
-    odd *= np.sqrt(0.5)
-    return HalfSplit(
-        torch.from_numpy(even).to(like),
-        torch.from_numpy(odd).to(like),
-        torch.from_numpy(indices_by_parity(size)).to(like.device),
-    )
 
 
 class BoundedCache:

@@ -10,7 +10,7 @@ import math
 from typing import Any
 
 import torch
-from jaxtyping import Float, Float64, Inexact
+from jaxtyping import Float64, Inexact
 from torch import Tensor
 from torch.autograd import Function
 
@@ -33,7 +33,9 @@ def restore(z: Inexact[Tensor, "*lead N"], split: Split) -> Inexact[Tensor, "*le
 def _applied(x: Inexact[Tensor, "*lead N"], split: Split, back: bool) -> Inexact[Tensor, "*lead N"]:
     """x V, or with `back` x Vᵀ."""
     if torch.compiler.is_exporting():
-        dense = _dense(split, x)
+        with kept_numbers():  # V as numbers: an exported program has plain products, with gradients
+            eye = torch.eye(x.shape[-1], dtype=x.dtype.to_real(), device=split.indices.device)
+            dense = analyse_rows(split, eye)
         matrix = dense.mT if back else dense
         return torch.complex(x.real @ matrix, x.imag @ matrix) if x.is_complex() else x @ matrix
     if not _wants_gradient(x):
@@ -52,13 +54,6 @@ def synthesise(
     if not _wants_gradient(values, order):
         return synthesise_rows(split, values, order, planar=planar)
     return _Synthesise.apply(values, order, split, planar)  # type: ignore[no-any-return,no-untyped-call]
-
-
-def _dense(split: Split, like: Inexact[Tensor, "... N"]) -> Float[Tensor, "N N"]:
-    """V as numbers: an exported program has plain products, with gradients."""
-    with kept_numbers():
-        size, kind = like.shape[-1], like.dtype.to_real()
-        return analyse_rows(split, torch.eye(size, dtype=kind, device=split.indices.device))
 
 
 def _wants_gradient(*tensors: Tensor) -> bool:

@@ -11,19 +11,15 @@ from torch import Tensor
 _GRID = 2.0**30  # k · (p rounded to this grid) is exact in float64 for k < 2**20
 
 
-def turned_quarters(order: Float64[Tensor, "*own 1"], indices: Float64[Tensor, " N"]) -> Float64[Tensor, "*own N"]:
-    """Return k·p modulo 4 in (-8, 8), error below 2e-16."""
-    order = torch.fmod(order, 4.0)
-    coarse = torch.round(order * _GRID) / _GRID
-    return torch.addcmul(torch.fmod(coarse * indices, 4.0), order - coarse, indices)
-
-
 def phases(order: Float64[Tensor, "*own"], indices: Float64[Tensor, " N"]) -> Complex128[Tensor, "*own N"]:
     """exp(-iπpk/2) of orders in quarter turns, on their device.
 
     The nearest quarter turn is an exact factor, so whole orders give exactly ±1 and ±i.
     """
-    turns = turned_quarters(order[..., None], indices)
+    order = torch.fmod(order[..., None], 4.0)
+    coarse = torch.round(order * _GRID) / _GRID
+    # k·p modulo 4 in (-8, 8), error below 2e-16
+    turns = torch.addcmul(torch.fmod(coarse * indices, 4.0), order - coarse, indices)
     quarter = torch.round(turns)
     angle = (turns - quarter) * (-math.pi / 2)
     quarter = quarter.remainder(4.0)

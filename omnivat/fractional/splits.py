@@ -122,15 +122,11 @@ class _Parity:
             narrow = narrow * minus
         else:
             wide[:-1] *= minus
-        self._place(wide, narrow, width, like)
-
-    def _place(self, wide: Array, narrow: Array, width: int, like: Tensor) -> None:
-        """Pad weights with zeros to M samples and M coefficients: odd widths are slower."""
-        pairs, first = len(narrow), self.first
 
         def tensor(block: Array) -> Tensor:
             return torch.from_numpy(np.ascontiguousarray(block)).to(like)
 
+        # padded with zeros to M samples and M coefficients, because odd widths are slower
         restore_wide = np.zeros((pairs + 1, width))  # (coefficients, samples)
         restore_narrow = np.zeros((pairs, width))
         order = np.arange(pairs + 1) if self.plus_is_large else np.roll(np.arange(pairs + 1), 1)
@@ -170,15 +166,12 @@ class QuarterSplit:
             return None
         if self._halves is None:
             with kept_numbers():
-                self._halves = self._joined()
+                half = 2 * self.quarter
+                samples = self.signs.new_empty(2 * half, 2 * half)
+                self._restore(torch.eye(2 * half).to(samples), samples)
+                even, odd = samples[: half + 1, : half + 1].T, samples[half + 1 :, 1:half].T
+                self._halves = HalfSplit(even.contiguous(), odd.contiguous(), self.indices)
         return self._halves
-
-    def _joined(self) -> HalfSplit:
-        like, half = self.signs, 2 * self.quarter
-        samples = like.new_empty(2 * half, 2 * half)
-        self._restore(torch.eye(2 * half).to(like), samples)
-        even, odd = samples[: half + 1, : half + 1].T, samples[half + 1 :, 1:half].T
-        return HalfSplit(even.contiguous(), odd.contiguous(), self.indices)
 
     def analyse(self, x: Float[Tensor, "R N"], out: Float[Tensor, "R N"]) -> None:
         halves = self._for_few_rows(len(x))

@@ -73,7 +73,15 @@ def synthesise(
         ) from error
     with full_precision(values.device):
         if out is not None:
-            _check_out(out, coefficients, (*lead, values.shape[-1]), planar)
+            if dim != -1 or coefficients.centered:
+                raise ShapeError("`out` works only for the last axis without centring: do not pass it here.")
+            shape, kind = (*lead, values.shape[-1]), values.dtype
+            wanted = ((2, *shape), kind.to_real()) if planar else (shape, kind.to_complex())
+            if (tuple(out.shape), out.dtype) != wanted or not out.is_contiguous():
+                raise ShapeError(
+                    f"out has shape {tuple(out.shape)} and {out.dtype}, "
+                    f"expected contiguous {wanted[0]} and {wanted[1]}."
+                )
             return synthesise_rows(split, values.detach(), p.detach(), planar=planar, out=out)
         result = gradients.synthesise(values, p, split, planar)
     result = result.movedim(-1, dim)
@@ -111,17 +119,6 @@ def dfrft(
         return synthesise(coefficients(x, dim, centered=centered), order, planar=planar)
     result = quarter_turn(working_precision(x), turns, dim, centered=centered)
     return torch.stack([result.real, result.imag]) if planar else result
-
-
-def _check_out(out: Tensor, coefficients: Coefficients, shape: tuple[int, ...], planar: bool) -> None:
-    kind = coefficients.values.dtype
-    wanted = ((2, *shape), kind.to_real()) if planar else (shape, kind.to_complex())
-    if coefficients.dim != -1 or coefficients.centered:
-        raise ShapeError("`out` works only for the last axis without centring: do not pass it here.")
-    if (tuple(out.shape), out.dtype) != wanted or not out.is_contiguous():
-        raise ShapeError(
-            f"out has shape {tuple(out.shape)} and {out.dtype}, expected contiguous {wanted[0]} and {wanted[1]}."
-        )
 
 
 def whole_turns(order: float | Shaped[Tensor, "..."]) -> int | None:
@@ -196,7 +193,6 @@ class FractionalTransform(nn.Module):
         return dfrft(x, self.order, self.dim, centered=self.centered, planar=self.planar)
 
     def extra_repr(self) -> str:
-        """Return the text for `print(module)`."""
         return f"order={self.order.item():.6g}, dim={self.dim}, centered={self.centered}"
 
     def _apply(self, fn: Callable[[Tensor], Tensor], recurse: bool = True) -> FractionalTransform:

@@ -23,8 +23,7 @@ Sets = dict[str, dict[str, Float[Tensor, "_ W"]]]  # by modality and domain
 class Moments:
     """Number, mean and, with `squares`, covariance of unit rows, in double precision.
 
-    Products of a block are in the rows' precision. They are taken about the first block's mean, so
-    nothing cancels.
+    Products of a block are in the rows' precision. They are taken about the first block's mean, so nothing cancels.
     """
 
     def __init__(self, rows: Float[Tensor, "B W"], *, squares: bool = False) -> None:
@@ -34,7 +33,6 @@ class Moments:
         self.add(rows)
 
     def add(self, rows: Float[Tensor, "B W"]) -> None:
-        """Add rows."""
         rows = rows - self.origin.to(rows)
         self.count += len(rows)
         self.sum += rows.sum(0, dtype=torch.float64)

@@ -124,7 +124,6 @@ SumMeasure = Callable[[Sums, Facts], Values]
 
 
 def by_sums(features: Features, facts: Facts, *, measure: SumMeasure) -> Values:
-    """Yield a measure of the sums, from features of any length."""
     sums = facts.sums()
     sums.add(features, facts.labels, facts.domains)
     yield from measure(sums, facts)

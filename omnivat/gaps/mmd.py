@@ -112,8 +112,7 @@ def _mean_kernel(x: Float[Tensor, "N D"], y: Float[Tensor, "M D"], gamma: Float[
     for start in range(0, len(x), BLOCK):
         rows = x[start : start + BLOCK]
         if x is y:
-            others = _summed(rows, x[start + BLOCK :], gamma)
-            total = total + _summed(rows, rows, gamma) + 2 * others
+            total = total + _summed(rows, rows, gamma) + 2 * _summed(rows, x[start + BLOCK :], gamma)
         else:
             total = total + _summed(rows, y, gamma)
     return total / (len(x) * len(y))

@@ -21,11 +21,10 @@ def proxy_a(
     seed    draws the folds; the same seed gives the same result
     return  in [0, 2]; 0 if the sets cannot be separated, 2 if a hyperplane always separates them
 
-    The classifier is ridge regression on -1 / +1 in closed form, with equal weight for both sets.
-    ε is the mean of the two sets' errors; a tie counts half. Errors above one half give 0, because
-    a classifier below chance shows no distance. The distance is symmetric in a and b. Raises
-    ShapeError for sets that are too small or of differing widths. Source: Ben-David et al.,
-    NeurIPS 2007.
+    The classifier is ridge regression on -1 / +1 in closed form, with equal weight for both sets. ε is the mean of the
+    two sets' errors; a tie counts half. Errors above one half give 0, because a classifier below chance shows no
+    distance. The distance is symmetric in a and b. Raises ShapeError for sets that are too small or of differing
+    widths. Source: Ben-David et al., NeurIPS 2007.
     """
     return proxy_a_estimate(a, b, folds=folds, ridge=ridge, seed=seed).value
 
@@ -43,8 +42,8 @@ def proxy_a_estimate(
     fold_a, fold_b = (_folds(len(x), folds, seed).to(x.device) for x in (a, b))
     wrong_a, wrong_b = torch.zeros_like(a[:, 0]), torch.zeros_like(b[:, 0])
     for fold, (weight, middle) in enumerate(_fits((a, fold_a), (b, fold_b), folds, ridge)):
-        wrong_a[fold_a == fold] = _wrong((a[fold_a == fold] - middle) @ weight)
-        wrong_b[fold_b == fold] = _wrong((middle - b[fold_b == fold]) @ weight)
+        wrong_a[fold_a == fold] = (1 - ((a[fold_a == fold] - middle) @ weight).sign()) / 2
+        wrong_b[fold_b == fold] = (1 - ((middle - b[fold_b == fold]) @ weight).sign()) / 2
     error = (wrong_a.mean() + wrong_b.mean()) / 2
     spread = wrong_a.var() / len(a) + wrong_b.var() / len(b)
     return Estimate((2 * (1 - 2 * error)).clamp_min(0), 2 * spread.sqrt())
@@ -85,17 +84,17 @@ def _fits(
             )
             index = (held != fold).nonzero()[:, 0].to(rows.device)
             gram = _centred(cosines[index[:, None], index], sizes)
-            penalty = ridge * gram.trace() / width + tiny
-            gram.diagonal().add_(penalty)
-            direction = a - b - rows.T @ torch.linalg.solve(gram, rows @ (a - b))
         else:
             covariances = [
                 (every.sum(0) - every[fold]) / n - torch.outer(mean, mean)
                 for every, n, mean in zip(products, sizes, means, strict=True)
             ]
             gram = covariances[0] + covariances[1]
-            penalty = ridge * gram.trace() / width + tiny
-            gram.diagonal().add_(penalty)
+        penalty = ridge * gram.trace() / width + tiny
+        gram.diagonal().add_(penalty)
+        if small:
+            direction = a - b - rows.T @ torch.linalg.solve(gram, rows @ (a - b))
+        else:
             direction = torch.linalg.solve(gram, a - b) * penalty
         yield direction, (a + b) / 2
 
@@ -106,7 +105,3 @@ def _centred(products: Float[Tensor, "N N"], sizes: list[int]) -> Float[Tensor, 
         sets = products.split(sizes, axis)
         products = torch.cat([(p - p.mean(axis, keepdim=True)) / p.shape[axis] ** 0.5 for p in sets], axis)
     return products
-
-
-def _wrong(score: Float[Tensor, " N"]) -> Float[Tensor, " N"]:
-    return (1 - score.sign()) / 2

@@ -57,27 +57,21 @@ class Sums:
             self._slots, self._names = self._slots.to(device), self._names.to(device)
             self.cells = {name: self.own.new_zeros(0, some.shape[1]) for name, some in rows.items()}
             self.squares = {name: self.own.clone() for name in rows}
-        slots = self._slots_of(cell)
-        for name, some in rows.items():
-            self.cells[name].index_add_(0, slots, some.double())
-            self.squares[name] += some.square().sum().double()
-        if len(both) == 2:
-            self.own += (both[0] * both[1]).sum().double()
-        self.sizes += torch.bincount(slots, minlength=len(self.sizes))
-
-    def _slots_of(self, cell: Int[Tensor, " B"]) -> Int[Tensor, " B"]:
-        """Return the places of cells; new cells get places at the end."""
-        slots = self._slots[cell]
-        if (slots < 0).any():
-            new = cell[slots < 0].unique()
+        if (self._slots[cell] < 0).any():  # new cells get places at the end
+            new = cell[self._slots[cell] < 0].unique()
             held = len(self._names)
             self._slots[new] = torch.arange(held, held + len(new), device=new.device)
             self._names = torch.cat([self._names, new])
             self.sizes = torch.cat([self.sizes, self.sizes.new_zeros(len(new))])
             for name, sums in self.cells.items():
                 self.cells[name] = torch.cat([sums, sums.new_zeros(len(new), sums.shape[1])])
-            slots = self._slots[cell]
-        return slots
+        slots = self._slots[cell]
+        for name, some in rows.items():
+            self.cells[name].index_add_(0, slots, some.double())
+            self.squares[name] += some.square().sum().double()
+        if len(both) == 2:
+            self.own += (both[0] * both[1]).sum().double()
+        self.sizes += torch.bincount(slots, minlength=len(self.sizes))
 
     def centroid_gap(self, domain: int | None = None) -> Float64[Tensor, ""]:
         """Distance between the mean directions of VIS and TAC, of all pairs or of one domain."""

@@ -31,7 +31,6 @@ def nearest(points: Tensor, k: int, *, queries: Tensor | None = None) -> Neighbo
     Exact up to rounding, O(N M D), BLOCK rows of distances at a time.
     Raises SettingsError if there are fewer than k other rows.
     """
-    require_shapes(points=(points, "N D"))
     own = queries is None
     queries = points if queries is None else queries
     require_shapes(points=(points, "N D"), queries=(queries, "M D"))
@@ -50,15 +49,10 @@ def nearest(points: Tensor, k: int, *, queries: Tensor | None = None) -> Neighbo
             place = torch.arange(len(rows), device=rows.device)
             nearness[place, place + start] = torch.inf
         index = nearness.topk(k, largest=False).indices
-        found.append(_sorted(rows, points, index))
+        # from differences, which is exact for near-duplicates
+        distance, order = (points[index] - rows[:, None]).norm(dim=2).sort(dim=1)
+        found.append((index.gather(1, order), distance))
     return Neighbours(*(torch.cat(parts) for parts in zip(*found, strict=True)))
-
-
-def _sorted(rows: Tensor, points: Tensor, index: Tensor) -> tuple[Tensor, Tensor]:
-    """Compute the chosen distances from differences, which is exact for near-duplicates."""
-    distance = (points[index] - rows[:, None]).norm(dim=2)
-    distance, order = distance.sort(dim=1)
-    return index.gather(1, order), distance
 
 
 EXACT = 1e-3  # of the map's radius; an affine map with smaller errors counts as the map

@@ -52,17 +52,14 @@ def _from_covariance(points: Tensor, mean: Tensor, dimensions: int) -> Tensor:
     width = points.shape[1]
     products = torch.zeros(width, width, dtype=torch.float64, device=points.device)
     for rows in points.split(BLOCK):
-        products += _product(rows - mean).double()
+        centred = rows - mean
+        if centred.device.type != "cpu" or centred.requires_grad:
+            products += (centred.T @ centred).double()
+        else:  # numpy computes one half, the other being the same
+            plain = centred.numpy()
+            products += torch.from_numpy(plain.T @ plain).double()
     vectors: Tensor = torch.linalg.eigh(products).eigenvectors
     return vectors[:, -dimensions:].flip(1)
-
-
-def _product(rows: Tensor) -> Tensor:
-    """Return rowsᵀ rows (D, D); numpy computes one half of it, the other being the same."""
-    if rows.device.type != "cpu" or rows.requires_grad:
-        return rows.T @ rows
-    plain = rows.numpy()
-    return torch.from_numpy(plain.T @ plain)
 
 
 def _from_gram(centred: Tensor, dimensions: int) -> Tensor:

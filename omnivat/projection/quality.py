@@ -55,7 +55,10 @@ def quality(points: Tensor, flat: Tensor, *, k: int = 15, rows: int = SAMPLE, se
         place = torch.arange(len(some), device=points.device)
         far[place, some], near[place, some] = -torch.inf, torch.inf
         found = far.gather(1, near.topk(k, largest=False).indices)
-        rank = _ranks(far, found)
+        # NumPy counts one row at a time, in the processor's cache: 50 times as fast as torch's sums
+        rows_of = zip(far.cpu().numpy(), found.cpu().numpy(), strict=True)
+        counts = [[np.count_nonzero(row < value) for value in values] for row, values in rows_of]
+        rank = torch.tensor(counts, device=far.device)  # (B, k)
         costs.append((rank - k).clamp_min(0).sum(1))
         shares.append((rank <= k).double().mean(1))
     scale = 2 / (k * (2 * count - 3 * k - 1))
@@ -68,16 +71,6 @@ def quality(points: Tensor, flat: Tensor, *, k: int = 15, rows: int = SAMPLE, se
         recall_error=half * float(recalled.std()),
         rows=len(drawn),
     )
-
-
-def _ranks(far: Tensor, found: Tensor) -> Tensor:
-    """Return how many of each row of `far` (B, N) are below each of `found` (B, k): (B, k).
-
-    NumPy counts one row at a time, in the processor's cache: 50 times as fast as torch's sums.
-    """
-    rows = zip(far.cpu().numpy(), found.cpu().numpy(), strict=True)
-    counts = [[np.count_nonzero(row < value) for value in values] for row, values in rows]
-    return torch.tensor(counts, device=far.device)
 
 
 def trust(points: Tensor, flat: Tensor) -> float | None:

@@ -9,6 +9,7 @@ map."""
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import torch
 from torch import Tensor
@@ -89,10 +90,9 @@ def spectral_map(graph: Graph, *, seed: int = 0, dimensions: int = 2) -> Tensor:
 
     constant = degree.sqrt()[:, None]
     constant = constant / constant.norm()
+    like: dict[str, Any] = {"dtype": weight.dtype, "device": weight.device}
     generator = torch.Generator(weight.device).manual_seed(derive_seed(seed, "spectral"))
-    directions = torch.randn(
-        (rows, min(DIRECTIONS, rows - 1)), generator=generator, dtype=weight.dtype, device=weight.device
-    )
+    directions = torch.randn((rows, min(DIRECTIONS, rows - 1)), generator=generator, **like)
     for done in range(1, ROUNDS + 1):
         directions = directions + walked(directions)  # lazy walk: no negative eigenvalue
         if done % STRAIGHTEN == 0:
@@ -183,7 +183,7 @@ def aligned(flat: Tensor, to: Tensor) -> Tensor:
 
 
 def sample_of(rows: int, seed: int) -> Tensor:
-    """Return the indices of the MOST_ROWS sampled rows, ascending."""
+    """Return MOST_ROWS indices, ascending."""
     generator = torch.Generator().manual_seed(derive_seed(seed, "umap sample"))
     return torch.randperm(rows, generator=generator)[:MOST_ROWS].sort().values
 
