@@ -58,8 +58,8 @@ def build_split(size: int, like: Tensor) -> Split:
             return QuarterSplit(factors[0], factors[1], like)
         even, odd = _both(refined_spectrum, blocks)
     even[1 : (size + 1) // 2] *= np.sqrt(0.5)  # every sample but 0 and N/2 has a mirror image
-    halves = (torch.from_numpy(half).to(like) for half in (even, odd * np.sqrt(0.5)))
-    return HalfSplit(*halves, torch.from_numpy(indices_by_parity(size)).to(like.device))
+    halves = [torch.from_numpy(half).to(like) for half in (even, odd * np.sqrt(0.5))]
+    return HalfSplit(halves[0], halves[1], torch.from_numpy(indices_by_parity(size)).to(like.device))
 
 
 def _both(refine: Callable[[Tridiagonal], T], blocks: ParityBlocks) -> list[T]:

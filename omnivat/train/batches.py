@@ -37,7 +37,8 @@ class Batch:
         if self.labels.device == device:
             return self
         held: dict[str, Any] = {name: getattr(self, name) for name in self.__slots__}
-        return Batch(**{name: value if value is None else value.to(device) for name, value in held.items()})
+        moved: dict[str, Any] = {name: value if value is None else value.to(device) for name, value in held.items()}
+        return Batch(**moved)
 
 
 def labels_of(source: Embeddings, head: HeadSettings) -> Array:

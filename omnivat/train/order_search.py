@@ -92,23 +92,16 @@ def search_order(
     best = min(bottom, key=lambda one: one.score)
     ties = tied(everything, best, APART / head.width)
     low, high = neighbours(everything, best)
-    low, high = round(min(low, start), 4), round(max(high, start), 4)
-    note = f"p = {start:.3f}; orders outside {low:.3f} to {high:.3f} are worse by two standard errors."
-    if ties:
-        others = ", ".join(f"{p:.3f}" for p in ties[:3]) + (" and others" if len(ties) > 3 else "")
-        note = (
-            f"p = {start:.3f} (as good from {low:.3f} to {high:.3f}) ties with {others}: the source alone "
-            "does not tell them apart. Compare heads at each of them on another domain."
-        )
+    between = round(min(low, start), 4), round(max(high, start), 4)
     return {
         "start": start,
         "orders": [one.order for one in everything],
         "score": [one.score for one in everything],
         "spread": [one.spread for one in everything],
         "round": [one.round for one in everything],
-        "between": [low, high],
+        "between": list(between),
         "ties": ties,
-        "note": note,
+        "note": _note(start, between, ties),
         "steps": len(everything),
         "seconds": round(time.monotonic() - began, 2),
     }
@@ -155,6 +148,17 @@ def neighbours(found: Sequence[Scored], best: Scored) -> tuple[float, float]:
 def _as_good(one: Scored, best: Scored) -> bool:
     more = (one.losses - best.losses).mean(0)
     return bool(more.mean() <= DOUBT * more.std(ddof=1) / len(more) ** 0.5)
+
+
+def _note(start: float, between: Sequence[float], ties: Sequence[float]) -> str:
+    low, high = between
+    if not ties:
+        return f"p = {start:.3f}; orders outside {low:.3f} to {high:.3f} are worse by two standard errors."
+    others = ", ".join(f"{p:.3f}" for p in ties[:3]) + (" and others" if len(ties) > 3 else "")
+    return (
+        f"p = {start:.3f} (as good from {low:.3f} to {high:.3f}) ties with {others}: the source alone "
+        "does not tell them apart. Compare heads at each of them on another domain."
+    )
 
 
 def folded(order: float) -> float:
