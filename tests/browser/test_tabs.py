@@ -115,3 +115,12 @@ def test_a_training_can_be_cancelled(open_page: Callable[..., Any]) -> None:
     page.click(".train .stop")
     page.wait_for_selector(".train .status:has-text('Cancelled after')", timeout=60_000)
     assert page.locator(".train .go").is_enabled()
+
+
+def test_a_set_of_signals_offers_neither_camera_nor_sensor(open_page: Callable[..., Any]) -> None:
+    page = open_page("?set=chirps&tab=pair")
+    page.wait_for_selector(".pair .of-signals:visible")
+    page.wait_for_selector(".pair .slot .where:visible")
+    for gone in (".slot .camera", ".cameras", ".panel.sensor"):
+        assert page.locator(f".pair {gone}").count()
+        assert not page.locator(f".pair {gone} >> visible=true").count()

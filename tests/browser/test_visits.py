@@ -123,6 +123,23 @@ def test_going_back_shows_what_was_left_and_a_drag_leaves_one_step_not_hundreds(
     assert pixels(page) != before  # alive, not a picture of itself
 
 
+def test_back_steps_through_chapters_and_the_chosen_theme_outlives_a_reload(open_page: Callable[..., Any]) -> None:
+    page = open_page("?chapter=failure")
+    page.wait_for_selector(MAP)
+    page.click('.explore [data-chapter="fooled"]')
+    page.wait_for_selector('.explore[data-chapter="fooled"]')
+    page.go_back(wait_until="commit")
+    page.wait_for_selector('.explore[data-chapter="failure"]')
+    page.go_forward(wait_until="commit")
+    page.wait_for_selector('.explore[data-chapter="fooled"]')
+    was = page.evaluate("document.body.classList.contains('dark')")
+    page.click(".ov.top .theme")
+    page.reload(wait_until="commit")
+    page.wait_for_selector(MAP)
+    assert page.evaluate("document.body.classList.contains('dark')") is not was
+    page.click(".ov.top .theme")  # this profile is shared
+
+
 def test_two_visitors_do_not_disturb_one_another(open_page: Callable[..., Any]) -> None:
     own = {"viewport": {"width": 1440, "height": 900}}
     one, two = (open_page("?mode=moved&p=0.3", **own) for _ in range(2))

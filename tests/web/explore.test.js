@@ -14,7 +14,9 @@ const { loadTags, tagOf, tagPairs, tagsCsv } = await import("../../app/web/explo
 const { setOf } = await import("../../app/web/shared/sets.js");
 const { colouring, colouringsOf } = await import("../../app/web/shared/palette.js");
 const { csv } = await import("../../app/web/explore/exports.js");
+const { Curves } = await import("../../app/web/explore/curves.js");
 const { modeWords } = await import("../../app/web/explore/modes.js");
+const { Scale } = await import("../../app/web/shared/chart.js");
 const { changeOf } = await import("../../app/web/explore/waterfall.js");
 const { change, openAt, openChapter, state } = await import("../../app/web/shared/store.js");
 globalThis.history = { state: null, replaceState: () => {} };
@@ -260,4 +262,16 @@ test("a set of one domain is coloured by class, and domains without a pair are n
   assert.equal(colouring(frames(), "domain").label, "Domain");
   one.domains = ["A", "B", "C"];
   assert.match(headOf(one, 0), /in one unseen domain/);
+});
+
+test("while stops are still computed they are dots on the whole axis, and no line joins them", () => {
+  const scale = new Scale({ wide: 200, high: 100, pad: { left: 0, right: 0, top: 0, bottom: 0 }, xs: [0, 1] });
+  const path = (coarse) => {
+    const some = { ...frames({ orders: [0, 0.5] }), coarse };
+    return Curves.prototype.path.call({ frames: some, scale }, [0.2, 0.8], [0, 1]);
+  };
+  assert.match(path(false), /L/);
+  assert.doesNotMatch(path(true), /L/);
+  assert.equal(path(true).match(/M[^M]*h\.01/g).length, 2);
+  assert.match(path(true), /^M0[ ,.].*M100[ ,.]/); // the last stop that is ready stands in the middle
 });
