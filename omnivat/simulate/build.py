@@ -19,7 +19,7 @@ from omnivat.errors import DataError
 from omnivat.files import replacing
 from omnivat.progress import OnStep, Step, ignore
 from omnivat.simulate.domains import NUMBERS, SIMULATED, SimulatedDomain
-from omnivat.simulate.drawing import resting
+from omnivat.simulate.drawing import drawn, resting
 from omnivat.simulate.noise import Array
 from omnivat.simulate.plan import PAIRS, Planned, classes, planned, write_table
 from omnivat.tables import load, unknown
@@ -46,8 +46,7 @@ def write_examples(made: PairSet, folder: Path, *, each: int = 2) -> list[Path]:
     for (domain, material), things in classes.items():
         for pair in chosen(things, each):
             for kind, image in (("vis", pair.vis), ("tac", pair.tac)):
-                stem = image.stem.removesuffix(f"_{kind}")
-                file = folder / domain / material / f"{stem}_{kind}.jpg"
+                file = folder / domain / material / f"{image.stem.removesuffix(f'_{kind}')}_{kind}.jpg"
                 with replacing(file) as temporary:
                     read_image(image).save(temporary, "JPEG", quality=QUALITY, subsampling=0)
                 written.append(file)
@@ -98,7 +97,7 @@ def simulate(
     Raises DataError for an unknown domain or an invalid size or number, MissingPackageError if the
     renderer or Taxim is not installed.
     """
-    plan = list(_plan(domains, pairs_per_class=pairs_per_class))
+    plan = list(_plan(domains, pairs_per_class))
     if size < 32:
         raise DataError(f"Images of {size} pixels are too small to show a touch; ask for 32 or more.")
     # Alternate between classes, so that an interrupted build has a mixed sample.
@@ -122,29 +121,21 @@ def simulate(
 
 def draw_to(pair: Planned, *, out: Path, seed: int, size: int, renderer: str) -> Planned:
     """Draw one pair and write its two images, each completely or not at all."""
-    from omnivat.simulate.drawing import drawn
-
     both = drawn(pair, seed=seed, size=size, renderer=load(RENDERERS, renderer, kind="renderer"))
-    for kind, image in (("vis", both.vis), ("tac", both.tac)):
+    for kind, image in zip(("vis", "tac"), both, strict=True):
         _write(_path(out, pair, kind), image)
     return pair
 
 
-def _plan(domains: Sequence[str | SimulatedDomain] | None, *, pairs_per_class: int) -> Iterator[Planned]:
+def _plan(domains: Sequence[str | SimulatedDomain] | None, pairs_per_class: int) -> Iterator[Planned]:
     if not 1 <= pairs_per_class <= NUMBERS:
         raise DataError(f"{pairs_per_class} pairs of a class were requested; choose 1 to {NUMBERS:,}.")
-    for domain in [*SIMULATED.values()] if domains is None else map(_domain, domains):
+    for wanted in [*SIMULATED] if domains is None else domains:
+        domain = wanted if isinstance(wanted, SimulatedDomain) else SIMULATED.get(paper_name(wanted))
+        if domain is None:
+            raise DataError(unknown(paper_name(str(wanted)), map(simulated, SIMULATED), kind="domain"))
         for material in classes(domain):
             yield from planned(domain, material, pairs=pairs_per_class)
-
-
-def _domain(wanted: str | SimulatedDomain) -> SimulatedDomain:
-    """Return a domain by its name, or as it is. Raises DataError for an unknown name."""
-    if isinstance(wanted, SimulatedDomain):
-        return wanted
-    if (name := paper_name(wanted)) not in SIMULATED:
-        raise DataError(unknown(name, map(simulated, SIMULATED), kind="domain"))
-    return SIMULATED[name]
 
 
 def _path(out: Path, pair: Planned, kind: str) -> Path:
@@ -163,8 +154,7 @@ def _is_whole(path: Path, size: int) -> bool:
 
 def _write(path: Path, image: Array) -> None:
     with replacing(path) as temporary:
-        pixels = Image.fromarray(np.round(image * 255).astype(np.uint8))
-        pixels.save(temporary, format="PNG", compress_level=6)
+        Image.fromarray(np.round(image * 255).astype(np.uint8)).save(temporary, format="PNG", compress_level=6)
 
 
 def _pair(out: Path, pair: Planned) -> Pair:
@@ -172,6 +162,5 @@ def _pair(out: Path, pair: Planned) -> Pair:
         vis=_path(out, pair, "vis"),
         tac=_path(out, pair, "tac"),
         domain=simulated(pair.domain),
-        material=pair.material,
-        **{name: getattr(pair, name) for name in ("object", "split", "part", "looks_like", "feels_like")},
+        **{name: getattr(pair, name) for name in ("material", "object", "split", "part", "looks_like", "feels_like")},
     )

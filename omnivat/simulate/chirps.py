@@ -6,7 +6,7 @@ pictures of stripes for each pair, and pairs.csv."""
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 import torch
@@ -34,10 +34,7 @@ Size = Annotated[float, Within(0.0, 1000.0)]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ChirpSettings:
-    """A set of chirps; docs/order.md has the recipe.
-
-    The defaults give the shipped set.
-    """
+    """A set of chirps; docs/order.md has the recipe. The defaults give the shipped set."""
 
     width: Annotated[int, Within(8, 8192)] = 64  # D, samples of a signal
     order: Share = 0.35  # p*, where the signal of a class is a single spike, in [0, 1]
@@ -77,22 +74,18 @@ def chirp_embeddings(settings: ChirpSettings) -> Embeddings:
     count, domains = settings.pairs_per_class, settings.domains
     label = np.tile(np.repeat(np.arange(settings.classes), count), domains).astype(np.int64)
     domain = np.repeat(np.arange(domains), count * settings.classes).astype(np.int64)
-    names: dict[str, Any] = {
-        "domains": settings.domain_names,
-        "classes": settings.class_names,
-        "origin": origin(settings),
-    }
-    header = Header(encoder=ENCODER, weights_hash=READER, preprocessing=PREPROCESSING, simulated=True, **names)
+    header = Header(
+        encoder=ENCODER, weights_hash=READER, preprocessing=PREPROCESSING, simulated=True,
+        domains=settings.domain_names, classes=settings.class_names, origin=origin(settings),
+    )  # fmt: skip
     vis, tac = map(np.concatenate, zip(*(domain_signals(settings, number) for number in range(domains)), strict=True))
     return Embeddings(header=header, vis=vis, tac=tac, domain=domain, label=label, rows=pair_names(settings))
 
 
 def origin(settings: ChirpSettings) -> str:
     """Return one line on the origin of the set."""
-    return (
-        f"made-up chirps: a class is a spike at order {settings.order:g}, interference of "
-        f"{settings.strength:g} times its norm at other orders, seed {settings.seed}"
-    )
+    louder = f"interference of {settings.strength:g} times its norm at other orders"
+    return f"made-up chirps: a class is a spike at order {settings.order:g}, {louder}, seed {settings.seed}"
 
 
 def domain_signals(settings: ChirpSettings, domain: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
@@ -138,8 +131,7 @@ def _signals(
 ) -> NDArray[np.float32]:
     """Return one modality's signals (N, D) of classes (N,): spike, interference and noise."""
     count, rows = len(label), np.arange(len(label))
-    own = np.zeros((count, settings.width), complex)
-    other = np.zeros_like(own)
+    own, other = np.zeros((2, count, settings.width), complex)
     own[rows, places(settings)[label]] = _phases(random, count)
     for _ in range(settings.spikes):
         where = random.integers(0, settings.width, count)
@@ -169,15 +161,13 @@ def pair_names(settings: ChirpSettings) -> dict[str, list[str]]:
     test, count = round(settings.test_share * settings.pairs_per_class), settings.pairs_per_class
     every = list(product(settings.domain_names, settings.class_names, range(count)))
     stems = [f"{domain}/{kind}/{kind.replace(' ', '-')}-{number:03d}" for domain, kind, number in every]
-    return {name: [""] * len(every) for name in ROW_NAMES} | {
-        "vis": [f"{stem}_vis.png" for stem in stems],
-        "tac": [f"{stem}_tac.png" for stem in stems],
-        "object": [f"{domain} {kind} {number}" for domain, kind, number in every],
-        "split": ["test" if number < test else "train" for *_, number in every],
-    }
+    found = {name: [""] * len(every) for name in ROW_NAMES}
+    found |= {name: [f"{stem}_{name}.png" for stem in stems] for name in IMAGES}
+    found["object"] = [f"{domain} {kind} {number}" for domain, kind, number in every]
+    return found | {"split": ["test" if number < test else "train" for *_, number in every]}
 
 
-def write_chirps(out: Path, settings: ChirpSettings, *, pictures: bool = True, on_step: OnStep = ignore) -> PairSet:
+def write_chirps(out: Path, settings: ChirpSettings, *, on_step: OnStep = ignore) -> PairSet:
     """Write `<out>/<domain>/<class>/<name>_{vis,tac}.png` and `<out>/pairs.csv`; return the pairs.
 
     The same settings give the same bytes. `omnivat embed OUT --encoder strip --no-flips` reads the signals back.
@@ -196,11 +186,7 @@ def write_chirps(out: Path, settings: ChirpSettings, *, pictures: bool = True, o
             with replacing(out / made.rows[name][row]) as temporary:
                 strip_picture(getattr(made, name)[row]).save(temporary, format="PNG")
         on_step(Step(done=row + 1, total=len(made), text=made.rows["object"][row]))
-    columns = {
-        **made.rows,
-        "vis": [out / name for name in made.rows["vis"]],
-        "tac": [out / n for n in made.rows["tac"]],
-    }
+    columns = {**made.rows, **{name: [out / file for file in made.rows[name]] for name in IMAGES}}
     columns["domain"] = [made.header.domains[k] for k in made.domain]
     columns["material"] = [made.header.classes[k] for k in made.label]
     pairs = tuple(Pair(**dict(zip(columns, row, strict=True))) for row in zip(*columns.values(), strict=True))

@@ -3,7 +3,6 @@
 Taxim draws the touches of the OF 2.0 domains, through its packaged calibrations.
 Source: Si and Yuan, Taxim: An example-based simulation model for GelSight tactile sensors, 2022."""
 
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
@@ -14,7 +13,7 @@ from omnivat.data.tac3d import MARKERS
 from omnivat.seeding import derive_seed
 from omnivat.simulate.contact import Press, coloured, felt, pressed_height
 from omnivat.simulate.noise import Array
-from omnivat.simulate.photograph import Renderer, photograph, plain
+from omnivat.simulate.photograph import Renderer, photograph
 from omnivat.simulate.plan import Planned
 from omnivat.simulate.sensors import Sensor, SensorModel, TaximSensor
 from omnivat.simulate.tactile import at_rest, touch
@@ -23,8 +22,8 @@ from omnivat.tables import need
 
 DEPTH = (0.7, 1.4)  # mm
 _PIXEL = 0.0295 * 2  # mm, half of the calibrated resolution of 640 × 480
-_HEIGHT = 240  # pixels: central square of 320 × 240
-_WIDTH = 320
+_HEIGHT, _WIDTH = 240, 320  # pixels, of which the central square is kept
+_SQUARE = slice((_WIDTH - _HEIGHT) // 2, (_WIDTH + _HEIGHT) // 2)
 
 
 @lru_cache(maxsize=2)
@@ -41,46 +40,23 @@ def calibrated(thing: Thing, press: Press, calibration: str, *, size: int) -> Ar
     Raises MissingPackageError without taxim and jax.
     """
     square = pressed_height(thing, press, field=_WIDTH * _PIXEL, size=_WIDTH)
-    edge = (_WIDTH - _HEIGHT) // 2
-    height = square[edge : edge + _HEIGHT]
     depth = DEPTH[0] + press.depth * (DEPTH[1] - DEPTH[0])
     # Taxim measures distance from the gel: the highest point has the smallest.
-    return _seen(calibration, -height, depth, size)
-
-
-def untouched(calibration: str, *, size: int) -> Array:
-    """Return the picture (size, size, 3), 0 to 1, of the untouched gel: nothing within a metre.
-
-    Raises MissingPackageError without taxim and jax.
-    """
-    return _seen(calibration, np.full((_HEIGHT, _WIDTH), 1000.0), None, size)
+    return _seen(calibration, -square[_SQUARE], depth, size)
 
 
 def _seen(calibration: str, distance: Array, depth: float | None, size: int) -> Array:
     seen = _simulator(calibration).render(distance.astype(np.float32), with_shadow=False, press_depth=depth)
-    edge = (_WIDTH - _HEIGHT) // 2
-    middle = np.asarray(seen)[:, edge : edge + _HEIGHT]
-    whole = Image.fromarray(np.round(np.clip(middle, 0, 1) * 255).astype(np.uint8))
+    whole = Image.fromarray(np.round(np.clip(np.asarray(seen)[:, _SQUARE], 0, 1) * 255).astype(np.uint8))
     small = whole.resize((size, size), Image.Resampling.BICUBIC)
     return np.asarray(small, dtype=np.float64) / 255.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Drawn:
-    """The two images of one pair, (size, size, 3) from 0 to 1."""
-
-    vis: Array
-    tac: Array
-
-
-def drawn(pair: Planned, *, seed: int, size: int, renderer: Renderer = plain) -> Drawn:
-    """Return both images of `pair`; the same seed gives the same images."""
-    made = thing(pair, seed=seed)
-    stream = derive_seed(seed, "pair", pair.domain, pair.material, pair.object)
-    return Drawn(
-        vis=photograph(made, pair, stream, size=size, renderer=renderer),
-        tac=tactile(made, pair.made.sensor, stream, size=size),
-    )
+def drawn(pair: Planned, *, seed: int, size: int, renderer: Renderer) -> tuple[Array, Array]:
+    """Return VIS and TAC of `pair`, (size, size, 3) from 0 to 1; the same seed gives the same images."""
+    made, stream = thing(pair, seed=seed), derive_seed(seed, "pair", pair.domain, pair.material, pair.object)
+    vis = photograph(made, pair, stream, size=size, renderer=renderer)
+    return vis, tactile(made, pair.made.sensor, stream, size=size)
 
 
 def tactile(thing: Thing, sensor: SensorModel, stream: int, *, size: int) -> Array:
@@ -100,19 +76,16 @@ def resting(sensor: SensorModel, *, size: int, stream: int | None = None) -> Arr
     stream  of a pair: the rest picture of that pair's own gel; None: of the sensor without wear
     """
     if isinstance(sensor, TaximSensor):
-        return untouched(sensor.calibration, size=size)
+        return _seen(sensor.calibration, np.full((_HEIGHT, _WIDTH), 1000.0), None, size)  # nothing within a metre
     if isinstance(sensor, Sensor):
-        seed = None if stream is None else derive_seed(stream, "sensor")
-        return at_rest(sensor, size=size, seed=seed)
+        return at_rest(sensor, size=size, seed=None if stream is None else derive_seed(stream, "sensor"))
     return coloured(np.zeros((MARKERS, MARKERS, 3)), size=size)
 
 
 def pressing(rng: np.random.Generator) -> Press:
     """Draw pose, depth and drag of a press; the sensor is roughly aligned with the object."""
     lean, shear = rng.normal(0, 0.012, 2), rng.normal(0, 0.08, 2)
+    turn, depth = float(rng.normal(0, 0.35)), float(rng.uniform(0, 1))
     return Press(
-        turn=float(rng.normal(0, 0.35)),
-        lean=(float(lean[0]), float(lean[1])),
-        depth=float(rng.uniform(0, 1)),
-        shear=(float(shear[0]), float(shear[1])),
+        turn=turn, lean=(float(lean[0]), float(lean[1])), depth=depth, shear=(float(shear[0]), float(shear[1]))
     )

@@ -11,7 +11,7 @@ from scipy.ndimage import gaussian_filter
 from omnivat.seeding import derive_seed
 from omnivat.simulate.noise import Array
 from omnivat.simulate.plan import Planned
-from omnivat.simulate.scenes import OUTDOORS, Colour, Scene
+from omnivat.simulate.scenes import OUTDOORS, Scene
 from omnivat.simulate.shapes import Spot, blocked
 from omnivat.simulate.things import Thing, is_outdoors
 
@@ -33,8 +33,8 @@ class Framing:
     lens: float  # field of view
     light: float  # direction of the key light
     height: float  # of the key light
-    sun: Colour
-    sky: Colour
+    sun: Array  # radiance of the key light, (3,)
+    sky: Array  # of the light from everywhere
     ground: str
     behind: str  # background object, or ""
     away: float  # its distance behind the target
@@ -68,8 +68,8 @@ def framed(scene: Scene, thing: Thing, *, outdoors: bool, seed: int) -> Framing:
         lens=lens,
         light=float(rng.uniform(0, 2 * np.pi)),
         height=float(np.deg2rad(rng.uniform(*scene.height))),
-        sun=_scaled(scene.sun, strength, (1.0, 1.0, 1.0)),
-        sky=_scaled(scene.sky, 1.0, _DAY if outdoors else (1.0, 1.0, 1.0)),
+        sun=np.multiply(scene.sun, strength),
+        sky=np.multiply(scene.sky, _DAY if outdoors else 1.0),
         ground=str(rng.choice(grounds)),
         behind=str(rng.choice(behind)) if behind else "",
         away=float(rng.uniform(0.7, 2.0)) * max(view, extent),
@@ -99,11 +99,6 @@ def _camera(scene: Scene, thing: Thing, target: Array, distance: float, rng: np.
     return np.asarray(best)
 
 
-def _scaled(colour: Colour, strength: float, tint: Colour) -> Colour:
-    red, green, blue = (float(c * strength * t) for c, t in zip(colour, tint, strict=True))
-    return (red, green, blue)
-
-
 Renderer = Callable[..., Array]
 
 
@@ -131,8 +126,8 @@ def exposed(radiance: Array, scene: Scene, *, seed: int) -> Array:
     goal = float(np.clip(scene.goal * rng.uniform(0.85, 1.2), 0.3, 0.9))
     # Automatic exposure is partial: dark things stay darker than bright ones.
     image = image * min((goal / max(bright, 1e-3)) ** 0.8, _GAIN)
-    toned = np.clip(image, 0.0, 1.6) / (1.0 + 0.25 * np.clip(image, 0.0, 1.6) ** 2)
-    shown = np.clip(toned, 0.0, 1.0) ** (1 / 2.2)
+    image = np.clip(image, 0.0, 1.6)
+    shown = np.clip(image / (1.0 + 0.25 * image**2), 0.0, 1.0) ** (1 / 2.2)
     shown = 0.5 + (shown - 0.5) * scene.contrast
     grain = rng.normal(size=shown.shape) * scene.noise
     return np.asarray(np.clip(shown + grain, 0.0, 1.0))
@@ -145,5 +140,5 @@ def plain(thing: Thing, framing: Framing, *, size: int) -> Array:
     """
     axis = ((np.arange(size) + 0.5) / size - 0.5) * framing.view
     u, v = np.meshgrid(axis + framing.spot.uv[0], framing.spot.uv[1] - axis)
-    light = np.asarray(framing.sky) + np.sin(framing.height) * np.asarray(framing.sun)
+    light = framing.sky + np.sin(framing.height) * framing.sun
     return np.asarray(thing.sight.colour(u, v) * light)

@@ -58,17 +58,15 @@ def planned(domain: SimulatedDomain, material: str, *, pairs: int) -> list[Plann
         for index in range(pairs)
     ]
     numbers = {place: domain.seed_base + rank for rank, place in enumerate(sorted(places))}
-    return [_planned(domain, material, place, numbers[place]) for place in places]
-
-
-def _planned(domain: SimulatedDomain, material: str, place: tuple[str, str, int], number: int) -> Planned:
-    split, part, index = place
-    name = f"{material}-{index:02d}"
-    looks, feels = imitated(domain, material, number)
-    return Planned(
-        made=domain, material=material, object=f"{simulated(domain.name)}/{name}", number=number, split=split,
-        part=part, stem=name, looks_like=looks, feels_like=feels,
-    )  # fmt: skip
+    found = []
+    for split, part, index in places:
+        name, number = f"{material}-{index:02d}", numbers[split, part, index]
+        looks, feels = imitated(domain, material, number)
+        found.append(Planned(
+            made=domain, material=material, object=f"{simulated(domain.name)}/{name}", number=number, split=split,
+            part=part, stem=name, looks_like=looks, feels_like=feels,
+        ))  # fmt: skip
+    return found
 
 
 def write_table(out: Path, pairs: Iterable[Pair], columns: Sequence[str] = COLUMNS) -> None:

@@ -13,7 +13,6 @@ from omnivat.simulate.shapes.solid import Solid, placed
 _SKINS = ((0.52, 0.30, 0.21), (0.60, 0.38, 0.28), (0.35, 0.19, 0.12), (0.20, 0.10, 0.06))
 _HOUSINGS = ((0.02, 0.02, 0.022), (0.02, 0.02, 0.022), (0.55, 0.55, 0.53), (0.16, 0.16, 0.17))
 _GREY = (0.32, 0.32, 0.34)
-_X, _Y, _Z = np.eye(3)
 
 
 def props(mi: Any, framing: Framing) -> dict[str, Any]:
@@ -32,12 +31,12 @@ def _hand(mi: Any, framing: Framing, rng: np.random.Generator) -> dict[str, Any]
     sleeve: Colour = tuple(map(float, rng.uniform(0.015, 0.12) * rng.uniform(0.6, 1.6, 3)))  # type: ignore[assignment]
     shapes = {"housing": _rod(mi, at + 0.3 * up, at + 62 * up, 12.0, _HOUSINGS[0])}
     palm = at + 44 * up + 30 * arm
-    shapes["palm"] = _ball(mi, palm, (arm, 30.0), (side, 23.0), (up, 15.0), skin)
+    shapes["palm"] = _ball(mi, palm, skin, (arm, 30.0), (side, 23.0), (up, 15.0))
     for finger in range(4):
         middle = at + (20 + 9 * finger) * up + 14 * side + (4 - 3 * finger) * arm
-        shapes[f"finger{finger}"] = _ball(mi, middle, (arm, 26.0), (side, 7.5), (up, 6.5), skin)
+        shapes[f"finger{finger}"] = _ball(mi, middle, skin, (arm, 26.0), (side, 7.5), (up, 6.5))
     thumb = at + 34 * up - 15 * side + 4 * arm
-    shapes["thumb"] = _ball(mi, thumb, (arm, 26.0), (side, 8.0), (up, 8.0), skin)
+    shapes["thumb"] = _ball(mi, thumb, skin, (arm, 26.0), (side, 8.0), (up, 8.0))
     shapes["wrist"] = _rod(mi, palm + 10 * arm, palm + 90 * arm, 20.0, skin)
     shapes["sleeve"] = _rod(mi, palm + 65 * arm, palm + 700 * arm, 33.0, sleeve)
     return shapes
@@ -53,7 +52,7 @@ def _rig(mi: Any, framing: Framing, rng: np.random.Generator) -> dict[str, Any]:
         "gel": _rod(mi, at + 0.3 * up, at + 7 * up, 10.0, (0.6, 0.6, 0.6)),
         "housing": _rod(mi, at + 6 * up, top, 13.0, colour),
         "arm": _rod(mi, top, elbow, 9.0, _GREY),
-        "joint": _ball(mi, elbow, (_X, 14.0), (_Y, 14.0), (_Z, 14.0), _HOUSINGS[0]),
+        "joint": _ball(mi, elbow, _HOUSINGS[0], *((way, 14.0) for way in np.eye(3))),
         "column": _rod(mi, elbow, np.array([elbow[0], elbow[1], 700.0]), 12.0, _GREY),
     }
 
@@ -64,7 +63,7 @@ def _arm(framing: Framing, rng: np.random.Generator, *, lift: float) -> Array:
     sight = framing.eye - framing.spot.point
     sight = sight / np.linalg.norm(sight)
     aside = np.cross(sight, up) * (1 if rng.random() < 0.7 else -1)
-    aside = aside / max(float(np.linalg.norm(aside)), 1e-6)
+    aside /= max(float(np.linalg.norm(aside)), 1e-6)
     way = aside + rng.uniform(-0.2, 0.7) * sight + lift * up
     way[2] = max(float(way[2]), -0.2)
     return np.asarray(way / np.linalg.norm(way))
@@ -72,23 +71,14 @@ def _arm(framing: Framing, rng: np.random.Generator, *, lift: float) -> Array:
 
 def _rod(mi: Any, start: Array, end: Array, radius: float, colour: Colour) -> dict[str, Any]:
     """Return a closed cylinder between two points."""
-    return {
-        "type": "cylinder", "p0": start.tolist(), "p1": end.tolist(), "radius": radius,
-        "bsdf": {"type": "twosided", "bsdf": _plastic(colour)},
-    }  # fmt: skip
+    look = {"type": "twosided", "bsdf": _plastic(colour)}
+    return {"type": "cylinder", "p0": start.tolist(), "p1": end.tolist(), "radius": radius, "bsdf": look}
 
 
-def _ball(
-    mi: Any,
-    middle: Array,
-    one: tuple[Array, float],
-    two: tuple[Array, float],
-    three: tuple[Array, float],
-    colour: Colour,
-) -> dict[str, Any]:
+def _ball(mi: Any, middle: Array, colour: Colour, *axes: tuple[Array, float]) -> dict[str, Any]:
     """Return an ellipsoid with three axes, each a unit vector and a half length in mm."""
     matrix = np.eye(4)
-    matrix[:3, :3] = np.stack([way * long for way, long in (one, two, three)], axis=1)
+    matrix[:3, :3] = np.stack([way * long for way, long in axes], axis=1)
     matrix[:3, 3] = middle
     return {"type": "sphere", "to_world": mi.ScalarTransform4f(matrix), "bsdf": _plastic(colour)}
 
@@ -110,9 +100,7 @@ def others(framing: Framing, *, extent: float) -> list[tuple[Solid, dict[str, An
         turn = away + rng.normal(0, 0.8)
         reach = 0.55 * extent + rng.uniform(60, 200)
         middle = framing.target + reach * np.array([np.cos(turn), np.sin(turn), 0.0])
-        middle[2] = 0.0
-        moved = placed(solid, at=middle.tolist(), turn=float(rng.uniform(0, 6.3)))
-        tone = rng.uniform(0.03, 0.7, 3)
-        bsdf = _plastic((float(tone[0]), float(tone[1]), float(tone[2])))
-        found.append((moved, {"type": "twosided", "bsdf": bsdf}))
+        moved = placed(solid, at=[*middle[:2], 0.0], turn=float(rng.uniform(0, 6.3)))
+        red, green, blue = rng.uniform(0.03, 0.7, 3).tolist()
+        found.append((moved, {"type": "twosided", "bsdf": _plastic((red, green, blue))}))
     return found

@@ -43,11 +43,8 @@ def textured(thing: Thing, framing: Framing) -> Texture:
     high = np.maximum(np.minimum(uv.max(0), thing.spot.uv + reach), low + 1.0)
     step = float(np.sqrt(np.prod(high - low) / _TEXELS))
     columns, rows = (int(n) for n in np.maximum(np.ceil((high - low) / step), 2))
-    fine = [
-        (np.arange(_FINER * count) + 0.5) / (_FINER * count) * (b - a) + a
-        for count, a, b in zip((columns, rows), low, high, strict=True)
-    ]
-    u, v = np.meshgrid(*fine)
+    fine = ((np.arange(_FINER * count) + 0.5) / (_FINER * count) for count in (columns, rows))
+    u, v = np.meshgrid(*(at * (b - a) + a for at, a, b in zip(fine, low, high, strict=True)))
     shape = (rows, _FINER, columns, _FINER)
     return Texture(
         uv=(uv - low) / (high - low),
@@ -100,30 +97,26 @@ def material(mi: Any, thing: Thing, texture: Texture) -> dict[str, Any]:
         clear = bitmap(mi, np.sqrt(texture.colour))  # two walls, two faces each
         return kind | {"int_ior": 1.5, "specular_transmittance": clear}
     colour = bitmap(mi, texture.colour)
-    skin: dict[str, Any]
-    if sight.gloss == "matte":
-        skin = {"type": "diffuse", "reflectance": colour}
-    elif sight.gloss == "metal":
+    skin: dict[str, Any] = {"type": "diffuse", "reflectance": colour}
+    if sight.gloss == "metal":
+        wide = {"alpha_u": along * (1 - 0.6 * sight.brushing), "alpha_v": across}
         skin = {
-            "type": "roughconductor", "material": "none", "distribution": "ggx",
-            "alpha_u": along * (1 - 0.6 * sight.brushing), "alpha_v": across,
+            "type": "roughconductor",
+            "material": "none",
+            "distribution": "ggx",
             "specular_reflectance": colour,
-        }  # fmt: skip
-    else:
-        skin = {
-            "type": "roughplastic", "distribution": "ggx", "alpha": (along + across) / 2,
-            "int_ior": 1.5, "diffuse_reflectance": colour, "nonlinear": True,
-        }  # fmt: skip
+        } | wide
+    elif sight.gloss == "coated":
+        skin = {"type": "roughplastic", "distribution": "ggx", "alpha": (along + across) / 2, "int_ior": 1.5}
+        skin |= {"diffuse_reflectance": colour, "nonlinear": True}
     bumps = bitmap(mi, texture.bumps[..., None])
     return {"type": "twosided", "bsdf": {"type": "bumpmap", "bumps": bumps, "bsdf": skin}}
 
 
 def bitmap(mi: Any, pixels: NDArray[np.floating[Any]]) -> dict[str, Any]:
     """Return a picture (H, W, C) of linear values as a Mitsuba texture."""
-    return {
-        "type": "bitmap", "bitmap": mi.Bitmap(np.ascontiguousarray(pixels, dtype=np.float32)),
-        "raw": True, "wrap_mode": "mirror",
-    }  # fmt: skip
+    values = mi.Bitmap(np.ascontiguousarray(pixels, dtype=np.float32))
+    return {"type": "bitmap", "bitmap": values, "raw": True, "wrap_mode": "mirror"}
 
 
 _PIXELS = 160  # of the grounds' pictures
@@ -178,7 +171,7 @@ def _shown(mi: Any, colour: Array, framing: Framing, clear: bool) -> dict[str, A
     Under glass, few paths reach the lamp.
     """
     if clear:
-        lit = colour * (np.asarray(framing.sky) + 0.35 * np.asarray(framing.sun)) * 0.8
+        lit = colour * (framing.sky + 0.35 * framing.sun) * 0.8
         glow = {"type": "area", "radiance": bitmap(mi, lit)}
         return {"emitter": glow, "bsdf": {"type": "diffuse", "reflectance": 0.0}}
     plain = {"type": "diffuse", "reflectance": bitmap(mi, colour)}

@@ -5,6 +5,7 @@ it; appearance of the untouched gel; markers and camera errors.
 """
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from scipy.ndimage import gaussian_filter
@@ -23,13 +24,12 @@ def touch(thing: Thing, press: Press, sensor: Sensor, *, size: int, seed: int) -
     """
     sensor = used(sensor, np.random.default_rng(derive_seed(seed, "gel")))
     height = pressed_height(thing, press, field=sensor.field, size=size)
-    low, high = sensor.depth
-    depth = low + press.depth * (high - low)
+    depth = sensor.depth[0] + press.depth * (sensor.depth[1] - sensor.depth[0])
     indent = indentation(height, field=sensor.field, depth=depth, dome=sensor.dome)
     sheet = draped(indent, field=sensor.field, give=sensor.give, skin=sensor.skin)
     image = blotted(untouched(sensor, size=size) + lit(sheet, sensor), sensor, seed=seed)
     image = _marked(image, sheet, sensor, press.shear)
-    return photographed(image, blur=sensor.blur, noise_level=sensor.noise, seed=seed)
+    return photographed(image, blur=sensor.blur, grain=sensor.noise, seed=seed)
 
 
 def at_rest(sensor: Sensor, *, size: int, seed: int | None = None) -> Array:
@@ -37,14 +37,12 @@ def at_rest(sensor: Sensor, *, size: int, seed: int | None = None) -> Array:
 
     seed  of one particular gel, as in `touch`; None: the sensor's own values, without wear
     """
-    if seed is not None:
+    if seed is None:
+        image = untouched(sensor, size=size)
+    else:
         sensor = used(sensor, np.random.default_rng(derive_seed(seed, "gel")))
-    image = untouched(sensor, size=size)
-    image = image if seed is None else blotted(image, sensor, seed=seed)
-    image = _marked(image, np.zeros((size, size)), sensor, (0.0, 0.0))
-    if sensor.blur:
-        image = gaussian_filter(image, (sensor.blur, sensor.blur, 0.0), mode="nearest")
-    return np.asarray(np.clip(image, 0.0, 1.0))
+        image = blotted(untouched(sensor, size=size), sensor, seed=seed)
+    return photographed(_marked(image, np.zeros((size, size)), sensor, (0.0, 0.0)), blur=sensor.blur)
 
 
 def _marked(image: Array, sheet: Array, sensor: Sensor, shear: tuple[float, float]) -> Array:
@@ -87,14 +85,11 @@ def marker_shade(sheet: Array, markers: Markers, field: float, shear: tuple[floa
 
     Dots move with the gel: they spread away from the indentation and follow its shear.
     """
-    size = len(sheet)
-    x, y = plane(field, size)
-    pixel = field / size
+    x, y = plane(field, len(sheet))
+    pixel = field / len(sheet)
     down, right = np.gradient(gaussian_filter(sheet, 0.6 / pixel, mode="nearest"), pixel)
     pushed = smoothstep(gaussian_filter(sheet, 1.5 / pixel, mode="nearest"), 0.0, 0.4)
-    u = x + 0.5 * right - shear[0] * pushed
-    v = y - 0.5 * down - shear[1] * pushed
-    u, v = turned(u, v, markers.turn)
+    u, v = turned(x + 0.5 * right - shear[0] * pushed, y - 0.5 * down - shear[1] * pushed, markers.turn)
     u, v = u - markers.shift[0] * markers.pitch, v - markers.shift[1] * markers.pitch
     jitter = markers.uneven * markers.pitch
     u = u + jitter * noise(u, v, wavelength=2.6 * markers.pitch, seed=11)
@@ -106,40 +101,29 @@ def marker_shade(sheet: Array, markers: Markers, field: float, shear: tuple[floa
     return markers.darkness * (1.0 - smoothstep(np.hypot(du, dv) - radius, -edge, edge))
 
 
-def photographed(image: Array, *, blur: float, noise_level: float, seed: int) -> Array:
-    """Return `image` (H, W, 3) as taken by a small camera: soft, grainy, clipped to 0 to 1."""
+def photographed(image: Array, *, blur: float, grain: float = 0.0, seed: int | None = None) -> Array:
+    """Return `image` (H, W, 3) as taken by a small camera: soft, grainy if it has a seed, clipped to 0 to 1."""
     if blur:
         image = gaussian_filter(image, (blur, blur, 0.0), mode="nearest")
-    rng = np.random.default_rng(seed)
-    exposure = 1.0 + 0.03 * rng.normal()
-    grainy = image * exposure + noise_level * rng.normal(size=image.shape)
-    return np.asarray(np.clip(grainy, 0.0, 1.0))
+    if seed is not None:
+        rng = np.random.default_rng(seed)
+        image = image * (1.0 + 0.03 * rng.normal()) + grain * rng.normal(size=image.shape)
+    return np.asarray(np.clip(image, 0.0, 1.0))
 
 
-_TINT = 0.07  # spread of the gel's colour
-_LAMP = 0.14  # spread of a lamp's strength
-_AIM = 4.0  # degrees of spread in a lamp's direction
+_TINT, _LAMP, _AIM = 0.07, 0.14, 4.0  # spread of the gel's colour, of a lamp's strength, of its direction in degrees
 
 
 def used(sensor: Sensor, rng: np.random.Generator) -> Sensor:
     """Return the sensor with one particular gel, on one day."""
-    lamps = tuple(
-        Lamp(
-            azimuth=lamp.azimuth + float(rng.normal(0, _AIM)),
-            colour=_varied(lamp.colour, _LAMP, rng),
-            spill=lamp.spill * float(rng.uniform(0.8, 1.2)),
-        )
-        for lamp in sensor.lamps
-    )
-    return replace(
-        sensor,
-        lamps=lamps,
-        base=_varied(sensor.base, _TINT, rng),
-        gain=sensor.gain * float(rng.uniform(0.85, 1.2)),
-        skin=sensor.skin * float(rng.uniform(0.85, 1.2)),
-        noise=sensor.noise * float(rng.uniform(0.6, 1.4)),
-        markers=_printed(sensor, rng),
-    )
+    lamps = []
+    for lamp in sensor.lamps:
+        azimuth, colour = lamp.azimuth + float(rng.normal(0, _AIM)), _varied(lamp.colour, _LAMP, rng)
+        lamps.append(Lamp(azimuth=azimuth, colour=colour, spill=lamp.spill * float(rng.uniform(0.8, 1.2))))
+    base = _varied(sensor.base, _TINT, rng)
+    ranges = {"gain": (0.85, 1.2), "skin": (0.85, 1.2), "noise": (0.6, 1.4)}
+    worn: dict[str, Any] = {name: getattr(sensor, name) * float(rng.uniform(*ends)) for name, ends in ranges.items()}
+    return replace(sensor, lamps=tuple(lamps), base=base, markers=_printed(sensor, rng), **worn)
 
 
 def _varied(colour: Colour, spread: float, rng: np.random.Generator) -> Colour:
@@ -150,16 +134,12 @@ def _varied(colour: Colour, spread: float, rng: np.random.Generator) -> Colour:
 
 def _printed(sensor: Sensor, rng: np.random.Generator) -> Markers | None:
     """Return the markers of one gel: shifted, worn, or missing."""
-    plain, worn, print_ = rng.random(), float(rng.uniform(0.6, 1.05)), rng.uniform(-1, 1, 3)
+    plain, worn, (right, up, turn) = rng.random(), float(rng.uniform(0.6, 1.05)), rng.uniform(-1, 1, 3).tolist()
     if sensor.markers is None or plain < sensor.plain_gels:
         return None
-    return replace(
-        sensor.markers,
-        darkness=min(sensor.markers.darkness * worn, 1.0),
-        radius=sensor.markers.radius * float(rng.uniform(0.85, 1.15)),
-        shift=(float(print_[0]), float(print_[1])),
-        turn=0.06 * float(print_[2]),
-    )
+    radius = sensor.markers.radius * float(rng.uniform(0.85, 1.15))
+    dark = min(sensor.markers.darkness * worn, 1.0)
+    return replace(sensor.markers, darkness=dark, radius=radius, shift=(right, up), turn=0.06 * turn)
 
 
 def blotted(image: Array, sensor: Sensor, *, seed: int) -> Array:
@@ -173,5 +153,4 @@ def blotted(image: Array, sensor: Sensor, *, seed: int) -> Array:
         u, v = rng.uniform(-sensor.field / 2, sensor.field / 2, 2)
         radius = rng.uniform(0.05, 0.16)
         specks = np.maximum(specks, 1.0 - smoothstep(np.hypot(x - u, y - v), radius, 2 * radius))
-    soft = gaussian_filter(specks, 0.5)
-    return np.asarray(image * (stains * (1.0 - 0.6 * soft))[..., None])
+    return np.asarray(image * (stains * (1.0 - 0.6 * gaussian_filter(specks, 0.5)))[..., None])

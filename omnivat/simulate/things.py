@@ -23,14 +23,13 @@ def touch_surface(pair: Planned, *, seed: int) -> Surface:
     polish. Every surface has the micro-relief of its own material, or of the one it feels like.
     """
     rng = np.random.default_rng(derive_seed(seed, "skin", pair.material, pair.number))
-    if pair.feels_like:
-        maker = SMOOTH[pair.feels_like]
-        own = maker(rng)
-        spend(pair.feels_like, rng)
-        return skinned(own, pair.feels_like, maker, rng)
-    maker = recipe(pair.material, pair.number, seed=seed)
-    own = surface(pair.material, pair.number, seed=seed)
-    return skinned(own, pair.material, maker, rng)
+    if not pair.feels_like:
+        own, maker = surface(pair.material, pair.number, seed=seed), recipe(pair.material, pair.number, seed=seed)
+        return skinned(own, pair.material, maker, rng)
+    maker = SMOOTH[pair.feels_like]
+    own = maker(rng)
+    spend(pair.feels_like, rng)
+    return skinned(own, pair.feels_like, maker, rng)
 
 
 def touched_spot(solid: Solid, rng: np.random.Generator, *, edges: bool = True) -> Spot:
@@ -59,8 +58,6 @@ def _beside(solid: Solid, place: Spot) -> float:
 
 _IMITATOR = 5_000  # added to the number, so that an imitation does not copy an object of its domain
 
-_WIDE = ("floor",)  # their edges are never pressed
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Thing:
@@ -72,38 +69,21 @@ class Thing:
     spot: Spot
     material: str
     looks_like: str = ""
-    feels_like: str = ""
 
 
 def thing(pair: Planned, *, seed: int) -> Thing:
     """Return the object of a planned pair; the same seed and pair give the same object."""
     rng = np.random.default_rng(derive_seed(seed, "thing", pair.domain, pair.material, pair.number))
     seen = surface(pair.looks_like or pair.material, pair.number + _IMITATOR * bool(pair.looks_like), seed=seed)
-    kind, solid = _shape(pair, rng)
-    return Thing(
-        solid=solid,
-        sight=printed(seen) if pair.looks_like else seen,
-        touch=touch_surface(pair, seed=seed),
-        spot=touched_spot(solid, rng, edges=kind not in _WIDE),
-        material=pair.material,
-        looks_like=pair.looks_like,
-        feels_like=pair.feels_like,
-    )
-
-
-def printed(original: Surface) -> Surface:
-    """Return a surface as a print or a coat: the same picture, with less relief."""
-    return replace(original, relief=EMBOSSED * original.relief)
-
-
-def _shape(pair: Planned, rng: np.random.Generator) -> tuple[str, Solid]:
-    """Return the name of the shape and the solid: mostly of the class that the object looks like."""
-    imitates = bool(pair.looks_like) and rng.random() < OTHER_SHAPE
-    material = pair.looks_like if imitates else pair.material
-    outside = rng.random() < pair.made.scene.parts
-    weights = (PARTS if outside else OBJECTS)[material]
-    kind = kind_of(weights, rng)
-    return kind, KINDS[kind](rng, made_of(pair.material, rng))
+    if pair.looks_like:  # a print or a coat: the same picture, with less relief
+        seen = replace(seen, relief=EMBOSSED * seen.relief)
+    # Most imitations have a shape of the class that they look like.
+    shaped = pair.looks_like if pair.looks_like and rng.random() < OTHER_SHAPE else pair.material
+    kind = kind_of((PARTS if rng.random() < pair.made.scene.parts else OBJECTS)[shaped], rng)
+    solid = KINDS[kind](rng, made_of(pair.material, rng))
+    place = touched_spot(solid, rng, edges=kind != "floor")
+    touch = touch_surface(pair, seed=seed)
+    return Thing(solid=solid, sight=seen, touch=touch, spot=place, material=pair.material, looks_like=pair.looks_like)
 
 
 def is_outdoors(pair: Planned, rng: np.random.Generator) -> bool:

@@ -5,6 +5,7 @@ colour, which keeps textures sharp.
 """
 
 from functools import lru_cache
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -42,22 +43,15 @@ def rendered(thing: Thing, framing: Framing, *, size: int) -> Array:
     depth, samples = (9, SAMPLES_GLASS) if clear else (3, SAMPLES)
     # Light through clear glass is found by chance, so a small lamp would sparkle.
     sky = panorama(framing, least_softness=0.6 if clear else 0.0).astype(np.float32)
-    scene = mi.load_dict(
-        props(mi, framing)
-        | place(mi, thing, framing)
-        | clutter(mi, thing, framing)
-        | {
-            "type": "scene",
-            "integrator": {"type": "path", "max_depth": depth, "rr_depth": 6},
-            "sensor": _camera(mi, framing, size, samples),
-            "light": {
-                "type": "envmap",
-                "bitmap": mi.Bitmap(sky),
-                "to_world": mi.ScalarTransform4f().rotate([1, 0, 0], 90),
-            },
-            "object": mesh(mi, thing.solid, texture.uv, material(mi, thing, texture)),
-        }
-    )
+    upright = mi.ScalarTransform4f().rotate([1, 0, 0], 90)
+    whole = props(mi, framing) | place(mi, thing, framing) | clutter(mi, thing, framing)
+    scene = mi.load_dict(whole | {
+        "type": "scene",
+        "integrator": {"type": "path", "max_depth": depth, "rr_depth": 6},
+        "sensor": _camera(mi, framing, size, samples),
+        "light": {"type": "envmap", "bitmap": mi.Bitmap(sky), "to_world": upright},
+        "object": mesh(mi, thing.solid, texture.uv, material(mi, thing, texture)),
+    })  # fmt: skip
     seed = framing.seed % 2**31
     image = mi.render(scene, spp=samples, seed=seed)
     radiance = np.clip(_pixels(image)[..., :3], 0.0, 5.0)
@@ -111,14 +105,13 @@ def _smoothed(light: Array, colour: Array, normal: Array, step: int, spread: flo
     pad = [(step, step), (step, step), (0, 0)]
     wide, around = np.pad(light, pad, mode="edge"), np.pad(features, pad, mode="edge")
     rows, columns = light.shape[:2]
-    for down in (0, step, 2 * step):
-        for right in (0, step, 2 * step):
-            there = (slice(down, down + rows), slice(right, right + columns))
-            apart = around[there] - features
-            near = 0.5 ** (abs(down - step) // step + abs(right - step) // step)
-            weight = near * np.exp(-0.5 * np.einsum("hwc,hwc->hw", apart, apart))
-            total += weight[..., None] * wide[there]
-            weights += weight
+    for down, right in product((0, step, 2 * step), repeat=2):
+        there = (slice(down, down + rows), slice(right, right + columns))
+        apart = around[there] - features
+        near = 0.5 ** (abs(down - step) // step + abs(right - step) // step)
+        weight = near * np.exp(-0.5 * np.einsum("hwc,hwc->hw", apart, apart))
+        total += weight[..., None] * wide[there]
+        weights += weight
     return np.asarray(total / weights[..., None])
 
 
@@ -131,9 +124,8 @@ def panorama(framing: Framing, *, least_softness: float = 0.0) -> Array:
     Shiny objects mirror their surroundings, so the sky has a horizon and walls or clouds. The key
     light's total power does not depend on its size.
     """
-    polar, azimuth = np.meshgrid(
-        (np.arange(_ROWS) + 0.5) / _ROWS * np.pi, (np.arange(_COLUMNS) + 0.5) / _COLUMNS * 2 * np.pi, indexing="ij"
-    )
+    down, round_ = (np.arange(_ROWS) + 0.5) / _ROWS * np.pi, (np.arange(_COLUMNS) + 0.5) / _COLUMNS * 2 * np.pi
+    polar, azimuth = np.meshgrid(down, round_, indexing="ij")
     way = np.stack([np.sin(polar) * np.cos(azimuth), np.sin(polar) * np.sin(azimuth), np.cos(polar)], axis=-1)
     flat = np.cos(framing.height)
     key = np.array([flat * np.cos(framing.light), flat * np.sin(framing.light), np.sin(framing.height)])
@@ -145,5 +137,5 @@ def panorama(framing: Framing, *, least_softness: float = 0.0) -> Array:
     x, y = 3.0 * way[..., 0] + way[..., 2], 3.0 * way[..., 1]
     blocks = octaves(x, y, wavelength=1.5, finest=0.4, seed=framing.seed)
     around = (0.2 + 0.8 * smoothstep(np.cos(polar), -0.05, 0.25)) * (1.0 + 0.8 * np.tanh(2.0 * blocks))
-    sky = np.asarray(framing.sky) * around[..., None]
-    return np.asarray(sky + 1.3 * np.asarray(framing.sun) * lamp[..., None])
+    sky = framing.sky * around[..., None]
+    return np.asarray(sky + 1.3 * framing.sun * lamp[..., None])

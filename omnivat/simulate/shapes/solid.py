@@ -11,13 +11,9 @@ from numpy.typing import NDArray
 
 from omnivat.simulate.noise import Array
 
-_WALL = {  # mm
-    "wood": (6.0, 11.0), "steel": (0.7, 1.5), "plastic": (1.4, 3.0), "ceramic": (3.5, 6.5),
-    "glass": (1.8, 3.8),
-}  # fmt: skip
-_BEVEL = {  # mm
-    "wood": (2.0, 5.0), "steel": (0.3, 0.8), "plastic": (0.6, 1.5), "ceramic": (1.5, 3.0),
-    "glass": (1.0, 2.0),
+_MADE = {  # least and most of wall and of bevel, mm
+    "wood": ((6.0, 11.0), (2.0, 5.0)), "steel": ((0.7, 1.5), (0.3, 0.8)), "plastic": ((1.4, 3.0), (0.6, 1.5)),
+    "ceramic": ((3.5, 6.5), (1.5, 3.0)), "glass": ((1.8, 3.8), (1.0, 2.0)),
 }  # fmt: skip
 
 
@@ -31,7 +27,8 @@ class Made:
 
 def made_of(material: str, rng: np.random.Generator) -> Made:
     """Draw how an object of this material is made."""
-    return Made(wall=float(rng.uniform(*_WALL[material])), bevel=float(rng.uniform(*_BEVEL[material])))
+    wall, bevel = (float(rng.uniform(*ends)) for ends in _MADE[material])
+    return Made(wall=wall, bevel=bevel)
 
 
 Faces = NDArray[np.int64]
@@ -67,11 +64,9 @@ class Solid:
 def joined(*parts: Solid) -> Solid:
     """Return several solids as one; each keeps its coordinates on the pattern."""
     starts = np.cumsum([0, *(len(part.vertices) for part in parts)])
-    return Solid(
-        vertices=np.concatenate([part.vertices for part in parts]),
-        faces=np.concatenate([p.faces + s for p, s in zip(parts, starts, strict=False)]),
-        uv=np.concatenate([part.uv for part in parts]),
-    )
+    faces = np.concatenate([part.faces + start for part, start in zip(parts, starts, strict=False)])
+    vertices, uv = (np.concatenate([getattr(part, name) for part in parts]) for name in ("vertices", "uv"))
+    return Solid(vertices=vertices, faces=faces, uv=uv)
 
 
 def placed(solid: Solid, *, at: Sequence[float] = (0.0, 0.0, 0.0), turn: float = 0.0, roll: float = 0.0) -> Solid:
@@ -145,13 +140,8 @@ def turned(profile: Profile, *, power: float = 2.0, oblong: float = 1.0) -> Soli
     cos, sin = np.cos(angle), np.sin(angle)
     plan = (np.abs(cos) ** power + np.abs(sin) ** power) ** (-1.0 / power)
     reach = np.maximum(radius, 1e-3)[:, None]
-    points = np.stack(
-        [reach * plan * cos * oblong, reach * plan * sin, np.repeat(height[:, None], len(angle), 1)], axis=-1
-    )
-    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
-    u = np.repeat((angle * 0.8 * radius.max())[None], len(line), 0)
-    v = np.repeat(along[:, None], len(angle), 1)
-    return grid(points, np.stack([u, v], axis=-1))
+    points = _spread(reach * plan * cos * oblong, reach * plan * sin, height[:, None])
+    return grid(points, _spread(angle * 0.8 * radius.max(), _along(line)[:, None]))
 
 
 def swept(path: Array, half: Array, *, power: float = 2.0) -> Solid:
@@ -176,9 +166,17 @@ def swept(path: Array, half: Array, *, power: float = 2.0) -> Solid:
     wide, thick = half[:, :1] * ends, half[:, 1:] * ends
     across = wide[..., None] * (plan * cos)[None, :, None] * side[:, None]
     points = path[:, None] + across + thick[..., None] * (plan * sin)[None, :, None] * up[:, None]
-    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
-    v = angle[None] * np.maximum(half.mean(1), 0.5)[:, None]
-    return grid(points, np.stack([np.repeat(along[:, None], 33, 1), v], axis=-1))
+    return grid(points, _spread(_along(path)[:, None], angle * np.maximum(half.mean(1), 0.5)[:, None]))
+
+
+def _spread(*parts: Array) -> Array:
+    """Return parts of a table as its last axis; a single row or column is repeated."""
+    return np.stack(np.broadcast_arrays(*parts), axis=-1)
+
+
+def _along(line: Array) -> Array:
+    """Return how far each point (N,) of a line (N, D) lies from its start along the line."""
+    return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
 
 
 def bar(start: Sequence[float], end: Sequence[float], half: Point, *, power: float = 4.0) -> Solid:
@@ -198,22 +196,9 @@ def block(size: Sequence[float], *, bevel: float) -> Solid:
     quarter = np.linspace(0.0, np.pi / 2, 5)
     up = np.concatenate([quarter - np.pi / 2, quarter])  # the middle twice: the flat sides
     round_ = np.concatenate([quarter + k * np.pi / 2 for k in range(4)] + [[2 * np.pi]])
-    way = np.stack(
-        [
-            np.cos(up)[:, None] * np.cos(round_)[None], np.cos(up)[:, None] * np.sin(round_)[None],
-            np.repeat(np.sin(up)[:, None], len(round_), 1),
-        ],
-        axis=-1,
-    )  # fmt: skip
-    which = np.minimum(np.arange(len(round_)) // 5, 4) % 4
-    corner = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]])[which]
-    signs = np.concatenate(
-        [
-            np.repeat(corner[None], len(up), 0),
-            np.repeat(np.where(np.arange(len(up)) < 5, -1, 1)[:, None, None], len(round_), 1),
-        ],
-        axis=-1,
-    )
+    way = _spread(np.cos(up)[:, None] * np.cos(round_), np.cos(up)[:, None] * np.sin(round_), np.sin(up)[:, None])
+    corner = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1], [1, 1]])[np.arange(len(round_)) // 5]
+    signs = _spread(*corner.T, np.where(np.arange(len(up)) < 5, -1, 1)[:, None])
     points = signs * (half - bevel) + bevel * way
     hull = grid(points, np.zeros((*points.shape[:2], 2)))
     return sawn(joined(hull, _lid(points[-1]), _lid(points[0][::-1])))

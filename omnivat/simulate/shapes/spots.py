@@ -3,11 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter, zoom
 
 from omnivat.simulate.noise import Array
-from omnivat.simulate.shapes.solid import Solid
+from omnivat.simulate.shapes.solid import Faces, Solid
 
 _DRAWN = 16
 _EDGES = 0.35  # of the presses are on an edge, a rim or a curve
@@ -37,12 +36,8 @@ def spot(solid: Solid, rng: np.random.Generator, *, edges: bool = True) -> Spot:
     normals /= np.maximum(np.linalg.norm(normals, axis=-1, keepdims=True), 1e-12)
     best = _first_free(solid, points, normals)
     there = solid.faces[face[best]]
-    return Spot(
-        point=points[best],
-        normal=normals[best],
-        tangent=_along(solid.vertices[there], solid.uv[there], normals[best]),
-        uv=share[best] @ solid.uv[there],
-    )
+    tangent = _along(solid.vertices[there], solid.uv[there], normals[best])
+    return Spot(point=points[best], normal=normals[best], tangent=tangent, uv=share[best] @ solid.uv[there])
 
 
 def _bends(normal: Array, corner: Array) -> Array:
@@ -156,9 +151,7 @@ def _drawn(corner: Array, normal: Array, *, field: float, side: int) -> Array:
     return image.reshape(side, side)
 
 
-def _covered(
-    corner: Array, *, field: float, side: int
-) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+def _covered(corner: Array, *, field: float, side: int) -> tuple[Faces, Faces, Faces]:
     """Return (face, row, column) of every pixel in each face's bounding box."""
     scale, middle = side / field, side / 2
     places = corner[:, :, :2] * [scale, -scale] + middle - 0.5
@@ -171,7 +164,7 @@ def _covered(
     return face, low[face, 1] + order // wide[face], low[face, 0] + order % wide[face]
 
 
-def _shares(corner: Array, face: NDArray[np.int64], x: Array, y: Array) -> Array:
+def _shares(corner: Array, face: Faces, x: Array, y: Array) -> Array:
     """Return barycentric coordinates (3, N) of points in their faces, seen from above."""
     a, b, c = (corner[:, index, :2] for index in range(3))
     one, two = b - a, c - a
@@ -183,7 +176,7 @@ def _shares(corner: Array, face: NDArray[np.int64], x: Array, y: Array) -> Array
     return np.stack([1.0 - second - third, second, third])
 
 
-def _curved(corner: Array, normal: Array, face: NDArray[np.int64], share: Array, x: Array, y: Array) -> Array:
+def _curved(corner: Array, normal: Array, face: Faces, share: Array, x: Array, y: Array) -> Array:
     """Return heights (N,): the mean of the flat face and the blended planes of its corners.
 
     This is exact for a parabolic surface.

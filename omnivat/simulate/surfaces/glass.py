@@ -6,15 +6,14 @@ from omnivat.simulate.fields import Field, diamonds, dots, field, grain, orange_
 from omnivat.simulate.noise import Array, cells
 from omnivat.simulate.surfaces.base import Surface, pick, pick_log, stream
 
+Rng = np.random.Generator
 _TINTS = (
     (0.93, 0.96, 0.95), (0.95, 0.96, 0.96), (0.62, 0.86, 0.70), (0.80, 0.52, 0.20), (0.45, 0.66, 0.88),
     (0.88, 0.93, 0.91),
 )  # fmt: skip
 
 
-def _glass(
-    rng: np.random.Generator, recipe: str, relief: Field, *, vessel: bool = False, dull: bool = False
-) -> Surface:
+def _glass(rng: Rng, recipe: str, relief: Field, *, vessel: bool = False, dull: bool = False) -> Surface:
     """Return glass of one tint with this relief."""
     rng.random(2 + (rng.random() >= 0.6) if vessel else 1)  # once a curvature; keeps shipped bytes
     skin = pick(rng, 0.25, 0.4) if dull else 0.02

@@ -12,10 +12,9 @@ from omnivat.simulate.surfaces.base import Colour, Surface, pick, pick_log, stre
 def _dye(rng: np.random.Generator) -> Colour:
     """Return a colour that plastics have: strong, white, grey or black."""
     if rng.random() < 0.75:
-        strong = rng.permutation(np.array([pick(rng, 0.35, 0.8), pick(rng, 0.03, 0.45), 0.04]))
-        return (float(strong[0]), float(strong[1]), float(strong[2]))
-    level = pick_log(rng, 0.02, 0.8)
-    warm = pick(rng, -0.06, 0.06)
+        red, green, blue = rng.permutation(np.array([pick(rng, 0.35, 0.8), pick(rng, 0.03, 0.45), 0.04])).tolist()
+        return (red, green, blue)
+    level, warm = pick_log(rng, 0.02, 0.8), pick(rng, -0.06, 0.06)
     return (level * (1 + warm), level, level * (1 - warm))
 
 
@@ -27,10 +26,8 @@ def eroded(rng: np.random.Generator) -> Surface:
     """Return the spark-eroded mould grain of housings: even, fine and matt."""
     dye, seed = _dye(rng), stream(rng)
     depth, size = pick_log(rng, 0.022, 0.05), pick(rng, 0.6, 1.1)
-    shade = 0.03 * grain(coarsest=size, finest=0.3, seed=seed)
-    return _moulded(
-        "eroded", depth * grain(coarsest=size, finest=0.2, seed=seed), dye, shade, roughness=pick(rng, 0.3, 0.5)
-    )
+    tooth, shade = (grain(coarsest=size, finest=finest, seed=seed) for finest in (0.2, 0.3))
+    return _moulded("eroded", depth * tooth, dye, 0.03 * shade, roughness=pick(rng, 0.3, 0.5))
 
 
 def leather_grain(rng: np.random.Generator) -> Surface:
