@@ -6,7 +6,6 @@ is. The loaded head's own rungs are computed in seconds; those that need another
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -44,23 +43,10 @@ KNOWN = {
     **{f"m{m}": f"{m} source domains" for m in (2, 4, 7)},
     **{f"m{m}+": f"{m} source domains and all pairs without labels" for m in (1, 2, 4, 7)},
 }
-Counts = list[tuple[int, int]]  # right and total of each domain
+Rung = dict[str, Any]  # one step: shares of right predictions, mean over unseen domains with a 95 % interval
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Rung:
-    """One step: shares of right predictions, mean over unseen domains with a 95 % interval."""
-
-    rung: str
-    known: str
-    accuracy: float
-    low: float
-    high: float
-    source: str
-    origin: str  # "this head" or "records"
-
-
-def rungs(head: Head, embeddings: Embeddings, *, source: str = "") -> list[dict[str, Any]]:
+def rungs(head: Head, embeddings: Embeddings, *, source: str = "") -> list[Rung]:
     """Return the ladder as plain records: rung, known, accuracy, low, high, source, from.
 
     source  the domain to climb from; "": the head's. Another one is read from the records
@@ -69,11 +55,10 @@ def rungs(head: Head, embeddings: Embeddings, *, source: str = "") -> list[dict[
     `records`. Shares lie between 0 and 1. Raises DataError for embeddings of another encoder.
     """
     own = source in ("", head.source) and head.source in embeddings.header.domains
-    found = {one.rung: one for one in recorded(source or head.source, embeddings.header.domains)}
+    found = {one["rung"]: one for one in recorded(source or head.source, embeddings.header.domains)}
     if own:
-        found |= {one.rung: one for one in _of_head(head, embeddings)}
-    ordered = [found[name] for name in KNOWN if name in found]
-    return [{"from" if name == "origin" else name: value for name, value in asdict(one).items()} for one in ordered]
+        found |= {one["rung"]: one for one in _of_head(head, embeddings)}
+    return [found[name] for name in KNOWN if name in found]
 
 
 def ladder(head: Head, embeddings: Embeddings, *, source: str = "") -> dict[str, Any]:
@@ -88,8 +73,7 @@ def write_ladder(head: Head, embeddings: Embeddings, place: Path) -> Path:
     """Write the head's ladder next to its set, the file `place`, so that the page need not compute it."""
     if head.path is None:
         raise DataError("Only the ladder of a saved head can be kept; save the head first.")
-    record = {"of": ladder_key(head.path, place), "ladder": ladder(head, embeddings)}
-    write_json(ladder_file(place), record)
+    write_json(ladder_file(place), {"of": ladder_key(head.path, place), "ladder": ladder(head, embeddings)})
     return ladder_file(place)
 
 
@@ -102,10 +86,9 @@ def _of_head(head: Head, embeddings: Embeddings) -> Iterator[Rung]:
     right = _right(head, test, label[tested])
     home = list(embeddings.header.domains).index(head.source)
     own = test.domain == home
-    if own.any():
-        yield rung("home", [right], test.domain, home, head.source, "this head")
-    if not own.all():
-        yield rung("none", [right], test.domain, home, head.source, "this head")
+    for name, there in (("home", own), ("none", ~own)):
+        if there.any():
+            yield rung(name, [right], test.domain, home, head.source, "this head")
     if own.all() or head.profile is None:
         return
     for name, count in (*((f"n{n}", n) for n in COUNTS), ("all", ALL)):
@@ -122,9 +105,7 @@ def _right(head: Head, test: Embeddings, label: NDArray[np.int64]) -> NDArray[np
     return right
 
 
-def rung(
-    name: str, rows: Sequence[NDArray[np.float64]], domain: NDArray[np.int64], home: int, source: str, origin: str
-) -> Rung:
+def rung(name: str, rows: Sequence[Any], domain: NDArray[np.int64], home: int, source: str, origin: str) -> Rung:
     """Return a rung from the right predictions (N,) of each draw; NaN where none was made.
 
     The interval is for other domains and other pairs: both are drawn (`unseen.intervals`). That of "home" is for other
@@ -136,7 +117,8 @@ def rung(
     counts = [(round(float(right[m].sum())), int(m.sum())) for m in masks if m.any()]
     low, high = wilson(*counts[0]) if name == "home" else of_domains(counts)
     mean = float(np.mean([right[m].mean() for m in masks if m.any()]))
-    return Rung(rung=name, known=KNOWN[name], accuracy=mean, low=low, high=high, source=source, origin=origin)
+    told = {"rung": name, "known": KNOWN[name], "accuracy": mean}
+    return {**told, "low": low, "high": high, "source": source, "from": origin}
 
 
 @cache
@@ -173,7 +155,7 @@ def recorded(source: str, domains: Sequence[str]) -> list[Rung]:
             ]
             if rows:
                 known = words if method == METHOD else f"{words} ({OTHERS[method]})"
-                found.append(replace(rung(name, rows, domain, home, source, "records"), known=known))
+                found.append(rung(name, rows, domain, home, source, "records") | {"known": known})
                 break
     return found
 

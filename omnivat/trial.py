@@ -17,7 +17,7 @@ from omnivat.lang.bank import DEFAULT_BANK, load_bank
 from omnivat.model.head import parameter_count
 from omnivat.progress import OnStep, ignore
 from omnivat.seeding import derive_seed
-from omnivat.shift.probe import fitted_probe, joined
+from omnivat.shift.probe import VIEWS, fitted_probe, joined
 from omnivat.shift.reading import Features
 from omnivat.train import TrainSettings, Watch, train
 from omnivat.train.loop import steps_of
@@ -26,7 +26,6 @@ from omnivat.unseen import wilson
 STEPS = 1500  # of all trainings together: under a minute on two cores
 FOLDS, FEW = 5, 200  # up to FEW pairs; with more, 3
 KNOWN = 20  # pictures of a target's profile; they are not tested, and are half of it at most
-VIEWS = {"vis": ("vis",), "tac": ("tac",), "both": ("vis", "tac")}
 WORDS = {"vis": "photo only", "tac": "touch only", "both": "both"}
 PROBE = "a logistic regression of the same vectors"
 NO_CLASSES = (
@@ -74,9 +73,8 @@ def try_pairs(found: Features, *, source: str = "", seed: int = 0, on_step: OnSt
     for k, out in enumerate(folds):
         fit = own[~out]
         part = _plan(found, source, len(folds) + 2, seed, rows=fit)
-        model = train(
-            part.pairs, part.settings, part.training, bank=part.bank, seed=seed, watch=watch.part(k * each, whole)
-        ).model
+        turn = watch.part(k * each, whole)
+        model = train(part.pairs, part.settings, part.training, bank=part.bank, seed=seed, watch=turn).model
         for view, labels in _predicted(model, data, own[out], _views(found)).items():
             said[view][out] = labels
         said[PROBE][out] = _probed(found, fit, own[out])
@@ -128,14 +126,8 @@ def _plan(found: Features, source: str, trainings: int, seed: int, rows: Rows | 
     batch = 16 if count <= 500 else 64 if count <= 2000 else 256
     epochs = int(np.clip(STEPS * batch // (trainings * max(count, batch)), 5, 40))
     classes = {data.header.classes[k] for k in np.unique(data.label[data.labelled])}
-    training = TrainSettings(
-        epochs=epochs,
-        batch=batch,
-        noise=4.0,
-        shift=1.0,
-        lang=classes <= set(load_bank(DEFAULT_BANK).classes),
-        modalities="+".join(found.modalities),
-    )
+    lang, modalities = classes <= set(load_bank(DEFAULT_BANK).classes), "+".join(found.modalities)
+    training = TrainSettings(epochs=epochs, batch=batch, noise=4.0, shift=1.0, lang=lang, modalities=modalities)
     return plan_training(data, source, head={"width": 64}, training=training, seed=seed)
 
 
@@ -143,32 +135,28 @@ def _folds(labels: Labels, objects: Rows, seed: int) -> tuple[list[NDArray[np.bo
     """Return masks (N,) of left-out pairs, and a note on classes of one object, which stay in."""
     random = np.random.default_rng(derive_seed(seed, "folds"))
     most = FOLDS if len(labels) <= FEW else 3
-    fold, notes, largest = np.full(len(labels), -1), [], 0
+    fold, alone = np.full(len(labels), -1), 0
     _, first = np.unique(objects, return_index=True)
     for label in np.unique(labels[first]):
         own = random.permutation(objects[first][labels[first] == label])
         if len(own) < 2:
-            notes.append(label)
+            alone += 1
             continue
         start = int(random.integers(most))
         for k, name in enumerate(own):
             fold[objects == name] = (start + k) % most
-        largest = max(largest, len(own))
     masks = [fold == k for k in range(most) if (fold == k).any()]
     masks = [out for out in masks if len(np.unique(labels[~out])) > 1]
-    word = f"{len(notes)} {'class has' if len(notes) == 1 else 'classes have'}"
-    left = f"{word} one object only: its pairs are trained on and not tested." if notes else ""
-    return masks, [left] if left and masks else []
+    word = f"{alone} {'class has' if alone == 1 else 'classes have'}"
+    left = f"{word} one object only: its pairs are trained on and not tested."
+    return masks, [left] if alone and masks else []
 
 
 def _predicted(model: Any, data: Embeddings, rows: Rows, views: Sequence[str]) -> dict[str, Labels]:
     """Return the predicted label (N,) in the set's classes for each reading."""
     back = label_map(data.header.classes, model.settings.classes)
-    found = {}
-    for view in views:
-        shares = predicted_probabilities(model, data, modalities=VIEWS[view], rows=rows)["fused"]
-        found[view] = back[shares.argmax(-1).numpy()]
-    return found
+    shares = {v: predicted_probabilities(model, data, modalities=VIEWS[v], rows=rows)["fused"] for v in views}
+    return {view: back[found.argmax(-1).numpy()] for view, found in shares.items()}
 
 
 def _probed(found: Features, fit: Rows, rows: Rows) -> Labels:
@@ -182,12 +170,8 @@ def _probed(found: Features, fit: Rows, rows: Rows) -> Labels:
 def _record(domain: str, labels: Labels, objects: Rows, said: dict[str, Labels]) -> dict[str, Any]:
     """Return the tested pairs' counts, and the share right of each reading with its interval, by objects."""
     sizes, count = np.bincount(labels), len(np.unique(objects))
-    record: dict[str, Any] = {
-        "domain": domain,
-        "pairs": len(labels),
-        "objects": count,
-        "classes": int((sizes > 0).sum()),
-    }
+    record: dict[str, Any] = {"domain": domain, "pairs": len(labels), "objects": count}
+    record["classes"] = int((sizes > 0).sum())
     record["always the largest class"] = float(sizes.max() / len(labels))
     for name, guessed in said.items():
         share = float((guessed == labels).mean())
@@ -212,11 +196,8 @@ def _in_target(found: Features, head: Head, own: Rows, rows: Rows, name: str) ->
     if count and len(rest):
         profile = profile_of(data, np.sort(mixed[:count]), domain=name)
         moved = profiled(data, {name: profile}, head.source_profile)
-        view = views[-1]
-        before, after = (
-            float((_predicted(head.model, some, rest, (view,))[view] == data.label[rest]).mean())
-            for some in (data, moved)
-        )
+        guessed = (_predicted(head.model, some, rest, views[-1:])[views[-1]] for some in (data, moved))
+        before, after = (float((labels == data.label[rest]).mean()) for labels in guessed)
         record["profile"] = {"pictures": count, "pairs": len(rest), "share": after, "plain": before}
         text += (
             f" With a profile of {count} of its pairs without labels: {_percent(after)} of the other "
@@ -247,10 +228,8 @@ def _sentence(record: dict[str, Any]) -> str:
         f"{round(main['share'] * n)} of {n} pairs right, {_percent(main['share'])} "
         f"(95 %: {100 * main['low']:.0f} to {100 * main['high']:.0f}, of {objects} objects)"
     )
-    others = [f"{WORDS[name]} {_percent(record[name]['share'])}" for name in views[1:]]
-    others.append(f"{PROBE} {_percent(record[PROBE]['share'])}")
-    others.append(f"always its largest class {_percent(record['always the largest class'])}")
-    return f"{text}; {', '.join(others)}."
+    others = [f"{(WORDS | {PROBE: PROBE})[name]} {_percent(record[name]['share'])}" for name in (*views[1:], PROBE)]
+    return f"{text}; {', '.join(others)}, always its largest class {_percent(record['always the largest class'])}."
 
 
 def _percent(share: float) -> str:

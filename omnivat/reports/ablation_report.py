@@ -27,8 +27,9 @@ def write_ablations(records: Sequence[Record], layout: Mapping[str, Mapping[str,
     if not found:
         return "No runs yet.\n"
     parts = [_heading(found, layout)]
+    run = {paper_name(r["source"]): r["source"] for r in reversed(found)}  # simulated or not
     for name, table in layout.items():
-        sources = [_in_data(found, source) for source in table["sources"]]
+        sources = [run.get(paper_name(source), source) for source in table["sources"]]
         parts += [f"## {table['title']}", ablation_table(found, name, table, sources)]
         if table["axis"]:
             file = f"{name}.svg"
@@ -53,12 +54,6 @@ def _heading(records: Sequence[Record], layout: Mapping[str, Mapping[str, Any]])
     )
 
 
-def _in_data(records: Sequence[Record], source: str) -> str:
-    """Return a source's name in the records, simulated or not; its own name if it was not run."""
-    wanted = paper_name(source)
-    return next((r["source"] for r in records if paper_name(r["source"]) == wanted), source)
-
-
 def _spread(records: Sequence[Record], method: str, sources: Sequence[str], metric: str) -> Spread:
     """Return the spread over seeds of the mean over sources."""
     return spread(by_seed(by_run(records, method, metric), sources))
@@ -77,9 +72,8 @@ def ablation_table(records: Sequence[Record], name: str, table: Mapping[str, Any
             cells.append(_scores(records, method, sources))
         counts = [r["parameters"] for r in completed(records, method) if r["source"] in set(sources)]
         rows.append([label, *cells, count_text(counts)])
-    header = [text for source in sources for text in (f"{source} → X", printed)]
-    header += ["average"] * (len(sources) > 1)
-    header = ["variant", *header, "parameters"]
+    header = ["variant", *(text for source in sources for text in (f"{source} → X", printed))]
+    header += [*["average"] * (len(sources) > 1), "parameters"]
     full = [i for i in range(len(header)) if any(row[i] for row in rows)]  # sources without printed figures
     return markdown([header[i] for i in full], [[row[i] for i in full] for row in rows])
 
@@ -91,16 +85,13 @@ def _scores(records: Sequence[Record], method: str, sources: Sequence[str]) -> s
 def ablation_plot(records: Sequence[Record], table: Mapping[str, Any], sources: Sequence[str]) -> str:
     """Return the figure of one ablation: ACC and Macro-F1, mean over its sources."""
     placed = [(method, value) for method, _, value in table["rows"].values() if value is not None]
-    series = {
-        METRICS[metric]: [_spread(records, method, sources, metric).scaled(100) for method, _ in placed]
-        for metric in SCORES
-    }
+    series = {}
+    for metric in SCORES:
+        spreads = [_spread(records, method, sources, metric).scaled(100) for method, _ in placed]
+        series[METRICS[metric]] = spread_lines(spreads)
     where = sources[0] if len(sources) == 1 else f"mean of {len(sources)} sources"
-    title = f"{table['title'].split(':')[0]}, {where} → X"
-    spreads = {name: spread_lines(found) for name, found in series.items()}
-    return svg_of(
-        lines(spreads, title=title, across=table["axis"], up="%", ticks=[f"{value:g}" for _, value in placed])
-    )
+    title, ticks = f"{table['title'].split(':')[0]}, {where} → X", [f"{value:g}" for _, value in placed]
+    return svg_of(lines(series, title=title, across=table["axis"], up="%", ticks=ticks))
 
 
 def ablation_points(records: Sequence[Record], table: Mapping[str, Any], source: str) -> str:

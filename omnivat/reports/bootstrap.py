@@ -64,11 +64,10 @@ def complete_rows(records: Iterable[Record], readings: Sequence[str]) -> list[Ro
     return rows
 
 
-def draws_for(records: Sequence[Record], *, draws: int = DRAWS, seed: int = 0) -> Draws:
+def draws_for(records: Sequence[Record], *, draws: int = DRAWS) -> Draws:
     """Draw sources, seeds and objects, stratified by class, for records with stored predictions."""
-    random = np.random.default_rng(seed)
-    sources = sorted({r["source"] for r in records})
-    seeds = sorted({r["seed"] for r in records})
+    random = np.random.default_rng(0)
+    sources, seeds = {r["source"] for r in records}, {r["seed"] for r in records}
     weights, places = {}, {}
     for domain, classes in sorted(_objects(records).items()):
         order = sorted(classes)
@@ -78,12 +77,8 @@ def draws_for(records: Sequence[Record], *, draws: int = DRAWS, seed: int = 0) -
             counts[:, own] = random.multinomial(len(own), np.full(len(own), 1 / len(own)), draws)
         weights[domain], places[domain] = counts, {name: i for i, name in enumerate(order)}
     shape = (draws, len(sources))
-    return Draws(
-        sources=random.integers(len(sources), size=shape),
-        seeds=random.integers(len(seeds), size=(*shape, len(seeds))),
-        weights=weights,
-        places=places,
-    )
+    drawn, again = random.integers(len(sources), size=shape), random.integers(len(seeds), size=(*shape, len(seeds)))
+    return Draws(sources=drawn, seeds=again, weights=weights, places=places)
 
 
 def _objects(records: Iterable[Record]) -> dict[str, dict[int, str]]:
@@ -106,14 +101,9 @@ def resampled(records: Sequence[Record], row: Row, drawn: Draws) -> dict[str, Re
     seeds = sorted({r["seed"] for r in own})
     values = np.empty((len(METRICS), len(drawn.sources) + 1, len(sources), len(seeds)))
     for record in own:
-        cell = np.mean(
-            [
-                _scores(target, reading, len(record["classes"]), drawn.of(domain, target))
-                for domain, target in record["targets"].items()
-            ],
-            axis=0,
-        )
-        values[:, :, sources.index(record["source"]), seeds.index(record["seed"])] = cell
+        targets, count = record["targets"], len(record["classes"])
+        cells = [_scores(target, reading, count, drawn.of(domain, target)) for domain, target in targets.items()]
+        values[:, :, sources.index(record["source"]), seeds.index(record["seed"])] = np.mean(cells, axis=0)
     rows = np.arange(len(drawn.sources))[:, None]
     by_seed = values[:, 1:][:, rows[..., None], drawn.sources[..., None], drawn.seeds].mean(-1)
     draws, point = by_seed.mean(-1), values[:, 0].mean((-1, -2))
@@ -133,20 +123,19 @@ def _scores(target: Mapping[str, Any], reading: str, classes: int, weights: NDAr
     return np.stack((accuracy, f1[:, present].mean(1))).astype(np.float64)
 
 
-def simultaneous(ours: Resampled, others: Mapping[Row, Resampled], *, level: float = 0.95) -> dict[Row, Interval]:
-    """Return simultaneous intervals (max-t) of ours minus each other row."""
+def simultaneous(ours: Resampled, others: Mapping[Row, Resampled]) -> dict[Row, Interval]:
+    """Return simultaneous 95 % intervals (max-t) of ours minus each other row."""
     means = {row: ours.value - other.value for row, other in others.items()}
     draws = {row: ours.draws - other.draws for row, other in others.items()}
     spreads = {row: float(d.std(ddof=1)) for row, d in draws.items()}
     scaled = [np.abs(draws[row] - means[row]) / spreads[row] for row in others if spreads[row] > 1e-12]
-    factor = float(np.quantile(np.max(scaled, axis=0), level)) if scaled else 0.0
+    factor = float(np.quantile(np.max(scaled, axis=0), 0.95)) if scaled else 0.0
     ends = {row: (means[row] - factor * spreads[row], means[row] + factor * spreads[row]) for row in others}
     return {row: Interval(mean=means[row], low=a, high=b, n=len(ours.draws)) for row, (a, b) in ends.items()}
 
 
-def percentile(ours: Resampled, other: Resampled, *, level: float = 0.95) -> Interval:
-    """Return the percentile interval of ours minus one row chosen beforehand."""
+def percentile(ours: Resampled, other: Resampled) -> Interval:
+    """Return the 95 % percentile interval of ours minus one row chosen beforehand."""
     differences = ours.draws - other.draws
-    low, high = np.quantile(differences, [0.5 - level / 2, 0.5 + level / 2])
-    mean = ours.value - other.value
-    return Interval(mean=mean, low=float(low), high=float(high), n=len(differences))
+    low, high = np.quantile(differences, [0.025, 0.975])
+    return Interval(mean=ours.value - other.value, low=float(low), high=float(high), n=len(differences))

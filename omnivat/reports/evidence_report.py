@@ -97,10 +97,6 @@ def _spread(records: Sequence[Record], kind: str, metric: str) -> Spread:
     """Return the spread over runs of a score on held-out pairs, plain or averaged over shifts."""
     values = []
     for record in records:
-        scores = [
-            target["scores"]["fused"][metric]
-            for name, target in record["targets"].items()
-            if (name == "held out") == (kind == "plain")
-        ]
-        values.append(sum(scores) / len(scores))
+        own = [t for name, t in record["targets"].items() if (name == "held out") == (kind == "plain")]
+        values.append(sum(target["scores"]["fused"][metric] for target in own) / len(own))
     return spread(values)

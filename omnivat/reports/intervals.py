@@ -22,11 +22,8 @@ class Spread:
 def spread(values: Sequence[float]) -> Spread:
     """Return mean, standard deviation and n."""
     array = np.asarray(values, dtype=float)
-    return Spread(
-        mean=float(array.mean()) if len(array) else float("nan"),
-        std=float(array.std(ddof=1)) if len(array) > 1 else float("nan"),
-        n=len(array),
-    )
+    mean = float(array.mean()) if len(array) else float("nan")
+    return Spread(mean=mean, std=float(array.std(ddof=1)) if len(array) > 1 else float("nan"), n=len(array))
 
 
 def spread_lines(found: Sequence[Spread]) -> tuple[list[float], list[float], list[float]]:
@@ -44,41 +41,36 @@ class Interval:
     n: int
 
 
-def t_interval(differences: Sequence[float], *, level: float = 0.95) -> Interval:
-    """Return Student's interval for the mean of n paired differences.
+def t_interval(differences: Sequence[float]) -> Interval:
+    """Return Student's 95 % interval for the mean of n paired differences.
 
     The differences count as independent. The limits are NaN for fewer than two.
     """
     from scipy.stats import t
 
     found = spread(differences)
-    half = float("nan")
-    if found.n > 1:
-        half = float(t.ppf(0.5 + level / 2, found.n - 1)) * found.std / found.n**0.5
+    half = float(t.ppf(0.975, found.n - 1)) * found.std / found.n**0.5 if found.n > 1 else float("nan")
     return Interval(mean=found.mean, low=found.mean - half, high=found.mean + half, n=found.n)
 
 
-def bootstrap_interval(
-    differences: Mapping[str, Sequence[float]], *, level: float = 0.95, draws: int = 10_000, seed: int = 0
-) -> Interval:
-    """Return a percentile interval that resamples groups, then values within each group.
+def bootstrap_interval(differences: Mapping[str, Sequence[float]], *, draws: int = 10_000) -> Interval:
+    """Return a 95 % percentile interval that resamples groups, then values within each group.
 
     differences  group (a source) -> its paired differences (seeds). Seeds of one source share its
                  data and are not independent, so whole groups are drawn
     return       mean of the groups' means; n counts all values
     """
-    random = np.random.default_rng(seed)
+    random = np.random.default_rng(0)
     groups = [np.asarray(values, dtype=float) for values in differences.values()]
     total = sum(map(len, groups))
     centre = float(np.mean([values.mean() for values in groups])) if groups else float("nan")
     if len(groups) < 2:
         return Interval(mean=centre, low=float("nan"), high=float("nan"), n=total)
-    resampled = np.empty((draws, len(groups)))  # means of resampled seeds, for every group
-    for column, values in enumerate(groups):
-        resampled[:, column] = random.choice(values, (draws, len(values))).mean(1)
+    # means of resampled seeds, for every group
+    resampled = np.stack([random.choice(values, (draws, len(values))).mean(1) for values in groups], axis=1)
     chosen = random.integers(len(groups), size=(draws, len(groups)))
     means = np.take_along_axis(resampled, chosen, axis=1).mean(1)
-    low, high = np.quantile(means, [0.5 - level / 2, 0.5 + level / 2])
+    low, high = np.quantile(means, [0.025, 0.975])
     return Interval(mean=centre, low=float(low), high=float(high), n=total)
 
 

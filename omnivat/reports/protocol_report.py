@@ -55,11 +55,9 @@ def _origin(records: Sequence[Record]) -> str:
     data, versions = records[0]["data"], records[0]["versions"]
     seeds = sorted({record["seed"] for record in records})
     what = "**Simulated domains**" if data["simulated"] else "Data"
-    return (
-        f"{what}: {data['origin'] or 'origin not stated'}. Encoder {data['encoder']} "
-        f"({data['weights_hash'][:12]}). Seeds {', '.join(map(str, seeds))}. "
-        f"torch {versions.get('torch', '?')}."
-    )
+    encoder = f"Encoder {data['encoder']} ({data['weights_hash'][:12]})"
+    numbers = f"Seeds {', '.join(map(str, seeds))}. torch {versions.get('torch', '?')}."
+    return f"{what}: {data['origin'] or 'origin not stated'}. {encoder}. {numbers}"
 
 
 def _sources(records: Sequence[Record]) -> list[str]:
@@ -123,11 +121,8 @@ def _targets(records: Sequence[Record], name: str, label: str) -> list[str]:
     for source in _sources(found):
         cells = []
         for target in targets:
-            scores = [
-                r["targets"][target]["scores"]["fused"]
-                for r in found
-                if r["source"] == source and target in r["targets"]
-            ]
+            own = [r["targets"][target] for r in found if r["source"] == source and target in r["targets"]]
+            scores = [one["scores"]["fused"] for one in own]
             cells.append(" / ".join(percent(spread([s[m] for s in scores]).mean) for m in SCORES) if scores else "")
         rows.append([source, *cells])
     return [f"### {label}", markdown(["source", *targets], rows)]
@@ -146,19 +141,16 @@ def _printed_targets(records: Sequence[Record]) -> list[str]:
 
 
 def _notes(records: Sequence[Record]) -> str:
-    lines = [f"- {r['label']}: {r['note']}." for r in records if r["note"]]
-    lines += [
-        f"- {r['label']}: settings {changed_settings(r) or 'as the defaults'}." for r in records if r.get("settings")
-    ]
-    lines += [
-        f"- {r['label']}, {r['source']}: settings chosen on the source: {r['chosen']['settings']}."
-        for r in records
-        if r.get("chosen", {}).get("settings")
-    ]
-    lines += [f"- {r['label']} did not run: {r['skipped']}" for r in records if "skipped" in r]
-    lines += [
-        f"- From {r['source']} these targets have no pairs of the learned classes: {', '.join(r['missing_targets'])}."
-        for r in records
-        if r["missing_targets"]
-    ]
-    return "\n".join(["## Notes", "", *dict.fromkeys(lines)]) if lines else ""
+    kinds: list[list[str]] = [[], [], [], [], []]  # one list for each kind of note
+    for r in records:
+        label, source, chosen = r["label"], r["source"], r.get("chosen", {}).get("settings")
+        kinds[0] += [f"- {label}: {r['note']}."] if r["note"] else []
+        kinds[1] += [f"- {label}: settings {changed_settings(r) or 'as the defaults'}."] if r.get("settings") else []
+        kinds[2] += [f"- {label}, {source}: settings chosen on the source: {chosen}."] if chosen else []
+        kinds[3] += [f"- {label} did not run: {r['skipped']}"] if "skipped" in r else []
+        missing = ", ".join(r["missing_targets"])
+        kinds[4] += (
+            [f"- From {source} these targets have no pairs of the learned classes: {missing}."] if missing else []
+        )
+    lines = dict.fromkeys(line for notes in kinds for line in notes)
+    return "\n".join(["## Notes", "", *lines]) if lines else ""

@@ -70,9 +70,7 @@ def record_mean(record: Record, metric: str, which: str = "fused") -> float:
 
 def by_run(records: Iterable[Record], method: str, metric: str, which: str = "fused") -> dict[tuple[str, int], float]:
     """Return (source, seed) -> mean score over targets."""
-    return {
-        (record["source"], record["seed"]): record_mean(record, metric, which) for record in completed(records, method)
-    }
+    return {(one["source"], one["seed"]): record_mean(one, metric, which) for one in completed(records, method)}
 
 
 def by_seed(values: Mapping[tuple[str, int], float], sources: Sequence[str]) -> list[float]:
@@ -93,15 +91,10 @@ def changed_settings(record: Record) -> str:
     from omnivat.model.settings import HeadSettings
     from omnivat.train.settings import TrainSettings
 
-    given = record.get("settings") or {}
-    decided = {"classes", "input_width", "lang_width"}
+    given, found = record.get("settings") or {}, []
     kinds: dict[str, Any] = {"head": HeadSettings, "train": TrainSettings}
-    found = []
     for part, kind in kinds.items():
         defaults = {f.name: f.default for f in fields(kind)}
-        found += [
-            f"{name}={value}"
-            for name, value in given.get(part, {}).items()
-            if name not in decided and value != defaults.get(name)
-        ]
+        changed = {name: value for name, value in given.get(part, {}).items() if value != defaults.get(name)}
+        found += [f"{n}={v}" for n, v in changed.items() if n not in {"classes", "input_width", "lang_width"}]
     return " ".join(found)

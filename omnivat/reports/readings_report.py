@@ -4,16 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from omnivat.model.fusion import FUSIONS
-from omnivat.reports.bootstrap import (
-    METRICS,
-    Resampled,
-    Row,
-    complete_rows,
-    draws_for,
-    percentile,
-    resampled,
-    simultaneous,
-)
+from omnivat.reports import bootstrap
+from omnivat.reports.bootstrap import METRICS, Resampled, Row, complete_rows, draws_for, resampled
 from omnivat.reports.evidence_report import interval_text, markdown, method_table, percent, score_cells
 from omnivat.reports.intervals import Interval
 from omnivat.reports.reading import METRICS as NAMES
@@ -90,7 +82,7 @@ class Compared:
 
     def intervals(self, metric: str) -> dict[Row, Interval]:
         """Return the simultaneous intervals of OmniVaT minus every other row."""
-        return simultaneous(self.ours[metric], self.others[metric])
+        return bootstrap.simultaneous(self.ours[metric], self.others[metric])
 
     def label(self, row: Row) -> str:
         """Return a row's name: the method's label and its reading."""
@@ -114,7 +106,7 @@ class Compared:
         for row in sorted(self.others[METRICS[0]], key=lambda row: -self.others[METRICS[0]][row].value):
             cells = [self.label(row)]
             for metric in METRICS:
-                alone = percentile(self.ours[metric], self.others[metric][row])
+                alone = bootstrap.percentile(self.ours[metric], self.others[metric][row])
                 cells += [interval_text(intervals[metric][row]), interval_text(alone)]
             rows.append(cells)
         header = [f"{NAMES[m]}, {kind}" for m in METRICS for kind in ("simultaneous", "alone")]

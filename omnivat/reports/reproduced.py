@@ -35,11 +35,8 @@ def margins_report(records: Sequence[Record]) -> str:
 
 
 def _margin(records: Sequence[Record], target: str) -> str:
-    values = [
-        value
-        for record in records
-        if (value := record["targets"].get(target, {}).get("margins", {}).get("pair")) is not None
-    ]
+    found = [record["targets"].get(target, {}).get("margins", {}).get("pair") for record in records]
+    values = [value for value in found if value is not None]
     return f"{sum(values) / len(values):.3f}" if values else "–"
 
 

@@ -1,7 +1,7 @@
 """Gaps with intervals, retrieval both ways, and neighbours across domains, of unit rows."""
 
 from collections.abc import Callable, Mapping
-from itertools import combinations
+from itertools import combinations, product
 from typing import Any
 
 import numpy as np
@@ -45,22 +45,15 @@ def share(part: str, measure: str, values: Array, objects: Array, *place: str, n
     return record(part, measure, float(values.mean()), *place, low=low, high=high, n=len(values), note=note)
 
 
-def record(
-    part: str,
-    measure: str,
-    value: float,
-    modality: str = "",
-    first: str = "",
-    second: str = "",
-    *,
-    low: float | None = None,
-    high: float | None = None,
-    n: int | str = "",
-    note: str = "",
-) -> Record:
-    """Return one line of the table of numbers; `first` and `second` are the columns "from" and "to"."""
-    place = {"modality": modality, "from": first, "to": second}
-    return {"part": part, "measure": measure, "value": value, **place, "low": low, "high": high, "n": n, "note": note}
+def record(part: str, measure: str, value: float, *place: str, **more: Any) -> Record:
+    """Return one line of the table of numbers.
+
+    place  the columns "modality", "from" and "to", as many as are known
+    more   the columns "low", "high", "n" and "note"
+    """
+    modality, first, second = (*place, "", "", "")[:3]
+    where = {"part": part, "measure": measure, "value": value, "modality": modality, "from": first, "to": second}
+    return {**where, "low": None, "high": None, "n": "", "note": "", **more}
 
 
 def gaps(found: Features, on_step: OnStep) -> list[Record]:
@@ -82,8 +75,7 @@ def gaps(found: Features, on_step: OnStep) -> list[Record]:
         whole = _of(rows, members, gap)
         parts = []
         for left_out in range(BLOCKS):
-            kept = {d: own[block[own] != left_out] for d, own in members.items()}
-            parts.append(_of(rows, kept, gap))
+            parts.append(_of(rows, {d: own[block[own] != left_out] for d, own in members.items()}, gap))
             text = f"{name}, block {left_out + 1} of {BLOCKS}"
             on_step(Step(done=done * BLOCKS + left_out + 1, total=len(GAPS) * BLOCKS, text=text))
         records += _summed(name, whole, parts) + _halves(name, rows, members, gap)
@@ -96,12 +88,10 @@ Gaps = dict[tuple[str, str, str], float]  # modality ("" between modalities), do
 def _of(rows: Mapping[str, Tensor], members: Mapping[str, Array], gap: Any) -> Gaps:
     """Return the gap between modalities in each domain, and between each two domains."""
     found: Gaps = {}
-    for name, own in members.items():
-        if len(rows) == 2:
-            found["", name, name] = _one(gap, rows["vis"][own], rows["tac"][own])
-    for modality, every in rows.items():
-        for a, b in combinations(members, 2):
-            found[modality, a, b] = _one(gap, every[members[a]], every[members[b]])
+    if len(rows) == 2:
+        found = {("", name, name): _one(gap, rows["vis"][own], rows["tac"][own]) for name, own in members.items()}
+    for modality, (a, b) in product(rows, combinations(members, 2)):
+        found[modality, a, b] = _one(gap, rows[modality][members[a]], rows[modality][members[b]])
     return found
 
 
@@ -150,10 +140,8 @@ def retrieval(found: Features) -> list[Record]:
         return []
     vis, tac = found.rows("vis"), found.rows("tac")
     records, objects, label = [], found.objects, found.embeddings.label
-    for domain in found.domains:
-        own = found.members(domain)
-        if len(own) < 2:
-            continue
+    members = {domain: own for domain in found.domains if len(own := found.members(domain)) > 1}
+    for domain, own in members.items():
         cosines = vis[own] @ tac[own].T
         for place, table in (((domain, "photo", "touch"), cosines), ((domain, "touch", "photo"), cosines.T)):
             right = table.diagonal()[:, None]
@@ -164,18 +152,12 @@ def retrieval(found: Features) -> list[Record]:
             note = f"of {len(own)}; chance {(len(own) + 1) / 2:g}"
             records.append(record("retrieval", "median rank", float(np.median(ranks)), *place, n=len(own), note=note))
             if found.labelled:
-                precision, level = _precision(table, label[own])
-                note = f"chance {level:.4f}"
-                records.append(share("retrieval", "mAP of the class", precision, objects[own], *place, note=note))
+                same = torch.from_numpy(label[own][:, None] == label[own][None])
+                hits = same.gather(1, table.argsort(1, descending=True)).double()
+                at = hits.cumsum(1) / torch.arange(1, len(own) + 1)
+                values, note = ((at * hits).sum(1) / hits.sum(1)).numpy(), f"chance {float(same.double().mean()):.4f}"
+                records.append(share("retrieval", "mAP of the class", values, objects[own], *place, note=note))
     return records
-
-
-def _precision(table: Tensor, label: Array) -> tuple[Array, float]:
-    """Return the average precision (n,) of each query, and the share of right ones among all."""
-    same = torch.from_numpy(label[:, None] == label[None])
-    right = same.gather(1, table.argsort(1, descending=True)).double()
-    at = right.cumsum(1) / torch.arange(1, len(label) + 1)
-    return ((at * right).sum(1) / right.sum(1)).numpy(), float(same.double().mean())
 
 
 def neighbours(found: Features) -> list[Record]:

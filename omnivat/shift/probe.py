@@ -10,12 +10,11 @@ from omnivat.baselines.logistic import scaling, solve
 from omnivat.data.profile import channels_of, moved
 from omnivat.progress import OnStep, Step
 from omnivat.seeding import derive_seed
-from omnivat.shift.measure import Record, record
+from omnivat.shift.measure import LEAST, Record, record
 from omnivat.shift.reading import Features
 
 FOLDS = 3  # of objects, for the accuracy at home
 PROFILE = 20  # pictures of the target without labels; they are not tested
-LEAST = 10  # pairs of a domain with a probe
 STRENGTH = 1.0  # C, the inverse of the penalty
 MEASURES = ("home", "away", "away, with a profile")
 VIEWS = {"vis": ("vis",), "tac": ("tac",), "both": ("vis", "tac")}
@@ -36,7 +35,10 @@ def probes(found: Features, on_step: OnStep) -> list[Record]:
     views = {n: v for n, v in VIEWS.items() if set(v) <= set(found.modalities)}
     if not found.labelled or not names:
         return []
-    tested = {name: _tested(places[name], name) for name in names}
+    tested = {}  # rows of a domain's profile, and the others; a small domain gives half at most
+    for name in names:
+        mixed = np.random.default_rng(derive_seed(0, "profile", name)).permutation(places[name])
+        tested[name] = [np.sort(part) for part in np.split(mixed, [min(PROFILE, len(mixed) // 2)])]
     records = []
     for done, (view, source) in enumerate((v, s) for v in views for s in names):
         raw = [np.array(getattr(data, name), np.float32) for name in views[view]]
@@ -55,13 +57,6 @@ def probes(found: Features, on_step: OnStep) -> list[Record]:
                 records.append(record("probe", measure, right, view, source, target, n=len(kept)))
         on_step(Step(done=done + 1, total=len(views) * len(names), text=f"probe of {source}, {view}"))
     return records + [line for view in views for line in _means(records, view, names)]
-
-
-def _tested(own: Array, name: str) -> tuple[Array, Array]:
-    """Return the rows of a domain's profile, and the others; a small domain gives half at most."""
-    mixed = np.random.default_rng(derive_seed(0, "profile", name)).permutation(own)
-    count = min(PROFILE, len(own) // 2)
-    return np.sort(mixed[:count]), np.sort(mixed[count:])
 
 
 def joined(rows: list[Array]) -> torch.Tensor:
@@ -110,13 +105,12 @@ def _means(records: list[Record], view: str, names: list[str]) -> list[Record]:
     for measure, table in tables.items():
         if np.isnan(table).all():
             continue
-        low = high = None
+        low, high, home_alone = None, None, measure == "home"
         if len(names) > 2:
-            alone = measure == "home"
-            means = [table[d, d] if alone else table[np.ix_(d, d)] for d in drawn if len(set(d)) > 1]
+            means = [table[d, d] if home_alone else table[np.ix_(d, d)] for d in drawn if len(set(d)) > 1]
             known = [np.nanmean(m) for m in means if not np.isnan(m).all()]
             low, high = np.nanquantile(known, [0.025, 0.975]).tolist()
-        what = "domains" if measure == "home" else "pairs of domains"
+        what = "domains" if home_alone else "pairs of domains"
         note = f"mean, {int((~np.isnan(table)).sum())} {what}"
         found.append(record("probe", measure, float(np.nanmean(table)), view, low=low, high=high, note=note))
     return found

@@ -4,7 +4,6 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import torch
@@ -69,10 +68,9 @@ def read_features(
              may `material` and `domain`
     Raises DataError, one sentence with the file and the fault.
     """
-    if file.suffix.lower() == ".safetensors":
-        found = features_of(load_embeddings(file), seed=seed)
-    else:
-        found = features_of(*_foreign(file, encoder, domain, classes, columns, simulated), seed=seed)
+    own = file.suffix.lower() == ".safetensors"
+    read = (load_embeddings(file),) if own else _foreign(file, encoder, domain, classes, columns, simulated)
+    found = features_of(*read, seed=seed)
     if found.drawn_of < 2:
         raise DataError(f"'{file}' has {found.drawn_of} pair(s); 2 or more are needed.")
     return found
@@ -82,12 +80,8 @@ def features_of(
     data: Embeddings, modalities: tuple[str, ...] = (), labelled: bool = True, *, seed: int = 0
 ) -> Features:
     """Return the features of a set that is loaded; see `read_features`. modalities  (): by its pictures"""
-    return Features(
-        embeddings=data.sampled(MOST, seed=seed),
-        modalities=modalities or _pictured(data),
-        labelled=labelled and len(np.unique(data.label)) > 1,
-        drawn_of=len(data),
-    )
+    known, kinds = labelled and len(np.unique(data.label)) > 1, modalities or _pictured(data)
+    return Features(embeddings=data.sampled(MOST, seed=seed), modalities=kinds, labelled=known, drawn_of=len(data))
 
 
 def _pictured(data: Embeddings) -> tuple[str, ...]:
@@ -103,23 +97,15 @@ def _foreign(
 ) -> tuple[Embeddings, tuple[str, ...], bool]:
     named: dict[str, str] = dict(columns or {})
     found = read_columns(file)
-    there = tuple(name for name in ("vis", "tac") if _has(found, named.get(name, name)))
+    stems = {key for name in found for key in (name, re.sub(r"_\d+$", "", name))}
+    there = tuple(name for name in ("vis", "tac") if named.get(name, name) in stems)
     if len(there) == 1:  # one modality stands for both, and is reported once
         named |= {name: named.get(there[0], there[0]) for name in ("vis", "tac")}
     labels = found.get(named.get("material", "material"), found.get("label", found.get("class")))
     if not classes and labels is not None and labels.dtype.kind in "iu" and labels.size:
         classes = tuple(f"class {k}" for k in range(min(int(labels.max()), 10_000) + 1))
     read = import_embeddings(
-        file,
-        encoder=encoder or file.stem,
-        domain=domain or file.stem,
-        material=NO_CLASS,
-        classes=classes,
-        columns=named,
-        simulated=simulated,
-    )
+        file, encoder=encoder or file.stem, domain=domain or file.stem, material=NO_CLASS, classes=classes,
+        columns=named, simulated=simulated,
+    )  # fmt: skip
     return read, there or ("vis", "tac"), labels is not None
-
-
-def _has(found: Mapping[str, Any], name: str) -> bool:
-    return any(key == name or re.fullmatch(f"{re.escape(name)}_\\d+", key) for key in found)

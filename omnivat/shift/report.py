@@ -76,23 +76,16 @@ def _maps(found: Features, seed: int) -> tuple[Drawn, list[Record]]:
         if found.labelled and method == "umap":
             colourings["class"] = (data.label, data.header.classes)
         for colour, (group, groups) in colourings.items():
-            drawn[f"map_{method}_{colour}"] = figures.map_figure(
-                flat.numpy(),
-                group,
-                groups,
-                title=f"{method.upper()} by {colour}",
-                caption=f"{count} pairs, unit rows; {trust}. The axes have no unit",
-                hover=hover,
-                modalities=names,
-            )
+            words = {"title": f"{method.upper()} by {colour}", "hover": hover, "modalities": names}
+            words["caption"] = f"{count} pairs, unit rows; {trust}. The axes have no unit"
+            drawn[f"map_{method}_{colour}"] = figures.map_figure(flat.numpy(), group, groups, **words)
     return drawn, records
 
 
 def _charts(found: Features, records: Sequence[Record]) -> Drawn:
     drawn: Drawn = {}
     for measure in ("centroid", "proxy_a"):
-        table = _gap_record(found, records, measure)
-        if table is not None:
+        if (table := _gap_record(found, records, measure)) is not None:
             drawn[f"gaps_{measure}"] = figures.gap_tables(table)
     depth = DEPTHS[1]
     chosen = [r for r in records if r["measure"] == f"recall@{depth}" and len(found.members(r["modality"])) > depth]
@@ -102,35 +95,25 @@ def _charts(found: Features, records: Sequence[Record]) -> Drawn:
         names = dict.fromkeys(r["modality"] for r in kept)
         rows += [{"row": n, "series": "chance", "value": depth / len(found.members(n))} for n in names]
         drawn["retrieval"] = figures.dots(
-            rows,
-            title=f"Own partner among the {depth} nearest",
-            across=f"recall@{depth}",
-            percent=True,
-            colours={"chance": CHANCE},
-            caption="Within each domain, by cosine. Bars: 95 % intervals over objects.",
-        )
+            rows, title=f"Own partner among the {depth} nearest", across=f"recall@{depth}", percent=True,
+            colours={"chance": CHANCE}, caption="Within each domain, by cosine. Bars: 95 % intervals over objects.",
+        )  # fmt: skip
     mixing = [r for r in records if r["part"] == "neighbours" and "own domain" in r["measure"] and r["from"]]
     if mixing:
         level = next(r for r in records if r["part"] == "neighbours" and "if domains" in r["note"])
         drawn["neighbours"] = figures.dots(
             [{**r, "row": r["from"], "series": VIEWS[r["modality"]]} for r in _few(mixing, "from")],
-            title="Neighbours from the own domain",
-            across="share of the 10 nearest",
-            percent=True,
-            ends=(0, 1),
+            title="Neighbours from the own domain", across="share of the 10 nearest", percent=True, ends=(0, 1),
             level=float(level["note"].split()[0]),
             caption="100 %: every neighbour is of the same domain. Dashed: the share if domains were mixed. Bars: 95 % intervals over objects.",
-        )
+        )  # fmt: skip
     means = [r for r in records if r["part"] == "probe" and r["note"] and r["measure"] in MEASURES]
     if means:
         drawn["probe"] = figures.dots(
             [{**r, "row": VIEWS[r["modality"]], "series": r["measure"]} for r in means],
-            title="A linear probe at home and away",
-            across="accuracy",
-            percent=True,
-            ends=(0, 1),
+            title="A linear probe at home and away", across="accuracy", percent=True, ends=(0, 1),
             caption=f"Home: held-out objects of the same domain. Away: mean over other domains. Profile: {PROFILE} pictures of the target without labels. Bars: 95 % intervals over domains.",
-        )
+        )  # fmt: skip
     return drawn
 
 
@@ -150,40 +133,28 @@ def _gap_record(found: Features, records: Sequence[Record], measure: str) -> dic
         a, b = one["from"], one["to"]
         tables[one["modality"]][a][b] = tables[one["modality"]][b][a] = one["value"]
     between = [r for r in records if r["part"] == "modality gap" and r["measure"] == measure and r["note"]]
-    return {
-        "measure": measure,
-        "stage": "unit length",
-        "pairs": len(found.embeddings),
-        "simulated": found.embeddings.header.simulated,
-        "modality_gap": {"all": between[0]["value"] if between else None},
-        "domain_gap": tables,
-    }
+    data, gap = found.embeddings, between[0]["value"] if between else None
+    said = {"measure": measure, "stage": "unit length", "pairs": len(data), "simulated": data.header.simulated}
+    return {**said, "modality_gap": {"all": gap}, "domain_gap": tables}
 
 
 def _page(found: Features, records: Sequence[Record], drawn: Drawn, words: str) -> list[Any]:
     data = found.embeddings
     sizes = f"{len(found.domains)} domain{'s' * (len(found.domains) > 1)}"
-    facts = f"{len(data)} pairs, {sizes}: {', '.join(found.domains)}."
-    if data.header.simulated:
-        facts += " Simulated data."
-    missing = notes(found)
-    parts: list[Any] = [f"<p>{escape(facts)}</p>" + "".join(f"<p><b>{escape(m)}</b></p>" for m in missing)]
+    facts = f"{len(data)} pairs, {sizes}: {', '.join(found.domains)}." + " Simulated data." * data.header.simulated
+    parts: list[Any] = [f"<p>{escape(facts)}</p>" + "".join(f"<p><b>{escape(m)}</b></p>" for m in notes(found))]
     parts += [one for name, one in drawn.items() if name.startswith("map")]
     if any(one["part"].endswith(" gap") and one["note"] for one in records if one["part"] != "no gap"):
         parts += ["<h2>Gaps, means with 95 % intervals</h2>" + _gap_table(records)]
     parts += [one for name, one in drawn.items() if not name.startswith("map")]
     if "probe" in drawn:
         head = ("probe of", "accuracy", "over", "mean", "95 % interval")
-        cells = [
-            (VIEWS[r["modality"]], r["measure"], r["note"].removeprefix("mean, "), _number(r["value"]), _ends(r))
-            for r in records
-            if r["part"] == "probe" and r["note"]
-        ]
+        told = [r for r in records if r["part"] == "probe" and r["note"]]
+        names = [(VIEWS[r["modality"]], r["measure"], r["note"].removeprefix("mean, ")) for r in told]
+        cells = [(*name, _number(r["value"]), _ends(r)) for name, r in zip(names, told, strict=True)]
         parts += [_table(head, cells, words=3)]
-    parts += [
-        f"<h2>Methods</h2><p>{escape(words)}</p><p>Every number is in numbers.csv; the figures are in figures/ as SVG.</p>"
-    ]
-    return parts
+    files = "<p>Every number is in numbers.csv; the figures are in figures/ as SVG.</p>"
+    return [*parts, f"<h2>Methods</h2><p>{escape(words)}</p>{files}"]
 
 
 def _gap_table(records: Sequence[Record]) -> str:

@@ -21,9 +21,8 @@ def notes(found: Features) -> list[str]:
     if len(found.domains) < 2:
         words.append("One domain: there is no gap between domains, and no probe meets another one.")
     if len(found.modalities) < 2:
-        words.append(
-            f"One modality ({VIEWS[found.modalities[0]]}): there is no gap between modalities and no retrieval."
-        )
+        one = VIEWS[found.modalities[0]]
+        words.append(f"One modality ({one}): there is no gap between modalities and no retrieval.")
     if not found.labelled:
         words.append("No classes: probes and mAP are left out.")
     sizes = {name: len(found.members(name)) for name in found.domains}
@@ -59,20 +58,17 @@ def methods(found: Features, seed: int) -> str:
     if len(members) > 1:
         parts.append(f"Neighbours across domains are the {NEAR} nearest rows of other objects by cosine.")
     if labelled and large:
-        away = (
-            f" A profile moves the mean and deviation of each channel of the target to the source's, from {PROFILE} pictures of the target "
-            "without labels that are not tested."
-            if large > 1
-            else ""
-        )
         parts.append(
             "A probe is multinomial logistic regression (L2 penalty, C = 1) on centred unit rows of one domain; its accuracy at home is that of "
-            f"{FOLDS} folds of objects.{away}"
+            f"{FOLDS} folds of objects."
         )
-    parts.append(
-        f"Other intervals are 95 % percentiles of {DRAWS:,} bootstrap draws of objects"
-        + (", of domains for probes." if labelled and large > 2 else ".")
-    )
+        if large > 1:
+            parts.append(
+                f"A profile moves the mean and deviation of each channel of the target to the source's, from {PROFILE} pictures of the target "
+                "without labels that are not tested."
+            )
+    drawn = "objects, of domains for probes" if labelled and large > 2 else "objects"
+    parts.append(f"Other intervals are 95 % percentiles of {DRAWS:,} bootstrap draws of {drawn}.")
     parts.append(
         f"Maps are PCA and UMAP (McInnes et al., 2018; {NEIGHBOURS} exact neighbours, seed {seed}); trustworthiness and recall compare "
         f"{NEIGHBOURS} neighbours on the map and in the features. omnivat {__version__}, torch {torch.__version__}, "
