@@ -53,15 +53,9 @@ def lines(
     room = 0.05 * (high - low or 1)
     left, right = (min(places), max(places)) if places else (0.0, 1.0)
     side = 0.03 * (right - left or 1)
-    return figure(
-        traces,
-        title=title,
-        caption=caption,
-        height=height,
-        xaxis=axis(across, range=[left - side, right + side], **(marks if ticks else {})),
-        yaxis=axis(up, range=[low - room, high + room]),
-        hovermode="x unified",
-    )
+    xaxis = axis(across, range=[left - side, right + side], **(marks if ticks else {}))
+    layout = {"xaxis": xaxis, "yaxis": axis(up, range=[low - room, high + room]), "hovermode": "x unified"}
+    return figure(traces, title=title, caption=caption, height=height, **layout)
 
 
 def _is(value: float | None) -> bool:
@@ -105,17 +99,9 @@ def gap_curves(frames: FrameSet, *, stage: str = "f_hat", order: float | None = 
         place = {"xref": f"x{key} domain", "yref": f"y{key} domain", "x": 0, "y": 1, "showarrow": False}
         place |= {"xanchor": "left", "yanchor": "bottom", "align": "left"}
         notes.append({"text": f"{words}<br>{_value_at(frames, name, stage, at)}", **place})
-    return figure(
-        traces,
-        title=f"OmniVaT, {STAGE_TITLES.get(stage, stage)}, against p",
-        caption=_caption(frames),
-        height=560,
-        shapes=shapes,
-        annotations=notes,
-        showlegend=False,
-        margin={"t": 88, "b": 32},
-        **layout,
-    )
+    title = f"OmniVaT, {STAGE_TITLES.get(stage, stage)}, against p"
+    layout |= {"shapes": shapes, "annotations": notes, "showlegend": False, "margin": {"t": 88, "b": 32}}
+    return figure(traces, title=title, caption=_caption(frames), height=560, **layout)
 
 
 def _chart(frames: FrameSet, name: str, words: str, stage: str, axes: Mapping[str, str]) -> list[Any]:
@@ -127,17 +113,14 @@ def _chart(frames: FrameSet, name: str, words: str, stage: str, axes: Mapping[st
         there = [k for k, (a, b) in enumerate(zip(low, high, strict=True)) if _is(a) and _is(b)]
         around = [*there, *reversed(there)]
         ends = [(low if i < len(there) else high)[k] for i, k in enumerate(around)]
-        look: dict[str, Any] = {
-            "fill": "toself",
-            "fillcolor": AREA,
-            "line_width": 0,
-            "mode": "lines",
-            "hoverinfo": "skip",
-        }
-        traces.append(go.Scatter(x=[frames.orders[k] for k in around], y=ends, **look, **axes))
+        pale = {"fill": "toself", "fillcolor": AREA, "line_width": 0, "mode": "lines", "hoverinfo": "skip"}
+        traces.append(go.Scatter(x=[frames.orders[k] for k in around], y=ends, **pale, **axes))
     own = _curve(frames, name, stage)
     if own is not None:
-        look = {"mode": "lines+markers" if kind == "retrained" else "lines", "marker": {"size": 5, "color": ACCENT}}
+        look: dict[str, Any] = {
+            "mode": "lines+markers" if kind == "retrained" else "lines",
+            "marker": {"size": 5, "color": ACCENT},
+        }
         look["line_color"] = SOFT if kind == "moved" else ACCENT  # fixed weights: a what-if
         traces.append(go.Scatter(x=list(frames.orders), y=list(own), name=words, **look, **axes))
     return traces
@@ -186,18 +169,19 @@ def staircase(frames: FrameSet, *, order: float | None = None) -> Figure:
     """Return both gaps and the margin at each stage of the head, at the stop nearest to `order`."""
     at = order if order is not None else float(frames.head.get("learned_order") or 0.5)
     stop = min(range(len(frames.orders)), key=lambda i: abs(frames.orders[i] - at))
-    series, words = {}, list(STAGE_TITLES.values())
-    for name in ("modality_gap", "domain_gap", "margin"):
-        values = [frames.curves.get(f"{name}/{stage}") for stage in STAGE_TITLES]
-        series[MEASURES[name]] = [None if v is None else v[stop] for v in values]
+    traces, words = [], list(STAGE_TITLES.values())
     edges = [x for k in range(len(words)) for x in (k - 0.5, k + 0.5)]
-    looks = ({"mode": "lines", "line": {"color": colour, "width": 3}} for colour in SERIES)
-    steps = {name: [v for v in values for _ in range(2)] for name, values in series.items()}
-    most = max(_highest(frames, name) for name in ("modality_gap", "domain_gap", "margin"))
+    measures = ("modality_gap", "domain_gap", "margin")
+    for name, colour in zip(measures, SERIES, strict=False):
+        values = [frames.curves.get(f"{name}/{stage}") for stage in STAGE_TITLES]
+        steps = [None if v is None else v[stop] for v in values for _ in range(2)]
+        line = {"color": colour, "width": 3}
+        traces.append(go.Scatter(x=edges, y=steps, name=MEASURES[name], mode="lines", line=line))
+    most = max(_highest(frames, name) for name in measures)
     # the angle leaves room for all names, on a phone, too
     ticks: dict[str, Any] = {"tickvals": list(range(len(words))), "ticktext": words, "tickangle": -35}
     return figure(
-        [go.Scatter(x=edges, y=ys, name=n, **look) for (n, ys), look in zip(steps.items(), looks, strict=False)],
+        traces,
         title=f"Gaps at each step, p = {frames.orders[stop]:.2f}",
         caption=_caption(frames).replace(" Dashed: the raw embedding, or chance.", ""),
         xaxis=axis(range=[-0.5, len(words) - 0.5], showgrid=False, **ticks),
@@ -211,10 +195,8 @@ def training_curves(epochs: Sequence[Mapping[str, float]], *, title: str = "Trai
     left_out = {"epoch", "order", "clipped", "order_clipped"}
     names = [name for name in (epochs[0] if epochs else {}) if name not in left_out]
     places = [row.get("epoch", k) + 1 for k, row in enumerate(epochs)]
-    logs = {
-        name: (places, [math.log10(v) if (v := row.get(name) or 0) > 0 else None for row in epochs]) for name in names
-    }
-    kept = {name: xy for name, xy in logs.items() if any(v is not None for v in xy[1])}
+    logs = {name: [math.log10(v) if (v := row.get(name) or 0) > 0 else None for row in epochs] for name in names}
+    kept = {name: (places, found) for name, found in logs.items() if any(v is not None for v in found)}
     found = lines(kept, title=title, across="epoch", up="loss")
     low, high = found.layout.yaxis.range
     tens = range(math.floor(low), math.ceil(high) + 1)

@@ -59,13 +59,9 @@ def map_figure(
             if len(own):
                 first = not np.any(group[: k * count] == index)
                 traces.append(_points(places[own], rows, k, colours[index % len(colours)], first, plain(name)))
-                at = [] if hover is None else [plain(hover[int(i) % count]) for i in own]
-                tiles = [[int(i % count), int(i % count + count)][: len(modalities)] for i in own]
-                traces[-1].update(
-                    text=[f"{modality} · {text}" for text in at] or None,
-                    hoverinfo="text" if at else "name",
-                    customdata=tiles if pictures else None,
-                )
+                text = [] if hover is None else [f"{modality} · {plain(hover[int(i) % count])}" for i in own]
+                tiles = [[int(i % count), int(i % count + count)][: len(modalities)] for i in own] if pictures else None
+                traces[-1].update(text=text or None, hoverinfo="text" if text else "name", customdata=tiles)
     shapes = "Circle: photo (VIS); triangle: touch (TAC)" if len(modalities) == 2 else ""
     words = ". ".join(part for part in (caption.rstrip("."), shapes) if part) + "."
     return figure(traces, title=title, caption=words, height=height, pictures=pictures, **_axes(places))
@@ -74,15 +70,10 @@ def map_figure(
 def _points(places: NDArray[Any], rows: int, modality: int, colour: str, named: bool, name: str) -> Any:
     deep = places.shape[1] == 3  # a triangle is no symbol of three dimensions
     symbol = ("circle", "diamond" if deep else "triangle-up")[modality]
-    look = {
-        "mode": "markers",
-        "name": name,
-        "legendgroup": name,
-        "showlegend": named,
-        "marker": {"color": colour, "size": 3 if deep else 6, "opacity": 0.75, "symbol": symbol},
-    }
+    dot = {"color": colour, "size": 3 if deep else 6, "opacity": 0.75, "symbol": symbol}
     kind = go.Scatter3d if deep else go.Scattergl if rows > MANY else go.Scatter
-    return kind(**look, **dict(zip("xyz", np.round(places, 4).T, strict=False)))
+    at = dict(zip("xyz", np.round(places, 4).T, strict=False))
+    return kind(mode="markers", name=name, legendgroup=name, showlegend=named, marker=dot, **at)
 
 
 def _axes(places: NDArray[Any]) -> dict[str, Any]:
@@ -128,10 +119,8 @@ def frames_map(
     what = "simulated data" if frames.embeddings.get("simulated") else "real data"
     headless = frames.head.get("kind") == FEATURES
     predicted = [f" · predicted {frames.classes[k]}" for k in frames.prediction[stop]]
-    hover = [
-        f"{frames.domains[d]} · {frames.classes[c]}{'' if headless else p}"
-        for d, c, p in zip(frames.domain, frames.label, predicted, strict=True)
-    ]
+    pairs = zip(frames.domain, frames.label, predicted, strict=True)
+    hover = [f"{frames.domains[d]} · {frames.classes[c]}{'' if headless else p}" for d, c, p in pairs]
     title = f"OmniVaT, {STAGE_TITLES[stage]}{'' if headless else f', p = {at:.2f}'}"
     caption = f"{kind.upper()} of {frames.pairs} pairs, {what}; the axes have no unit"
     look: dict[str, Any] = {"colours": colours, "hover": hover, "pictures": pictures}

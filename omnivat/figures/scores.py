@@ -13,6 +13,7 @@ from omnivat.gaps import NAMES as GAP_NAMES
 
 READING_NAMES = {"fused": "both images", "vis": "photo only", "tac": "touch only"}
 ROW = 34  # pixels of a row of dots, at least
+SHARES: dict[str, Any] = {"across": "accuracy", "ends": (0, 1), "percent": True}
 Record = Mapping[str, Any]
 
 
@@ -88,25 +89,17 @@ def strangers(summary: Record) -> Figure:
     summary  from `omnivat.unseen.unseen_summary`, or with the same keys "domains", "chance", "unseen"
     """
     records = []
-    every = [*summary["domains"], {"name": "mean of unseen", **(summary.get("unseen") or {})}]
-    for domain in every:
+    for domain in (*summary["domains"], {"name": "mean of unseen", **(summary.get("unseen") or {})}):
         name = domain["name"] + (" (source)" if domain.get("is_source") else "")
         for reading, words in READING_NAMES.items():
-            share = domain.get(f"answers/{reading}")
-            if share:
+            if share := domain.get(f"answers/{reading}"):
                 note = f"of {domain['pairs']} pairs" if "pairs" in domain else ""
                 ends = {"low": share.get("low"), "high": share.get("high")}
                 records.append({"row": name, "series": words, "value": share["share"], "note": note, **ends})
-    return dots(
-        records,
-        title="Accuracy in each domain",
-        across="accuracy",
-        level=summary.get("chance"),
-        colours={words: READINGS[name] for name, words in READING_NAMES.items()},
-        ends=(0, 1),
-        percent=True,
-        caption=f"Trained on {summary.get('source') or 'one domain'}. Bars: 95 % intervals. Dashed: chance.",
-    )
+    colours = {words: READINGS[name] for name, words in READING_NAMES.items()}
+    caption = f"Trained on {summary.get('source') or 'one domain'}. Bars: 95 % intervals. Dashed: chance."
+    look = {"level": summary.get("chance"), "colours": colours, "caption": caption}
+    return dots(records, title="Accuracy in each domain", **look, **SHARES)
 
 
 def ladder(records: Sequence[Record], *, chance: float | None = None) -> Figure:
@@ -114,19 +107,11 @@ def ladder(records: Sequence[Record], *, chance: float | None = None) -> Figure:
 
     records  {"known": words, "n": number of target pairs, "accuracy", "low", "high", "method"}
     """
-    rungs = [
-        {
-            "row": f"{r['known']}, {r['n']}" if r.get("n") else str(r["known"]),
-            "series": r["method"],
-            "value": r["accuracy"],
-            "low": r.get("low"),
-            "high": r.get("high"),
-        }
-        for r in records
-    ]
+    rows = [f"{r['known']}, {r['n']}" if r.get("n") else str(r["known"]) for r in records]
+    told = zip(rows, records, strict=True)
+    rungs = [{**r, "row": row, "series": r["method"], "value": r["accuracy"]} for row, r in told]
     caption = "Each row names what is known of the target, and the number of its pairs. Bars: 95 % intervals."
-    return dots(rungs, title="Accuracy against what is known of the target", across="accuracy",
-                level=chance, ends=(0, 1), percent=True, caption=caption)  # fmt: skip
+    return dots(rungs, title="Accuracy against what is known of the target", level=chance, caption=caption, **SHARES)
 
 
 def confusion(counts: Sequence[Sequence[float]], classes: Sequence[str], *, title: str = "Confusion") -> Figure:
@@ -135,13 +120,9 @@ def confusion(counts: Sequence[Sequence[float]], classes: Sequence[str], *, titl
     shares = [[v / t if t else math.nan for v in row] for row, t in zip(counts, totals, strict=True)]
     words = [[f"{100 * v:.0f}" if v == v else "" for v in row] for row in shares]
     rows = [f"{name} ({int(total)})" for name, total in zip(classes, totals, strict=True)]
-    return figure(
-        [_heat(shares, words, (0, 1), "true %{y}, predicted %{x}: %{text} %")],
-        title=title,
-        caption="Rows: the true class and its pairs. Columns: the predicted class. Figures: % of the row.",
-        height=190 + 42 * len(classes),
-        **_grid(rows, classes),
-    )
+    heat = _heat(shares, words, (0, 1), "true %{y}, predicted %{x}: %{text} %")
+    caption = "Rows: the true class and its pairs. Columns: the predicted class. Figures: % of the row."
+    return figure([heat], title=title, caption=caption, height=190 + 42 * len(classes), **_grid(rows, classes))
 
 
 def _heat(values: Any, words: Any, ends: tuple[float, float], hover: str, **more: Any) -> Any:
@@ -182,25 +163,14 @@ def gap_tables(record: Record) -> Figure:
         cells = [["" if v is None else f"{v:.{digits}f}" for v in row] for row in values]
         hover = f"{words}, %{{y}} to %{{x}}: %{{text}}"
         traces.append(_heat(values, cells, (0.0, most), hover, xaxis=f"x{key}", yaxis=f"y{key}"))
-        layout |= _grid(
-            names,
-            names,
-            key,
-            domain=[0.53 * k, 0.47 + 0.53 * k] if len(sides) == 2 else [0, 1],
-            title=words,
-            tickangle=-40,
-        )
+        half = [0.53 * k, 0.47 + 0.53 * k] if len(sides) == 2 else [0, 1]
+        layout |= _grid(names, names, key, domain=half, title=words, tickangle=-40)
     if len(sides) == 2:  # one set of names for both tables
         layout["yaxis2"] |= {"showticklabels": False, "tickvals": [], "ticktext": []}
-    return figure(
-        traces,
-        title=f"Between domains: {GAP_NAMES.get(record['measure'], record['measure'])}",
-        caption=f"At {record['stage']}, {record['pairs']} pairs"
-        + (", simulated data" if record.get("simulated") else "")
-        + ("." if gap is None else f". Between photos and touches: {gap:.{digits}f}."),
-        height=200 + 38 * len(names),
-        **layout,
-    )
+    title = f"Between domains: {GAP_NAMES.get(record['measure'], record['measure'])}"
+    caption = f"At {record['stage']}, {record['pairs']} pairs{', simulated data' if record.get('simulated') else ''}."
+    caption += "" if gap is None else f" Between photos and touches: {gap:.{digits}f}."
+    return figure(traces, title=title, caption=caption, height=200 + 38 * len(names), **layout)
 
 
 def tree(facts: Any, classes: Sequence[str], *, title: str = "Nodes of the tree") -> Figure:

@@ -7,7 +7,7 @@ and rectangles on axes, titles, ticks, legend and caption.
 import math
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from html import unescape
 from textwrap import wrap
 from typing import Any
@@ -70,17 +70,13 @@ def _plane(figure: Any, key: str, width: float, height: float) -> Plane:
     across, up = figure.layout[f"xaxis{key}"], figure.layout[f"yaxis{key}"]
     margin = {side: getattr(figure.layout.margin, side) or size for side, size in MARGIN.items()}
     inner = width - margin["l"] - margin["r"], height - margin["t"] - margin["b"]
-    (x0, x1), (y0, y1) = across.domain or (0, 1), up.domain or (0, 1)
-    box = (
-        margin["l"] + x0 * inner[0],
-        margin["l"] + x1 * inner[0],
-        margin["t"] + (1 - y0) * inner[1],
-        margin["t"] + (1 - y1) * inner[1],
-    )
+    left, right = (margin["l"] + share * inner[0] for share in across.domain or (0, 1))
+    low, high = (margin["t"] + (1 - share) * inner[1] for share in up.domain or (0, 1))
+    box = (left, right, low, high)
     x, y = (tuple(map(float, one.range or (0, 1))) for one in (across, up))
     if up.scaleanchor:  # one unit is as long in both directions
-        unit = min((box[1] - box[0]) / (x[1] - x[0]), (box[2] - box[3]) / (y[1] - y[0]))
-        box = (box[0], box[0] + unit * (x[1] - x[0]), box[3] + unit * (y[1] - y[0]), box[3])
+        unit = min((right - left) / (x[1] - x[0]), (low - high) / (y[1] - y[0]))
+        box = (left, left + unit * (x[1] - x[0]), high + unit * (y[1] - y[0]), high)
     return Plane(x, y, box)  # type: ignore[arg-type]
 
 
@@ -189,14 +185,11 @@ def _heat(trace: Any, plane: Plane) -> Iterator[Shape]:
             if value is None or not math.isfinite(value):
                 continue
             share = min(1.0, max(0.0, (float(value) - low) / (high - low or 1)))
-            corners = plane.at(column - 0.5, row - 0.5), plane.at(column + 0.5, row + 0.5)
-            (x0, y0), (x1, y1) = corners
+            (x0, y0), (x1, y1) = plane.at(column - 0.5, row - 0.5), plane.at(column + 0.5, row + 0.5)
             yield Shape(kind="rect", points=((x0, min(y0, y1)), (x1, max(y0, y1))), fill=full, opacity=share)
             if trace.text is not None:
-                at = ((x0 + x1) / 2, (y0 + y1) / 2 + 4)
-                words = str(trace.text[row][column])
-                fill = "#ffffff" if share > 0.6 else INK
-                yield Shape(kind="text", points=(at,), text=words, size=11, anchor="middle", fill=fill)
+                words, ink = str(trace.text[row][column]), "#ffffff" if share > 0.6 else INK
+                yield replace(text(((x0 + x1) / 2, (y0 + y1) / 2 + 4), words, 11, "middle"), fill=ink)
 
 
 def _marked(mark: Any, planes: dict[str, Plane]) -> Iterator[Shape]:
@@ -210,8 +203,7 @@ def _marked(mark: Any, planes: dict[str, Plane]) -> Iterator[Shape]:
             y = plane.y[0] + y * (plane.y[1] - plane.y[0])
         ends.append(plane.at(x, y))
     if mark.type == "line":
-        dashed = mark.line.dash is not None
-        stroke = mark.line.color or SOFT
+        stroke, dashed = mark.line.color or SOFT, mark.line.dash is not None
         yield Shape(kind="line", points=tuple(ends), stroke=stroke, dashed=dashed, size=1.4)
     else:
         (x0, y0), (x1, y1) = ends
