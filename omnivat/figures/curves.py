@@ -54,7 +54,8 @@ def lines(
     left, right = (min(places), max(places)) if places else (0.0, 1.0)
     side = 0.03 * (right - left or 1)
     xaxis = axis(across, range=[left - side, right + side], **(marks if ticks else {}))
-    layout = {"xaxis": xaxis, "yaxis": axis(up, range=[low - room, high + room]), "hovermode": "x unified"}
+    yaxis = axis(up, range=[low - room, high + room])
+    layout: dict[str, Any] = {"xaxis": xaxis, "yaxis": yaxis, "hovermode": "x unified"}
     return figure(traces, title=title, caption=caption, height=height, **layout)
 
 

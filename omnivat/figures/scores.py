@@ -98,7 +98,7 @@ def strangers(summary: Record) -> Figure:
                 records.append({"row": name, "series": words, "value": share["share"], "note": note, **ends})
     colours = {words: READINGS[name] for name, words in READING_NAMES.items()}
     caption = f"Trained on {summary.get('source') or 'one domain'}. Bars: 95 % intervals. Dashed: chance."
-    look = {"level": summary.get("chance"), "colours": colours, "caption": caption}
+    look: dict[str, Any] = {"level": summary.get("chance"), "colours": colours, "caption": caption}
     return dots(records, title="Accuracy in each domain", **look, **SHARES)
 
 
