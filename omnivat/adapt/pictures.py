@@ -10,7 +10,7 @@ import numpy as np
 from omnivat.data.pairs import Skipped
 from omnivat.data.profile import Profile, channels_of
 from omnivat.data.readers import read_pairs
-from omnivat.data.readers.names import folders_in, is_image_name, show, visible
+from omnivat.data.readers.files import folders_in, is_image_name, show, visible
 from omnivat.data.rest import RESTED, with_rest
 from omnivat.encoders.base import Encoder, for_modality
 from omnivat.encoders.cache import EmbeddingCache, Source, embed_image

@@ -8,8 +8,7 @@ from functools import partial
 from itertools import islice
 from typing import Any, TypeVar
 
-from omnivat.embed.job import Chunk, Job, embed_one
-from omnivat.embed.parts import part_bytes
+from omnivat.embed.job import Chunk, Job, embed_one, part_bytes
 from omnivat.encoders import Encoder
 from omnivat.encoders.cache import EmbeddingCache
 from omnivat.errors import DataError

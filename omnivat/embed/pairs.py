@@ -9,8 +9,7 @@ from pathlib import Path
 
 from omnivat.data.pairs import PairSet, Skipped
 from omnivat.data.store import Header, manifest_place, require_own, vector_type
-from omnivat.embed.job import Job, chunks_of
-from omnivat.embed.parts import Part, Parts, merge
+from omnivat.embed.job import Job, Part, Parts, chunks_of, merge
 from omnivat.errors import DataError, SettingsError
 from omnivat.files import require_writable
 from omnivat.progress import OnStep, Step, ignore, time_text

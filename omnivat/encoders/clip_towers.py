@@ -53,11 +53,8 @@ class ClipTower:
 
     def embed(self, images: Tensor) -> Tensor:
         """Return the projected embeddings (B, D) of preprocessed images (B, 3, side, side)."""
-        return one_by_one(self._tower, images.to(self._device, self._type))
-
-    def _tower(self, images: Tensor) -> Tensor:
-        embeds: Tensor = self.network(pixel_values=images).image_embeds if self.is_vit else self.network(images)
-        return embeds
+        run = (lambda some: self.network(pixel_values=some).image_embeds) if self.is_vit else self.network
+        return one_by_one(run, images.to(self._device, self._type))
 
 
 def transformer(clip: Clip, part: str, sizes: Mapping[str, int], **own: int) -> Any:

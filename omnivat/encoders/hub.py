@@ -38,10 +38,11 @@ def fetch(repository: str, *, megabytes: int = 0, download: str = "ask") -> Path
         raise SettingsError(f"download is '{download}'; choose {', '.join(POLICIES)}.")
     if find_spec("huggingface_hub") is None:
         return "Downloads need `pip install huggingface_hub`."
-    if (cached := _cached(repository)) is not None:
-        return cached
-    from huggingface_hub import constants
+    from huggingface_hub import constants, try_to_load_from_cache
 
+    for name in WEIGHTS:
+        if isinstance(cached := try_to_load_from_cache(repository, name), str):
+            return Path(cached).parent
     if download == "no" or constants.HF_HUB_OFFLINE:
         return "Downloads are off (--offline, or $HF_HUB_OFFLINE)."
     size = f" ({megabytes} MB)" if megabytes else ""
@@ -72,14 +73,6 @@ def explained(error: Exception, repository: str) -> str:
         f"The hub at {constants.ENDPOINT} cannot be reached{behind} ({kind}); set $HTTPS_PROXY if this "
         "machine is behind a proxy."
     )
-
-
-def _cached(repository: str) -> Path | None:
-    """Return the folder of a model with weights in the hub's cache, or None."""
-    from huggingface_hub import try_to_load_from_cache
-
-    found = (try_to_load_from_cache(repository, name) for name in WEIGHTS)
-    return next((Path(file).parent for file in found if isinstance(file, str)), None)
 
 
 def _downloaded(repository: str) -> Path:

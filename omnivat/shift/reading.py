@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from omnivat.data.embeddings import Embeddings
-from omnivat.data.foreign import import_embeddings
-from omnivat.data.foreign_files import read_columns
+from omnivat.data.foreign import import_embeddings, read_columns
 from omnivat.data.materials import NO_CLASS
 from omnivat.data.store import load_embeddings
 from omnivat.errors import DataError

@@ -173,7 +173,7 @@ def test_a_full_disk_while_a_head_is_saved_is_a_sentence(tmp_path, head_folder, 
 
 
 def test_two_embeds_to_one_file_do_not_take_one_anothers_parts(tmp_path):
-    from omnivat.embed.parts import Parts
+    from omnivat.embed.job import Parts
 
     first, second = Parts(tmp_path / "a.safetensors"), Parts(tmp_path / "a.safetensors")
     with first.claimed(), pytest.raises(WriteError, match="another embed that is still running"), second.claimed():
@@ -186,7 +186,7 @@ def test_two_embeds_to_one_file_do_not_take_one_anothers_parts(tmp_path):
 def test_a_pipe_in_place_of_a_table_is_refused_at_once(tmp_path):
     import os
 
-    from omnivat.data.readers.lists import read_text
+    from omnivat.data.readers.files import read_text
     from omnivat.errors import DataError
 
     os.mkfifo(tmp_path / "table.csv")

@@ -9,7 +9,7 @@ from typing import Any
 
 from omnivat.data.domains import require_domain_names
 from omnivat.data.pairs import PairSet
-from omnivat.data.readers.names import show
+from omnivat.data.readers.files import show
 from omnivat.errors import DataError, SettingsError
 from omnivat.tables import load, suggestion
 

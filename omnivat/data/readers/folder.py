@@ -8,7 +8,7 @@ from pathlib import Path
 from omnivat.data.domains import is_simulated
 from omnivat.data.materials import MATERIALS, NO_CLASS, class_key
 from omnivat.data.pairs import Pair, PairSet, Skipped
-from omnivat.data.readers.names import folders_in, is_image_name, is_text, leads_upwards, show, visible
+from omnivat.data.readers.files import folders_in, is_image_name, is_text, leads_upwards, show, visible
 from omnivat.data.rest import REST
 from omnivat.errors import DataError
 

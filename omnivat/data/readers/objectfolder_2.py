@@ -14,8 +14,7 @@ from random import Random
 
 from omnivat.data.materials import class_key, rules, why_left_out
 from omnivat.data.pairs import Pair, PairSet, Tally
-from omnivat.data.readers.lists import read_cells, read_json
-from omnivat.data.readers.names import folders_in, frames_in, is_file, number_of, show
+from omnivat.data.readers.files import folders_in, frames_in, is_file, number_of, read_cells, read_json, show
 from omnivat.errors import DataError, SettingsError
 from omnivat.seeding import derive_seed
 from omnivat.tables import suggestion

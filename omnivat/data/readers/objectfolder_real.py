@@ -13,8 +13,7 @@ from pathlib import Path
 
 from omnivat.data.materials import class_key, rules, why_left_out
 from omnivat.data.pairs import Pair, PairSet, Tally
-from omnivat.data.readers.lists import read_names
-from omnivat.data.readers.names import folders_in, frames_in, is_file, is_text, show
+from omnivat.data.readers.files import folders_in, frames_in, is_file, is_text, read_names, show
 from omnivat.data.splits import split_by_object
 from omnivat.errors import DataError, SettingsError
 from omnivat.tables import suggestion

@@ -18,11 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omnivat.data.embeddings import Embeddings, Header, indices
-from omnivat.data.foreign import PREFIX
-from omnivat.data.foreign_files import read_columns
+from omnivat.data.foreign import PREFIX, read_columns
 from omnivat.data.materials import class_key, in_order
 from omnivat.data.pairs import Skipped
-from omnivat.data.readers.names import folders_in, show, visible
+from omnivat.data.readers.files import folders_in, show, visible
 from omnivat.data.store import ROW_NAMES
 from omnivat.data.strips import ENCODER, PREPROCESSING, READER, STRIPES
 from omnivat.errors import DataError, SettingsError

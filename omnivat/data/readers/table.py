@@ -9,8 +9,7 @@ from pathlib import Path
 from omnivat.data.domains import is_simulated
 from omnivat.data.materials import MATERIALS, class_key
 from omnivat.data.pairs import Pair, PairSet, Skipped
-from omnivat.data.readers.lists import MOST_TEXT
-from omnivat.data.readers.names import is_file, is_text, show
+from omnivat.data.readers.files import MOST_TEXT, is_file, is_text, show
 from omnivat.errors import DataError
 from omnivat.files import read_whole
 from omnivat.tables import suggestion

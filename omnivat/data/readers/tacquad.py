@@ -15,8 +15,7 @@ from random import Random
 
 from omnivat.data.materials import MATERIALS, class_key, rules_in_text, why_left_out
 from omnivat.data.pairs import Pair, PairSet, Tally
-from omnivat.data.readers.lists import read_cells, read_names
-from omnivat.data.readers.names import frames_in, is_file, is_text, show
+from omnivat.data.readers.files import frames_in, is_file, is_text, read_cells, read_names, show
 from omnivat.data.splits import split_by_object
 from omnivat.data.tac3d import draw_all
 from omnivat.errors import DataError

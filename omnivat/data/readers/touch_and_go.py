@@ -11,8 +11,7 @@ from pathlib import Path
 
 from omnivat.data.materials import class_key, rules, why_left_out
 from omnivat.data.pairs import Pair, PairSet, Skipped, Tally
-from omnivat.data.readers.lists import read_lines
-from omnivat.data.readers.names import folders_in, frames_in, is_file, is_text, show
+from omnivat.data.readers.files import folders_in, frames_in, is_file, is_text, read_lines, show
 from omnivat.data.splits import balance, split_by_object
 from omnivat.errors import DataError
 

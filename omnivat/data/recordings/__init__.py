@@ -4,8 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from omnivat.data.materials import NO_CLASS, class_key
-from omnivat.data.readers.lists import read_rows
-from omnivat.data.readers.names import show
+from omnivat.data.readers.files import read_rows, show
 from omnivat.data.recordings.lerobot import INFO, LeRobot
 from omnivat.data.recordings.tracks import HALVES, Clip, Track
 from omnivat.data.recordings.writing import write_pairs

@@ -11,8 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from omnivat.data.materials import NO_CLASS, class_key
-from omnivat.data.readers.lists import read_json, read_lines, read_rows
-from omnivat.data.readers.names import show
+from omnivat.data.readers.files import read_json, read_lines, read_rows, show
 from omnivat.data.recordings.tracks import Clip, Track, parquet_rows
 from omnivat.errors import DataError
 

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from omnivat.data.images import MAX_PIXELS, read_image
-from omnivat.data.readers.names import show
+from omnivat.data.readers.files import show
 from omnivat.errors import DataError, first_line
 from omnivat.tables import need
 

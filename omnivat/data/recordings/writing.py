@@ -8,7 +8,7 @@ import numpy as np
 from PIL import Image
 
 from omnivat.data.pairs import Skipped
-from omnivat.data.readers.names import show
+from omnivat.data.readers.files import show
 from omnivat.data.recordings.tracks import HALVES, Clip, extent, pictures
 from omnivat.errors import DataError, SettingsError, WriteError
 from omnivat.files import replacing_folder, write_csv

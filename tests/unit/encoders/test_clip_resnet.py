@@ -10,9 +10,9 @@ from safetensors.torch import save_file
 from torch import Tensor, nn
 
 from omnivat.encoders import load_encoder, text_encoder
-from omnivat.encoders.archives import read_script
 from omnivat.encoders.clip_text import load_text_encoder
 from omnivat.encoders.clip_towers import AttentionPool, Bottleneck
+from omnivat.encoders.weights import read_script
 from omnivat.errors import DataError, MissingNameError
 
 pytest.importorskip("transformers")
