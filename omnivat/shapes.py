@@ -49,7 +49,7 @@ def unit(x: Tensor) -> Tensor:
 
     Each row is first divided by its largest entry. A row of zeros stays zero and has no gradient.
     """
-    if x.ndim == 2 and len(x) > AT_ONCE and not x.requires_grad:
+    if not torch.compiler.is_exporting() and x.ndim == 2 and len(x) > AT_ONCE and not x.requires_grad:
         out = torch.empty_like(x)
         for rows, into in zip(x.split(AT_ONCE), out.split(AT_ONCE), strict=True):
             into.copy_(unit(rows))
