@@ -120,3 +120,26 @@ def test_a_printed_chapter_has_no_tabs_and_no_buttons(open_page: Callable[..., A
     for gone in (".ov.top", ".chapters", ".next", ".zooms button", ".tiles button:nth-child(13)"):
         assert not page.locator(f"{gone} >> visible=true").count()
     assert page.locator(".explore .bar-row >> visible=true").count() > 5
+
+
+def test_share_shows_the_address_of_the_view_with_its_code(open_page: Callable[..., Any]) -> None:
+    page = open_page("?chapter=failure&rung=1")
+    page.wait_for_selector(MAP)
+    page.click(".explore .share")
+    field = page.locator(".explore .shared:popover-open input")
+    assert field.input_value() == page.evaluate("location.href")
+    assert "rung=1" in field.input_value()
+    assert page.locator(".explore .shared svg").is_visible()
+
+
+def test_a_lecture_leaves_map_chart_and_control_in_large_letters(open_page: Callable[..., Any]) -> None:
+    page = open_page("?chapter=order", viewport={"width": 1280, "height": 720})
+    page.wait_for_selector(MAP)
+    page.keyboard.press("f")
+    page.wait_for_selector("body.lecturing")
+    for there in (".map", ".over svg", ".order"):
+        assert page.locator(f".explore {there} >> visible=true").count()
+    assert not page.locator(".explore .panels >> visible=true").count()
+    assert page.locator(".explore .ride label").evaluate("one => parseFloat(getComputedStyle(one).fontSize)") >= 24
+    page.keyboard.press("f")
+    page.wait_for_selector("body:not(.lecturing)")

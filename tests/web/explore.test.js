@@ -16,6 +16,7 @@ const { colouring, colouringsOf } = await import("../../app/web/shared/palette.j
 const { csv } = await import("../../app/web/explore/exports.js");
 const { Curves } = await import("../../app/web/explore/curves.js");
 const { modeWords } = await import("../../app/web/explore/modes.js");
+const { Cloud } = await import("../../app/web/shared/cloud.js");
 const { Scale } = await import("../../app/web/shared/chart.js");
 const { changeOf } = await import("../../app/web/explore/waterfall.js");
 const { change, openAt, openChapter, state } = await import("../../app/web/shared/store.js");
@@ -274,4 +275,19 @@ test("while stops are still computed they are dots on the whole axis, and no lin
   assert.doesNotMatch(path(true), /L/);
   assert.equal(path(true).match(/M[^M]*h\.01/g).length, 2);
   assert.match(path(true), /^M0[ ,.].*M100[ ,.]/); // the last stop that is ready stands in the middle
+});
+
+test("a map is as wide as the points that it shows, whatever the bounds of its numbers", () => {
+  const bounds = [
+    [-3.5, -3.5],
+    [2.5, 2.5],
+  ]; // the data lie from 0.25 to 0.5 of them
+  const extents = [
+    [16384, 16384, 32768, 32768],
+    [16384, 16384, 32768, 32768],
+  ];
+  const view = { zoom: 1, dx: 0, dy: 0 };
+  const map = { frame: { bounds, extents }, halves: [true, true], top: 0, ratio: 1, width: 500, height: 500, view };
+  const { ax, bx } = Cloud.prototype.transform.call(map);
+  assert.ok(Math.abs(16384 * ax + bx - 30) < 1 && Math.abs(32768 * ax + bx - 470) < 1);
 });

@@ -13,9 +13,7 @@ export const headLabel = (one) =>
   `${one.name || one.folder}${one.problem ? "" : ` · ${one.source} · ${one.mffa ? one.generation : "no MFFA"}`}`;
 /** The methods that can be fitted: on the pairs of the head's source, by their classes. */
 export const methodsFor = ({ source, domains, labelled }) =>
-  labelled !== false && domains.includes(source)
-    ? [[`${METHOD}nearest_mean`, "nearest class mean (raw embedding)"]]
-    : [];
+  labelled !== false && domains.includes(source) ? [[`${METHOD}nearest_mean`, "nearest class mean"]] : [];
 export const isMethod = (name) => name.startsWith(METHOD);
 
 /** The frames of `name`; "" is the first head, whose frames are loaded.

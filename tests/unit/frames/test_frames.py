@@ -159,3 +159,10 @@ def test_a_value_that_does_not_exist_is_none_here_and_in_the_file(tmp_path):
     for curves in (made.curves, read_frames(tmp_path / "frames.bin").curves):
         assert curves["domain_gap/raw"] == curves["domain_gap/relu"] == [None, None]
         assert None not in curves["modality_gap/relu"]
+
+
+def test_the_orders_that_a_head_was_trained_for_are_narrower_the_wider_it_is(frames):
+    own = head()
+    low, high = frames.head["fits"]
+    assert high - low == pytest.approx(4 / own.settings.width)
+    assert (low + high) / 2 == pytest.approx(own.order)
