@@ -24,12 +24,26 @@ class SimulatedDomain:
     ceramic: bool = True  # False: without ceramic objects
 
 
-# in the order of the paper, which numbers the objects; a new domain goes behind them
-_TAXIM = {"OF 2.0 A": "Taxim GelSight", "OF 2.0 B": "Taxim GelSight Mini"}  # two calibrations
-SIMULATED = {
-    name: SimulatedDomain(
-        name=name, sensor=SENSORS[_TAXIM.get(name, own.sensor)], scene=SCENES[name], seed_base=rank * NUMBERS,
-        series=own.series, ceramic=own.ceramic,
+def _of_paper(name: str, sensor: str, seed_base: int) -> SimulatedDomain:
+    own = DOMAINS[name]
+    return SimulatedDomain(
+        name=name,
+        sensor=SENSORS[sensor],
+        scene=SCENES[name],
+        seed_base=seed_base,
+        series=own.series,
+        ceramic=own.ceramic,
     )
-    for rank, (name, own) in enumerate(DOMAINS.items())
-}  # fmt: skip
+
+
+_PAPER = (
+    _of_paper("TAG", "GelSight", 0),
+    _of_paper("OF Real", "GelSlim", 10_000),
+    _of_paper("OF 2.0 A", "Taxim GelSight", 20_000),  # two calibrations
+    _of_paper("OF 2.0 B", "Taxim GelSight Mini", 30_000),
+    _of_paper("TQ-DIGIT", "DIGIT", 40_000),
+    _of_paper("TQ-GelMini", "GelSight Mini", 50_000),
+    _of_paper("TQ-DuraGel", "DuraGel", 60_000),
+    _of_paper("TQ-T3D", "Tac3D", 70_000),
+)
+SIMULATED = {domain.name: domain for domain in _PAPER}
