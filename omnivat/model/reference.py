@@ -102,7 +102,7 @@ def with_class_token(tokens: Float[Tensor, "C B T D"], token: Float[Tensor, "#B 
     """Add F_g to the real part of the tokens."""
     if token is None:
         return tokens
-    real = tokens[:1] + token.expand(tokens.shape[1], -1)[:, None]  # (1, B, T, D)
+    real = tokens[:1] + token[:, None]  # (1, B, T, D)
     return torch.cat((real, tokens[1:]))
 
 
