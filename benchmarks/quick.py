@@ -14,11 +14,12 @@ import time
 from collections import Counter
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
+from http.client import HTTPConnection, HTTPException
 from io import BytesIO
 from pathlib import Path
 from typing import Any
-from urllib.error import URLError
-from urllib.request import Request, urlopen
+from urllib.parse import urlsplit
+from urllib.request import urlopen
 
 import numpy as np
 from PIL import Image
@@ -52,17 +53,24 @@ def picture(number: int) -> bytes:
 
 
 class Visitor:
-    """One visitor: an address of its own, as a proxy would report it."""
+    """One visitor: an address of its own, as a proxy would report it, and one open connection, as in a browser."""
 
-    def __init__(self, address: str, number: int) -> None:
-        self.address, self.number = address, number
+    def __init__(self, address: str, number: int, *, connect: bool = False) -> None:
+        self.connection, self.number = HTTPConnection(urlsplit(address).netloc), number
         self.headers = {"X-Forwarded-For": f"10.1.{number // 250}.{number % 250 + 1}"}
+        self.upload = picture(1000 * number + 999)
+        if connect:  # anew for each request
+            self.headers["Connection"] = "close"
 
     def send(self, path: str, body: bytes | dict[str, Any]) -> Any:
         """Return the JSON reply of a POST."""
         content = body if isinstance(body, bytes) else json.dumps(body).encode()
-        with urlopen(Request(f"{self.address}omnivat/{path}", content, self.headers)) as reply:
-            return json.load(reply)
+        self.connection.request("POST", f"/omnivat/{path}", content, self.headers)
+        with self.connection.getresponse() as reply:
+            whole = reply.read()
+        if reply.status != 200:
+            raise HTTPException(f"{path}: {reply.status}")
+        return json.loads(whole)
 
     def image(self, number: int) -> str:
         """Upload a picture; return its reference."""
@@ -90,7 +98,8 @@ class Visitor:
             began = time.perf_counter()
             try:
                 self.send(path, body)
-            except (URLError, ValueError):
+            except (HTTPException, OSError, ValueError):
+                self.connection.close()
                 return "failed", 0.0
             return what, time.perf_counter() - began
 
@@ -101,10 +110,10 @@ class Visitor:
             row = f"row:{self.number * DRAGS + k}"
             yield timed("drag", "pair", {"vis": row, "tac": row, "order": k / DRAGS})
             if k == DRAGS // 2:
-                yield timed("upload", "image?name=x", picture(1000 * self.number + 999))
+                yield timed("upload", "image?name=x", self.upload)
 
 
-def measured(visitors: int) -> dict[str, float]:
+def measured(visitors: int, *, connect: bool = False) -> dict[str, float]:
     """Start a server and measure one round."""
     process, address, first = started()
     try:
@@ -118,8 +127,9 @@ def measured(visitors: int) -> dict[str, float]:
         found["own_pair_s"] = statistics.median(one.own_pair(k) for k in range(1, PAIRS + 1))
         found["profile_s"] = statistics.median(one.profile(100 * k) for k in (1, 2, 3))
         source = one.send("trainings", {})["first"]["source"]
+        everybody = [Visitor(address, k, connect=connect) for k in range(visitors)]
         with ThreadPoolExecutor(visitors) as crowd:
-            visits = crowd.map(lambda k: list(Visitor(address, k).visit(source)), range(visitors))
+            visits = crowd.map(lambda visitor: list(visitor.visit(source)), everybody)
             every = [one for visit in visits for one in visit]
         kinds = Counter(what for what, _ in every)
         for what in ("drag", "upload"):
@@ -136,9 +146,12 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--repeat", type=int, default=5, help="rounds")
     parser.add_argument("--visitors", type=int, default=50)
+    parser.add_argument(
+        "--connect", action="store_true", help="a new connection for each request; browsers keep theirs"
+    )
     parser.add_argument("--out", type=Path, default=OUT)
     chosen = parser.parse_args()
-    rounds = [measured(chosen.visitors) for _ in range(chosen.repeat)]
+    rounds = [measured(chosen.visitors, connect=chosen.connect) for _ in range(chosen.repeat)]
     figures = {
         name: {
             "median": round(statistics.median(one[name] for one in rounds), 3),
