@@ -162,7 +162,7 @@ def test_every_route_of_try_a_pair_replies_as_the_server_does(both, tmp_path):
     assert list(found["probabilities"]) == taught["classes"] == [*resources.head().settings.classes, "cork"]
     near(list(found["probabilities"].values()), taught["pairs"][0]["readings"]["fused"], 0.02)
 
-    content = examples[1].file("tac").read_bytes()
+    content = examples[1]["tac"].read_bytes()
     found = both.browser("live", content, "modality=tac")
     wanted = live(resources, Sent(content=content, modality="tac"))
     near(found["readings"], wanted["readings"])
