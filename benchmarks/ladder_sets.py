@@ -35,7 +35,7 @@ KNOWN = {"n5": 5, "n20": 20}  # pairs without labels
 OUT = Path("build/ladder_sets.jsonl")
 
 
-class Asked:
+class FromSource:
     """All pairs of a set, as a head of one source meets them."""
 
     def __init__(self, embeddings: Embeddings, source: int) -> None:
@@ -46,20 +46,20 @@ class Asked:
     def rows(self, domain: int, *, test: bool) -> Array:
         return np.flatnonzero((self.set.domain == domain) & (self.tested == test))
 
-    def answers(self, method: Trained, draw: int) -> dict[str, str]:
-        """Return what a line says of a method; `draw` is the seed of the unlabelled pairs."""
+    def predictions(self, method: Trained, draw: int) -> dict[str, str]:
+        """Return what a line holds of a method; `draw` is the seed of the unlabelled pairs."""
         shares = method.probabilities(rows_of(self.set, np.arange(len(self.set))))
         found = {"odds": odds(np.log(np.maximum(shares[self.tested], 1e-12))), "all": lettered(shares.argmax(1))}
         for name, count in KNOWN.items():
-            said = np.full(len(self.set), -1)
+            guess = np.full(len(self.set), -1)
             for domain in range(len(self.set.header.domains)):
                 if domain != self.source:
                     pool, test = self.rows(domain, test=False), self.rows(domain, test=True)
                     some = np.random.default_rng([draw, domain]).permutation(pool)[:count]
                     target = profile(rows_of(self.set, some))
                     pair = onto(rows_of(self.set, test), target, self.profile, STEP_SHIFTED)
-                    said[test] = method.predict(pair)
-            found[name] = lettered(said[self.tested])
+                    guess[test] = method.predict(pair)
+            found[name] = lettered(guess[self.tested])
         return found
 
 
@@ -82,11 +82,11 @@ def of_source(
 ) -> None:
     """Train what has no line yet and write it."""
     have = {(one["set"], one["source"], one["method"], one["member"]) for one in lines(out, FORMAT) if "method" in one}
-    asked = Asked(embeddings, embeddings.header.domains.index(source))
+    pairs = FromSource(embeddings, embeddings.header.domains.index(source))
 
     def note(method: str, member: int | str, trained: Trained, draw: int) -> None:
         line = {"format": FORMAT, "set": name, "source": source, "method": method, "member": member}
-        append(out, {**line, **asked.answers(trained, draw)})
+        append(out, {**line, **pairs.predictions(trained, draw)})
         print(name, source, method, member, flush=True)
 
     every = list(members) == list(range(MEMBERS))
@@ -105,7 +105,7 @@ def of_source(
 
 
 def main() -> None:
-    """Add the missing lines to the records, and pack them where asked to."""
+    """Add the missing lines to the records, and pack them for --pack."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--embeddings", type=Path, help="a set; without it, the records are only packed")
     parser.add_argument("--name", default="1", help="of the set in the records: the seed it was drawn with")
