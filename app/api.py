@@ -23,7 +23,7 @@ from app.resources import Resources
 from app.state import order_from
 from app.views.data import without_nan
 from app.visitor_sets import VisitorSets
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 Arguments = Mapping[str, Any]
 Work = Callable[[Resources, Arguments, Job[Any]], dict[str, Any]]
@@ -35,7 +35,7 @@ ONE_AT_A_TIME = ("report",)  # tools of the long lane
 
 def about(resources: Resources, _: Arguments, job: Job[Any]) -> dict[str, Any]:
     """Return the names that the other tools take."""
-    from omnivat.heads import shipped_sets
+    from omnivat.head.heads import shipped_sets
 
     head, data = resources.head(), resources.embeddings().header
     return {
@@ -53,8 +53,8 @@ def about(resources: Resources, _: Arguments, job: Job[Any]) -> dict[str, Any]:
 
 
 def predict(resources: Resources, given: Arguments, job: Job[Any]) -> dict[str, Any]:
-    """Return the record of `omnivat.predict` for one pair, and the names of its images."""
-    from omnivat.predict import predict_embeddings
+    """Return the record of `omnivat.head.predict` for one pair, and the names of its images."""
+    from omnivat.head.predict import predict_embeddings
 
     order, head = order_from(given.get("order")), resources.head_named(given.get("head"))
     named = {name: _image(resources, given.get(name), name, job) for name in ("vis", "tac")}
@@ -82,8 +82,8 @@ def gaps(resources: Resources, given: Arguments, job: Job[Any]) -> dict[str, Any
     """Return the record of `omnivat gaps --json`."""
     import torch
 
-    from omnivat.gaps.domain import gap_record
-    from omnivat.gaps.large import parts_of
+    from omnivat.measure.gaps.domain import gap_record
+    from omnivat.measure.gaps.large import parts_of
 
     stage, measure = given.get("stage", "f_hat"), given.get("measure", "centroid")
     order, data = order_from(given.get("order")), resources.embeddings()
@@ -102,9 +102,9 @@ def gaps(resources: Resources, given: Arguments, job: Job[Any]) -> dict[str, Any
 
 def report(resources: Resources, _: Arguments, job: Job[Any]) -> dict[str, Any]:
     """Return the numbers of `omnivat report`; they are computed once for a set."""
-    from omnivat.shift.reading import features_of
-    from omnivat.shift.report import numbers
-    from omnivat.shift.words import methods, notes
+    from omnivat.study.shift.reading import features_of
+    from omnivat.study.shift.report import numbers
+    from omnivat.study.shift.words import methods, notes
 
     def made() -> dict[str, Any]:
         found = features_of(resources.embeddings())

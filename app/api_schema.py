@@ -4,8 +4,8 @@ from typing import Any
 
 from app.limits import MAX_API_BYTES, MAX_IMAGE_BYTES
 from omnivat import __version__
-from omnivat.gaps import GAPS
-from omnivat.stages import LIMIT, STAGES
+from omnivat.kit.stages import LIMIT, STAGES
+from omnivat.measure.gaps import GAPS
 
 Schema = dict[str, Any]
 TEXT: Schema = {"type": "string"}

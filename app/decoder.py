@@ -18,7 +18,7 @@ from threading import Condition, Lock, Timer
 from typing import TYPE_CHECKING, Any
 
 from app.limits import DECODE_S, DECODE_WAIT_S, DECODER_BYTES, IMAGE_MEMORY
-from omnivat.errors import DataError, OmniVatError
+from omnivat.kit.errors import DataError, OmniVatError
 
 if TYPE_CHECKING:
     from PIL import Image

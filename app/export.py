@@ -14,9 +14,9 @@ from app.places import Places, places
 from app.resources import Resources
 from app.routes import sheet
 from app.views import data, explore
-from omnivat.errors import DataError
-from omnivat.files import write_text
-from omnivat.progress import OnStep, Step, ignore
+from omnivat.kit.errors import DataError
+from omnivat.kit.files import write_text
+from omnivat.kit.progress import OnStep, Step, ignore
 
 IMPORT = re.compile(r'(\bfrom\s+|\bimport\s+|\bimport\()"(\.{1,2}/[\w./]+\.js)"')
 KINDS = {".js": "text/javascript", ".json": "application/json", ".webp": "image/webp"}
@@ -69,7 +69,7 @@ def export_picture(
     Raises SettingsError for an unknown map, colouring or ending.
     """
     from omnivat.figures import frames_map, gap_curves, write
-    from omnivat.frames import read_frames
+    from omnivat.maps.frames import read_frames
 
     found = read_frames(frames)
     at = float(found.head.get("learned_order") or 0.5) if order is None else order
@@ -85,7 +85,7 @@ def export_page(where: Places, frames: Path, out: Path) -> None:
 
     Features that need one show a note.
     """
-    from omnivat.frames import read_frames
+    from omnivat.maps.frames import read_frames
 
     found = read_frames(frames)
     title = f"{found.pairs} VIS-TAC pairs of {len(found.domains)} domains, {len(found.orders)} stops of p"

@@ -5,13 +5,13 @@ from typing import TYPE_CHECKING, Any
 
 from app.pair_input import embedded, refs_from, rounded
 from app.resources import Resources
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 if TYPE_CHECKING:
     import numpy as np
     import torch
 
-    from omnivat.checkpoint import Head
+    from omnivat.head.checkpoint import Head
 
     Index = np.ndarray[Any, Any]
 
@@ -57,7 +57,7 @@ def looked_at(head: "Head", vis: "torch.Tensor | None", tac: "torch.Tensor | Non
     The quantile is the share of the training images with a less similar nearest neighbour. Empty if
     the head's folder lacks the training embeddings.
     """
-    from omnivat.calibration import UNLIKE
+    from omnivat.head.calibration import UNLIKE
 
     if head.familiarity is None:
         return {}
@@ -80,9 +80,9 @@ def first(resources: Resources) -> dict[str, Any]:
     import numpy as np
     import torch
 
-    from omnivat.calibration import UNLIKE
     from omnivat.data.arrays import copied
-    from omnivat.unseen import counted
+    from omnivat.head.calibration import UNLIKE
+    from omnivat.measure.unseen import counted
 
     head, embeddings = resources.head(), resources.embeddings()
     head.require_embeddings(embeddings)
@@ -120,8 +120,8 @@ def _nearest(
     import torch
 
     from omnivat.data.arrays import copied
-    from omnivat.gaps.unit import unit
-    from omnivat.projection.neighbours import nearest
+    from omnivat.maps.projection.neighbours import nearest
+    from omnivat.measure.gaps.unit import unit
 
     if not len(index):
         raise DataError("The set has no pairs to compare with.")

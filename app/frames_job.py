@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Any
 
 from app.jobs import Job, Jobs, JobStopped
 from app.limits import LARGE_SET
-from omnivat.errors import DataError
-from omnivat.files import cache_folder, hash_of
-from omnivat.progress import Step
+from omnivat.kit.errors import DataError
+from omnivat.kit.files import cache_folder, hash_of
+from omnivat.kit.progress import Step
 
 if TYPE_CHECKING:
-    from omnivat.checkpoint import Head
     from omnivat.data.store import Embeddings
+    from omnivat.head.checkpoint import Head
 
 log = logging.getLogger(__name__)
 COARSE = tuple(k / 10 for k in range(11))
@@ -38,7 +38,7 @@ class FramesState:
 
 def cache_name(head: Path, embeddings: Path, drawn: int = 0) -> str:
     """Return a hash of both files and of `drawn`, as `FramesJob` has it. Raises DataError if a file is missing."""
-    from omnivat.frames.file import VERSION
+    from omnivat.maps.frames.file import VERSION
 
     files = (head / "weights.safetensors", head / "settings.json", embeddings)
     for file in files:
@@ -144,10 +144,10 @@ class FramesJob:
         linear: bool = False,
     ) -> None:
         """Compute and write the frames of some stops; `linear` computes PCA only."""
-        from omnivat.checkpoint import head_hash
-        from omnivat.frames import build_frames, write_frames
-        from omnivat.frames.builder import DEFAULT_MAPS
-        from omnivat.frames.records import kind_of, with_learned
+        from omnivat.head.checkpoint import head_hash
+        from omnivat.maps.frames import build_frames, write_frames
+        from omnivat.maps.frames.builder import DEFAULT_MAPS
+        from omnivat.maps.frames.records import kind_of, with_learned
 
         provenance = head and {"hash": head_hash(self.head), "source": head.source, "kind": kind_of(head)}
         frames = build_frames(
@@ -181,7 +181,7 @@ def readable(file: Path) -> bool:
     """True if a file holds frames; a damaged one is removed, so that it is computed again."""
     if not file.is_file():
         return False
-    from omnivat.frames import read_frames
+    from omnivat.maps.frames import read_frames
 
     try:
         read_frames(file)

@@ -19,8 +19,8 @@ from app.job_threads import JobThreads
 from app.limits import AGE_S, GIVE_WAY_S, OWN_JOBS, SLOTS, WAITING_JOBS
 from app.messages import UNEXPECTED, BusyError, CancelledError, UnexpectedError
 from app.state import VISITOR
-from omnivat.errors import OmniVatError
-from omnivat.progress import Pace, Step
+from omnivat.kit.errors import OmniVatError
+from omnivat.kit.progress import Pace, Step
 
 log = logging.getLogger(__name__)
 T = TypeVar("T")

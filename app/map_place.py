@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 from app.pair_input import embedded, refs_from
 from app.resources import Resources
 from app.state import Ref, order_from
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 if TYPE_CHECKING:
     import numpy as np
@@ -28,8 +28,8 @@ def place(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     """
     import torch
 
-    from omnivat.gaps.unit import unit
-    from omnivat.projection.neighbours import placed
+    from omnivat.maps.projection.neighbours import placed
+    from omnivat.measure.gaps.unit import unit
 
     stage, order, flat = _drawn(resources, question)
     refs = refs_from(question)
@@ -56,7 +56,7 @@ def place(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
 
 def _drawn(resources: Resources, question: Mapping[str, Any]) -> "tuple[str, float, Array]":
     """Return the requested map at its stop nearest to the requested order: stage, order, positions (2N, 2)."""
-    from omnivat.frames import read_frames
+    from omnivat.maps.frames import read_frames
 
     stage, kind = str(question.get("stage")), str(question.get("map"))
     file = resources.frames.state().file
@@ -81,7 +81,7 @@ def _features(
     """
     import torch
 
-    from omnivat.sweep.walk import stage_features
+    from omnivat.maps.sweep.walk import stage_features
 
     pair, nodes = embedded(resources, refs, question), question.get("nodes") is True
     with torch.inference_mode():
@@ -99,8 +99,8 @@ def kept_features(resources: Resources, stage: str, order: float | None) -> "Arr
     """
     import torch
 
-    from omnivat.gaps.unit import unit
-    from omnivat.sweep import STILL, walk
+    from omnivat.maps.sweep import STILL, walk
+    from omnivat.measure.gaps.unit import unit
 
     embeddings, model = resources.embeddings(), None
     if stage != "raw":

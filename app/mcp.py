@@ -17,7 +17,7 @@ from app.messages import UNEXPECTED, log, readable, status_of
 from app.requests import question_from
 from app.visitor_sets import VisitorSets
 from omnivat import __version__
-from omnivat.errors import DataError, OmniVatError
+from omnivat.kit.errors import DataError, OmniVatError
 
 VERSIONS = ("2025-11-25", "2025-06-18", "2025-03-26")  # newest first
 LISTED = ("name", "description", "inputSchema", "outputSchema", "annotations")  # of a tool

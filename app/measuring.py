@@ -6,7 +6,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from app.resources import Resources
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 if TYPE_CHECKING:
     from torch import Tensor

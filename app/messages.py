@@ -9,7 +9,7 @@ from functools import wraps
 from starlette.requests import ClientDisconnect, Request
 from starlette.responses import JSONResponse, Response
 
-from omnivat.errors import OmniVatError
+from omnivat.kit.errors import OmniVatError
 
 log = logging.getLogger(__name__)
 

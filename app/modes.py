@@ -12,8 +12,8 @@ from typing import Any
 
 from app.places import Places
 from app.resources import Resources
-from omnivat.errors import DataError
-from omnivat.heads import shipped_sets
+from omnivat.head.heads import shipped_sets
+from omnivat.kit.errors import DataError
 
 log = logging.getLogger(__name__)
 FILES = {"trained": "trained.bin", "every": "every.bin"}
@@ -29,7 +29,7 @@ def mode_files(where: Places) -> dict[str, Path]:
 
 def fitting_files(resources: Resources) -> dict[str, Path]:
     """Return the frames files that match the pairs and encoder of the set; log the others."""
-    from omnivat.frames.file import frames_header
+    from omnivat.maps.frames.file import frames_header
 
     fitting = {}
     for mode, file in mode_files(resources.where).items():
@@ -72,7 +72,7 @@ def modes(resources: Resources, among: Container[str] | None = None) -> dict[str
 
 def _curve(file: Path, title: str) -> dict[str, Any] | None:
     """Return the accuracy in unseen domains of the heads trained at each p, if there are any."""
-    from omnivat.frames.file import frames_header
+    from omnivat.maps.frames.file import frames_header
 
     try:
         record = frames_header(file)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from app.resources import Resources
 from app.state import ForgottenError, Ref, ref_from
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 if TYPE_CHECKING:
     import numpy as np

@@ -13,7 +13,7 @@ from app.pair_input import moved, of_ref
 from app.resources import Resources
 from app.state import Ref
 from app.teaching import head_taught
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 if TYPE_CHECKING:
     from PIL import Image

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from app.limits import DRAWN_PAIRS
-from omnivat.heads import EXAMPLES, default_embeddings, default_head, shipped_sets
+from omnivat.head.heads import EXAMPLES, default_embeddings, default_head, shipped_sets
 
 ENDINGS = (".png", ".webp", ".jpg", ".jpeg")
 
@@ -34,7 +34,7 @@ def places(head: Path | None = None, embeddings: Path | None = None, compare: Se
 
 
 def shipped_places(name: str) -> Places:
-    """Return the locations of a set of the project; `omnivat.heads.shipped_sets` lists them."""
+    """Return the locations of a set of the project; `omnivat.head.heads.shipped_sets` lists them."""
     folder, embeddings = shipped_sets()[name]
     return _places(folder, folder / "head", embeddings)
 

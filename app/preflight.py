@@ -12,7 +12,7 @@ from functools import partial
 from pathlib import Path
 
 from app.limits import DRAWN_PAIRS
-from omnivat.errors import DataError, SettingsError
+from omnivat.kit.errors import DataError, SettingsError
 
 PORTS = range(7860, 7960)  # tried in turn by default
 MOST_PAIRS = 50_000  # 100,000 points: what the map draws smoothly

@@ -17,7 +17,7 @@ from app.limits import BODY_S, IDLE_S, MAX_QUESTION_BYTES
 from app.resources import Resources
 from app.scratch import Scratch
 from app.visitor_sets import VisitorSets
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 T = TypeVar("T")
 LOOK_S = 0.25  # seconds between two checks for a disconnected visitor

@@ -17,15 +17,15 @@ from app.limits import MAPPED_BYTES
 from app.places import Places, find_examples, head_names
 from app.scratch import Scratch
 from app.state import ForgottenError, Lazy, Recent, Ref, content_name
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 if TYPE_CHECKING:
     import numpy as np
 
-    from omnivat.checkpoint import Head
     from omnivat.data.profile import Profile
     from omnivat.data.store import Embeddings
     from omnivat.encoders.base import Encoder
+    from omnivat.head.checkpoint import Head
 
 log = logging.getLogger(__name__)
 KEPT_IMAGES = 512  # embeddings of uploaded images; about 5 kB each
@@ -226,7 +226,7 @@ def _of(kept: "np.ndarray[Any, Any]", modality: str) -> "np.ndarray[Any, Any]":
 
 
 def _load_head(folder: Path) -> "Head":
-    from omnivat.checkpoint import load_head
+    from omnivat.head.checkpoint import load_head
 
     return load_head(folder)
 
@@ -239,7 +239,7 @@ def _load_embeddings(where: Places) -> "Embeddings":
 
 def _pairs_in(file: Path) -> int:
     """Return the number of pairs in a set, from its header; 0 if it cannot be read."""
-    from omnivat.schema import tensor_table
+    from omnivat.kit.schema import tensor_table
 
     try:
         return int(tensor_table(file)[1].get("pairs", "0")[:12])

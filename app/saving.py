@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 from app.modes import mode_files
 from app.resources import Resources
 from app.state import order_from
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 if TYPE_CHECKING:
-    from omnivat.checkpoint import Head
     from omnivat.data.store import Embeddings
+    from omnivat.head.checkpoint import Head
 
 HEAD_NOTE = """A head made in the OmniVaT page.
 
@@ -30,7 +30,7 @@ python -m omnivat train --embeddings {name}/embeddings.safetensors --source DOMA
 
 def head_zip(head: "Head", name: str) -> bytes:
     """Return a zip of the head's folder, called `name`."""
-    from omnivat.checkpoint import save_head
+    from omnivat.head.checkpoint import save_head
 
     return _zipped(lambda folder: save_head(folder, head), name, HEAD_NOTE)
 
@@ -50,9 +50,9 @@ def save_figure(resources: Resources, question: Mapping[str, Any]) -> bytes:
     Raises DataError while there are no frames, SettingsError for an unknown map or colouring.
     """
     from omnivat.figures import frames_map, gap_curves, html_page, pictures, staircase
-    from omnivat.frames import read_frames
-    from omnivat.frames.records import FEATURES
-    from omnivat.stages import STAGES
+    from omnivat.kit.stages import STAGES
+    from omnivat.maps.frames import read_frames
+    from omnivat.maps.frames.records import FEATURES
 
     file = mode_files(resources.where).get(str(question.get("mode"))) or resources.frames.state().file
     if file is None:

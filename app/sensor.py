@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from app.pair_input import profile_in
 from app.resources import Resources
 from app.state import content_name, ref_from
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 if TYPE_CHECKING:
     from omnivat.data.profile import Channels, Profile

@@ -20,8 +20,8 @@ from app.light import light_imports
 from app.preflight import free_port, keeps_nothing, parser, require_files
 from app.scratch import sweep
 from app.views import VIEWS
-from omnivat.errors import MissingPackageError, OmniVatError, printable
-from omnivat.tables import need
+from omnivat.kit.errors import MissingPackageError, OmniVatError, printable
+from omnivat.kit.tables import need
 
 log = logging.getLogger(__name__)
 LINES, LONGEST, TRACEBACKS = 60, 300, 50  # a minute; characters of a line; of one process

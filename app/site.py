@@ -25,10 +25,10 @@ from app.site_models import files_in, write_models
 from app.state import content_name
 from app.views import VIEWS, compare, explore
 from app.visitor_sets import VisitorSets
-from omnivat.errors import DataError, SettingsError, WriteError
-from omnivat.files import replacing_folder, require_writable, write_text
-from omnivat.heads import shipped_sets
-from omnivat.progress import OnStep, Step, ignore
+from omnivat.head.heads import shipped_sets
+from omnivat.kit.errors import DataError, SettingsError, WriteError
+from omnivat.kit.files import replacing_folder, require_writable, write_text
+from omnivat.kit.progress import OnStep, Step, ignore
 
 MARK = "omnivat-site.json"  # lists the files of an export, so that the next one replaces only these
 OWN = "own"  # the set of a head or embeddings that are not the project's

@@ -1,7 +1,7 @@
 """What a page without a server computes with: heads and encoder as ONNX files, the set in parts.
 
 models.json              classes, orders and files of each head; rows of the examples
-NAME.onnx                a head (`omnivat/portable.py`); "first" is the page's own
+NAME.onnx                a head (`omnivat/head/portable.py`); "first" is the page's own
 NAME-stages.onnx         its stages and trees for many pairs at one order
 familiarity, profile, …   of the first head, as its folder has them
 set-N.safetensors        embeddings of PART pairs each, in half precision
@@ -21,12 +21,12 @@ from app.resources import Resources
 from app.site_runtime import write_runtime
 from app.state import content_name
 from app.views.pair import token_names, trained_span
-from omnivat.files import replacing, write_json
-from omnivat.progress import OnStep, Step, ignore
-from omnivat.stages import IMAGES
+from omnivat.kit.files import replacing, write_json
+from omnivat.kit.progress import OnStep, Step, ignore
+from omnivat.kit.stages import IMAGES
 
 if TYPE_CHECKING:
-    from omnivat.checkpoint import Head
+    from omnivat.head.checkpoint import Head
 
 PART = 256  # pairs of one file of the set, 1.3 MB of the default encoder
 COPIED = (  # for familiarity, profiles, and saving a taught head
@@ -125,8 +125,8 @@ def write_encoder(resources: Resources, folder: Path) -> dict[str, Any] | None:
 
 def _write_head(head: "Head", folder: Path, name: str) -> dict[str, Any]:
     """Write one head; return what the page has to know of it."""
-    from omnivat.model.dtg import groups, parents
-    from omnivat.portable import write_head, write_stages
+    from omnivat.head.dtg import groups, parents
+    from omnivat.head.portable import write_head, write_stages
 
     write_head(folder / f"{name}.onnx", head)
     write_stages(folder / f"{name}-stages.onnx", head)

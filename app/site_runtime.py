@@ -11,8 +11,8 @@ from hashlib import sha256
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from omnivat.errors import DataError
-from omnivat.files import cache_folder, replacing
+from omnivat.kit.errors import DataError
+from omnivat.kit.files import cache_folder, replacing
 
 PACKAGE, VERSION = "onnxruntime-web", "1.30.0"
 FILES = {  # SHA-256 of the pinned version

@@ -13,8 +13,8 @@ from hashlib import blake2b
 from threading import Lock
 from typing import Any, Generic, TypeVar
 
-from omnivat.errors import DataError
-from omnivat.stages import optional_order
+from omnivat.kit.errors import DataError
+from omnivat.kit.stages import optional_order
 
 
 class ForgottenError(DataError):

@@ -8,12 +8,12 @@ from app.pair_input import embedded, mixed, refs_from
 from app.resources import Resources
 from app.saving import head_zip, set_zip
 from app.state import ForgottenError, content_name
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 if TYPE_CHECKING:
-    from omnivat.checkpoint import Head
     from omnivat.data.store import Embeddings
-    from omnivat.teach import Lesson
+    from omnivat.head.checkpoint import Head
+    from omnivat.head.teach import Lesson
 
 MOST_LESSONS = 60
 LONGEST_LABEL = 40  # letters
@@ -47,7 +47,7 @@ def head_for(resources: Resources, question: Mapping[str, Any]) -> "Head":
     head, given = resources.head_named(question.get("head")), lessons_in(question)
     if not given:
         return head
-    from omnivat.teach import taught
+    from omnivat.head.teach import taught
 
     return resources.taught.once(_name(question), lambda: taught(head, _lessons(resources, given, question)))
 
@@ -79,7 +79,7 @@ def teach(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
 
     Raises DataError for too few pairs or classes.
     """
-    from omnivat.teach import judged
+    from omnivat.head.teach import judged
 
     found = judged(resources.head(), _lessons(resources, lessons_in(question), question))
     return {
@@ -142,7 +142,7 @@ def _name(question: Mapping[str, Any]) -> str:
 
 
 def _lessons(resources: Resources, given: Sequence[Mapping[str, Any]], question: Mapping[str, Any]) -> "list[Lesson]":
-    from omnivat.teach import Lesson
+    from omnivat.head.teach import Lesson
 
     pairs = [embedded(resources, refs_from(one), question) for one in given]
     labels = [one["label"].strip() for one in given]

@@ -16,14 +16,14 @@ from app.saving import head_zip
 from app.state import VISITOR, ForgottenError, Recent
 from app.training_plan import Plan, looked_at, offers, plan_from, thinned
 from app.visitor_sets import VisitorSets
-from omnivat.errors import DataError
-from omnivat.progress import Step
+from omnivat.kit.errors import DataError
+from omnivat.kit.progress import Step
 
 if TYPE_CHECKING:
     import numpy as np
 
-    from omnivat.checkpoint import Head
     from omnivat.data.store import Embeddings
+    from omnivat.head.checkpoint import Head
 
 MOST_RUNS = 12  # that run or wait
 KEPT_RUNS = 48  # whose results are kept
@@ -174,8 +174,8 @@ class Trainings:
         return run
 
     def _work(self, job: Job[None], run: Run, embeddings: "Embeddings", beside: str) -> None:
-        from omnivat.from_pairs import head_from_pairs
-        from omnivat.train import TrainingCancelled
+        from omnivat.training import TrainingCancelled
+        from omnivat.training.from_pairs import head_from_pairs
 
         def stopped() -> bool:  # called before each step
             job.give_way()

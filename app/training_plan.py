@@ -4,13 +4,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 if TYPE_CHECKING:
     import numpy as np
 
     from omnivat.data.store import Embeddings
-    from omnivat.train import TrainSettings
+    from omnivat.training import TrainSettings
 
 WIDTHS = (16, 32, 64, 128)
 ORDERS = ("gradient", "fixed", "search", "every")  # what p does
@@ -47,7 +47,7 @@ def offers(embeddings: "Embeddings", source: str) -> dict[str, Any]:
     Raises DataError for a set in which no domain has pairs of two classes.
     """
     from omnivat.data.materials import NO_CLASS
-    from omnivat.lang.bank import DEFAULT_BANK, load_bank
+    from omnivat.encoders.lang.bank import DEFAULT_BANK, load_bank
 
     header, domains = embeddings.header, list(embeddings.learnable)
     if not domains:
@@ -73,7 +73,7 @@ def plan_from(question: Mapping[str, Any], embeddings: "Embeddings") -> Plan:
     question  {"source": domain, "width", "order": what p does, "p": initial value, "mma": λ,
               "levels": R, "expansion": E, "noise", "lang": true to use LANG, "epochs", "seed"}
     """
-    from omnivat.train import TrainSettings
+    from omnivat.training import TrainSettings
 
     source = _one_of("source", question.get("source"), embeddings.header.domains)
     rows = embeddings.rows_of(source, split="train")

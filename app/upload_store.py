@@ -16,7 +16,7 @@ from time import monotonic
 from app.limits import OWN_BYTES, OWN_PARTS, PART_S, PARTS, PARTS_BYTES
 from app.messages import BusyError
 from app.scratch import Scratch
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 AT_ONCE = 1_000_000  # bytes
 LEAST = 4096  # bytes that a small file takes on a disk

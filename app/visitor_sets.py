@@ -19,11 +19,11 @@ from app.places import Places, shipped_places
 from app.resources import Resources
 from app.state import ForgottenError, Recent, content_name
 from app.upload_store import UploadStore, linked
-from omnivat.errors import DataError
-from omnivat.heads import shipped_sets
+from omnivat.head.heads import shipped_sets
+from omnivat.kit.errors import DataError
 
 if TYPE_CHECKING:
-    from omnivat.checkpoint import Head
+    from omnivat.head.checkpoint import Head
 
 HEAD = ("weights.safetensors", "settings.json", "metrics.json", "familiarity.safetensors", "profile.safetensors")
 SET = "embeddings.safetensors"
@@ -79,7 +79,7 @@ class VisitorSets:
 
     def adopt(self, head: "Head", *, beside: str) -> str:
         """Make a visitor set from a head trained on the server and the set of `beside`; return its name."""
-        from omnivat.checkpoint import save_head
+        from omnivat.head.checkpoint import save_head
 
         base = self.named(beside).where
 

@@ -97,7 +97,7 @@ def measured(decoder: Any, on_file: Callable[[str, dict[str, Any]], None]) -> di
 
     on_file  called with the name, CPU seconds, added memory (MB) and result of each
     """
-    from omnivat.errors import DataError
+    from omnivat.kit.errors import DataError
 
     def read(content: bytes) -> str:
         try:

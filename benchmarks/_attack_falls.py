@@ -135,8 +135,8 @@ def outputs(folder: Path) -> Iterator[Case]:
     """Yield tables with hostile names, closed outputs, odd file names and exported layers."""
     import torch
 
-    from omnivat.files import write_csv
     from omnivat.fractional import FractionalTransform
+    from omnivat.kit.files import write_csv
 
     hostile = ["=1+2", "+1+2", "-1+2", "@a", "\tx", "\rx", "-1.5"]
     write_csv(folder / "t.csv", hostile, [hostile])

@@ -11,7 +11,7 @@ from torch import Tensor
 
 from omnivat.fractional import basis, coefficients, dfrft, synthesise
 from omnivat.fractional.build import build_split
-from omnivat.tables import need
+from omnivat.kit.tables import need
 
 Transform = Callable[[Tensor, float | Tensor], Tensor]
 

@@ -7,8 +7,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from omnivat.errors import MissingPackageError
-from omnivat.tables import need
+from omnivat.kit.errors import MissingPackageError
+from omnivat.kit.tables import need
 
 TASKS = ("build", "new p", "new x", "forward + backward")
 PEER = "torch-frft dfrft"

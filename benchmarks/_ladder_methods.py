@@ -11,19 +11,19 @@ from numpy.typing import NDArray
 from sklearn.linear_model import LogisticRegression
 from torch.nn.functional import cross_entropy
 
-from omnivat.baselines import BASELINES
-from omnivat.baselines.contract import Source, seeded
-from omnivat.baselines.erm_mlp import Perceptron
 from omnivat.data.embeddings import Embeddings
 from omnivat.data.profile import Channels, channels_of, moved, profile_of, standardised
-from omnivat.from_pairs import TrainingPlan, plan_training
-from omnivat.seeding import derive_seed
-from omnivat.stages import IMAGES
-from omnivat.tables import load
-from omnivat.train import TrainSettings, Watch
-from omnivat.train.batches import batches, labels_of
-from omnivat.train.loop import train_once
-from omnivat.train.state import run_name
+from omnivat.kit.seeding import derive_seed
+from omnivat.kit.stages import IMAGES
+from omnivat.kit.tables import load
+from omnivat.study.baselines import BASELINES
+from omnivat.study.baselines.contract import Source, seeded
+from omnivat.study.baselines.erm_mlp import Perceptron
+from omnivat.training import TrainSettings, Watch
+from omnivat.training.batches import batches, labels_of
+from omnivat.training.from_pairs import TrainingPlan, plan_training
+from omnivat.training.loop import train_once
+from omnivat.training.state import run_name
 
 Array = NDArray[Any]
 Pair = tuple[Array, Array]  # rows (n, W) of VIS and TAC in the source's raw space

@@ -8,10 +8,10 @@ from torch import Tensor
 
 from benchmarks._ladder_methods import Array, rows_of
 from omnivat.data.embeddings import Embeddings
-from omnivat.gaps.centroid import centroid_gap
-from omnivat.gaps.unit import unit
-from omnivat.stages import IMAGES
-from omnivat.sweep.walk import stage_features
+from omnivat.kit.stages import IMAGES
+from omnivat.maps.sweep.walk import stage_features
+from omnivat.measure.gaps.centroid import centroid_gap
+from omnivat.measure.gaps.unit import unit
 
 STAGES = ("relu", "f_bar", "f_hat")
 Space = dict[str, dict[str, list[float]]]  # domain -> stage -> MEASURED

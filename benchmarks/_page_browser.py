@@ -13,8 +13,8 @@ from urllib.request import urlopen
 
 import numpy as np
 
-from omnivat.frames import FrameSet, read_frames, write_frames
-from omnivat.heads import EXAMPLES
+from omnivat.head.heads import EXAMPLES
+from omnivat.maps.frames import FrameSet, read_frames, write_frames
 
 FLAGS = [
     "--no-sandbox",

@@ -189,7 +189,7 @@ def main(arguments: list[str] | None = None) -> int:
     from app.places import places
     from app.resources import Resources
     from app.routes import routes
-    from omnivat.files import write_json
+    from omnivat.kit.files import write_json
 
     resources = Resources(places())
 

@@ -72,11 +72,11 @@ def measured(name: str, source: str) -> dict[str, Any]:
     import torch
 
     from omnivat.data.store import load_embeddings
-    from omnivat.heads import default_embeddings
-    from omnivat.lang.bank import load_bank
-    from omnivat.protocol.fitting import fit
-    from omnivat.protocol.methods import methods_named
-    from omnivat.protocol.settings import task
+    from omnivat.encoders.lang.bank import load_bank
+    from omnivat.head.heads import default_embeddings
+    from omnivat.study.protocol.fitting import fit
+    from omnivat.study.protocol.methods import methods_named
+    from omnivat.study.protocol.settings import task
 
     torch.set_num_threads(1)
     embeddings, bank = load_embeddings(default_embeddings()), load_bank()
@@ -160,7 +160,7 @@ def table(found: dict[str, Any]) -> str:
 
 def printed() -> str:
     """Return the paper's table: another machine (an RTX 3090), encoder and data."""
-    from omnivat.reports.paper import paper
+    from omnivat.study.reports.paper import paper
 
     names = list(next(iter(paper()["cost"].values())))
     lines = [

@@ -34,7 +34,7 @@ from PIL import Image
 
 from benchmarks.measure import machine
 from omnivat.data.store import load_embeddings
-from omnivat.embed.job import CHUNK
+from omnivat.encoders.embed.job import CHUNK
 
 LIMIT_MB = 2000
 MATERIALS = ("wood", "steel", "plastic", "ceramic", "glass")
@@ -95,8 +95,8 @@ def rate(folder: Path, count: int) -> dict[str, Any]:
     """Time whole pairs and the encoder alone in turns, a chunk of pairs at a time, on one thread."""
     from omnivat.data.images import read_image
     from omnivat.data.pairs import Pair
-    from omnivat.embed.job import Job, embed_one
-    from omnivat.threads import pin_thread
+    from omnivat.encoders.embed.job import Job, embed_one
+    from omnivat.kit.threads import pin_thread
 
     pin_thread()
     write_images(folder, count + 2)  # the last one cannot be read

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from omnivat.errors import MissingPackageError
-from omnivat.tables import need
+from omnivat.kit.errors import MissingPackageError
+from omnivat.kit.tables import need
 
 FLOOR = 1e-13  # an error below this is drawn here; rounding of the cosine itself is near it
 CAPTION = (

@@ -15,7 +15,7 @@ from typing import Any
 
 from benchmarks._page_browser import FLAGS
 from benchmarks.page import CHROMIUM, ROOT, started
-from omnivat.files import write_text
+from omnivat.kit.files import write_text
 
 SIZES = ((1280, 720), (1440, 900), (2560, 1440), (1024, 768), (400, 800))
 CHAPTERS = ("order", "failure", "fooled", "analyse")

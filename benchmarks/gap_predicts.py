@@ -20,12 +20,13 @@ from numpy.typing import NDArray
 from scipy.stats import rankdata, spearmanr
 
 from omnivat import figures
-from omnivat.files import write_text
-from omnivat.frames.file import frames_header
-from omnivat.heads import LADDERS
-from omnivat.ladder import FORMAT, letters, marks
-from omnivat.protocol.records import lines, read
-from omnivat.reports.reading import settled
+from omnivat.head.heads import LADDERS
+from omnivat.kit.files import write_text
+from omnivat.kit.lines import lines
+from omnivat.maps.frames.file import frames_header
+from omnivat.measure.ladder import FORMAT, letters, marks
+from omnivat.study.protocol.records import read
+from omnivat.study.reports.reading import settled
 
 EXAMPLES = Path("examples")
 SETS = {"sensors": EXAMPLES, "chirps": EXAMPLES / "chirps"}

@@ -24,14 +24,14 @@ import torch
 from benchmarks.measure import machine, timed
 from benchmarks.sweep import made_embeddings
 from omnivat.data.materials import MATERIALS
-from omnivat.lang.bank import LangBank
-from omnivat.model import reference
-from omnivat.model.head import OmniVaT, build_head
-from omnivat.model.settings import HeadSettings
-from omnivat.threads import LIGHT, one_thread
-from omnivat.train import TrainSettings
-from omnivat.train.batches import batches
-from omnivat.train.steps import learn, make_optimiser
+from omnivat.encoders.lang.bank import LangBank
+from omnivat.head import reference
+from omnivat.head.head import OmniVaT, build_head
+from omnivat.head.settings import HeadSettings
+from omnivat.kit.threads import LIGHT, one_thread
+from omnivat.training import TrainSettings
+from omnivat.training.batches import batches
+from omnivat.training.steps import learn, make_optimiser
 
 INPUT, PAIRS, EPOCH = 512, 2000, 5520
 TARGETS = {  # seconds

@@ -37,10 +37,11 @@ from omnivat.cli.arguments import listed, numbers
 from omnivat.data.packing import odds
 from omnivat.data.profile import STEP_SHIFTED
 from omnivat.data.store import Embeddings, load_embeddings
-from omnivat.heads import default_embeddings
-from omnivat.ladder import COUNTS, FORMAT, METHOD, lettered
-from omnivat.protocol.records import append, fingerprint, lines, mend
-from omnivat.threads import pin_thread
+from omnivat.head.heads import default_embeddings
+from omnivat.kit.lines import lines
+from omnivat.kit.threads import pin_thread
+from omnivat.measure.ladder import COUNTS, FORMAT, METHOD, lettered
+from omnivat.study.protocol.records import append, fingerprint, mend
 
 RECIPE = ("logistic_recipe", "erm_recipe", "dtg_recipe", "omnivat")  # trained as the page's head
 METHODS = (*CLOSED, "linear_probe", "erm_mlp", "vt_cmc_head", "ldc_icd", *RECIPE)

@@ -90,7 +90,7 @@ def accuracies(records: Path) -> dict[tuple[str, str], float]:
 def main() -> None:
     """Compare, and say how many figures agree."""
     from benchmarks.ladder_table import BUDGETS, NAMES, SEEN
-    from omnivat.ladder import KNOWN
+    from omnivat.measure.ladder import KNOWN
 
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     records, table = Path("examples/records/ladder.jsonl.gz"), Path("docs/benchmarks/ladder.md")

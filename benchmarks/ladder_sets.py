@@ -24,9 +24,10 @@ from omnivat.cli.arguments import listed, numbers
 from omnivat.data.packing import odds
 from omnivat.data.profile import STEP_SHIFTED
 from omnivat.data.store import Embeddings, load_embeddings
-from omnivat.ladder import lettered
-from omnivat.protocol.records import append, fingerprint, lines, mend
-from omnivat.threads import pin_thread
+from omnivat.kit.lines import lines
+from omnivat.kit.threads import pin_thread
+from omnivat.measure.ladder import lettered
+from omnivat.study.protocol.records import append, fingerprint, mend
 
 FORMAT = "omnivat-sets-1"
 METHODS = ("logistic_recipe", "erm_recipe", "dtg_recipe", "omnivat")

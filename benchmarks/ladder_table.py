@@ -18,12 +18,12 @@ import torch
 from omnivat.data.packing import unodds
 from omnivat.figures.scores import ladder
 from omnivat.figures.still import svg_of
-from omnivat.files import write_text
-from omnivat.gaps.calibration import ece, nll
-from omnivat.heads import LADDERS
-from omnivat.ladder import FORMAT, KNOWN, METHOD, letters, marks
-from omnivat.protocol.records import lines
-from omnivat.reports.intervals import Interval, bootstrap_interval
+from omnivat.head.heads import LADDERS
+from omnivat.kit.files import write_text
+from omnivat.kit.lines import lines
+from omnivat.measure.gaps.calibration import ece, nll
+from omnivat.measure.ladder import FORMAT, KNOWN, METHOD, letters, marks
+from omnivat.study.reports.intervals import Interval, bootstrap_interval
 
 NAMES = {
     METHOD: "OmniVaT, D = 64",

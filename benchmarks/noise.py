@@ -13,9 +13,9 @@ from pathlib import Path
 from statistics import fmean
 from typing import Any
 
-from omnivat.files import write_text
-from omnivat.protocol.records import read
-from omnivat.reports.intervals import t_interval
+from omnivat.kit.files import write_text
+from omnivat.study.protocol.records import read
+from omnivat.study.reports.intervals import t_interval
 
 RECORDS = Path("docs/benchmarks/noise.jsonl.gz")
 LIGHT = Path("examples/records/protocol.jsonl.gz")  # the head without noise, as it was the default

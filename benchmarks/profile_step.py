@@ -18,9 +18,9 @@ from benchmarks._ladder_methods import RECIPES, Trained, onto, profile, rows_of
 from omnivat.cli.arguments import listed, numbers
 from omnivat.data.profile import STEP_SHIFTED
 from omnivat.data.store import Embeddings, load_embeddings
-from omnivat.files import write_text
-from omnivat.heads import default_embeddings
-from omnivat.threads import pin_thread
+from omnivat.head.heads import default_embeddings
+from omnivat.kit.files import write_text
+from omnivat.kit.threads import pin_thread
 
 STEPS, COUNTS, DRAWS = (0.5, 0.625, 0.75, 0.875, 1.0), (1, 5, 20), 3
 Cells = dict[str, dict[str, list[list[float]]]]  # source -> target -> steps × counts, in points

@@ -25,9 +25,9 @@ import torch
 from torch import Tensor
 
 from benchmarks.measure import as_dict, machine, timed
-from omnivat.projection import PROJECTIONS
-from omnivat.projection.quality import drift, quality
-from omnivat.tables import load
+from omnivat.kit.tables import load
+from omnivat.maps.projection import PROJECTIONS
+from omnivat.maps.projection.quality import drift, quality
 
 CHAIN_STOPS = 11
 MANY = 20_000  # points of `--large`
@@ -77,7 +77,7 @@ def method_report(name: str, points: Tensor, runs: int) -> dict[str, Any]:
 
 def large_report() -> dict[str, Any]:
     """Time one UMAP map of MANY points of width 64, and measure it on 1,000 of them."""
-    from omnivat.projection import torch_umap
+    from omnivat.maps.projection import torch_umap
 
     points = made_points(MANY, 64)
     torch_umap.project(points[:500])  # warm
@@ -91,8 +91,8 @@ def large_report() -> dict[str, Any]:
 def chain_report(points: Tensor) -> list[dict[str, Any]]:
     """One map for each of 11 orders of ReLU(Re, Im): independent, and as a chain."""
     from omnivat.fractional import coefficients, synthesise
-    from omnivat.projection import torch_umap
-    from omnivat.projection.torch_umap import chain
+    from omnivat.maps.projection import torch_umap
+    from omnivat.maps.projection.torch_umap import chain
 
     kept = coefficients(points)
     stops = []

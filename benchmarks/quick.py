@@ -27,7 +27,7 @@ from PIL import Image
 from benchmarks._page_browser import resident_mb
 from benchmarks.measure import machine
 from benchmarks.page import started
-from omnivat.files import write_json
+from omnivat.kit.files import write_json
 
 OUT = Path("docs/benchmarks/quick.json")
 PROFILE, PAIRS, DRAGS, EVERY = 20, 10, 20, 5  # pictures, own pairs; drags; each 5th visitor trains

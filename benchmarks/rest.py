@@ -21,10 +21,10 @@ from omnivat.data.domains import simulated
 from omnivat.data.profile import standardised
 from omnivat.data.rest import has_markers, minus_rest
 from omnivat.data.store import Embeddings, load_embeddings
-from omnivat.files import write_json
-from omnivat.heads import default_embeddings
-from omnivat.reports.intervals import bootstrap_interval
-from omnivat.seeding import derive_seed
+from omnivat.head.heads import default_embeddings
+from omnivat.kit.files import write_json
+from omnivat.kit.seeding import derive_seed
+from omnivat.study.reports.intervals import bootstrap_interval
 
 WAYS = {
     "plain": "as they come",

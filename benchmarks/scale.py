@@ -21,7 +21,7 @@ from time import perf_counter
 from typing import Any
 
 from benchmarks.measure import machine
-from omnivat.gaps import GAPS
+from omnivat.measure.gaps import GAPS
 
 SIZES = (1_000, 10_000, 100_000, 500_000)
 WIDTH, CLASSES, DOMAINS = 512, 5, 4
@@ -68,9 +68,9 @@ def make_head(folder: Path) -> Path:
     """Write an untrained head that fits the synthetic sets."""
     import torch
 
-    from omnivat.checkpoint import Head, save_head
-    from omnivat.model.head import OmniVaT
-    from omnivat.model.settings import HeadSettings
+    from omnivat.head.checkpoint import Head, save_head
+    from omnivat.head.head import OmniVaT
+    from omnivat.head.settings import HeadSettings
 
     torch.manual_seed(0)
     names = tuple(f"class {k}" for k in range(CLASSES))
@@ -246,7 +246,7 @@ def _cell(row: dict[str, Any]) -> str:
 
 def write(out: Path, found: dict[str, dict[str, Any]]) -> None:
     """Write the results so far."""
-    from omnivat.files import write_json
+    from omnivat.kit.files import write_json
 
     tasks = {task: {"sizes": rows, "exponent": exponent(rows)} for task, rows in found.items()}
     write_json(out, {"machine": machine(), "width": WIDTH, "tasks": tasks})

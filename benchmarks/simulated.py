@@ -19,7 +19,7 @@ from benchmarks.simulated_real import print_real, real_pairs
 from benchmarks.simulated_table import print_imitations, print_matrix, print_table
 from omnivat.data.domains import DOMAINS, paper_name
 from omnivat.encoders.base import DEFAULT_ENCODER
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 
 def main() -> None:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from omnivat.data.store import load_embeddings
 from omnivat.encoders.base import DEFAULT_ENCODER
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 Array = NDArray[np.float32]
 Names = NDArray[np.str_]

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.simulated_features import Array, Features, Names
-from omnivat.tables import need
+from omnivat.kit.tables import need
 
 Probabilities = Callable[[Array], NDArray[np.float64]]
 FUSIONS = {

@@ -15,7 +15,7 @@ from benchmarks.simulated_features import Array, Features, Names, encoded, unit
 from benchmarks.simulated_probe import FUSIONS, READINGS, read_all
 from omnivat.data.domains import paper_name
 from omnivat.data.materials import MATERIALS, class_key
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 HEAD = Path("examples/head")
 _Z = 1.96
@@ -83,8 +83,8 @@ def _head_predictions(folder: Path, features: Features, real: Real) -> dict[str,
     """Return the head's predictions, or nothing if it is missing or needs other embeddings."""
     import torch
 
-    from omnivat.checkpoint import load_head
-    from omnivat.predict import PRECISION, predict_embeddings
+    from omnivat.head.checkpoint import load_head
+    from omnivat.head.predict import PRECISION, predict_embeddings
 
     if not folder.is_dir():
         return {}

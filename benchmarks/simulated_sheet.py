@@ -17,7 +17,7 @@ from omnivat.data.images import read_image
 from omnivat.data.materials import MATERIALS
 from omnivat.data.pairs import Pair
 from omnivat.data.readers import read_pairs
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 TILE = 112  # pixels of a side
 GAP = 10  # between classes and between domains

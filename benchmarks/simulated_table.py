@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from benchmarks.simulated_features import Features
 from benchmarks.simulated_probe import FUSIONS, READINGS, Judged
 from omnivat.data.domains import paper_name
-from omnivat.reports.intervals import Interval, t_interval
+from omnivat.study.reports.intervals import Interval, t_interval
 
 Shares = NDArray[np.float64]
 

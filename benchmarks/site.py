@@ -38,9 +38,9 @@ from app.site_models import files_in, write_models
 from benchmarks._firefox import firefox
 from benchmarks._page_browser import FLAGS
 from benchmarks._site_page import dropped, over_line, stalls
-from omnivat.errors import OmniVatError
-from omnivat.files import write_json, write_text
-from omnivat.predict import predict_embeddings
+from omnivat.head.predict import predict_embeddings
+from omnivat.kit.errors import OmniVatError
+from omnivat.kit.files import write_json, write_text
 
 PAGE = '<!doctype html><meta charset="utf-8"><title>models</title><link rel="icon" href="data:,">'
 ASK = """async ([path, query, body]) => {

@@ -23,16 +23,16 @@ from torch import Tensor
 
 from benchmarks._machine import Spread, interleaved
 from benchmarks.measure import machine
-from omnivat.checkpoint import load_head
 from omnivat.data.store import load_embeddings
 from omnivat.encoders import load_encoder
 from omnivat.fractional import Coefficients, coefficients, dfrft, synthesise
-from omnivat.gaps.centroid import modality_gap
-from omnivat.heads import default_embeddings, default_head
-from omnivat.model.head import OmniVaT
-from omnivat.projection import torch_umap
-from omnivat.projection.quality import drift, quality
-from omnivat.stages import IMAGES
+from omnivat.head.checkpoint import load_head
+from omnivat.head.head import OmniVaT
+from omnivat.head.heads import default_embeddings, default_head
+from omnivat.kit.stages import IMAGES
+from omnivat.maps.projection import torch_umap
+from omnivat.maps.projection.quality import drift, quality
+from omnivat.measure.gaps.centroid import modality_gap
 
 ORDERS = tuple(step / 10 for step in range(11))
 

@@ -20,9 +20,9 @@ import torch
 from torch import Tensor
 
 from benchmarks._reference import reference
-from omnivat.errors import MissingPackageError
 from omnivat.fractional import dfrft
-from omnivat.tables import need
+from omnivat.kit.errors import MissingPackageError
+from omnivat.kit.tables import need
 
 SIZES = (1, 2, 3, 4, 5, 6, 7, 8, 63, 64, 65, 511, 512, 513, 768, 1024, 2048, 4096)
 QUICK = (1, 2, 3, 4, 5, 8, 63, 64, 512)

@@ -19,9 +19,9 @@ import torch
 from benchmarks.measure import as_dict, machine, product_rate, timed
 from omnivat.data.materials import MATERIALS
 from omnivat.data.store import ROW_NAMES, Embeddings, Header
-from omnivat.model.head import OmniVaT, build_head
-from omnivat.model.settings import HeadSettings
-from omnivat.sweep import sweep
+from omnivat.head.head import OmniVaT, build_head
+from omnivat.head.settings import HeadSettings
+from omnivat.maps.sweep import sweep
 
 TARGETS = {64: 3.0, 512: 45.0}  # wall seconds on two cores
 INPUT_WIDTH = 512

@@ -15,12 +15,12 @@ import torch
 from torch import Tensor
 
 from benchmarks.measure import machine
-from omnivat.checkpoint import Head, load_head
 from omnivat.data.store import Embeddings, load_embeddings
-from omnivat.evaluate import label_map, predicted_probabilities
-from omnivat.heads import default_embeddings, default_head
-from omnivat.seeding import derive_seed
-from omnivat.teach import Lesson, taught
+from omnivat.head.checkpoint import Head, load_head
+from omnivat.head.heads import default_embeddings, default_head
+from omnivat.head.teach import Lesson, taught
+from omnivat.kit.seeding import derive_seed
+from omnivat.measure.evaluate import label_map, predicted_probabilities
 
 COUNTS = (1, 2, 3, 5)  # pairs of each class
 
@@ -92,7 +92,7 @@ def main() -> None:
         "# Teaching a head a few pairs\n\n"
         "`python -m benchmarks.teach`: accuracy (percent, both images) on pairs of other objects of "
         "each unseen domain, before and after a few of its pairs taught the head, by the method that "
-        f"`omnivat.teach` chooses from them. Mean over {len(embeddings.header.domains) - 1} domains and "
+        f"`omnivat.head.teach` chooses from them. Mean over {len(embeddings.header.domains) - 1} domains and "
         f"{options.draws} draws; 95 % interval of the gain over both. Head of {head.source}, "
         f"D = {head.settings.width}.\n\n{found}\n\n"
         f"{here['machine']}, Python {here['python']}, torch {here['torch']}.\n"

@@ -23,11 +23,11 @@ import torch
 from benchmarks.measure import machine
 from omnivat.data.materials import MATERIALS
 from omnivat.data.store import ROW_NAMES, Embeddings, Header, load_embeddings
-from omnivat.errors import OmniVatError
-from omnivat.evaluate import predicted_probabilities
-from omnivat.lang.bank import LangBank, load_bank
-from omnivat.model.settings import HeadSettings
-from omnivat.train import TrainSettings, train
+from omnivat.encoders.lang.bank import LangBank, load_bank
+from omnivat.head.settings import HeadSettings
+from omnivat.kit.errors import OmniVatError
+from omnivat.measure.evaluate import predicted_probabilities
+from omnivat.training import TrainSettings, train
 
 WIDTH = 96
 SHIPPED = Path("examples/simulated.safetensors")

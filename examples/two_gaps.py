@@ -4,8 +4,8 @@ python -m examples.two_gaps
 """
 
 import omnivat
-from omnivat.heads import default_embeddings, default_head
-from omnivat.sweep import sweep
+from omnivat.head.heads import default_embeddings, default_head
+from omnivat.maps.sweep import sweep
 
 head = omnivat.load_head(default_head())
 embeddings = omnivat.load_embeddings(default_embeddings())

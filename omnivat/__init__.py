@@ -3,7 +3,7 @@
 Importing this loads nothing heavy; names load on first use.
 """
 
-from omnivat.tables import late
+from omnivat.kit.tables import late
 
 __version__ = "0.1.0"
 
@@ -11,11 +11,11 @@ _PUBLIC = {
     "dfrft": "omnivat.fractional:dfrft",
     "coefficients": "omnivat.fractional:coefficients",
     "synthesise": "omnivat.fractional:synthesise",
-    "OmniVaT": "omnivat.model.head:OmniVaT",
-    "HeadSettings": "omnivat.model.settings:HeadSettings",
+    "OmniVaT": "omnivat.head.head:OmniVaT",
+    "HeadSettings": "omnivat.head.settings:HeadSettings",
     "Embeddings": "omnivat.data.store:Embeddings",
     "load_embeddings": "omnivat.data.store:load_embeddings",
-    "load_head": "omnivat.checkpoint:load_head",
+    "load_head": "omnivat.head.checkpoint:load_head",
 }
 __all__ = ["__version__", *_PUBLIC]
 __getattr__ = late(__name__, _PUBLIC)

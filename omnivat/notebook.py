@@ -7,12 +7,12 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
-from omnivat.errors import SettingsError
-from omnivat.progress import OnStep, ignore
+from omnivat.kit.errors import SettingsError
+from omnivat.kit.progress import OnStep, ignore
 
 if TYPE_CHECKING:
-    from omnivat.checkpoint import Head
     from omnivat.data.embeddings import Embeddings
+    from omnivat.head.checkpoint import Head
 
 HEIGHTS = (300, 4000)
 
@@ -33,7 +33,7 @@ class Cell:
 
     def save(self, path: str | Path) -> Path:
         """Write the page as one HTML file; return its path."""
-        from omnivat.files import write_text
+        from omnivat.kit.files import write_text
 
         target = Path(path)
         write_text(target, self.page)
@@ -63,7 +63,7 @@ def explore(
 
     with TemporaryDirectory(prefix="omnivat-notebook-") as temporary:
         place = Path(temporary)
-        folder = _place(head, place / "head", "omnivat.checkpoint", "save_head")
+        folder = _place(head, place / "head", "omnivat.head.checkpoint", "save_head")
         where = where_from(
             folder, _place(embeddings, place / "set.safetensors", "omnivat.data.store", "save_embeddings")
         )

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 from app.resources import Resources
 from omnivat.data.domains import paper_name
-from omnivat.errors import DataError
-from omnivat.heads import EXAMPLES
+from omnivat.head.heads import EXAMPLES
+from omnivat.kit.errors import DataError
 
 if TYPE_CHECKING:
     import numpy as np
@@ -60,12 +60,12 @@ def predictions(resources: Resources, question: Mapping[str, Any]) -> dict[str, 
 def _fitted(resources: Resources, method: str) -> dict[str, Any]:
     import torch
 
-    from omnivat.baselines import BASELINES
     from omnivat.data.arrays import copied
-    from omnivat.protocol.fitting import source_arrays
-    from omnivat.protocol.methods import methods_named
-    from omnivat.protocol.run import Run, task_of
-    from omnivat.tables import load
+    from omnivat.kit.tables import load
+    from omnivat.study.baselines import BASELINES
+    from omnivat.study.protocol.fitting import source_arrays
+    from omnivat.study.protocol.methods import methods_named
+    from omnivat.study.protocol.run import Run, task_of
 
     embeddings, source = resources.embeddings(), resources.head().source
     run = Run(method=methods_named([method], {}, {})[0], source=source, seed=0)
@@ -93,8 +93,8 @@ def scores_of(
 
     Pairs of other classes than `classes` are left out, and training pairs from "unseen". None if no pair remains.
     """
-    from omnivat.evaluate import label_map
-    from omnivat.unseen import counted, mean_over_domains
+    from omnivat.measure.evaluate import label_map
+    from omnivat.measure.unseen import counted, mean_over_domains
 
     label = label_map(list(classes), embeddings.header.classes)[embeddings.label]
     right, known = predicted == label, label >= 0
@@ -118,8 +118,8 @@ def matrix(resources: Resources) -> dict[str, Any]:
 
 
 def _matrix(resources: Resources) -> dict[str, Any]:
-    from omnivat.protocol.records import fingerprint
-    from omnivat.reports.paper import BACKBONE, not_comparable, paper
+    from omnivat.study.protocol.records import fingerprint
+    from omnivat.study.reports.paper import BACKBONE, not_comparable, paper
 
     embeddings = resources.embeddings()
     header = embeddings.header
@@ -164,8 +164,8 @@ def protocol_runs(content: str) -> dict[tuple[str, str], list[Mapping[str, Any]]
 
     Heads of different widths are different methods.
     """
-    from omnivat.protocol.records import read
-    from omnivat.reports.reading import settled
+    from omnivat.study.protocol.records import read
+    from omnivat.study.reports.reading import settled
 
     grouped: dict[tuple[str, str], list[Mapping[str, Any]]] = {}
     for record in (settled(record) for file in RECORDS for record in read(file)):
@@ -193,8 +193,8 @@ def ranking(runs: Mapping[tuple[str, str], Sequence[Any]]) -> list[dict[str, Any
     A mean over unseen domains, then over sources; 95 % intervals by drawing sources, then seeds. `seeds` is the
     standard deviation over seeds of one source, pooled over sources; None for one seed.
     """
-    from omnivat.reports.intervals import bootstrap_interval, spread
-    from omnivat.reports.reading import record_mean
+    from omnivat.study.reports.intervals import bootstrap_interval, spread
+    from omnivat.study.reports.reading import record_mean
 
     found = []
     for label in dict.fromkeys(label for label, _ in runs):

@@ -10,7 +10,7 @@ from app.limits import MAX_IMAGE_BYTES, MAX_PIXELS
 from app.messages import without_places
 from app.resources import Resources
 from app.sensor import from_the_start
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 TITLE = "Data & limits"
 FITS = dict.fromkeys(("problem", "remedy", "command"), "")

@@ -10,8 +10,8 @@ from app.map_place import kept_features
 from app.resources import Resources
 from app.state import order_from
 from omnivat.data.packing import packed
-from omnivat.errors import DataError
-from omnivat.heads import kept_ladder
+from omnivat.head.heads import kept_ladder
+from omnivat.kit.errors import DataError
 
 if TYPE_CHECKING:
     import numpy as np
@@ -29,7 +29,7 @@ def neighbours(resources: Resources, question: Mapping[str, Any]) -> dict[str, A
     question  {"point": 0..2N-1 (VIS first, then TAC), "stage": …, "order": p}
     return    {"neighbours": [{"point", "cosine"}, …]}; the point's own pair may be among them
     """
-    from omnivat.sweep import STAGES
+    from omnivat.maps.sweep import STAGES
 
     embeddings = resources.embeddings()
     stage, point = str(question.get("stage")), question.get("point")
@@ -52,11 +52,11 @@ def nearest(features: "Array", point: int) -> list[dict[str, Any]]:
 
 
 def unseen(resources: Resources) -> dict[str, Any]:
-    """Return the accuracy of the first head in unseen domains, as `omnivat.unseen` has it.
+    """Return the accuracy of the first head in unseen domains, as `omnivat.measure.unseen` has it.
 
     Values of each pair are `packed`: a list of numbers would need five times as many bytes.
     """
-    from omnivat.unseen import unseen_summary
+    from omnivat.measure.unseen import unseen_summary
 
     def made() -> dict[str, Any]:
         found = unseen_summary(resources.head(), resources.embeddings())
@@ -73,7 +73,7 @@ def unseen(resources: Resources) -> dict[str, Any]:
 
 
 def ladder(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the ladder of a source domain, as `omnivat.ladder` has it.
+    """Return the ladder of a source domain, as `omnivat.measure.ladder` has it.
 
     question  {"source": a domain, "" for the head's}
     return    its rungs and sources, and "kept": true where they stand in the file next to the set
@@ -84,7 +84,7 @@ def ladder(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
         raise DataError(f"The set has no domain {source!r:.40}; there are {', '.join(domains)}.")
 
     def climbed() -> dict[str, Any]:
-        from omnivat.ladder import ladder
+        from omnivat.measure.ladder import ladder
 
         recorded = not source and not resources.drawn()
         kept = kept_ladder(resources.where.head, resources.where.embeddings) if recorded else None
@@ -98,7 +98,7 @@ def centred(resources: Resources, method: str) -> dict[str, Any]:
 
     method  "pca", or "umap", which takes seconds where no file has it
     """
-    from omnivat.frames.centred import centred_reply, kept_reply
+    from omnivat.maps.frames.centred import centred_reply, kept_reply
 
     def made() -> dict[str, Any]:
         embeddings = resources.embeddings()
@@ -123,6 +123,6 @@ def mechanism(_: Resources) -> dict[str, Any]:
 
 @cache
 def _toy() -> dict[str, Any]:
-    from omnivat.toy import toy
+    from omnivat.simulate.toy import toy
 
     return toy([k / 100 for k in range(101)])

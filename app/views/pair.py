@@ -10,15 +10,15 @@ from app.resources import Resources
 from app.state import order_from
 from app.teaching import head_for
 from omnivat.data.domains import is_simulated
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 if TYPE_CHECKING:
     import numpy as np
     import torch
 
-    from omnivat.checkpoint import Head
-    from omnivat.model.head import OmniVaT
-    from omnivat.model.output import HeadOutput
+    from omnivat.head.checkpoint import Head
+    from omnivat.head.head import OmniVaT
+    from omnivat.head.output import HeadOutput
 
 TITLE = "Try a pair"
 READINGS = ("fused", "vis", "tac")  # both, photo only, touch only
@@ -48,7 +48,7 @@ def predicted(resources: Resources, question: Mapping[str, Any]) -> dict[str, An
     """
     import torch
 
-    from omnivat.threads import one_thread
+    from omnivat.kit.threads import one_thread
 
     order = order_from(question.get("order"))
     pair = embedded(resources, refs_from(question), question)

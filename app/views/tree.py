@@ -7,13 +7,13 @@ from app.pair_input import embedded, refs_from, rounded
 from app.resources import Resources
 from app.state import order_from
 from app.training_plan import thinned
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 if TYPE_CHECKING:
     from torch import Tensor
 
-    from omnivat.checkpoint import Head
-    from omnivat.nodes import TreeFacts
+    from omnivat.head.checkpoint import Head
+    from omnivat.maps.nodes import TreeFacts
 
 TITLE = "Tree"
 MOST_PAIRS = 5000  # pairs that count; a larger set is thinned evenly, with an error of about a point
@@ -32,7 +32,7 @@ def tree(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     """
     import torch
 
-    from omnivat.nodes import tree_facts
+    from omnivat.maps.nodes import tree_facts
 
     order = order_from(question.get("order"))
     head = resources.head_named(question.get("head"))
@@ -65,7 +65,7 @@ def votes(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
 
     return  {"votes": [{"class", "share"}, …], "pairs": number of pairs}
     """
-    from omnivat.nodes import node_votes
+    from omnivat.maps.nodes import node_votes
 
     name = question.get("head") or ""
     head, embeddings = resources.head_named(name), resources.embeddings()
@@ -88,7 +88,7 @@ def _pairs(
         return embedded(resources, refs_from(question), question), None
     import torch
 
-    from omnivat.evaluate import label_map
+    from omnivat.measure.evaluate import label_map
 
     embeddings = resources.embeddings()
     head.require_embeddings(embeddings)

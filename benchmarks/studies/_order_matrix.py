@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from omnivat.fractional import Coefficients, basis, dfrft
-from omnivat.model import head, reference
+from omnivat.head import head, reference
 
 KINDS = ("order", "group", "unitary", "identity")
 

@@ -10,12 +10,12 @@ import numpy as np
 import torch
 
 from omnivat.data.store import Embeddings
-from omnivat.evaluate import predicted_probabilities
-from omnivat.from_pairs import plan_training
-from omnivat.model.head import OmniVaT
+from omnivat.head.head import OmniVaT
+from omnivat.measure.evaluate import predicted_probabilities
+from omnivat.measure.unseen import counted, mean_over_domains
 from omnivat.simulate.chirps import ChirpSettings
-from omnivat.train import TrainSettings, train
-from omnivat.unseen import counted, mean_over_domains
+from omnivat.training import TrainSettings, train
+from omnivat.training.from_pairs import plan_training
 
 CHIRP_HEAD = {"theta_init": "signed"}  # a spike of any phase must reach a token
 SENSORS = TrainSettings(epochs=60)

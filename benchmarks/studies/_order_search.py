@@ -10,10 +10,10 @@ from benchmarks.studies._order_runs import CHIRP_HEAD, CHIRP_TRAINING, other_see
 from benchmarks.studies._order_sets import WIDTH
 from benchmarks.studies._other_chirps import Recipe, beside, drawn, embeddings_of
 from omnivat.data.store import Embeddings
-from omnivat.from_pairs import plan_training
 from omnivat.simulate.chirps import ChirpSettings, chirp_embeddings
-from omnivat.train import TrainSettings, Watch, train
-from omnivat.train.order_search import search_order
+from omnivat.training import TrainSettings, Watch, train
+from omnivat.training.from_pairs import plan_training
+from omnivat.training.order_search import search_order
 
 NEAR = (0.05, 0.1, 0.15, 0.2)  # p* beside interference at 0
 CURVE = ("orders", "score", "spread", "round")  # what a search found at each order

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from omnivat.data.store import Embeddings, load_embeddings
-from omnivat.thumbnails import sheet_of
+from omnivat.maps.thumbnails import sheet_of
 
 WIDTH = 64
 

@@ -45,13 +45,13 @@ from benchmarks.studies._order_runs import (
 from benchmarks.studies._order_search import CURVE, NEAR, alone_of, near_of, search_alone, search_of
 from benchmarks.studies._order_sets import WIDTH, permuted, picture_rows, some_channels
 from omnivat.data.store import Embeddings, load_embeddings
-from omnivat.evaluate import predicted_probabilities
-from omnivat.frames import read_frames
-from omnivat.from_pairs import plan_training
-from omnivat.heads import EXAMPLES, default_embeddings
-from omnivat.model.head import OmniVaT
+from omnivat.head.head import OmniVaT
+from omnivat.head.heads import EXAMPLES, default_embeddings
+from omnivat.maps.frames import read_frames
+from omnivat.measure.evaluate import predicted_probabilities
 from omnivat.simulate.chirps import ChirpSettings, chirp_embeddings
-from omnivat.train import train
+from omnivat.training import train
+from omnivat.training.from_pairs import plan_training
 
 WIDTHS = (16, 32, 64, 128, 256, 512)
 OFFSETS = np.linspace(-6.0, 6.0, 97)  # of p from the head's own, in units of 1/D quarter turns

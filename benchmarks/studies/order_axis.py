@@ -28,9 +28,9 @@ from benchmarks.studies._order_sets import pictures
 from omnivat.data.store import Embeddings, load_embeddings
 from omnivat.encoders.efficientnet import EfficientNetLite0, load_lite0
 from omnivat.fractional import dfrft
-from omnivat.heads import default_embeddings
-from omnivat.reports.intervals import t_interval
-from omnivat.unseen import counted, mean_over_domains
+from omnivat.head.heads import default_embeddings
+from omnivat.measure.unseen import counted, mean_over_domains
+from omnivat.study.reports.intervals import t_interval
 
 STOPS = (0.0, 0.25, 0.5, 0.75, 1.0)
 SIDE = 64  # samples of a row of a picture

@@ -27,12 +27,12 @@ from numpy.typing import NDArray
 
 from benchmarks.studies._order_runs import SENSORS, carried_out, head_at, labels_of, scored
 from omnivat.data.store import Embeddings, load_embeddings
-from omnivat.evaluate import predicted_probabilities
-from omnivat.from_pairs import plan_training
-from omnivat.heads import default_embeddings
-from omnivat.model.head import OmniVaT
-from omnivat.train import TrainSettings, train
-from omnivat.unseen import counted, mean_over_domains
+from omnivat.head.head import OmniVaT
+from omnivat.head.heads import default_embeddings
+from omnivat.measure.evaluate import predicted_probabilities
+from omnivat.measure.unseen import counted, mean_over_domains
+from omnivat.training import TrainSettings, train
+from omnivat.training.from_pairs import plan_training
 
 # helpful settings (docs/order.md): noise, large steps, orders slightly beyond [0, 1]
 EVERY = TrainSettings(batch=64, lr=0.1, noise=2.0, order_low=-0.1, order_high=1.1)

@@ -16,7 +16,7 @@ from benchmarks.studies.order_touch import ORDERS
 from omnivat.figures.curves import lines
 from omnivat.figures.scores import dots
 from omnivat.figures.still import svg_of
-from omnivat.reports.intervals import Spread, spread, spread_lines
+from omnivat.study.reports.intervals import Spread, spread, spread_lines
 
 Rows = list[dict[str, Any]]
 

@@ -32,17 +32,17 @@ from torch import Tensor
 from benchmarks.studies._order_matrix import heads_with, matrix_of
 from benchmarks.studies._order_runs import QUICK_SENSORS
 from omnivat.data.store import Embeddings, load_embeddings
-from omnivat.evaluate import label_map, predicted_probabilities
-from omnivat.from_pairs import plan_training
-from omnivat.from_pairs.plan import TrainingPlan
-from omnivat.heads import default_embeddings
-from omnivat.model.head import build_head
-from omnivat.seeding import derive_seed
-from omnivat.stages import IMAGES
-from omnivat.train import train
-from omnivat.train.batches import labels_of
-from omnivat.train.order_search import RIDGE
-from omnivat.unseen import counted
+from omnivat.head.head import build_head
+from omnivat.head.heads import default_embeddings
+from omnivat.kit.seeding import derive_seed
+from omnivat.kit.stages import IMAGES
+from omnivat.measure.evaluate import label_map, predicted_probabilities
+from omnivat.measure.unseen import counted
+from omnivat.training import train
+from omnivat.training.batches import labels_of
+from omnivat.training.from_pairs import plan_training
+from omnivat.training.from_pairs.plan import TrainingPlan
+from omnivat.training.order_search import RIDGE
 
 MARGIN = 0.5  # points: orders and seeds are equivalent within it (docs/log.md)
 OUT = Path("docs/benchmarks/order_squares.jsonl.gz")

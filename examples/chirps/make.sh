@@ -21,8 +21,8 @@ rm "$here/every/familiarity.safetensors"
 # Fifty-one stops and the learned order: a set of a few MB
 orders=$(python - "$here/head" <<'END'
 import sys
-from omnivat.checkpoint import load_head
-from omnivat.frames.records import with_learned
+from omnivat.head.checkpoint import load_head
+from omnivat.maps.frames.records import with_learned
 print(*with_learned([k / 50 for k in range(51)], load_head(sys.argv[1]).model.order), sep=",")
 END
 )

@@ -12,10 +12,10 @@ from importlib import import_module
 from io import TextIOWrapper
 
 from omnivat import __version__
-from omnivat.devices import computing_on, named
-from omnivat.errors import OmniVatError, WriteError, printable
-from omnivat.files import require_writable
-from omnivat.tables import suggestion
+from omnivat.kit.devices import computing_on, named
+from omnivat.kit.errors import OmniVatError, WriteError, printable
+from omnivat.kit.files import require_writable
+from omnivat.kit.tables import suggestion
 
 NAMES = (  # in the order of the help; a command's file has its name, or that in FILES
     "try", "predict", "embed", "import", "train", "evaluate", "profile", "teach", "protocol",

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 from omnivat.cli.arguments import listed, numbers, shared, split_settings
 from omnivat.cli.protocol import RUNS, add_running, work
-from omnivat.files import require_writable
+from omnivat.kit.files import require_writable
 
 if TYPE_CHECKING:
-    from omnivat.ablations import Ablation
-    from omnivat.protocol.run import Run
+    from omnivat.study.ablations import Ablation
+    from omnivat.study.protocol.run import Run
 
 
 def add(parser: argparse.ArgumentParser) -> None:
@@ -23,11 +23,11 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Run what is missing, then write tables and plots."""
-    from omnivat.ablations import chosen, method_name
-    from omnivat.model.settings import HeadSettings
-    from omnivat.protocol import records
-    from omnivat.reports.ablation_report import write_ablations
-    from omnivat.train import TrainSettings
+    from omnivat.head.settings import HeadSettings
+    from omnivat.study.ablations import chosen, method_name
+    from omnivat.study.protocol import records
+    from omnivat.study.reports.ablation_report import write_ablations
+    from omnivat.training import TrainSettings
 
     require_writable(options.out / RUNS)
     tables = chosen(listed(options.only))
@@ -56,9 +56,9 @@ def planned_rows(
     training: dict[str, Any],
 ) -> "list[Run]":
     """Return the runs of all tables; a row in several tables runs once."""
-    from omnivat.ablations import method_name
-    from omnivat.protocol.methods import HEAD, Method
-    from omnivat.protocol.run import Run
+    from omnivat.study.ablations import method_name
+    from omnivat.study.protocol.methods import HEAD, Method
+    from omnivat.study.protocol.run import Run
 
     runs: dict[tuple[str, str, int], Run] = {}
     for seed in seeds:

@@ -9,18 +9,18 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from omnivat.config import field_names, parse_assignments
-from omnivat.devices import named
 from omnivat.encoders.base import DEFAULT_ENCODER
-from omnivat.errors import SettingsError
-from omnivat.heads import default_embeddings, default_head
-from omnivat.progress import OnStep, Pace, Step
-from omnivat.stages import checked_order
-from omnivat.tables import suggestion
+from omnivat.head.heads import default_embeddings, default_head
+from omnivat.kit.config import field_names, parse_assignments
+from omnivat.kit.devices import named
+from omnivat.kit.errors import SettingsError
+from omnivat.kit.progress import OnStep, Pace, Step
+from omnivat.kit.stages import checked_order
+from omnivat.kit.tables import suggestion
 
 if TYPE_CHECKING:
-    from omnivat.checkpoint import Head
     from omnivat.data.store import Embeddings
+    from omnivat.head.checkpoint import Head
 
 
 DEVICE = "cpu (default), cuda, cuda:1, or auto: a GPU if there is one; $OMNIVAT_DEVICE holds where this is left out"
@@ -128,8 +128,8 @@ def figure(parser: argparse.ArgumentParser, of: str) -> None:
 
 def head_and_set(options: argparse.Namespace, *, sample: int = 0, profiled: bool = True) -> "tuple[Head, Embeddings]":
     """Return the head and the embeddings that fit it, `sample` of the pairs or all, with the profiles of the options."""
-    from omnivat.checkpoint import load_head
     from omnivat.data.store import load_embeddings
+    from omnivat.head.checkpoint import load_head
 
     head, embeddings = load_head(options.head), load_embeddings(options.embeddings).sampled(sample)
     head.require_embeddings(embeddings)

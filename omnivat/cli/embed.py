@@ -11,8 +11,8 @@ from pathlib import Path
 from omnivat.cli.arguments import choice, download, passed, progress_bar, shared
 from omnivat.data.readers import READERS
 from omnivat.encoders.base import ENCODERS, JOINED
-from omnivat.errors import SettingsError
-from omnivat.files import require_writable
+from omnivat.kit.errors import SettingsError
+from omnivat.kit.files import require_writable
 
 
 def add(parser: argparse.ArgumentParser) -> None:
@@ -42,7 +42,7 @@ def run(options: argparse.Namespace) -> None:
     from omnivat.data.readers import read_pairs
     from omnivat.data.rest import with_rest
     from omnivat.data.store import manifest_place
-    from omnivat.embed import embed_pairs
+    from omnivat.encoders.embed import embed_pairs
 
     require_writable(options.out, ".safetensors")
     if realpath(manifest_place(options.out, options.manifest)) == realpath(options.pairs):

@@ -12,11 +12,11 @@ from statistics import pstdev
 from typing import TYPE_CHECKING, Any
 
 from omnivat.cli.arguments import as_json, figure, head_and_set, progress_bar, shared, whole, with_profiles
-from omnivat.errors import SettingsError
+from omnivat.kit.errors import SettingsError
 
 if TYPE_CHECKING:
-    from omnivat.checkpoint import Head
     from omnivat.data.store import Embeddings
+    from omnivat.head.checkpoint import Head
 
 
 def add(parser: argparse.ArgumentParser) -> None:
@@ -38,11 +38,11 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Load both, score every domain, print a table."""
-    from omnivat.evaluate import evaluate
+    from omnivat.measure.evaluate import evaluate
 
     head, embeddings = head_and_set(options, profiled=False)
     if options.ladder:
-        from omnivat.ladder import write_ladder
+        from omnivat.measure.ladder import write_ladder
 
         print(f"written: {write_ladder(head, embeddings, options.embeddings)}")
         return
@@ -105,7 +105,7 @@ def averaged(draws: Sequence[list[dict[str, Any]]]) -> list[dict[str, Any]]:
 
 def summary(records: Sequence[dict[str, Any]], source: str) -> dict[str, Any]:
     """Return the records of `evaluate` as `omnivat.figures.strangers` takes them."""
-    from omnivat.unseen import of_domains, wilson
+    from omnivat.measure.unseen import of_domains, wilson
 
     domains, strange = [], []
     for record in (one for one in records if one["scores"]):
@@ -144,7 +144,7 @@ def table(records: Sequence[dict[str, Any]]) -> str:
             f"{name:<18} {record['pairs']:>6} {100 * fused['accuracy']:>6.1f} "
             f"{100 * fused['macro_f1']:>6.1f} {' '.join(alone)}"
         )
-    from omnivat.evaluate import target_mean, target_scores
+    from omnivat.measure.evaluate import target_mean, target_scores
 
     targets = target_scores(records)
     mean, f1 = target_mean(targets), target_mean(targets, "macro_f1")

@@ -9,8 +9,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from omnivat.cli.arguments import choice, passed, progress_bar, shared
-from omnivat.errors import SettingsError
-from omnivat.stages import STAGES
+from omnivat.kit.errors import SettingsError
+from omnivat.kit.stages import STAGES
 
 
 def add(parser: argparse.ArgumentParser) -> None:

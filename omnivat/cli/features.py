@@ -7,15 +7,15 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from omnivat.cli.arguments import HEAD, head_and_set, progress_bar, shared, with_profiles
-from omnivat.errors import SettingsError
-from omnivat.progress import Step
-from omnivat.stages import STAGES
+from omnivat.kit.errors import SettingsError
+from omnivat.kit.progress import Step
+from omnivat.kit.stages import STAGES
 
 if TYPE_CHECKING:
     from torch import Tensor
 
-    from omnivat.checkpoint import Head
     from omnivat.data.store import Embeddings
+    from omnivat.head.checkpoint import Head
 
 LARGE = 50_000  # from this many pairs on, the cost is printed first
 
@@ -38,8 +38,8 @@ class StageFeatures:
 
     def blocks(self) -> "Iterator[tuple[slice, dict[str, Tensor]]]":
         """Yield unit rows of VIS and TAC, some pairs at a time, with their slice and a bar."""
-        from omnivat.gaps.unit import unit
-        from omnivat.sweep.walk import CHUNK, stage_blocks
+        from omnivat.maps.sweep.walk import CHUNK, stage_blocks
+        from omnivat.measure.gaps.unit import unit
 
         model, count = self.head.model if self.head else None, len(self.embeddings)
         chunk = CHUNK if model else 8 * CHUNK  # without a head, larger blocks cost no memory to speak of
@@ -53,7 +53,7 @@ class StageFeatures:
         """Return unit rows (2N, W), VIS then TAC, all in memory."""
         import torch
 
-        from omnivat.devices import current
+        from omnivat.kit.devices import current
 
         count, width, points = len(self.embeddings), self.embeddings.width, torch.empty(0, 0)
         if count > LARGE:

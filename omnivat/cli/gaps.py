@@ -10,7 +10,7 @@ from typing import Any
 
 from omnivat.cli.arguments import as_json, choice, figure, shared
 from omnivat.cli.features import LARGE, StageFeatures, add_stage, stage_features
-from omnivat.gaps import GAPS
+from omnivat.measure.gaps import GAPS
 
 
 def add(parser: argparse.ArgumentParser) -> None:
@@ -52,15 +52,15 @@ def run(options: argparse.Namespace) -> None:
 
 
 def gaps_of(found: StageFeatures, measure: str) -> dict[str, Any]:
-    """Return the gaps as `omnivat.gaps.domain.gap_record` has them.
+    """Return the gaps as `omnivat.measure.gaps.domain.gap_record` has them.
 
     Of a large set, exact measures come from moments, and the others from random pairs of each domain:
     then also "drawn" pairs and the largest "standard_error" of a value.
     """
-    from omnivat.gaps.domain import gap_record
-    from omnivat.gaps.large import ESTIMATES, MOMENT_GAPS, drawn, moments_of, parts_of
-    from omnivat.gaps.mmd import MOST_ROWS
-    from omnivat.tables import load
+    from omnivat.kit.tables import load
+    from omnivat.measure.gaps.domain import gap_record
+    from omnivat.measure.gaps.large import ESTIMATES, MOMENT_GAPS, drawn, moments_of, parts_of
+    from omnivat.measure.gaps.mmd import MOST_ROWS
 
     data, names = found.embeddings, found.embeddings.header.domains
     more: dict[str, Any] = {}

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from omnivat.cli.arguments import choice, listed, passed, progress_bar, shared, whole
-from omnivat.errors import SettingsError
-from omnivat.files import require_writable
+from omnivat.kit.errors import SettingsError
+from omnivat.kit.files import require_writable
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

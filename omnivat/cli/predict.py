@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from omnivat.cli.arguments import as_json, download, passed, progress_bar, shared
-from omnivat.errors import DataError, SettingsError
-from omnivat.progress import Step
+from omnivat.kit.errors import DataError, SettingsError
+from omnivat.kit.progress import Step
 
 MISSING = "-"
 WORDS = {"vis": "photo only", "tac": "touch only"}
@@ -41,13 +41,13 @@ def run(options: argparse.Namespace) -> None:
         )
     import torch
 
-    from omnivat.checkpoint import load_head
     from omnivat.data.profile import load_profile
     from omnivat.data.rest import RESTED
-    from omnivat.devices import current, precise
     from omnivat.encoders import load_encoder
     from omnivat.encoders.cache import default_cache, embed_pair
-    from omnivat.predict import predict_embeddings
+    from omnivat.head.checkpoint import load_head
+    from omnivat.head.predict import predict_embeddings
+    from omnivat.kit.devices import current, precise
 
     head = load_head(options.head, dtype=precise(current()))
     profile = load_profile(options.profile) if options.profile else None

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from omnivat.cli.arguments import download, passed, progress_bar, shared
-from omnivat.errors import SettingsError
-from omnivat.files import require_writable
+from omnivat.kit.errors import SettingsError
+from omnivat.kit.files import require_writable
 
 if TYPE_CHECKING:
     from omnivat.data.profile import Profile
@@ -56,8 +56,8 @@ def run(options: argparse.Namespace) -> None:
 
 
 def _of_pictures(options: argparse.Namespace) -> "Profile":
-    from omnivat.adapt.pictures import pictures_in, profile_of_pictures
     from omnivat.encoders import load_encoder
+    from omnivat.head.profile_pictures import pictures_in, profile_of_pictures
 
     found = pictures_in(options.pictures, vis=options.vis, tac=options.tac, rest=options.tac_rest)
     encoder = load_encoder(options.encoder, **passed(options, "weights", "device", "download"))

@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING
 
 from omnivat.cli.arguments import choice, figure, shared
 from omnivat.cli.features import StageFeatures, add_stage, stage_features
-from omnivat.errors import SettingsError
-from omnivat.files import require_writable, write_csv
-from omnivat.projection import PROJECTIONS
+from omnivat.kit.errors import SettingsError
+from omnivat.kit.files import require_writable, write_csv
+from omnivat.maps.projection import PROJECTIONS
 
 if TYPE_CHECKING:
     from torch import Tensor
 
-    from omnivat.projection.quality import Quality
+    from omnivat.maps.projection.quality import Quality
 
 COLUMNS = ("modality", "domain", "class", "pair", "name")
 NEIGHBOURS = 15
@@ -43,7 +43,7 @@ def run(options: argparse.Namespace) -> None:
     """Compute the features, map them, write the CSV, print the faithfulness."""
     if options.centred:
         from omnivat.data.store import load_embeddings
-        from omnivat.frames.centred import write_centred
+        from omnivat.maps.frames.centred import write_centred
 
         if options.out is not None or options.figure is not None:
             raise SettingsError("--centred writes next to the embeddings; leave out --out and --figure.")
@@ -55,9 +55,9 @@ def run(options: argparse.Namespace) -> None:
         if options.out.suffix.lower() != ".csv":
             raise SettingsError(f"--out is '{options.out}'; name a file that ends in .csv.")
         require_writable(options.out)
-    from omnivat.projection.quality import quality
-    from omnivat.projection.torch_umap import MOST_ROWS
-    from omnivat.tables import load
+    from omnivat.kit.tables import load
+    from omnivat.maps.projection.quality import quality
+    from omnivat.maps.projection.torch_umap import MOST_ROWS
 
     found = stage_features(options)
     points = found.points()
@@ -80,8 +80,8 @@ def run(options: argparse.Namespace) -> None:
 
 def _draw(options: argparse.Namespace, found: StageFeatures, flat: "Tensor", trust: str) -> None:
     from omnivat.figures import map_figure, pictures, write
-    from omnivat.stages import STAGE_TITLES
-    from omnivat.thumbnails import sheet_of
+    from omnivat.kit.stages import STAGE_TITLES
+    from omnivat.maps.thumbnails import sheet_of
 
     header, domain = found.embeddings.header, found.embeddings.domain
     classes = [header.classes[k] for k in found.embeddings.label]

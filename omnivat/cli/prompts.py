@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 
 from omnivat.cli.arguments import choice, download, listed, passed, progress_bar, shared
 from omnivat.data.materials import MATERIALS
-from omnivat.errors import SettingsError
-from omnivat.files import require_writable
+from omnivat.kit.errors import SettingsError
+from omnivat.kit.files import require_writable
 
 if TYPE_CHECKING:
     from omnivat.encoders.clip_text import ClipText
-    from omnivat.lang.bank import LangBank
+    from omnivat.encoders.lang.bank import LangBank
 
 CLIPS = ("clip-vit-b32", "clip-vit-b16", "clip-vit-l14", "clip-vit-l14-336", "clip-rn50", "clip-rn101", "clip")
 TEXT_ENCODERS = ("minilm", *CLIPS)
@@ -33,7 +33,7 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Embed one prompt for each class and style, write the bank."""
-    from omnivat.lang.bank import save_bank
+    from omnivat.encoders.lang.bank import save_bank
 
     classes = listed(options.classes)
     if len(classes) < 2 or len(set(classes)) < len(classes):
@@ -60,8 +60,8 @@ def _phrases(classes: tuple[str, ...], clip: "ClipText | None") -> "LangBank":
     """Embed the classes in fixed phrases."""
     import numpy as np
 
-    from omnivat.lang.bank import LangBank
-    from omnivat.lang.prompts import ORIGIN, STYLES, embed_texts, prompts_for
+    from omnivat.encoders.lang.bank import LangBank
+    from omnivat.encoders.lang.prompts import ORIGIN, STYLES, embed_texts, prompts_for
 
     texts = [text for name in classes for text in prompts_for(name)]
     if clip is None:
@@ -75,8 +75,8 @@ def _phrases(classes: tuple[str, ...], clip: "ClipText | None") -> "LangBank":
 
 def _learned(options: argparse.Namespace, classes: tuple[str, ...], clip: "ClipText") -> "LangBank":
     """Learn styles through CLIP's text tower."""
-    from omnivat.lang.clip_prompts import ClipWords
-    from omnivat.lang.promptstyler import learn_styles, styled_bank
+    from omnivat.encoders.lang.clip_prompts import ClipWords
+    from omnivat.encoders.lang.promptstyler import learn_styles, styled_bank
 
     origin = f"{clip.name} (weights {clip.weights_hash[:12]})"
     tower = ClipWords(clip.network, clip.tokenizer, origin=origin)
@@ -90,7 +90,7 @@ def _of_clip(bank: "LangBank", clip: "ClipText") -> "LangBank":
     from dataclasses import replace
 
     from omnivat.encoders.hub import remember
-    from omnivat.lang.bank import PLAIN
+    from omnivat.encoders.lang.bank import PLAIN
 
     remember(clip.weights_hash, clip.place)
     plain = clip.embed_texts([PLAIN.format(name) for name in bank.classes])

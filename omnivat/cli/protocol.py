@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from omnivat.cli.arguments import choice, listed, numbers, passed, progress_bar, shared, split_settings, whole
-from omnivat.errors import DataError, SettingsError
-from omnivat.files import require_writable
+from omnivat.kit.errors import DataError, SettingsError
+from omnivat.kit.files import require_writable
 
 if TYPE_CHECKING:
-    from omnivat.protocol.run import Run
+    from omnivat.study.protocol.run import Run
 
 RUNS = "runs.jsonl"
 
@@ -50,14 +50,14 @@ def run(options: argparse.Namespace) -> None:
     from omnivat.cli.thumbnails import start_of
     from omnivat.data.store import load_embeddings
     from omnivat.encoders.hub import images_key, remember
-    from omnivat.model.settings import HeadSettings
-    from omnivat.protocol import records
-    from omnivat.protocol.engine import planned
-    from omnivat.protocol.methods import DEFAULT_METHODS, methods_named
-    from omnivat.protocol.settings import available
-    from omnivat.reports.evidence_report import write_evidence
-    from omnivat.reports.protocol_report import write_report
-    from omnivat.train import TrainSettings
+    from omnivat.head.settings import HeadSettings
+    from omnivat.study.protocol import records
+    from omnivat.study.protocol.engine import planned
+    from omnivat.study.protocol.methods import DEFAULT_METHODS, methods_named
+    from omnivat.study.protocol.settings import available
+    from omnivat.study.reports.evidence_report import write_evidence
+    from omnivat.study.reports.protocol_report import write_report
+    from omnivat.training import TrainSettings
 
     require_writable(options.out / RUNS)
     if not options.tables_only:
@@ -87,8 +87,8 @@ def run(options: argparse.Namespace) -> None:
 
 def work(runs: "list[Run]", options: argparse.Namespace, *, lang: bool = True) -> None:
     """Run with a progress bar; without LANG, no method has text."""
-    from omnivat.lang.bank import DEFAULT_BANK
-    from omnivat.protocol.engine import run_all
+    from omnivat.encoders.lang.bank import DEFAULT_BANK
+    from omnivat.study.protocol.engine import run_all
 
     bank, how = (options.lang or DEFAULT_BANK) if lang else None, passed(options, "embeddings", "jobs", "engine")
     with progress_bar(f"{len(runs)} runs") as show:

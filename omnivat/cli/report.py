@@ -8,8 +8,8 @@ from pathlib import Path
 
 from omnivat.cli.arguments import progress_bar, shared
 from omnivat.cli.imports import add_foreign, foreign
-from omnivat.errors import SettingsError
-from omnivat.files import require_writable
+from omnivat.kit.errors import SettingsError
+from omnivat.kit.files import require_writable
 
 
 def add(parser: argparse.ArgumentParser) -> None:
@@ -29,7 +29,7 @@ def run(options: argparse.Namespace) -> None:
         raise SettingsError(f"--out is the file '{options.out}'; name a folder.")
     for name in ("report.html", "numbers.csv", "methods.txt", "figures/x.svg"):
         require_writable(options.out / name)
-    from omnivat.shift import read_features, write_report
+    from omnivat.study.shift import read_features, write_report
 
     found = read_features(options.features, encoder=options.encoder, **foreign(options), seed=options.seed)
     with progress_bar("report") as show:

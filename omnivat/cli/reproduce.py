@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 from omnivat.cli import ablate, prompts, protocol
 from omnivat.cli.arguments import download, passed, progress_bar, shared, whole
-from omnivat.errors import DataError
-from omnivat.files import write_json, write_text
+from omnivat.kit.errors import DataError
+from omnivat.kit.files import write_json, write_text
 
 if TYPE_CHECKING:
     from omnivat.data.paper_sets import PaperSets
@@ -42,8 +42,8 @@ def run(options: argparse.Namespace) -> None:
     from omnivat.data.pairs import summary_table
     from omnivat.data.paper_sets import read_paper_sets
     from omnivat.encoders import load_encoder
-    from omnivat.protocol import records
-    from omnivat.reports.reproduced import cost_report, margins_report
+    from omnivat.study.protocol import records
+    from omnivat.study.reports.reproduced import cost_report, margins_report
 
     options.out.mkdir(parents=True, exist_ok=True)
     name = options.encoder or ("clip" if options.weights else "clip-vit-b16")
@@ -71,8 +71,8 @@ def run(options: argparse.Namespace) -> None:
 
 def _embed(sets: "PaperSets", name: str, encoder: "Encoder", options: argparse.Namespace) -> None:
     """Embed all pairs, unless the file has the same pairs and encoder."""
-    from omnivat.embed import embed_pairs
-    from omnivat.schema import read_object
+    from omnivat.encoders.embed import embed_pairs
+    from omnivat.kit.schema import read_object
 
     made_by = [encoder.name, encoder.weights_hash, encoder.precision, encoder.preprocessing]
     state = {"pairs": sets.fingerprint, "encoder": made_by}
@@ -89,7 +89,7 @@ def _embed(sets: "PaperSets", name: str, encoder: "Encoder", options: argparse.N
 
 def _lang(name: str, encoder: "Encoder", options: argparse.Namespace) -> Path | None:
     """Return the LANG bank of the checkpoint's text tower; make it if needed."""
-    from omnivat.lang.bank import load_bank
+    from omnivat.encoders.lang.bank import load_bank
 
     tower = getattr(encoder, "text_hash", "")
     if not tower:

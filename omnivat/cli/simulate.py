@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from omnivat.cli.arguments import choice, passed, progress_bar, shared, whole
-from omnivat.errors import SettingsError
-from omnivat.files import require_writable
-from omnivat.progress import OnStep
+from omnivat.kit.errors import SettingsError
+from omnivat.kit.files import require_writable
+from omnivat.kit.progress import OnStep
 
 if TYPE_CHECKING:
     from omnivat.data.pairs import PairSet

@@ -18,13 +18,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from omnivat.cli.arguments import choice, figure, head_and_set, numbers, progress_bar, shared, split_settings, whole
-from omnivat.errors import SettingsError
-from omnivat.files import require_writable
-from omnivat.stages import checked_order
+from omnivat.kit.errors import SettingsError
+from omnivat.kit.files import require_writable
+from omnivat.kit.stages import checked_order
 
 if TYPE_CHECKING:
-    from omnivat.checkpoint import Head
     from omnivat.data.store import Embeddings
+    from omnivat.head.checkpoint import Head
 
 ALL = "all"
 MOST_STOPS = 1001
@@ -73,13 +73,13 @@ def run(options: argparse.Namespace) -> None:
         raise SettingsError("--engine ray computes curves; give --json or --csv, without --out.")
     stops = options.retrain if options.retrain is not None else options.stops
     orders = orders_of(options.orders, stops)
-    from omnivat.checkpoint import head_hash
-    from omnivat.frames import write_frames
-    from omnivat.frames.builder import DEFAULT_MAPS, build_frames
-    from omnivat.frames.records import kind_of, with_learned
-    from omnivat.gaps.measures import PREDICTION_MEASURES, STAGE_MEASURES
-    from omnivat.sweep import MEASURES, STAGES
-    from omnivat.sweep.curves import write_curves_csv, write_curves_json
+    from omnivat.head.checkpoint import head_hash
+    from omnivat.maps.frames import write_frames
+    from omnivat.maps.frames.builder import DEFAULT_MAPS, build_frames
+    from omnivat.maps.frames.records import kind_of, with_learned
+    from omnivat.maps.sweep import MEASURES, STAGES
+    from omnivat.maps.sweep.curves import write_curves_csv, write_curves_json
+    from omnivat.measure.gaps.measures import PREDICTION_MEASURES, STAGE_MEASURES
 
     wanted: Wanted = {"stages": names_of(options.stages, STAGES, "stage"), "measures": MEASURES}
     if options.measures:
@@ -120,7 +120,7 @@ def run(options: argparse.Namespace) -> None:
 def _draw(file: Path, orders: Stops, curves: Values, frames: Any) -> None:
     """Draw the page's four charts, or without frames every curve of the whole set."""
     from omnivat.figures import gap_curves, lines, write
-    from omnivat.stages import STAGES
+    from omnivat.kit.stages import STAGES
 
     whole = (*STAGES, "all", "unseen")
     series = {n: (orders, v) for n, v in curves.items() if n.partition("/")[2] in whole}
@@ -145,12 +145,12 @@ def _retrained(
     options: argparse.Namespace, head: "Head", embeddings: "Embeddings", orders: Stops, wanted: Wanted
 ) -> Any:
     """Train the missing heads, and return the frames of all."""
-    from omnivat.embed.pairs import usable_cores
-    from omnivat.frames.retrained import MAPS, retrained_frames
-    from omnivat.from_pairs import plan_like
-    from omnivat.from_pairs.at_stops import heads_at_stops
-    from omnivat.model.settings import HeadSettings
-    from omnivat.train import TrainSettings
+    from omnivat.encoders.embed.pairs import usable_cores
+    from omnivat.head.settings import HeadSettings
+    from omnivat.training import TrainSettings
+    from omnivat.training.from_pairs import plan_like
+    from omnivat.training.from_pairs.at_stops import heads_at_stops
+    from omnivat.training.retrained import MAPS, retrained_frames
 
     seeds = numbers(options.seeds or "0,1,2")
     plan = plan_like(head, embeddings, source=options.source or "", bank=options.lang)
@@ -175,8 +175,8 @@ def _of(maps: Mapping[str, int], wanted: Wanted) -> dict[str, int]:
 def _curves(
     options: argparse.Namespace, head: "Head", embeddings: "Embeddings", orders: Stops, wanted: Wanted
 ) -> dict[str, list[float | None]]:
-    from omnivat.sweep import sweep
-    from omnivat.sweep.curves import curves_on_ray
+    from omnivat.maps.sweep import sweep
+    from omnivat.maps.sweep.curves import curves_on_ray
 
     with progress_bar("sweep") as show:
         if options.engine == "ray":
@@ -216,7 +216,7 @@ def names_of(text: str, known: Sequence[str], kind: str) -> tuple[str, ...]:
     """
     if text == ALL:
         return tuple(known)
-    from omnivat.sweep.walk import require_known
+    from omnivat.maps.sweep.walk import require_known
 
     names = [name.strip() for name in text.split(",")]
     require_known(names, known, kind)

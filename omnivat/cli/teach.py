@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from omnivat.cli.arguments import as_json, head_and_set, progress_bar, shared
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 
 def add(parser: argparse.ArgumentParser) -> None:
@@ -21,8 +21,8 @@ def run(options: argparse.Namespace) -> None:
     """Teach, test with each object left out, save, print."""
     import torch
 
-    from omnivat.checkpoint import require_head_folder, save_head
-    from omnivat.teach import MOST, Lesson, judged, taught
+    from omnivat.head.checkpoint import require_head_folder, save_head
+    from omnivat.head.teach import MOST, Lesson, judged, taught
 
     require_head_folder(options.out)
     head, embeddings = head_and_set(options)

@@ -8,8 +8,8 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from omnivat.cli.arguments import progress_bar, shared
-from omnivat.errors import DataError, SettingsError
-from omnivat.files import require_writable
+from omnivat.kit.errors import DataError, SettingsError
+from omnivat.kit.files import require_writable
 
 
 def add(parser: argparse.ArgumentParser) -> None:
@@ -26,7 +26,7 @@ def run(options: argparse.Namespace) -> None:
     if not options.pairs.exists():
         raise DataError(f"There is no folder or file at '{options.pairs}'. Check the path.")
     from omnivat.data.store import load_embeddings
-    from omnivat.thumbnails import sheet_of, write_thumbnails
+    from omnivat.maps.thumbnails import sheet_of, write_thumbnails
 
     embeddings = load_embeddings(options.embeddings)
     out = options.out or sheet_of(options.embeddings)

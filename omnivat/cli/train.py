@@ -26,12 +26,12 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Check everything first; then train, evaluate on every domain, write the head folder."""
-    from omnivat.checkpoint import require_head_folder, save_head
     from omnivat.data.store import load_embeddings
-    from omnivat.from_pairs import plan_training, trained_head
-    from omnivat.model.head import parameter_count
-    from omnivat.model.settings import HeadSettings
-    from omnivat.train import STATE, TrainSettings, Watch
+    from omnivat.head.checkpoint import require_head_folder, save_head
+    from omnivat.head.head import parameter_count
+    from omnivat.head.settings import HeadSettings
+    from omnivat.training import STATE, TrainSettings, Watch
+    from omnivat.training.from_pairs import plan_training, trained_head
 
     repeat = numbers(options.repeat, name="--repeat") if options.repeat else ()
     require_head_folder(options.out, also=(STATE,))

@@ -17,11 +17,11 @@ from typing import TYPE_CHECKING
 from omnivat.cli.arguments import download, passed, progress_bar, shared
 from omnivat.cli.imports import add_foreign, foreign
 from omnivat.encoders.base import DEFAULT_ENCODER
-from omnivat.errors import DataError, SettingsError, printable
-from omnivat.files import replacing, require_writable, write_json
+from omnivat.kit.errors import DataError, SettingsError, printable
+from omnivat.kit.files import replacing, require_writable, write_json
 
 if TYPE_CHECKING:
-    from omnivat.shift import Features
+    from omnivat.study.shift import Features
 
 SET, HEAD, SUMMARY = "set.safetensors", "head", "summary.txt"
 PAGE = "from app.server import main; raise SystemExit(main())"
@@ -48,9 +48,9 @@ def run(options: argparse.Namespace) -> None:
         raise SettingsError(f"--out is the file '{out}'; name a folder.")
     if (out / SET).resolve() == whole:
         raise SettingsError(f"--out would replace '{place}'; name another folder.")
-    from omnivat.checkpoint import require_head_folder, save_head
     from omnivat.data.profile import profile_of, save_profile
-    from omnivat.trial import try_pairs
+    from omnivat.head.checkpoint import require_head_folder, save_head
+    from omnivat.study.trial import try_pairs
 
     require_head_folder(out / HEAD)
     for name in (SET, SUMMARY):
@@ -95,8 +95,8 @@ def run(options: argparse.Namespace) -> None:
 def _features(options: argparse.Namespace, out: Path) -> tuple["Features", list[str]]:
     """Return the set, which is then in `out`, and notes on it."""
     from omnivat.data.store import save_embeddings
-    from omnivat.shift import read_features
-    from omnivat.thumbnails import sheet_of
+    from omnivat.maps.thumbnails import sheet_of
+    from omnivat.study.shift import read_features
 
     place, notes = options.pairs, []
     pictures = place.is_dir() or (place.suffix.lower() == ".csv" and _of_pictures(place))
@@ -134,8 +134,8 @@ def _embed(options: argparse.Namespace, out: Path) -> list[str]:
     from omnivat.data.readers import read_pairs
     from omnivat.data.rest import with_rest
     from omnivat.data.store import load_embeddings
-    from omnivat.embed import embed_pairs
-    from omnivat.thumbnails import sheet_of, write_thumbnails
+    from omnivat.encoders.embed import embed_pairs
+    from omnivat.maps.thumbnails import sheet_of, write_thumbnails
 
     try:
         found = read_pairs(options.pairs)

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from safetensors import safe_open
 
-from omnivat.schema import tensor_table
+from omnivat.kit.schema import tensor_table
 
 NAMES = {"F32": "<f4", "F16": "<f2", "I64": "<i8", "U8": "|u1"}
 MOST_COLUMNS = 64

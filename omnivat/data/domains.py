@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 SIMULATED_SUFFIX = "-sim"
 TOTAL = "all"  # name of figures over all domains in tables and curves

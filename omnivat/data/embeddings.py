@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from omnivat.data.arrays import walked
 from omnivat.data.materials import NO_CLASS
-from omnivat.errors import DataError
-from omnivat.seeding import derive_seed
+from omnivat.kit.errors import DataError
+from omnivat.kit.seeding import derive_seed
 
 Array = NDArray[np.float32]
 VECTORS = ("vis", "tac", "vis_flip", "tac_flip")

@@ -21,8 +21,8 @@ from numpy.typing import NDArray
 from omnivat.data.embeddings import VECTORS, Array, Embeddings, Header, indices
 from omnivat.data.materials import in_order
 from omnivat.data.store import ROW_NAMES
-from omnivat.errors import DataError, OmniVatError, first_line
-from omnivat.tables import need
+from omnivat.kit.errors import DataError, OmniVatError, first_line
+from omnivat.kit.tables import need
 
 PREFIX = "imported:"  # prefix of the encoder's name for imported embeddings
 TEXTS = ("domain", "material", "object", "split", "part", "looks_like", "feels_like")

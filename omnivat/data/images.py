@@ -22,8 +22,8 @@ from PIL import Image
 
 from omnivat.data.bare_files import ORIENTATION, bare_file
 from omnivat.data.image_files import Content, ImageFile, OddFileError, image_file
-from omnivat.errors import DataError
-from omnivat.files import read_whole
+from omnivat.kit.errors import DataError
+from omnivat.kit.files import read_whole
 
 MAX_PIXELS = 64_000_000  # checked in the header, before decoding
 MAX_FILE_BYTES = 300_000_000

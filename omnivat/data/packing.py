@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 DIGITS = string.digits + string.ascii_lowercase + string.ascii_uppercase
 

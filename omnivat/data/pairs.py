@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from omnivat.data.materials import in_order
-from omnivat.errors import printable
+from omnivat.kit.errors import printable
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

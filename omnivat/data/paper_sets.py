@@ -10,7 +10,7 @@ from pathlib import Path
 from omnivat.data.pairs import PairSet
 from omnivat.data.readers import READERS, read_pairs
 from omnivat.data.readers.files import folders_in
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 # reader -> name of the set
 SETS = {

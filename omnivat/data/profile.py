@@ -17,11 +17,11 @@ from safetensors import SafetensorError
 
 from omnivat.data.arrays import LARGE_BYTES, Column, column, read_arrays, walked, write_arrays
 from omnivat.data.embeddings import Embeddings
-from omnivat.errors import DataError
-from omnivat.files import replacing
-from omnivat.schema import LONGEST_NAME
-from omnivat.seeding import derive_seed
-from omnivat.stages import IMAGES
+from omnivat.kit.errors import DataError
+from omnivat.kit.files import replacing
+from omnivat.kit.schema import LONGEST_NAME
+from omnivat.kit.seeding import derive_seed
+from omnivat.kit.stages import IMAGES
 
 Array = NDArray[np.float32]
 FORMAT = "omnivat-profile-1"

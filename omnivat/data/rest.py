@@ -15,7 +15,7 @@ from PIL import Image
 from omnivat.data.domains import DOMAINS, paper_name
 from omnivat.data.images import read_bytes
 from omnivat.data.pairs import Pair, PairSet
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 REST = "rest.png"  # in the folder of a domain, or of one sensor unit inside it
 RESTED = "; TAC minus its rest picture"  # at the end of a set's preprocessing

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omnivat.data.pairs import Pair, Skipped
-from omnivat.errors import DataError
-from omnivat.seeding import derive_seed
+from omnivat.kit.errors import DataError
+from omnivat.kit.seeding import derive_seed
 
 
 def hold_out(

@@ -18,10 +18,10 @@ from safetensors import SafetensorError
 from omnivat.data.arrays import MOST_COLUMNS, Column, column, read_arrays, released, walked, write_arrays
 from omnivat.data.domains import require_domain_names
 from omnivat.data.embeddings import VECTORS, Array, Embeddings, Header
-from omnivat.errors import DataError, SettingsError, WriteError
-from omnivat.files import replacing, write_csv
-from omnivat.schema import columns_in, json_in, name_list, object_in
-from omnivat.tables import need
+from omnivat.kit.errors import DataError, SettingsError, WriteError
+from omnivat.kit.files import replacing, write_csv
+from omnivat.kit.schema import columns_in, json_in, name_list, object_in
+from omnivat.kit.tables import need
 
 FORMAT = "omnivat-embeddings-1"
 ROW_NAMES = ("vis", "tac", "object", "split", "part", "looks_like", "feels_like")

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from omnivat.errors import ShapeError
+from omnivat.kit.errors import ShapeError
 
 STRIPES = 64  # of every picture
 SIDE = 256  # pixels of a picture: four for each stripe

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from omnivat.errors import DataError, printable
-from omnivat.files import replacing
+from omnivat.kit.errors import DataError, printable
+from omnivat.kit.files import replacing
 
 MARKERS = 20  # markers on each side
 SIDE = 224  # pixels of the image drawn

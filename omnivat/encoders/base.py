@@ -10,8 +10,8 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, cast
 
-from omnivat.errors import DataError, MissingNameError, SettingsError
-from omnivat.tables import load, suggestion
+from omnivat.kit.errors import DataError, MissingNameError, SettingsError
+from omnivat.kit.tables import load, suggestion
 
 if TYPE_CHECKING:
     import numpy as np
@@ -142,9 +142,9 @@ def load_encoder(
 
 
 def _load_one(name: str, weights: Path | None, weights_hash: str, settings: dict[str, Any]) -> Encoder:
-    from omnivat.devices import device_from
     from omnivat.encoders.hub import recall, remember
     from omnivat.encoders.wrapping import checked
+    from omnivat.kit.devices import device_from
 
     place = weights or (recall(weights_hash) if weights_hash else None)
     loader, own = _loader_of(name), {"name": name} if name in ENCODERS else {}

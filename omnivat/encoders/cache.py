@@ -21,7 +21,7 @@ from PIL import Image
 from omnivat.data.images import central_square, read_bytes, read_image
 from omnivat.data.rest import minus_rest
 from omnivat.encoders.base import Encoder, for_modality
-from omnivat.files import cache_folder, replacing
+from omnivat.kit.files import cache_folder, replacing
 
 if TYPE_CHECKING:
     import torch

@@ -9,7 +9,7 @@ from omnivat.encoders.clip_settings import ANY, Clip, clip_settings, image_shape
 from omnivat.encoders.clip_towers import ClipTower
 from omnivat.encoders.hub import Checkpoint, find
 from omnivat.encoders.weights import read_weights
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 _OPENAI = "curl -L --create-dirs -o {folder}/%s.pt https://openaipublic.azureedge.net/clip/models/%s/%s.pt"
 

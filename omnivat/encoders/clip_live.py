@@ -10,14 +10,14 @@ from typing import Any, cast
 import torch
 from torch import Tensor, nn
 
-from omnivat.devices import current
 from omnivat.encoders.base import JOINED
 from omnivat.encoders.clip import CHECKPOINTS, open_clip
 from omnivat.encoders.clip_settings import Clip
 from omnivat.encoders.clip_text import ClipText
 from omnivat.encoders.clip_towers import ClipTower
 from omnivat.encoders.hub import recall
-from omnivat.errors import DataError
+from omnivat.kit.devices import current
+from omnivat.kit.errors import DataError
 
 
 class LiveClip:

@@ -12,7 +12,7 @@ import torch
 from omnivat.encoders.clip_names import RESNET, VIT, ClipState, State
 from omnivat.encoders.running import CLIP_MEAN, CLIP_STD, state_hash
 from omnivat.encoders.weights import Weights
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 QUICK_GELU, GELU = "quick_gelu", "gelu"
 

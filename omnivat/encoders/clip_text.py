@@ -12,10 +12,10 @@ from torch import Tensor
 from omnivat.encoders.clip import CHECKPOINTS, open_clip
 from omnivat.encoders.clip_settings import Clip, count
 from omnivat.encoders.clip_towers import transformer
-from omnivat.errors import DataError, MissingNameError
-from omnivat.files import cache_folder
-from omnivat.tables import need, suggestion
-from omnivat.threads import one_thread
+from omnivat.kit.errors import DataError, MissingNameError
+from omnivat.kit.files import cache_folder
+from omnivat.kit.tables import need, suggestion
+from omnivat.kit.threads import one_thread
 
 
 class ClipText:
@@ -77,7 +77,7 @@ def load_text_encoder(
         raise MissingNameError(
             f"No text tower belongs to '{name}'; there are {', '.join(CHECKPOINTS)}." + suggestion(name, CHECKPOINTS)
         )
-    from omnivat.devices import device_from
+    from omnivat.kit.devices import device_from
 
     clip = open_clip(name, weights, download=download)
     if not clip.weights.text:

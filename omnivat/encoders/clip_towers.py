@@ -16,8 +16,8 @@ from torch.nn.functional import avg_pool2d, linear, relu, scaled_dot_product_att
 from omnivat.encoders.clip_names import RESNET, State
 from omnivat.encoders.clip_settings import HEAD_WIDTH, Clip, count, heads
 from omnivat.encoders.running import FoldedConv, one_by_one, pixels, placed, precision_type, resized
-from omnivat.errors import DataError
-from omnivat.tables import need
+from omnivat.kit.errors import DataError
+from omnivat.kit.tables import need
 
 
 class ClipTower:

@@ -14,9 +14,9 @@ from torch.nn.functional import conv2d, pad, relu6
 
 from omnivat.encoders.onnx_runtime import in_half, in_onnx_runtime, translate
 from omnivat.encoders.running import ONNX, SIDE, FoldedConv, one_by_one, pixels, placed, precision_type, state_hash
-from omnivat.errors import DataError
-from omnivat.files import replacing
-from omnivat.tables import need
+from omnivat.kit.errors import DataError
+from omnivat.kit.files import replacing
+from omnivat.kit.tables import need
 
 NAME, WIDTH = "efficientnet-lite0", 1280
 MEAN = (127 / 255,) * 3

@@ -15,8 +15,8 @@ from pathlib import Path
 from urllib.request import getproxies
 
 from omnivat.data.embeddings import Header
-from omnivat.errors import DataError, SettingsError, WriteError
-from omnivat.files import cache_folder, write_json
+from omnivat.kit.errors import DataError, SettingsError, WriteError
+from omnivat.kit.files import cache_folder, write_json
 
 POLICIES = ("ask", "yes", "no")
 SMALL_FILES = ("*.json", "*.txt")

@@ -18,8 +18,8 @@ from torch import Tensor, nn
 from omnivat.encoders import hub
 from omnivat.encoders.running import SIDE
 from omnivat.encoders.wrapping import IMAGENET_MEAN, IMAGENET_STD, TorchEncoder
-from omnivat.errors import DataError, first_line
-from omnivat.tables import need
+from omnivat.kit.errors import DataError, first_line
+from omnivat.kit.tables import need
 
 FEATURES, CLASS_TOKEN = "projected image features", "class token"
 POOLED, MEAN_TOKEN = "the model's pooled output", "mean of tokens"

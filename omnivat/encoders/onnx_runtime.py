@@ -12,7 +12,7 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
-from omnivat.tables import need
+from omnivat.kit.tables import need
 
 PACKAGES = ("onnx", "onnxscript", "onnxruntime")
 

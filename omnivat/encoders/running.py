@@ -9,9 +9,9 @@ import torch
 from PIL import Image
 from torch.nn.functional import conv2d
 
-from omnivat.errors import SettingsError
-from omnivat.shapes import require_shapes
-from omnivat.threads import one_thread
+from omnivat.kit.errors import SettingsError
+from omnivat.kit.shapes import require_shapes
+from omnivat.kit.threads import one_thread
 
 M = TypeVar("M", bound=torch.nn.Module)
 SIDE = 224  # pixels, as in the paper; other sizes only if the weights require them

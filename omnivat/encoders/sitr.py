@@ -20,7 +20,7 @@ from omnivat.encoders.clip_settings import count
 from omnivat.encoders.running import pixels
 from omnivat.encoders.weights import read_weights, weights_file
 from omnivat.encoders.wrapping import TorchEncoder
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 NAME, HEAD, INSIDE = ("sitr", 64, "base_model.")  # head width; classifier prefix
 MEAN, STD = (-1.2223, -1.8114, -1.7090), (11.7932, 12.7956, 13.6452)  # of differences, 0 to 255

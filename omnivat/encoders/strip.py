@@ -7,8 +7,8 @@ import torch
 from PIL import Image
 
 from omnivat.data.strips import ENCODER, PREPROCESSING, READER, STRIPES, strip_signal
-from omnivat.errors import SettingsError
-from omnivat.shapes import require_shapes
+from omnivat.kit.errors import SettingsError
+from omnivat.kit.shapes import require_shapes
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -18,7 +18,7 @@ from safetensors.torch import load_file
 from torch import Tensor
 
 from omnivat.encoders.hub import WEIGHTS as ON_HUB
-from omnivat.errors import DataError, first_line
+from omnivat.kit.errors import DataError, first_line
 
 _OPENAI = ("RN50.pt", "RN101.pt", "ViT-B-32.pt", "ViT-B-16.pt", "ViT-L-14.pt", "ViT-L-14-336px.pt")
 WEIGHTS = (*ON_HUB, "open_clip_pytorch_model.bin", *_OPENAI)

@@ -17,7 +17,7 @@ from PIL import Image
 from torch import Tensor, nn
 
 from omnivat.encoders.running import one_by_one, pixels, placed, precision_type, resized, state_hash
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 GREY = Image.new("RGB", (64, 64), (128, 120, 110))  # a test picture
 IMAGENET_MEAN, IMAGENET_STD = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)

@@ -4,7 +4,7 @@ A figure shows itself in a notebook cell, and `write` saves it: .html (complete,
 light and dark), .svg and .png (drawn without a browser), .json (Plotly's own format).
 """
 
-from omnivat.tables import late
+from omnivat.kit.tables import late
 
 _ROOMS = {
     "maps": ("map_figure", "frames_map", "pictures"),

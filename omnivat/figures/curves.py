@@ -6,11 +6,11 @@ from typing import Any
 
 import plotly.graph_objects as go
 
-from omnivat.errors import DataError
 from omnivat.figures.page import Figure, axis, figure, plain
 from omnivat.figures.theme import ACCENT, AREA, MARK, SERIES, SOFT
-from omnivat.frames.records import FrameSet
-from omnivat.stages import STAGE_TITLES
+from omnivat.kit.errors import DataError
+from omnivat.kit.stages import STAGE_TITLES
+from omnivat.maps.frames.records import FrameSet
 
 MEASURES = {
     "modality_gap": "Modality gap",

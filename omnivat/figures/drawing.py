@@ -6,8 +6,8 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from omnivat.errors import SettingsError
-from omnivat.files import replacing, write_text
+from omnivat.kit.errors import SettingsError
+from omnivat.kit.files import replacing, write_text
 
 Point = tuple[float, float]
 INK, SOFT, GRID = "#0f172a", "#55637a", "#dbe2ea"

@@ -10,11 +10,11 @@ import numpy as np
 import plotly.graph_objects as go
 from numpy.typing import NDArray
 
-from omnivat.errors import SettingsError, ShapeError
 from omnivat.figures.page import Figure, figure, plain
 from omnivat.figures.theme import CLASSES, DOMAINS, MODALITIES, RIGHT_WRONG
-from omnivat.frames.records import FEATURES, FrameSet
-from omnivat.stages import STAGE_TITLES
+from omnivat.kit.errors import SettingsError, ShapeError
+from omnivat.kit.stages import STAGE_TITLES
+from omnivat.maps.frames.records import FEATURES, FrameSet
 
 CIVIDIS = ["#00224e", "#27406f", "#575d6d", "#7d7c78", "#a59c74", "#d2c060", "#fee838"]
 COLOURS = ("domain", "class", "modality", "correctness", "confidence")

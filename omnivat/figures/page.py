@@ -13,11 +13,11 @@ from typing import Any
 import plotly.graph_objects as go
 from plotly.offline import get_plotlyjs
 
-from omnivat.errors import SettingsError
 from omnivat.figures.drawing import write_picture
 from omnivat.figures.still import picture
 from omnivat.figures.theme import CONFIG, THEMES, template
-from omnivat.files import write_text
+from omnivat.kit.errors import SettingsError
+from omnivat.kit.files import write_text
 
 ENDINGS = (".html", ".svg", ".png", ".json")
 # nothing of another host is loaded or sent; Plotly's WebGL traces compile functions

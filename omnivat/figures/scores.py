@@ -6,10 +6,10 @@ from typing import Any
 
 import plotly.graph_objects as go
 
-from omnivat.errors import DataError
 from omnivat.figures.page import Figure, axis, figure, plain
 from omnivat.figures.theme import CLASSES, READINGS, SERIES, SOFT
-from omnivat.gaps import NAMES as GAP_NAMES
+from omnivat.kit.errors import DataError
+from omnivat.measure.gaps import NAMES as GAP_NAMES
 
 READING_NAMES = {"fused": "both images", "vis": "photo only", "tac": "touch only"}
 ROW = 34  # pixels of a row of dots, at least
@@ -86,7 +86,7 @@ def _words(record: Record, percent: bool) -> str:
 def strangers(summary: Record) -> Figure:
     """Return the accuracy in each domain with 95 % intervals: both images, photo only, touch only.
 
-    summary  from `omnivat.unseen.unseen_summary`, or with the same keys "domains", "chance", "unseen"
+    summary  from `omnivat.measure.unseen.unseen_summary`, or with the same keys "domains", "chance", "unseen"
     """
     records = []
     for domain in (*summary["domains"], {"name": "mean of unseen", **(summary.get("unseen") or {})}):
@@ -176,7 +176,7 @@ def gap_tables(record: Record) -> Figure:
 def tree(facts: Any, classes: Sequence[str], *, title: str = "Nodes of the tree") -> Figure:
     """Return the nodes in layers: area by norm, colour by the most probable class.
 
-    facts  `omnivat.nodes.TreeFacts`
+    facts  `omnivat.maps.nodes.TreeFacts`
     """
     depth: list[int] = []
     for parent in facts.parents:

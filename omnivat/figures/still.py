@@ -12,9 +12,9 @@ from html import unescape
 from textwrap import wrap
 from typing import Any
 
-from omnivat.errors import SettingsError
 from omnivat.figures.drawing import GRID, INK, SOFT, Picture, Point, Shape, svg, text
 from omnivat.figures.theme import MARGIN, SERIES, THEMES
+from omnivat.kit.errors import SettingsError
 
 WIDTH, LINE, LETTER = 760.0, 17.0, 6.6
 MARKS = {"triangle-up": "triangle"}

@@ -10,9 +10,9 @@ from jaxtyping import Float64, Inexact, Shaped
 from torch import Tensor
 from torch.autograd.forward_ad import unpack_dual
 
-from omnivat.errors import SettingsError, ShapeError
 from omnivat.fractional.build import splits
 from omnivat.fractional.splits import Split
+from omnivat.kit.errors import SettingsError, ShapeError
 
 _KEPT = (torch.float32, torch.float64, torch.complex64, torch.complex128)
 

@@ -17,7 +17,7 @@ from omnivat.fractional.commuting import ParityBlocks, Tridiagonal, parity_block
 from omnivat.fractional.eigenvectors import refined_quarter, refined_spectrum
 from omnivat.fractional.splits import HalfSplit, PlainSplit, QuarterSplit, Split, kept_numbers
 from omnivat.fractional.workers import side_by_side
-from omnivat.threads import one_blas_thread
+from omnivat.kit.threads import one_blas_thread
 
 _TINY = 3
 _KEPT = 16

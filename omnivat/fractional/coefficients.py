@@ -9,7 +9,7 @@ import torch
 from jaxtyping import Inexact
 from torch import Tensor
 
-from omnivat.errors import ShapeError
+from omnivat.kit.errors import ShapeError
 
 
 @dataclass(frozen=True, eq=False)

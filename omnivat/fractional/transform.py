@@ -11,7 +11,6 @@ import torch
 from jaxtyping import Complex, Float, Float64, Inexact, Shaped
 from torch import Tensor, nn
 
-from omnivat.errors import ShapeError
 from omnivat.fractional import gradients
 from omnivat.fractional.arguments import (
     axis_from_end,
@@ -24,6 +23,7 @@ from omnivat.fractional.arguments import (
 from omnivat.fractional.batches import leading_shape, restore_rows, synthesise_rows
 from omnivat.fractional.build import splits
 from omnivat.fractional.coefficients import Coefficients
+from omnivat.kit.errors import ShapeError
 
 
 def coefficients(x: Shaped[Tensor, "..."], dim: int = -1, *, centered: bool = False) -> Coefficients:

@@ -15,15 +15,15 @@ from omnivat.data.domains import paper_name, simulated
 from omnivat.data.images import read_image
 from omnivat.data.pairs import Pair, PairSet
 from omnivat.data.rest import REST
-from omnivat.errors import DataError
-from omnivat.files import replacing
-from omnivat.progress import OnStep, Step, ignore
+from omnivat.kit.errors import DataError
+from omnivat.kit.files import replacing
+from omnivat.kit.progress import OnStep, Step, ignore
+from omnivat.kit.tables import load, unknown
+from omnivat.kit.threads import in_processes
 from omnivat.simulate.domains import NUMBERS, SIMULATED, SimulatedDomain
 from omnivat.simulate.drawing import drawn, resting
 from omnivat.simulate.noise import Array
 from omnivat.simulate.plan import PAIRS, Planned, classes, planned, write_table
-from omnivat.tables import load, unknown
-from omnivat.threads import in_processes
 
 QUALITY = 94  # of JPEG: over a quarter of the PNG; no subsampling, for the colours of a gel
 

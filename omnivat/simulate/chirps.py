@@ -12,19 +12,19 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from omnivat.config import Within, require_declared
 from omnivat.data.domains import SIMULATED_SUFFIX
 from omnivat.data.embeddings import Embeddings, Header
 from omnivat.data.pairs import Pair, PairSet
 from omnivat.data.store import COLUMNS, ROW_NAMES
 from omnivat.data.strips import ENCODER, PREPROCESSING, READER, STRIPES, strip_picture
-from omnivat.errors import SettingsError
-from omnivat.files import replacing, require_writable
 from omnivat.fractional import dfrft
-from omnivat.progress import OnStep, Step, ignore
-from omnivat.seeding import derive_seed
+from omnivat.kit.config import Within, require_declared
+from omnivat.kit.errors import SettingsError
+from omnivat.kit.files import replacing, require_writable
+from omnivat.kit.progress import OnStep, Step, ignore
+from omnivat.kit.seeding import derive_seed
+from omnivat.kit.stages import IMAGES
 from omnivat.simulate.plan import write_table
-from omnivat.stages import IMAGES
 
 MOST_DOMAINS = 8
 CLEARANCE = 0.25  # least distance between p* and the order of any interference

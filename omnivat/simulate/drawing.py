@@ -10,7 +10,8 @@ import numpy as np
 from PIL import Image
 
 from omnivat.data.tac3d import MARKERS
-from omnivat.seeding import derive_seed
+from omnivat.kit.seeding import derive_seed
+from omnivat.kit.tables import need
 from omnivat.simulate.contact import Press, coloured, felt, pressed_height
 from omnivat.simulate.noise import Array
 from omnivat.simulate.photograph import Renderer, photograph
@@ -18,7 +19,6 @@ from omnivat.simulate.plan import Planned
 from omnivat.simulate.sensors import Sensor, SensorModel, TaximSensor
 from omnivat.simulate.tactile import at_rest, touch
 from omnivat.simulate.things import Thing, thing
-from omnivat.tables import need
 
 DEPTH = (0.7, 1.4)  # mm
 _PIXEL = 0.0295 * 2  # mm, half of the calibrated resolution of 640 × 480

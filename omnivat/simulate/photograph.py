@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import gaussian_filter
 
-from omnivat.seeding import derive_seed
+from omnivat.kit.seeding import derive_seed
 from omnivat.simulate.noise import Array
 from omnivat.simulate.plan import Planned
 from omnivat.simulate.scenes import OUTDOORS, Scene

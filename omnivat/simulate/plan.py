@@ -9,7 +9,7 @@ from pathlib import Path
 from omnivat.data.domains import simulated
 from omnivat.data.materials import MATERIALS
 from omnivat.data.pairs import Pair
-from omnivat.files import write_text
+from omnivat.kit.files import write_text
 from omnivat.simulate.domains import SimulatedDomain
 
 COLUMNS = ("vis", "tac", "domain", "material", "object", "split", "part", "looks_like", "feels_like")

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from scipy.ndimage import gaussian_filter
 
-from omnivat.seeding import derive_seed
+from omnivat.kit.seeding import derive_seed
 from omnivat.simulate.contact import Press, draped, indentation, plane, pressed_height
 from omnivat.simulate.noise import Array, noise, smoothstep, turned
 from omnivat.simulate.sensors import Colour, Lamp, Markers, Sensor

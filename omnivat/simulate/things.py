@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from omnivat.seeding import derive_seed
+from omnivat.kit.seeding import derive_seed
 from omnivat.simulate.plan import EMBOSSED, OTHER_SHAPE, Planned
 from omnivat.simulate.shapes import KINDS, OBJECTS, PARTS, Solid, Spot, kind_of, made_of, spot
 from omnivat.simulate.shapes.spots import contact_height

@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 from scipy.ndimage import median_filter, uniform_filter
 
+from omnivat.kit.tables import need
 from omnivat.simulate.noise import Array, octaves, smoothstep
 from omnivat.simulate.photograph import Framing
 from omnivat.simulate.props import props
 from omnivat.simulate.staging import clutter, material, mesh, place, textured
 from omnivat.simulate.things import Thing
-from omnivat.tables import need
 
 SAMPLES = 4  # paths for each pixel; their grain is filtered
 SAMPLES_GLASS = 8

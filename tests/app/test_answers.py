@@ -9,7 +9,7 @@ from app.measuring import measured
 from app.pictures import Sent, live
 from app.state import Ref
 from app.views import data, pair, tree
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 
 def test_attention_adds_up_to_one_for_each_token_that_asks(resources):

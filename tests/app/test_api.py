@@ -72,7 +72,7 @@ def test_the_schema_is_at_an_address_and_lists_every_tool(client):
 
 
 def test_a_prediction_is_the_library_s_and_a_picture_can_be_used_again(client, resources, png):
-    from omnivat.predict import predict_embeddings
+    from omnivat.head.predict import predict_embeddings
 
     first = client.post("/omnivat/api/predict", json={"vis": data(png()), "tac": "row:2"}).json()
     again = client.post("/omnivat/api/predict", json=first["images"]).json()

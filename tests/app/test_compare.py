@@ -7,7 +7,7 @@ import pytest
 
 from app.resources import Resources
 from app.views import compare
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 
 @pytest.fixture
@@ -97,7 +97,7 @@ def test_printed_figures_stand_beside_and_are_marked_not_comparable(resources):
 
 
 def test_records_of_the_protocol_give_means_over_seeds_and_skipped_runs_no_row(resources, tmp_path, monkeypatch):
-    from omnivat.protocol import records
+    from omnivat.study.protocol import records
 
     shown = records.fingerprint(resources.embeddings())
     file = tmp_path / "protocol.jsonl"
@@ -127,8 +127,8 @@ def test_records_of_the_protocol_give_means_over_seeds_and_skipped_runs_no_row(r
 
 def test_the_projects_own_records_are_of_the_set_that_comes_with_it():
     from omnivat.data.store import load_embeddings
-    from omnivat.heads import default_embeddings
-    from omnivat.protocol.records import fingerprint
+    from omnivat.head.heads import default_embeddings
+    from omnivat.study.protocol.records import fingerprint
 
     runs = compare.protocol_runs(fingerprint(load_embeddings(default_embeddings())))
     rows = compare.protocol_rows(runs)

@@ -13,7 +13,7 @@ from PIL import Image
 
 from app.decoder import Budget, Decoder
 from omnivat.data.images import read_image
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 ROOT = Path(__file__).resolve().parents[2]
 

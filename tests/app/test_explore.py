@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from app.views.explore import nearest, neighbours
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 
 def test_the_nearest_row_by_cosine_comes_first_and_never_the_point_itself():

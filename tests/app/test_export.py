@@ -11,12 +11,12 @@ from PIL import Image
 from app.components import WEB
 from app.export import export_page, export_picture, frames_file, scripts
 from omnivat.cli import main
-from omnivat.errors import SettingsError
 from omnivat.figures import maps, theme
 from omnivat.figures.curves import gap_curves
 from omnivat.figures.drawing import Picture, Shape, png, svg, write_picture
 from omnivat.figures.still import svg_of
-from omnivat.frames import read_frames
+from omnivat.kit.errors import SettingsError
+from omnivat.maps.frames import read_frames
 
 
 @pytest.fixture(scope="module")

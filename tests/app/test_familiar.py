@@ -8,9 +8,9 @@ import torch
 
 from app.familiar import familiar, first
 from app.resources import Resources
-from omnivat.calibration import familiarity_of
 from omnivat.data.store import save_embeddings
-from omnivat.unseen import counted
+from omnivat.head.calibration import familiarity_of
+from omnivat.measure.unseen import counted
 
 
 @pytest.fixture

@@ -8,8 +8,8 @@ import pytest
 from app import frames_job
 from app.frames_job import FramesJob, cache_name
 from app.jobs import Jobs
-from omnivat.errors import DataError
-from omnivat.frames import read_frames
+from omnivat.kit.errors import DataError
+from omnivat.maps.frames import read_frames
 
 
 @pytest.fixture
@@ -29,8 +29,8 @@ def few_stops(monkeypatch, tmp_path):
 
 @pytest.fixture
 def source(small_places):
-    from omnivat.checkpoint import load_head
     from omnivat.data.store import load_embeddings
+    from omnivat.head.checkpoint import load_head
 
     return {
         "head": small_places.head,
@@ -57,9 +57,9 @@ def test_one_stop_is_exactly_the_learned_order(source, jobs, monkeypatch):
 
 
 def test_the_coarse_map_is_shown_before_the_fine_one_makes_a_step(source, jobs, monkeypatch):
-    import omnivat.frames
+    import omnivat.maps.frames
 
-    whole, seen, go = omnivat.frames.build_frames, Event(), Event()
+    whole, seen, go = omnivat.maps.frames.build_frames, Event(), Event()
 
     def built(*arguments, orders, **more):
         if len(orders) == 3:
@@ -67,7 +67,7 @@ def test_the_coarse_map_is_shown_before_the_fine_one_makes_a_step(source, jobs, 
             go.wait(300)
         return whole(*arguments, orders=orders, **more)
 
-    monkeypatch.setattr(omnivat.frames, "build_frames", built, raising=False)
+    monkeypatch.setattr(omnivat.maps.frames, "build_frames", built, raising=False)
     job = FramesJob(**source, jobs=jobs)
     job.state()
     assert seen.wait(300)
@@ -88,7 +88,7 @@ def test_a_damaged_file_is_made_again(source, jobs):
 
 def test_the_name_changes_with_the_version_of_the_file_and_the_recipe(source, monkeypatch):
     names = {cache_name(source["head"], source["embeddings"])}
-    monkeypatch.setattr("omnivat.frames.file.VERSION", 99)
+    monkeypatch.setattr("omnivat.maps.frames.file.VERSION", 99)
     names.add(cache_name(source["head"], source["embeddings"]))
     monkeypatch.setattr(frames_job, "RECIPE", 99)
     names.add(cache_name(source["head"], source["embeddings"]))
@@ -141,16 +141,16 @@ def test_a_map_that_waits_says_its_place(source, jobs):
 def test_a_cancelled_map_writes_nothing(source, jobs, tmp_path, monkeypatch):
     folder = tmp_path / "set"
     folder.mkdir()
-    import omnivat.frames
+    import omnivat.maps.frames
 
-    whole, seen, go = omnivat.frames.build_frames, Event(), Event()
+    whole, seen, go = omnivat.maps.frames.build_frames, Event(), Event()
 
     def built(*arguments, **more):
         seen.set()
         go.wait(300)
         return whole(*arguments, **more)
 
-    monkeypatch.setattr(omnivat.frames, "build_frames", built, raising=False)
+    monkeypatch.setattr(omnivat.maps.frames, "build_frames", built, raising=False)
     job = FramesJob(**source, folder=folder, jobs=jobs, owner="gone")
     job.state()
     assert seen.wait(300)
@@ -162,15 +162,15 @@ def test_a_cancelled_map_writes_nothing(source, jobs, tmp_path, monkeypatch):
 
 def test_a_large_set_is_first_shown_by_its_principal_components_alone(source, jobs, monkeypatch):
     monkeypatch.setattr(frames_job, "LARGE_SET", 10)
-    import omnivat.frames
+    import omnivat.maps.frames
 
-    whole, seen = omnivat.frames.build_frames, []
+    whole, seen = omnivat.maps.frames.build_frames, []
 
     def built(*arguments, maps, orders, **more):
         seen.append((len(orders), {name.split("/")[0] for name in maps}))
         return whole(*arguments, maps={"pca/f_hat": 3}, orders=orders, **more)
 
-    monkeypatch.setattr(omnivat.frames, "build_frames", built, raising=False)
+    monkeypatch.setattr(omnivat.maps.frames, "build_frames", built, raising=False)
     assert FramesJob(**source, jobs=jobs).wait().problem == ""
     assert seen[0] == (2, {"pca"})
     assert len(seen) == 3

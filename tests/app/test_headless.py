@@ -10,7 +10,7 @@ from starlette.testclient import TestClient
 from app.resources import Resources
 from app.routes import routes
 from omnivat.data.store import save_embeddings
-from omnivat.frames import read_frames
+from omnivat.maps.frames import read_frames
 
 
 @pytest.fixture

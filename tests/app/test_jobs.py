@@ -9,8 +9,8 @@ import pytest
 from app.jobs import Jobs
 from app.limits import AGE_S
 from app.messages import UNEXPECTED, BusyError, CancelledError, UnexpectedError
-from omnivat.errors import DataError
-from omnivat.progress import Step
+from omnivat.kit.errors import DataError
+from omnivat.kit.progress import Step
 
 
 @pytest.fixture

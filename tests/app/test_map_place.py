@@ -7,7 +7,7 @@ import pytest
 
 from app.map_place import place
 from app.resources import Resources
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 
 @pytest.fixture
@@ -18,7 +18,7 @@ def with_frames(small_places, tmp_path):
 
 
 def test_a_pair_of_the_set_is_placed_where_the_map_has_it(with_frames):
-    from omnivat.frames import read_frames
+    from omnivat.maps.frames import read_frames
 
     frames = read_frames(with_frames.frames.state().file)
     got = place(

@@ -15,16 +15,16 @@ from app.resources import Resources
 from app.routes import routes
 from app.views import explore
 from app.visitor_sets import VisitorSets
-from omnivat.frames import read_frames, write_frames
-from omnivat.frames.file import frames_header
+from omnivat.maps.frames import read_frames, write_frames
+from omnivat.maps.frames.file import frames_header
 
 
 @pytest.fixture(scope="module")
 def trained(head_folder, tmp_path_factory) -> Path:
     """Return a folder with the small set and frames that imitate retrained ones."""
-    from omnivat.checkpoint import load_head
     from omnivat.data.store import load_embeddings
-    from omnivat.frames import build_frames
+    from omnivat.head.checkpoint import load_head
+    from omnivat.maps.frames import build_frames
 
     folder = tmp_path_factory.mktemp("trained")
     made = folder / "set.safetensors"

@@ -10,7 +10,7 @@ from PIL import Image
 
 from app.pictures import CELLS, PATCH, Sent, hidden, occlusion, over_cells
 from app.state import Ref
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 
 def test_each_part_is_hidden_once_in_the_mean_colour_and_the_rest_is_left():

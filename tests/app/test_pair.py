@@ -12,7 +12,7 @@ from app.resources import Resources
 from app.state import ForgottenError
 from app.views.pair import MOST_AT_ONCE, STOPS, many, predicted, spectrum, trained_span
 from omnivat.data.store import save_embeddings
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 
 def test_every_stop_is_what_the_library_answers_there(resources):

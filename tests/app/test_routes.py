@@ -12,7 +12,7 @@ from starlette.testclient import TestClient
 from app.limits import MAX_IMAGE_BYTES
 from app.messages import UNEXPECTED
 from app.routes import QUESTIONS, routes
-from omnivat.frames import read_frames
+from omnivat.maps.frames import read_frames
 
 
 @pytest.fixture
@@ -173,7 +173,7 @@ def test_frames_are_computed_once_in_the_background_and_kept(resources, client, 
     def never(*_, **__):
         raise AssertionError("frames that are kept are not computed again")
 
-    monkeypatch.setattr("omnivat.frames.builder.build_frames", never)
+    monkeypatch.setattr("omnivat.maps.frames.builder.build_frames", never)
     from app.resources import Resources
 
     assert Resources(resources.where).frames.wait().file == state.file
@@ -205,9 +205,9 @@ def test_an_image_that_a_restarted_server_lost_is_told_apart_so_that_the_page_se
 
 
 def test_the_frames_that_come_with_the_project_are_of_its_head_and_its_set():
-    from omnivat.checkpoint import head_hash, load_head
     from omnivat.data.store import load_embeddings
-    from omnivat.heads import EXAMPLES, default_embeddings, default_head
+    from omnivat.head.checkpoint import head_hash, load_head
+    from omnivat.head.heads import EXAMPLES, default_embeddings, default_head
 
     if not (EXAMPLES / "frames.bin").is_file():
         pytest.skip("examples/frames.bin is not made yet")

@@ -15,7 +15,7 @@ from app.state import ForgottenError, Ref
 from app.views.data import about
 from app.views.pair import many
 from omnivat.data.profile import channels_of
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 OWN = {"vis": Ref("image", "0"), "tac": Ref("image", "0")}
 

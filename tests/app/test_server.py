@@ -150,7 +150,7 @@ def test_the_desktop_window_shows_the_page_while_it_is_open():
 @pytest.mark.slow
 def test_a_head_is_loaded_without_symbolic_algebra():
     code = (
-        "import sys\nfrom omnivat.checkpoint import load_head\nfrom omnivat.heads import default_head\n"
+        "import sys\nfrom omnivat.head.checkpoint import load_head\nfrom omnivat.head.heads import default_head\n"
         "load_head(default_head())\nassert 'torch' in sys.modules and 'sympy' not in sys.modules\n"
     )
     subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=True, timeout=120)

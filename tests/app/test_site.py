@@ -13,7 +13,7 @@ from app.export import frames_file
 from app.site import MARK, OWN, Files, export_site
 from app.site_models import files_in
 from omnivat.cli import main
-from omnivat.errors import DataError, SettingsError, WriteError
+from omnivat.kit.errors import DataError, SettingsError, WriteError
 
 
 @pytest.fixture(scope="module")

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.state import VISITOR, Recent, content_name, order_from, ref_from
-from omnivat.errors import DataError, SettingsError
+from omnivat.kit.errors import DataError, SettingsError
 
 
 def test_a_reference_reads_back_as_it_was_written():

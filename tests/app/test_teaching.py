@@ -10,9 +10,9 @@ from app.pictures import Sent, live, occlusion
 from app.state import ForgottenError, Ref
 from app.teaching import MOST_LESSONS, head_for, head_taught, own_set, save_set, save_taught, taught_name, teach
 from app.views.pair import predicted
-from omnivat.checkpoint import load_head
 from omnivat.data.store import load_embeddings
-from omnivat.errors import DataError
+from omnivat.head.checkpoint import load_head
+from omnivat.kit.errors import DataError
 
 LESSONS = [
     {"vis": f"row:{row}", "tac": f"row:{row}", "label": label}

@@ -13,8 +13,8 @@ from app.state import ForgottenError
 from app.training import REACH, Trainings, coded_map
 from app.training_plan import looked_at, offers, plan_from
 from app.visitor_sets import VisitorSets
-from omnivat.checkpoint import load_head
-from omnivat.errors import DataError
+from omnivat.head.checkpoint import load_head
+from omnivat.kit.errors import DataError
 
 SMALL = {"source": "TAG-sim", "width": 16, "epochs": 5, "visitor": "ann"}
 

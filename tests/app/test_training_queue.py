@@ -9,7 +9,7 @@ from app.messages import BusyError
 from app.state import VISITOR
 from app.training import Trainings
 from app.visitor_sets import VisitorSets
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 LONG = {"source": "TAG-sim", "width": 16, "epochs": 100}
 

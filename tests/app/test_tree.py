@@ -5,7 +5,7 @@ import pytest
 import torch
 
 from app.views.tree import tree, votes
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 
 def test_nodes_and_layers_are_those_of_the_head(resources):

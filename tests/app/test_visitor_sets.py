@@ -17,7 +17,7 @@ from app.routes import routes
 from app.state import VISITOR, ForgottenError
 from app.visitor_sets import VisitorSets
 from omnivat.data.store import load_embeddings, save_embeddings
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 
 @pytest.fixture

@@ -60,10 +60,10 @@ def embeddings_file(make_embeddings, tmp_path):
 
 
 def test_a_method_of_one_file_and_one_line_runs_in_the_protocol(added, monkeypatch, embeddings_file):
-    from omnivat.baselines import BASELINES
     from omnivat.cli import main
+    from omnivat.study.baselines import BASELINES
 
-    added("omnivat/baselines/prior.py")
+    added("omnivat/study/baselines/prior.py")
     name, target = entry("BASELINES")
     monkeypatch.setitem(BASELINES, name, target)
     out = embeddings_file.with_name("protocol")
@@ -74,9 +74,9 @@ def test_a_method_of_one_file_and_one_line_runs_in_the_protocol(added, monkeypat
 
 def test_a_gap_of_one_file_and_one_line_is_in_gaps(added, monkeypatch, embeddings_file, capsys):
     from omnivat.cli import main
-    from omnivat.gaps import GAPS
+    from omnivat.measure.gaps import GAPS
 
-    added("omnivat/gaps/medians.py")
+    added("omnivat/measure/gaps/medians.py")
     name, target = entry("GAPS")
     monkeypatch.setitem(GAPS, name, target)
     asked = ["gaps", "--embeddings", str(embeddings_file), "--stage", "raw", "--measure", name]
@@ -86,9 +86,9 @@ def test_a_gap_of_one_file_and_one_line_is_in_gaps(added, monkeypatch, embedding
 
 def test_a_projection_of_one_file_and_one_line_draws_a_map(added, monkeypatch, embeddings_file):
     from omnivat.cli import main
-    from omnivat.projection import PROJECTIONS
+    from omnivat.maps.projection import PROJECTIONS
 
-    added("omnivat/projection/widest.py")
+    added("omnivat/maps/projection/widest.py")
     name, target = entry("PROJECTIONS")
     monkeypatch.setitem(PROJECTIONS, name, target)
     out = embeddings_file.with_name("map.csv")
@@ -100,9 +100,9 @@ def test_a_projection_of_one_file_and_one_line_draws_a_map(added, monkeypatch, e
 def test_a_gap_in_the_table_is_a_measure_of_the_sweep(added, monkeypatch):
     from importlib import reload
 
-    from omnivat.gaps import GAPS, measures
+    from omnivat.measure.gaps import GAPS, measures
 
-    added("omnivat/gaps/medians.py")
+    added("omnivat/measure/gaps/medians.py")
     name, target = entry("GAPS")
     with monkeypatch.context() as patched:
         patched.setitem(GAPS, name, target)

@@ -93,7 +93,7 @@ def test_stages_and_modalities_are_listed_in_one_place():
 
 
 def test_every_stage_has_a_title_on_the_page():
-    from omnivat.stages import STAGE_TITLES, STAGES
+    from omnivat.kit.stages import STAGE_TITLES, STAGES
 
     script = (ROOT / "app" / "web" / "shared" / "stages.js").read_text(encoding="utf-8")
     assert tuple(STAGE_TITLES) == STAGES

@@ -65,7 +65,7 @@ def test_an_installed_command_predicts_a_shipped_pair(site: Path) -> None:
 
 def test_the_page_finds_its_scripts_and_sets(site: Path) -> None:
     code = (
-        "from app.resources import Resources; from omnivat.heads import EXAMPLES, shipped_sets;"
+        "from app.resources import Resources; from omnivat.head.heads import EXAMPLES, shipped_sets;"
         "print(EXAMPLES, *shipped_sets())"
     )
     printed = run(site, "-c", code)

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from omnivat.frames import FrameSet, read_frames, write_frames
-from omnivat.heads import EXAMPLES, default_embeddings, default_head
+from omnivat.head.heads import EXAMPLES, default_embeddings, default_head
+from omnivat.maps.frames import FrameSet, read_frames, write_frames
 
 from .gestures import MAP, grab, open_tab, p_shown, pixels, pull
 
@@ -63,12 +63,12 @@ def test_every_stop_is_what_the_library_computes_now(open_page: Callable[..., An
     """The browser's own decoding against the head run again, not against the file."""
     import torch
 
-    from omnivat.checkpoint import load_head
     from omnivat.data.store import load_embeddings
-    from omnivat.frames.builder import stacked
-    from omnivat.projection import pca
-    from omnivat.projection.torch_umap import aligned
-    from omnivat.sweep import walk
+    from omnivat.head.checkpoint import load_head
+    from omnivat.maps.frames.builder import stacked
+    from omnivat.maps.projection import pca
+    from omnivat.maps.projection.torch_umap import aligned
+    from omnivat.maps.sweep import walk
 
     page = open_page("?chapter=analyse")
     page.wait_for_selector(MAP)

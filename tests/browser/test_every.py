@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from omnivat.frames import read_frames
+from omnivat.maps.frames import read_frames
 
 from .gestures import MAP
 

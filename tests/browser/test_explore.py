@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from omnivat.frames import read_frames, write_frames
-from omnivat.heads import EXAMPLES
+from omnivat.head.heads import EXAMPLES
+from omnivat.maps.frames import read_frames, write_frames
 
 from .gestures import MAP, MOVED, open_tab, place_of_a_point
 

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from benchmarks.first_view import LOOK
-from omnivat.heads import EXAMPLES
+from omnivat.head.heads import EXAMPLES
 
 from .gestures import MAP, MOVED
 

@@ -12,7 +12,7 @@ from app.places import shipped_places
 from app.site import export_site
 from app.site_models import files_in
 from benchmarks.site import served
-from omnivat.errors import OmniVatError
+from omnivat.kit.errors import OmniVatError
 
 pytestmark = pytest.mark.browser
 COUNT = """() => setInterval(async () => {

@@ -19,10 +19,10 @@ from app.site import whole_files
 from app.site_models import files_in
 from app.views import pair
 from benchmarks.site import ASK, make, served
-from omnivat.checkpoint import load_head
 from omnivat.data.store import load_embeddings
-from omnivat.errors import DataError
-from omnivat.predict import predict_embeddings
+from omnivat.head.checkpoint import load_head
+from omnivat.head.predict import predict_embeddings
+from omnivat.kit.errors import DataError
 
 pytestmark = pytest.mark.browser
 NEAR = 0.005  # of a probability

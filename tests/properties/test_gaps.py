@@ -7,12 +7,12 @@ import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from omnivat.gaps import GAPS
-from omnivat.gaps.confusion import macro_f1
-from omnivat.gaps.domain import pairwise_gaps
-from omnivat.gaps.sums import cosine_margin, cross_domain_margin, cross_modal_margin, domain_gap
-from omnivat.gaps.unit import unit
-from omnivat.tables import load
+from omnivat.kit.tables import load
+from omnivat.measure.gaps import GAPS
+from omnivat.measure.gaps.confusion import macro_f1
+from omnivat.measure.gaps.domain import pairwise_gaps
+from omnivat.measure.gaps.sums import cosine_margin, cross_domain_margin, cross_modal_margin, domain_gap
+from omnivat.measure.gaps.unit import unit
 
 seeds = st.integers(0, 2**31)
 counts = st.integers(6, 14)

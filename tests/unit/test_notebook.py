@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from omnivat.errors import DataError, SettingsError
+from omnivat.kit.errors import DataError, SettingsError
 from omnivat.notebook import Cell, explore
 
 
@@ -25,8 +25,8 @@ def test_a_cell_holds_the_whole_page_and_asks_no_server(head_folder, tmp_path, m
 
 @pytest.mark.slow
 def test_a_head_and_a_set_in_memory_are_shown_too(head_folder, tmp_path, monkeypatch):
-    from omnivat.checkpoint import load_head
     from omnivat.data.store import load_embeddings
+    from omnivat.head.checkpoint import load_head
 
     monkeypatch.setenv("OMNIVAT_CACHE", str(tmp_path))
     head = load_head(head_folder)

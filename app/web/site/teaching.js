@@ -1,4 +1,4 @@
-/** Teaching from a visitor's labelled pairs, as `omnivat/teach.py` does it. No DOM here. */
+/** Teaching from a visitor's labelled pairs, as `omnivat/head/teach.py` does it. No DOM here. */
 
 import { IMAGES, imagesOf } from "../shared/images.js";
 import { solved, triangle, unfolded } from "./logistic.js";

@@ -10,8 +10,8 @@ from typing import Any
 from omnivat.data.domains import require_domain_names
 from omnivat.data.pairs import PairSet
 from omnivat.data.readers.files import show
-from omnivat.errors import DataError, SettingsError
-from omnivat.tables import load, suggestion
+from omnivat.kit.errors import DataError, SettingsError
+from omnivat.kit.tables import load, suggestion
 
 # Tried in this order if no reader is named. A reader is a module with `read` and `recognises`.
 READERS = {

@@ -9,9 +9,9 @@ from io import StringIO
 from pathlib import Path
 from typing import Any
 
-from omnivat.errors import DataError, printable
-from omnivat.files import read_whole
-from omnivat.tables import suggestion
+from omnivat.kit.errors import DataError, printable
+from omnivat.kit.files import read_whole
+from omnivat.kit.tables import suggestion
 
 MOST_TEXT = 1_000_000_000  # bytes of a table or list; a million pairs take 200 MB
 is_file = os.path.isfile  # unlike Path.is_file, it never raises for long names

@@ -10,7 +10,7 @@ from omnivat.data.materials import MATERIALS, NO_CLASS, class_key
 from omnivat.data.pairs import Pair, PairSet, Skipped
 from omnivat.data.readers.files import folders_in, is_image_name, is_text, leads_upwards, show, visible
 from omnivat.data.rest import REST
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 HALF = re.compile(r"(?P<name>.*)_(?P<half>vis|tac)", re.IGNORECASE | re.DOTALL)
 LAYOUT = "<domain>/<class>/<name>_vis.png beside <name>_tac.png"

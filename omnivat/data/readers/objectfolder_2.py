@@ -15,9 +15,9 @@ from random import Random
 from omnivat.data.materials import class_key, rules, why_left_out
 from omnivat.data.pairs import Pair, PairSet, Tally
 from omnivat.data.readers.files import folders_in, frames_in, is_file, number_of, read_cells, read_json, show
-from omnivat.errors import DataError, SettingsError
-from omnivat.seeding import derive_seed
-from omnivat.tables import suggestion
+from omnivat.kit.errors import DataError, SettingsError
+from omnivat.kit.seeding import derive_seed
+from omnivat.kit.tables import suggestion
 
 A, B = "OF 2.0 A", "OF 2.0 B"
 LAST_OF_A = 100

@@ -15,8 +15,8 @@ from omnivat.data.materials import class_key, rules, why_left_out
 from omnivat.data.pairs import Pair, PairSet, Tally
 from omnivat.data.readers.files import folders_in, frames_in, is_file, is_text, read_names, show
 from omnivat.data.splits import split_by_object
-from omnivat.errors import DataError, SettingsError
-from omnivat.tables import suggestion
+from omnivat.kit.errors import DataError, SettingsError
+from omnivat.kit.tables import suggestion
 
 DOMAIN = "OF Real"
 TOUCH = "gelsight"

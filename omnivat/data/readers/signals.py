@@ -24,8 +24,8 @@ from omnivat.data.pairs import Skipped
 from omnivat.data.readers.files import folders_in, show, visible
 from omnivat.data.store import ROW_NAMES
 from omnivat.data.strips import ENCODER, PREPROCESSING, READER, STRIPES
-from omnivat.errors import DataError, SettingsError
-from omnivat.tables import load
+from omnivat.kit.errors import DataError, SettingsError
+from omnivat.kit.tables import load
 
 LAYOUT = "<domain>/<class>/<name>.csv or .wav, or .npz with signal (N, n) and material (N,)"
 BIOTAC = re.compile(r"mat\d+_\d+_bio\.csv", re.IGNORECASE)

@@ -10,9 +10,9 @@ from omnivat.data.domains import is_simulated
 from omnivat.data.materials import MATERIALS, class_key
 from omnivat.data.pairs import Pair, PairSet, Skipped
 from omnivat.data.readers.files import MOST_TEXT, is_file, is_text, show
-from omnivat.errors import DataError
-from omnivat.files import read_whole
-from omnivat.tables import suggestion
+from omnivat.kit.errors import DataError
+from omnivat.kit.files import read_whole
+from omnivat.kit.tables import suggestion
 
 NEEDED = ("vis", "tac", "domain", "material")
 OPTIONAL = ("object", "split", "part", "looks_like", "feels_like")

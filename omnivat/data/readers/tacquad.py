@@ -18,10 +18,10 @@ from omnivat.data.pairs import Pair, PairSet, Tally
 from omnivat.data.readers.files import frames_in, is_file, is_text, read_cells, read_names, show
 from omnivat.data.splits import split_by_object
 from omnivat.data.tac3d import draw_all
-from omnivat.errors import DataError
-from omnivat.files import cache_folder
-from omnivat.seeding import derive_seed
-from omnivat.tables import suggestion
+from omnivat.kit.errors import DataError
+from omnivat.kit.files import cache_folder
+from omnivat.kit.seeding import derive_seed
+from omnivat.kit.tables import suggestion
 
 PARTS = ("indoor", "outdoor")
 RENAMED = {"yumaoqiu": "shuttlecock", "yumaoqiu2": "shuttlecock2"}  # list -> folder

@@ -13,7 +13,7 @@ from omnivat.data.materials import class_key, rules, why_left_out
 from omnivat.data.pairs import Pair, PairSet, Skipped, Tally
 from omnivat.data.readers.files import folders_in, frames_in, is_file, is_text, read_lines, show
 from omnivat.data.splits import balance, split_by_object
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 DOMAIN = "TAG"
 VIS, TAC = "video_frame", "gelsight_frame"  # folders in a clip

@@ -8,7 +8,7 @@ from omnivat.data.readers.files import read_rows, show
 from omnivat.data.recordings.lerobot import INFO, LeRobot
 from omnivat.data.recordings.tracks import HALVES, Clip, Track
 from omnivat.data.recordings.writing import write_pairs
-from omnivat.errors import DataError, SettingsError
+from omnivat.kit.errors import DataError, SettingsError
 
 __all__ = ["clips_of", "is_recording", "write_pairs"]
 

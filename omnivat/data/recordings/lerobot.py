@@ -13,7 +13,7 @@ from typing import Any
 from omnivat.data.materials import NO_CLASS, class_key
 from omnivat.data.readers.files import read_json, read_lines, read_rows, show
 from omnivat.data.recordings.tracks import Clip, Track, parquet_rows
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 INFO = Path("meta") / "info.json"
 WIDE = re.compile(r"\d{3}[^{}]*\}")  # a place of so many letters fills the memory

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 from omnivat.data.images import MAX_PIXELS, read_image
 from omnivat.data.readers.files import show
-from omnivat.errors import DataError, first_line
-from omnivat.tables import need
+from omnivat.kit.errors import DataError, first_line
+from omnivat.kit.tables import need
 
 if TYPE_CHECKING:
     from PIL import Image

@@ -10,9 +10,9 @@ from PIL import Image
 from omnivat.data.pairs import Skipped
 from omnivat.data.readers.files import show
 from omnivat.data.recordings.tracks import HALVES, Clip, extent, pictures
-from omnivat.errors import DataError, SettingsError, WriteError
-from omnivat.files import replacing_folder, write_csv
-from omnivat.progress import OnStep, Step, ignore
+from omnivat.kit.errors import DataError, SettingsError, WriteError
+from omnivat.kit.files import replacing_folder, write_csv
+from omnivat.kit.progress import OnStep, Step, ignore
 
 PICKS = ("even", "contact")
 GRID = 16  # blocks along a side, of which contact changes some; other light changes all of them

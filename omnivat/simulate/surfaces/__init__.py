@@ -14,7 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from omnivat.seeding import derive_seed
+from omnivat.kit.seeding import derive_seed
 from omnivat.simulate.fields import Field
 from omnivat.simulate.surfaces import ceramic, glass, plastic, steel, wood
 from omnivat.simulate.surfaces.base import Surface

@@ -3,7 +3,7 @@
 import pytest
 
 from omnivat.cli import arguments
-from omnivat.progress import Step
+from omnivat.kit.progress import Step
 
 
 @pytest.fixture

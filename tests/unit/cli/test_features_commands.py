@@ -9,7 +9,7 @@ import torch
 
 from omnivat.cli import main
 from omnivat.data.store import load_embeddings
-from omnivat.gaps.centroid import centroid_gap, modality_gap
+from omnivat.measure.gaps.centroid import centroid_gap, modality_gap
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ from PIL import Image
 
 from omnivat.cli import main
 from omnivat.data.rest import RESTED
-from omnivat.heads import default_head
+from omnivat.head.heads import default_head
 
 
 @pytest.fixture

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import torch
 
 from omnivat.cli import main
-from omnivat.lang.bank import load_bank
+from omnivat.encoders.lang.bank import load_bank
 
 
 def test_learning_styles_needs_a_tower_with_word_vectors(tmp_path, capsys):
@@ -39,7 +39,7 @@ def test_styles_are_learned_through_clip_and_the_bank_says_so(tmp_path, monkeypa
         embed_texts=lambda texts: torch.ones(len(texts), 4),
     )
     monkeypatch.setattr("omnivat.encoders.clip_text.load_text_encoder", lambda name, **_: clip)
-    monkeypatch.setattr("omnivat.lang.clip_prompts.ClipWords", Words)
+    monkeypatch.setattr("omnivat.encoders.lang.clip_prompts.ClipWords", Words)
     out = tmp_path / "bank.safetensors"
     command = ["prompts", "--out", str(out), "--encoder", "clip-vit-b16", "--styles", "3"]
     assert main([*command, "--method", "promptstyler", "--steps", "2", "--seed", "7"]) == 0

@@ -12,7 +12,7 @@ from PIL import Image
 from omnivat.cli import main
 from omnivat.data.paper_sets import find_paper_sets, read_paper_sets
 from omnivat.data.store import load_embeddings
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 Put = Callable[[Path], None]
 

@@ -5,14 +5,14 @@ import json
 
 import pytest
 
-from omnivat.checkpoint import load_head
 from omnivat.cli import main
 from omnivat.cli.sweep import names_of, orders_of
 from omnivat.data.store import load_embeddings
-from omnivat.errors import SettingsError
-from omnivat.frames import read_frames
-from omnivat.gaps.measures import PREDICTION_MEASURES, STAGE_MEASURES
-from omnivat.sweep import MEASURES, STAGES, sweep
+from omnivat.head.checkpoint import load_head
+from omnivat.kit.errors import SettingsError
+from omnivat.maps.frames import read_frames
+from omnivat.maps.sweep import MEASURES, STAGES, sweep
+from omnivat.measure.gaps.measures import PREDICTION_MEASURES, STAGE_MEASURES
 
 
 def command(head_folder, *more):

@@ -5,10 +5,10 @@ import json
 import pytest
 import torch
 
-from omnivat.checkpoint import load_head
 from omnivat.cli import main
 from omnivat.data.store import save_embeddings
-from omnivat.lang.bank import load_bank
+from omnivat.encoders.lang.bank import load_bank
+from omnivat.head.checkpoint import load_head
 
 
 @pytest.fixture(scope="module")
@@ -25,7 +25,7 @@ def command(file, out, *more):
 
 def stopped_in_the_second_epoch(monkeypatch):
     """Make the next training stop as if its process was interrupted."""
-    from omnivat.train import loop
+    from omnivat.training import loop
 
     learn, calls = loop.learn, []
 
@@ -91,7 +91,7 @@ def test_repeats_leave_their_scores_beside_those_of_the_head_that_is_kept(file, 
 
 
 def test_a_folder_that_holds_something_else_is_refused_before_the_first_step(file, tmp_path, monkeypatch, capsys):
-    from omnivat.train import loop
+    from omnivat.training import loop
 
     (tmp_path / "head").mkdir()
     (tmp_path / "head" / "thesis.txt").write_text("years of work")

@@ -8,12 +8,12 @@ import pytest
 from PIL import Image
 
 from app.server import parser
-from omnivat import trial
-from omnivat.checkpoint import load_head
 from omnivat.cli import main, try_pairs
 from omnivat.data.profile import load_profile
 from omnivat.data.store import load_embeddings, save_embeddings
-from omnivat.shift import read_features
+from omnivat.head.checkpoint import load_head
+from omnivat.study import trial
+from omnivat.study.shift import read_features
 
 
 @pytest.fixture(autouse=True)

@@ -14,7 +14,7 @@ from PIL import Image
 
 from omnivat.data.bare_files import bare_file, rotation
 from omnivat.data.images import VISITORS, read_image
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 RGB = np.random.default_rng(3).integers(0, 256, (24, 32, 3), dtype=np.uint8)
 SMALL = Image.fromarray(RGB)

@@ -3,7 +3,7 @@
 import pytest
 
 from omnivat.data.domains import DOMAINS, is_simulated, paper_name, require_domain_names, simulated
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 
 def test_there_are_eight_domains_and_tacquad_has_no_ceramic():

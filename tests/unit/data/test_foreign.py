@@ -12,7 +12,7 @@ from omnivat.cli import main
 from omnivat.data.foreign import import_embeddings
 from omnivat.data.store import load_embeddings
 from omnivat.encoders import load_encoder
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 COUNT = 6
 Table = dict[str, Any]

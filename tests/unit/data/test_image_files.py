@@ -12,7 +12,7 @@ from PIL import Image
 
 from omnivat.data.image_files import OddFileError, image_file
 from omnivat.data.images import OWN, VISITORS, draft_scale, factor, read_image
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 KINDS = ["PNG", "JPEG", "WEBP", "GIF", "BMP", "TIFF"]
 

@@ -12,7 +12,7 @@ import pytest
 from PIL import Image
 
 from omnivat.data.images import MAX_PIXELS, central_square, read_image
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 RANDOM = np.random.default_rng(7)
 RGB = RANDOM.integers(0, 256, (24, 32, 3), dtype=np.uint8)

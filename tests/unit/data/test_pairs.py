@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from omnivat.data.pairs import Pair, PairSet, Skipped, summary_table
-from omnivat.errors import DataError, MissingNameError, printable
+from omnivat.kit.errors import DataError, MissingNameError, printable
 
 
 def pair(material, domain="TAG", **names):

@@ -21,7 +21,7 @@ from omnivat.data.profile import (
     shrunk,
     standardised,
 )
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 
 def rows(count, seed, width=6, offset=0.0, scale=1.0):

@@ -11,7 +11,7 @@ from PIL import Image
 from omnivat.cli import main
 from omnivat.data.readers import read_pairs
 from omnivat.data.recordings import clips_of, is_recording, write_pairs
-from omnivat.errors import DataError, MissingPackageError, SettingsError, WriteError
+from omnivat.kit.errors import DataError, MissingPackageError, SettingsError, WriteError
 
 parquet = pytest.importorskip("pyarrow.parquet")
 pa = pytest.importorskip("pyarrow")

@@ -11,7 +11,7 @@ from PIL import Image
 from omnivat.data.pairs import Pair, PairSet
 from omnivat.data.readers import read_pairs
 from omnivat.data.rest import has_markers, minus_rest, rests_of, with_rest
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 
 def grey(value: int, side: int = 8) -> Image.Image:

@@ -8,7 +8,7 @@ import pytest
 from omnivat.cli import main
 from omnivat.data.readers.signals import DYNAMIC, read_signals, signal_embeddings
 from omnivat.data.store import load_embeddings
-from omnivat.errors import DataError, SettingsError
+from omnivat.kit.errors import DataError, SettingsError
 
 SAMPLES = np.random.default_rng(0).integers(-900, 900, (40, 22))
 

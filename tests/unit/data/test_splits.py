@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from omnivat.data.pairs import Pair
 from omnivat.data.splits import balance, hold_out, split_by_object
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 
 def pairs(objects, domain="D"):

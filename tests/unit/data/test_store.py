@@ -17,7 +17,7 @@ from safetensors.numpy import save_file
 from omnivat.data import store
 from omnivat.data.arrays import Column, column, read_arrays, write_arrays
 from omnivat.data.store import Embeddings, load_embeddings, save_embeddings
-from omnivat.errors import DataError, SettingsError
+from omnivat.kit.errors import DataError, SettingsError
 
 VECTORS = ("vis", "tac", "vis_flip", "tac_flip")
 

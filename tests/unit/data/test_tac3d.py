@@ -5,7 +5,7 @@ import pytest
 from PIL import Image
 
 from omnivat.data.tac3d import draw_all, field_to_rgb, load_field, robust_scale
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 RANDOM = np.random.default_rng(0)
 ONE = np.ones(3)

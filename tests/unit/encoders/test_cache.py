@@ -12,8 +12,8 @@ import torch
 from PIL import Image
 
 from omnivat.encoders.cache import EmbeddingCache, embed_image, embed_pair, embed_views
-from omnivat.errors import DataError
-from omnivat.files import cache_folder
+from omnivat.kit.errors import DataError
+from omnivat.kit.files import cache_folder
 
 
 class Counting:

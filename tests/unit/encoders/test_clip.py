@@ -11,7 +11,7 @@ from torch import Tensor
 from omnivat.encoders import load_encoder, text_encoder
 from omnivat.encoders.clip_settings import PUBLISHED, ImageShape, require_name
 from omnivat.encoders.clip_text import load_text_encoder
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 pytest.importorskip("transformers")
 pytestmark = pytest.mark.usefixtures("nothing_outside")

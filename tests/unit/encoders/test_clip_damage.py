@@ -12,7 +12,7 @@ from safetensors.torch import load_file, save_file
 from omnivat.encoders import load_encoder, text_encoder
 from omnivat.encoders.clip_settings import PUBLISHED
 from omnivat.encoders.hub import Checkpoint, find
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 pytest.importorskip("transformers")
 pytestmark = pytest.mark.usefixtures("nothing_outside")

@@ -13,7 +13,7 @@ from omnivat.encoders import load_encoder, text_encoder
 from omnivat.encoders.clip_text import load_text_encoder
 from omnivat.encoders.clip_towers import AttentionPool, Bottleneck
 from omnivat.encoders.weights import read_script
-from omnivat.errors import DataError, MissingNameError
+from omnivat.kit.errors import DataError, MissingNameError
 
 pytest.importorskip("transformers")
 pytestmark = pytest.mark.usefixtures("nothing_outside")

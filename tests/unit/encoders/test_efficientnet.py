@@ -12,8 +12,8 @@ from PIL import Image
 
 from omnivat.encoders import ENCODERS, Encoder, load_encoder
 from omnivat.encoders.running import cpu_has_bf16, precision_type
-from omnivat.errors import DataError, MissingNameError, MissingPackageError, SettingsError
-from omnivat.tables import load
+from omnivat.kit.errors import DataError, MissingNameError, MissingPackageError, SettingsError
+from omnivat.kit.tables import load
 
 RANDOM = np.random.default_rng(3)
 

@@ -16,7 +16,7 @@ from PIL import Image
 
 from omnivat.data.store import load_embeddings
 from omnivat.encoders import hub
-from omnivat.errors import SettingsError
+from omnivat.kit.errors import SettingsError
 
 pytest.importorskip("transformers")
 REPOSITORY = "openai/clip-vit-base-patch16"

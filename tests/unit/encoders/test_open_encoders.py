@@ -13,7 +13,7 @@ from omnivat.encoders import PairEncoder, TorchEncoder, base, load_encoder
 from omnivat.encoders.base import for_modality
 from omnivat.encoders.cache import embed_pair
 from omnivat.encoders.hub import recall
-from omnivat.errors import DataError, MissingNameError, SettingsError
+from omnivat.kit.errors import DataError, MissingNameError, SettingsError
 
 pytestmark = pytest.mark.usefixtures("nothing_outside")
 

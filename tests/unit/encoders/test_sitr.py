@@ -10,7 +10,7 @@ from torch import Tensor, nn
 
 from omnivat.encoders import load_encoder
 from omnivat.encoders.sitr import MEAN, STD, Sitr
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 WIDTH, DEPTH, SIDE, PATCH = 128, 2, 32, 16
 PLACES = (SIDE // PATCH) ** 2

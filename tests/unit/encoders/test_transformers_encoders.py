@@ -10,7 +10,7 @@ from PIL import Image
 from torch import Tensor, nn
 
 from omnivat.encoders import load_encoder
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 pytestmark = pytest.mark.usefixtures("nothing_outside")
 

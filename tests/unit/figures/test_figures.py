@@ -11,10 +11,10 @@ import plotly.graph_objects as go
 import pytest
 
 from omnivat import figures
-from omnivat.errors import DataError, SettingsError, ShapeError
 from omnivat.figures.page import POLICY, cell
 from omnivat.figures.still import svg_of
 from omnivat.figures.theme import CONFIG
+from omnivat.kit.errors import DataError, SettingsError, ShapeError
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -137,9 +137,9 @@ def test_bad_input_is_one_sentence(tmp_path):
 
 
 def test_strangers_have_a_row_for_each_domain_and_the_mean(head_folder):
-    from omnivat.checkpoint import load_head
     from omnivat.data.store import load_embeddings
-    from omnivat.unseen import unseen_summary
+    from omnivat.head.checkpoint import load_head
+    from omnivat.measure.unseen import unseen_summary
 
     head, pairs = load_head(head_folder), load_embeddings(head_folder.parent / "set.safetensors")
     summary = unseen_summary(head, pairs)
@@ -156,7 +156,7 @@ def test_strangers_have_a_row_for_each_domain_and_the_mean(head_folder):
 def test_a_tree_has_a_disc_for_each_node_with_all_probabilities_at_the_pointer():
     import torch
 
-    from omnivat.nodes import TreeFacts
+    from omnivat.maps.nodes import TreeFacts
 
     facts = TreeFacts(
         parents=[-1, 0, 0],

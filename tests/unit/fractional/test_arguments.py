@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import torch
 
-from omnivat.errors import SettingsError, ShapeError
 from omnivat.fractional import basis, coefficients, dfrft, synthesise
+from omnivat.kit.errors import SettingsError, ShapeError
 
 X = torch.ones(5, 12)
 

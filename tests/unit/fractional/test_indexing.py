@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import torch
 
-from omnivat.errors import ShapeError
 from omnivat.fractional import coefficients, dfrft, synthesise
+from omnivat.kit.errors import ShapeError
 
 MASK = torch.tensor([True, False, True])
 FLAT = torch.ones(4, 4, dtype=torch.bool).tril()

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 import torch
 
-from omnivat.errors import ShapeError
 from omnivat.fractional import basis, coefficients, dfrft, synthesise
+from omnivat.kit.errors import ShapeError
 
 sys.path.insert(0, str(Path(__file__).parent))
 oracles = importlib.import_module("oracles")

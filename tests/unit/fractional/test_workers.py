@@ -13,7 +13,7 @@ import torch
 from omnivat.fractional import coefficients, dfrft, synthesise
 from omnivat.fractional.build import build_split
 from omnivat.fractional.workers import for_each, side_by_side
-from omnivat.threads import one_blas_thread
+from omnivat.kit.threads import one_blas_thread
 
 
 @pytest.fixture(autouse=True)

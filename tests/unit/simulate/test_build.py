@@ -9,8 +9,8 @@ import pytest
 
 from omnivat.data.readers import read_pairs
 from omnivat.data.rest import with_rest
-from omnivat.errors import DataError, MissingNameError
-from omnivat.progress import Step
+from omnivat.kit.errors import DataError, MissingNameError
+from omnivat.kit.progress import Step
 from omnivat.simulate.build import simulate
 from omnivat.simulate.domains import SimulatedDomain
 from omnivat.simulate.plan import COLUMNS

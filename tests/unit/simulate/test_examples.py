@@ -12,7 +12,7 @@ from omnivat.data.domains import DOMAINS, simulated
 from omnivat.data.pairs import Pair, PairSet
 from omnivat.data.readers import read_pairs
 from omnivat.data.store import load_embeddings
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 from omnivat.simulate.build import chosen, simulate, spread, write_examples
 from omnivat.simulate.plan import classes
 

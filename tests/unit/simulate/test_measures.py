@@ -11,7 +11,7 @@ from benchmarks.simulated_real import predictions, real_pairs, wilson
 from benchmarks.simulated_table import by_source, chance, matrix, print_table, questions
 from omnivat.data.embeddings import Embeddings, Header
 from omnivat.data.store import save_embeddings
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 MATERIALS = ("wood", "steel", "ceramic")
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from omnivat.errors import MissingPackageError
+from omnivat.kit.errors import MissingPackageError
 from omnivat.simulate import drawing, vision
 from omnivat.simulate.contact import Press
 from omnivat.simulate.domains import SIMULATED

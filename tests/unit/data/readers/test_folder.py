@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from omnivat.data.pairs import summary_table
 from omnivat.data.readers import read_pairs
 from omnivat.data.readers.folder import read
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 
 def reasons(found):

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from omnivat.data.pairs import summary_table
 from omnivat.data.readers import read_pairs
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 few = settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
 cells = st.sampled_from(

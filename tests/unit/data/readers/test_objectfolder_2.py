@@ -6,7 +6,7 @@ from collections import Counter
 import pytest
 
 from omnivat.data.readers import read_pairs
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 SMALL = {1: "Wood", 2: "Steel", 3: "Polycarbonate", 101: "Wood", 102: "Iron", 103: "Plastic"}
 

@@ -3,7 +3,7 @@
 import pytest
 
 from omnivat.data.readers import read_pairs
-from omnivat.errors import DataError, SettingsError
+from omnivat.kit.errors import DataError, SettingsError
 
 
 @pytest.fixture

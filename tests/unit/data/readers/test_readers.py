@@ -3,8 +3,8 @@
 import pytest
 
 from omnivat.data.readers import READERS, read_pairs, recognised
-from omnivat.errors import DataError, MissingNameError, SettingsError
-from omnivat.tables import load
+from omnivat.kit.errors import DataError, MissingNameError, SettingsError
+from omnivat.kit.tables import load
 
 
 @pytest.mark.parametrize("name", READERS)

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from omnivat.data.readers import read_pairs
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 HEADER = "vis,tac,domain,material"
 

@@ -8,7 +8,7 @@ import pytest
 
 from omnivat.data.readers import read_pairs
 from omnivat.data.readers.tacquad import material_of
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 
 @pytest.fixture

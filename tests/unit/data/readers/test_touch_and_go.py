@@ -5,7 +5,7 @@ from collections import Counter
 import pytest
 
 from omnivat.data.readers import read_pairs
-from omnivat.errors import DataError
+from omnivat.kit.errors import DataError
 
 WOOD, METAL, TILE, GLASS, PLASTIC, GRASS = 3, 4, 6, 2, 1, 13
 

@@ -11,10 +11,10 @@ from omnivat.cli import main
 from omnivat.data.readers import read_pairs
 from omnivat.data.store import load_embeddings
 from omnivat.data.strips import STRIPES, strip_picture, strip_signal
-from omnivat.embed import embed_pairs
 from omnivat.encoders import load_encoder
-from omnivat.errors import SettingsError, ShapeError
+from omnivat.encoders.embed import embed_pairs
 from omnivat.fractional import dfrft
+from omnivat.kit.errors import SettingsError, ShapeError
 from omnivat.simulate.chirps import ChirpSettings, chirp_embeddings, interference_orders, places
 
 SMALL = ChirpSettings(pairs_per_class=4, domains=4)

@@ -1,0 +1,142 @@
+"""Embed every pair of a set into one file: resumable, in bounded memory."""
+
+import logging
+import os
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from omnivat.data.pairs import PairSet, Skipped
+from omnivat.data.store import Header, manifest_place, require_own, vector_type
+from omnivat.encoders.embed.job import Job, Part, Parts, chunks_of, merge
+from omnivat.kit.errors import DataError, SettingsError
+from omnivat.kit.files import require_writable
+from omnivat.kit.progress import OnStep, Step, ignore, time_text
+from omnivat.kit.tables import load
+
+ENGINES = {"local": "omnivat.encoders.embed.engines:run_local", "ray": "omnivat.encoders.embed.engines:run_on_ray"}
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EmbedReport:
+    """The result of `embed_pairs`."""
+
+    out: Path
+    header: Header
+    embedded: int  # pairs in the file
+    resumed: int  # of these and the skipped ones, done by an earlier, interrupted run
+    skipped: tuple[Skipped, ...]  # pairs with an unreadable image, and the reasons
+    seconds: float
+
+
+def embed_pairs(
+    pairs: PairSet,
+    encoder_name: str,
+    out: str | Path,
+    *,
+    weights: Path | None = None,
+    tac_weights: Path | None = None,
+    device: str = "cpu",
+    precision: str = "fp32",
+    download: str = "ask",
+    engine: str = "local",
+    flips: bool = True,
+    workers: int | None = None,
+    dtype: str = "float32",
+    manifest: str = "csv",
+    on_step: OnStep = ignore,
+) -> EmbedReport:
+    """Embed `pairs` with the encoder of that name and write the set of embeddings to `out`.
+
+    encoder_name, weights, tac_weights, device, precision, download  as for `load_encoder`
+    engine      "local", or "ray" for a cluster; both write the same file
+    flips       also embed mirrored images, for training
+    workers     images in parallel; default: every core
+    dtype       of the file: "float32", or "float16" for half the size
+    manifest    "csv" or "parquet": the readable table next to `out`
+
+    Finished parts are in `<out>.parts` until the end; the same call resumes from them.
+    Raises DataError if there are no pairs or none can be read, WriteError if `out` cannot be
+    written or its table would replace another; settings are checked first.
+    """
+    out = Path(out)
+    _require_sound(pairs, out, workers, dtype, manifest)
+    run = load(ENGINES, engine, kind="engine")
+    job = Job(
+        encoder=encoder_name,
+        weights=weights,
+        tac_weights=tac_weights,
+        device=device,
+        precision=precision,
+        flips=flips,
+        download=download,
+    )
+    begun = time.monotonic()
+    encoder, parts, total = job.load(), Parts(out), len(pairs.pairs)
+    with parts.claimed():
+        chunks = list(chunks_of(pairs.pairs, encoder, job))
+        waiting = [chunk for chunk in chunks if parts.read(chunk) is None]
+        resumed = total - sum(len(chunk.pairs) for chunk in waiting)
+        if resumed:
+            _log.info("%d pairs were embedded by an earlier run", resumed)
+        on_pairs = _progress(total, resumed, on_step)
+        for chunk, content in run(waiting, job, encoder, workers=workers or usable_cores(), on_pairs=on_pairs):
+            parts.write(chunk, content)
+        finished = [part for chunk in chunks if (part := parts.read(chunk)) is not None]
+        _require_all(finished, len(chunks), pairs, parts)
+        header = merge(out, finished, pairs, encoder, job, dtype=dtype, manifest=manifest)
+        parts.remove()
+    return EmbedReport(
+        out=out,
+        header=header,
+        embedded=sum(len(part.pairs) for part in finished),
+        resumed=resumed,
+        skipped=tuple(skipped for part in finished for skipped in part.skipped),
+        seconds=time.monotonic() - begun,
+    )
+
+
+def _require_sound(pairs: PairSet, out: Path, workers: int | None, dtype: str, manifest: str) -> None:
+    """Check input and output before loading the encoder."""
+    vector_type(dtype)
+    require_writable(out, ".safetensors")
+    require_own(manifest_place(out, manifest))
+    if workers is not None and workers < 1:
+        raise SettingsError(f"workers is {workers}; choose 1 or more.")
+    if not pairs.pairs:
+        place = pairs.origin or "what was given"
+        raise DataError(f"There are no pairs to embed in {place}; check the items that the reader skipped.")
+
+
+def usable_cores() -> int:
+    """Return the number of cores for this process."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _require_all(finished: list[Part], wanted: int, pairs: PairSet, parts: Parts) -> None:
+    if len(finished) < wanted:
+        raise DataError(
+            "Some images changed on disk, or their part files were removed, while they were being "
+            "embedded; run the same command again to embed those."
+        )
+    if not any(part.pairs for part in finished):
+        first = finished[0].skipped[0]
+        parts.remove()
+        raise DataError(f"None of {len(pairs.pairs)} pairs could be read; the first: {first.why}")
+
+
+def _progress(total: int, done: int, on_step: OnStep) -> Callable[[int], None]:
+    """Return a function of the number of new pairs; it reports rate and time left."""
+    begun, at_start = time.monotonic(), done
+
+    def on_pairs(count: int) -> None:
+        nonlocal done
+        done += count
+        rate = (done - at_start) / max(time.monotonic() - begun, 1e-9)
+        left = time_text((total - done) / rate)
+        on_step(Step(done=done, total=total, text=f"{rate:.1f} pairs/s, {left} left"))
+
+    on_step(Step(done=done, total=total, text="embedding pairs"))
+    return on_pairs

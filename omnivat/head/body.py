@@ -1,0 +1,162 @@
+"""What training and prediction share: projections, MFFA, the tree and the classifier."""
+
+import math
+from collections.abc import Mapping
+
+import torch
+from jaxtyping import Float, Int
+from torch import Tensor, nn
+from torch.nn.functional import linear, normalize
+
+from omnivat.data.profile import Profile, floor_of, scale_of
+from omnivat.head.dtg import DTG
+from omnivat.head.fusion import Calibration
+from omnivat.head.mffa import MFFA
+from omnivat.head.settings import HeadSettings
+from omnivat.kit.errors import DataError, ShapeError
+from omnivat.kit.shapes import unit
+from omnivat.kit.stages import IMAGES, MODALITIES
+
+
+class Body(nn.Module):
+    """The modules of a head, and the steps at both ends: embeddings in, logits out."""
+
+    input_mean: Float[Tensor, "2 W"]  # of VIS and TAC, if the head standardizes
+    input_scale: Float[Tensor, "2 W"]
+    taught_rows: Float[Tensor, "2 T W"]
+    taught_bias: Float[Tensor, " T"]
+    taught_class: Int[Tensor, " T"]
+
+    def __init__(self, settings: HeadSettings) -> None:
+        super().__init__()
+        self.settings = settings
+        width = settings.width
+        if settings.standardize:  # the source's profile; training sets it
+            shape = len(IMAGES), settings.input_width
+            self.register_buffer("input_mean", torch.zeros(shape))
+            self.register_buffer("input_scale", torch.ones(shape))
+        if settings.taught:  # rows, biases and classes of `taught_logits`
+            self.register_buffer("taught_rows", torch.zeros(2, settings.taught, settings.input_width))
+            self.register_buffer("taught_bias", torch.zeros(settings.taught))
+            self.register_buffer("taught_class", torch.zeros(settings.taught, dtype=torch.int64))
+        if settings.projects:
+            self.project_image: nn.Module = nn.Linear(settings.input_width, width)
+        else:
+            self.project_image = nn.Identity()
+        if settings.projects_apart:
+            self.project_tac = nn.Linear(settings.input_width, width)
+        if settings.project or settings.lang_width != width:
+            self.project_lang: nn.Module = nn.Linear(settings.lang_width, width)
+        else:
+            self.project_lang = nn.Identity()
+        self.mffa = MFFA(settings)
+        levels = settings.levels if settings.edges else 1  # without matrices, a single root
+        self.dtg = DTG(width, levels=levels, init=settings.tree_init, arrangement=settings.generation)
+        self.classifier = nn.Parameter(torch.empty(len(settings.classes), width))
+        if not self.classifier.is_meta:  # there, torch would load its compiler for this: 0.9 s
+            nn.init.normal_(self.classifier, std=width**-0.5)
+        self.calibration = Calibration()  # see omnivat.head.calibration
+
+    @property
+    def order(self) -> float:
+        """The learned fractional order p, in quarter turns; the mean of VIS and TAC if each has one."""
+        return float(self.mffa.orders(IMAGES).detach().mean())
+
+    @property
+    def orders(self) -> dict[str, float]:
+        """The learned order of each modality, LANG included."""
+        own = self.mffa.order.detach().expand(len(MODALITIES)).tolist()
+        return dict(zip(MODALITIES, own, strict=True))
+
+    @property
+    def dtype(self) -> torch.dtype:
+        """The precision of the head."""
+        return self.classifier.dtype
+
+    def classify(
+        self, features: Float[Tensor, "*any D"], directions: Float[Tensor, "K D"] | None = None
+    ) -> Float[Tensor, "*any K"]:
+        """Return logits of features such as F-hat or tree nodes; `directions` are computed if None."""
+        if self.settings.feature_scale == "literal":
+            return linear(features, self.classifier)
+        directions = self.directions() if directions is None else directions
+        lengths = torch.linalg.vector_norm(features, dim=-1, keepdim=True)
+        logits: Tensor = linear(features, directions) / lengths.clamp_min(1e-12)
+        return logits
+
+    def directions(self) -> Float[Tensor, "K D"]:
+        """Return the class directions; their length is the logit scale."""
+        return self.settings.logit_scale * normalize(self.classifier, dim=-1)
+
+    @property
+    def length(self) -> float:
+        """Length of an embedding before the transform: √D, so that entries are near 1."""
+        return 1.0 if self.settings.feature_scale == "literal" else float(self.settings.width**0.5)
+
+    def embedded(self, given: Mapping[str, Float[Tensor, "B _"]]) -> Float[Tensor, "M B D"]:
+        """Return embeddings for the transform: projected, of length √D.
+
+        given  VIS and TAC of input_width, or LANG alone of lang_width, from the encoders
+
+        Raises DataError if none is given, ShapeError for wrong widths or unequal numbers of pairs.
+        """
+        if not given:
+            raise DataError("Neither VIS nor TAC was given; give one of them or both.")
+        lang = "lang" in given
+        width = self.settings.lang_width if lang else self.settings.input_width
+        for name, raw in given.items():
+            if raw.ndim != 2 or raw.shape[1] != width:
+                raise ShapeError(
+                    f"{name} has shape {tuple(raw.shape)}; this head needs (B, {width}). "
+                    "Use embeddings of the encoder that the head was trained with."
+                )
+        if len({len(raw) for raw in given.values()}) > 1:
+            raise ShapeError("vis and tac have different numbers of pairs; give one of each for every pair.")
+        raw = torch.stack([self.standardised(n, r.to(self.dtype)) for n, r in given.items()])
+        projected: Tensor
+        if self.settings.projects_apart and not lang:
+            maps = {"vis": self.project_image, "tac": self.project_tac}
+            projected = torch.stack([maps[n](r) for n, r in zip(given, raw, strict=True)])
+        else:
+            projected = (self.project_lang if lang else self.project_image)(raw)
+        if self.settings.feature_scale == "literal":
+            return projected
+        return self.length * unit(projected)
+
+    def standardize_by(self, profile: Profile) -> None:
+        """Take over the channel statistics of the source's training pairs."""
+        for name, channels in profile.channels.items():
+            row = IMAGES.index(name)
+            scale = scale_of(channels, floor_of(channels))
+            self.input_mean[row] = torch.from_numpy(channels.mean).to(self.input_mean)
+            self.input_scale[row] = torch.from_numpy(scale).to(self.input_scale)
+
+    def standardised(self, name: str, raw: Float[Tensor, "B W"]) -> Float[Tensor, "B W"]:
+        """Return bounded, standardised rows of length √W / 2 (data/profile.py)."""
+        if not self.settings.standardize or name not in IMAGES:
+            return raw
+        row = IMAGES.index(name)
+        rows = torch.tanh((raw - self.input_mean[row]) / self.input_scale[row])
+        return 0.5 * math.sqrt(self.settings.input_width) * unit(rows)
+
+    def standing(self, name: str, raw: Float[Tensor, "B W"]) -> Float[Tensor, "B W"]:
+        """Return a modality's standardised rows of length √½, for teaching: side by side, length 1."""
+        return math.sqrt(0.5) * unit(self.standardised(name, raw.to(self.dtype)))
+
+    def taught_logits(self, given: Mapping[str, Float[Tensor, "B W"]]) -> dict[str, Float[Tensor, "B K"]]:
+        """Return logits of a taught head: "fused", and "vis", "tac" of one image alone.
+
+        A class has the largest score of its rows. One image alone counts twice. {} if not taught.
+        """
+        if not self.settings.taught:
+            return {}
+        parts = {name: self.standing(name, raw) @ self.taught_rows[IMAGES.index(name)].T for name, raw in given.items()}
+        scores = {name: 2 * part + self.taught_bias for name, part in parts.items()}
+        together = torch.stack(list(parts.values())).sum(0) + self.taught_bias
+        scores["fused"] = together if len(parts) > 1 else next(iter(scores.values()))
+        found = {}
+        for name, each in scores.items():
+            empty = each.new_full((len(each), len(self.settings.classes)), -torch.inf)
+            place = self.taught_class.expand(len(each), -1)
+            found[name] = empty.scatter_reduce(1, place, each, "amax")
+        return found

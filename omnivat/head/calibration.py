@@ -1,0 +1,233 @@
+"""Calibration of a head's confidence, from held-out source pairs, and how familiar an image is.
+
+Familiarity is the distance of an image to the training images, relative to their own distances: the cosine in E, the
+encoder's space, to the nearest training image of the modality. A cosine alone means little, so it is compared with the
+training set: the cosine of each training image to the nearest image of another object. A quantile of 0.02 means that
+98 % of the training images have a closer neighbour.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import torch
+from safetensors import SafetensorError
+from safetensors.torch import load_file, save
+from torch import Tensor
+from torch.nn.functional import nll_loss, normalize
+
+from omnivat.head.fusion import Calibration, fused_logs
+from omnivat.kit.errors import DataError
+from omnivat.kit.schema import FLOATS, tensor_table
+from omnivat.kit.stages import IMAGES
+
+LOWEST, HIGHEST = 0.05, 20.0  # temperatures
+STEPS = 32  # of the golden section; relative error 1e-6
+SHARES = 21  # evenly from 0 to 1
+GOLDEN = (5**0.5 - 1) / 2
+
+
+def fit_temperature(logits: Tensor, labels: Tensor) -> float:
+    """Return the temperature in [0.05, 20] with the lowest mean negative log-likelihood.
+
+    logits  (N, K) logits or log-probabilities;  labels  (N,)
+
+    The loss is convex in 1/T, so the golden section in log T finds its minimum.
+    Raises DataError without pairs.
+    Source: Guo et al., ICML 2017.
+    """
+    if not len(labels):
+        raise DataError("A temperature needs held-out pairs; there are none.")
+    values = logits.double()
+
+    def loss(log_temperature: float) -> float:
+        return _nll(values / _exp(log_temperature), labels)
+
+    low, high = torch.tensor([LOWEST, HIGHEST], dtype=torch.float64).log().tolist()
+    left, right = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
+    at_left, at_right = loss(left), loss(right)
+    for _ in range(STEPS):
+        if at_left <= at_right:
+            high, right, at_right = right, left, at_left
+            left = high - GOLDEN * (high - low)
+            at_left = loss(left)
+        else:
+            low, left, at_left = left, right, at_right
+            right = low + GOLDEN * (high - low)
+            at_right = loss(right)
+    return _exp((low + high) / 2)
+
+
+def fit_share(vis: Tensor, tac: Tensor, labels: Tensor) -> float:
+    """Return the weight of VIS, 0 to 1, with the best weighted log-probabilities.
+
+    vis, tac  (N, K) logits;  labels  (N,)
+
+    Every share is scored at its own best temperature, so that confidence does not affect the
+    choice. Ties go to the share nearest to 0.5.
+    """
+
+    def loss(share: float) -> tuple[float, float]:
+        mixed = fused_logs("learned", vis.double(), tac.double(), share)
+        return round(_nll(mixed / fit_temperature(mixed, labels), labels), 9), abs(share - 0.5)
+
+    shares: list[float] = torch.linspace(0, 1, SHARES, dtype=torch.float64).tolist()
+    return min(shares, key=loss)
+
+
+def fit_calibration(logits: Mapping[str, Tensor], labels: Tensor, *, fusion: str = "mean") -> Calibration:
+    """Return temperatures for "fused", "vis" and "tac", and the share of a learned fusion.
+
+    logits  of held-out pairs: "vis" and "tac" with the other image absent; "vis_branch" and
+            "tac_branch" inside the pair, "pair" of the summed features. A missing one keeps temperature 1
+    fusion  late fusion of the branches
+    """
+    temperature = {name: fit_temperature(logits[name], labels) if name in logits else 1.0 for name in ("vis", "tac")}
+    share = 0.5
+    if "vis_branch" in logits and "tac_branch" in logits:
+        branches = logits["vis_branch"], logits["tac_branch"]
+        share = fit_share(*branches, labels)
+        fused = logits["pair"] if fusion == "feature" else fused_logs(fusion, *branches, share)
+        temperature["fused"] = fit_temperature(fused, labels)
+    elif "fused" in logits:
+        temperature["fused"] = fit_temperature(logits["fused"], labels)
+    else:
+        temperature["fused"] = next(temperature[n] for n in ("vis", "tac") if n in logits)
+    return Calibration(temperature=temperature, share=share)
+
+
+def _nll(logits: Tensor, labels: Tensor) -> float:
+    return float(nll_loss(torch.log_softmax(logits, dim=-1), labels))
+
+
+def _exp(value: float) -> float:
+    return float(torch.tensor(value, dtype=torch.float64).exp())
+
+
+MOST_ROWS = 2000  # training images for each modality; bounds the file and the search
+QUANTILES = 101
+CHUNK = 512
+UNLIKE = 0.05  # below this quantile a prediction is a guess; above it lies any ordinary rank
+WORDS = ((UNLIKE, "unlike the training images"), (2.0, "familiar"))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Familiarity:
+    """Training images as unit vectors, and the quantiles of their nearest cosines, by modality."""
+
+    rows: dict[str, Tensor]  # (N, D) of unit length
+    quantiles: dict[str, Tensor]  # (101,) ascending cosines, from quantile 0 to 1
+    lengths: dict[str, Tensor] = field(default_factory=dict)  # (N,) of the rows before; empty for an older head
+    labels: Tensor | None = None  # (N,) class indices of the head; None for an older head
+
+    def look(self, vis: Tensor | None, tac: Tensor | None) -> list[dict[str, dict[str, Any]]]:
+        """Return one record for each pair: modality -> cosine, quantile in [0, 1] and words.
+
+        vis, tac  (B, D) raw embeddings of the head's encoder; one may be None
+        """
+        given = {n: x for n, x in (("vis", vis), ("tac", tac)) if x is not None and n in self.rows}
+        found: list[dict[str, dict[str, Any]]] = [{} for _ in next(iter(given.values()), ())]
+        for name, rows in given.items():
+            cosines = nearest_cosine(rows, self.rows[name])
+            places = quantile_of(cosines, self.quantiles[name])
+            for one, c, q in zip(found, cosines.tolist(), places.tolist(), strict=True):
+                one[name] = {"cosine": round(c, 4), "quantile": round(q, 3), "words": words(q)}
+        return found
+
+
+def words(quantile: float) -> str:
+    """Return a quantile of familiarity in words."""
+    return next(text for limit, text in WORDS if quantile < limit)
+
+
+def familiarity_of(
+    vis: Tensor | None, tac: Tensor | None, objects: Sequence[str], labels: Tensor | None = None
+) -> Familiarity:
+    """Return the familiarity of a training set.
+
+    vis, tac  (N, D) raw embeddings; at most 2,000 evenly spread rows are kept of each
+    objects   N names; an image's neighbours of the same object do not count
+    labels    (N,) class indices, kept for teaching
+    Raises DataError if all images are of one object.
+    """
+    given = {n: x for n, x in (("vis", vis), ("tac", tac)) if x is not None}
+    step = max(1, -(-len(objects) // MOST_ROWS))
+    names = list(objects)[::step]
+    numbers = {name: i for i, name in enumerate(dict.fromkeys(names))}
+    owner = torch.tensor([numbers[n] if n else len(names) + i for i, n in enumerate(names)])
+    if len(set(owner.tolist())) < 2:
+        raise DataError("Familiarity needs training images of two objects or more.")
+    rows = {name: normalize(x[::step].float(), dim=-1) for name, x in given.items()}
+    levels = torch.linspace(0, 1, QUANTILES)
+    return Familiarity(
+        rows=rows,
+        quantiles={name: torch.quantile(nearest_cosine(x, x, owner, owner), levels) for name, x in rows.items()},
+        lengths={name: x[::step].float().norm(dim=-1) for name, x in given.items()},
+        labels=None if labels is None else labels[::step].long(),
+    )
+
+
+def nearest_cosine(
+    rows: Tensor, reference: Tensor, owner: Tensor | None = None, reference_owner: Tensor | None = None
+) -> Tensor:
+    """Return (B,): the largest cosine of each row (B, D) with reference rows (N, D).
+
+    owner, reference_owner  (B,), (N,) objects; rows of the same object are skipped
+    """
+    units = normalize(rows.float(), dim=-1)
+    others = normalize(reference.float(), dim=-1)
+    found = units.new_zeros(len(units))
+    for part in torch.arange(len(units)).split(CHUNK):
+        cosines = units[part] @ others.T
+        if owner is not None and reference_owner is not None:
+            cosines = cosines.masked_fill(owner[part, None] == reference_owner[None], -1.0)
+        found[part] = cosines.amax(1)
+    return found
+
+
+def quantile_of(values: Tensor, quantiles: Tensor) -> Tensor:
+    """Return the quantiles of values (B,) among ascending ones (Q,): 0 below all, 1 above all."""
+    last = len(quantiles) - 1
+    upper = torch.searchsorted(quantiles, values, right=True).clamp(1, last)
+    low, high = quantiles[upper - 1], quantiles[upper]
+    inside = ((values - low) / (high - low).clamp_min(1e-12)).clamp(0, 1)
+    place: Tensor = (upper - 1 + inside) / last
+    return place
+
+
+def save_familiarity(file: Path, found: Familiarity) -> None:
+    """Write the rows in half precision, and the quantiles."""
+    tensors = {name: rows.half().contiguous() for name, rows in found.rows.items()}
+    tensors |= {f"{name}_quantiles": q.contiguous() for name, q in found.quantiles.items()}
+    tensors |= {f"{name}_lengths": x.float().contiguous() for name, x in found.lengths.items()}
+    if found.labels is not None:
+        tensors["labels"] = found.labels.to(torch.int64).contiguous()
+    file.write_bytes(save(tensors, metadata={"format": "omnivat-familiarity-1"}))
+    file.chmod(0o644)
+
+
+def load_familiarity(file: Path, width: int) -> Familiarity | None:
+    """Return the saved familiarity, or None if there is no file.
+
+    Raises DataError for a file that cannot be read or does not fit the width.
+    """
+    if not file.is_file():
+        return None
+    try:
+        tensor_table(file, types=(*FLOATS, "I64"))
+        tensors = load_file(file)
+    except (SafetensorError, OSError) as error:
+        raise DataError(f"'{file}' cannot be read ({error}); copy the head folder again.") from error
+    names = [name for name in IMAGES if name in tensors]
+    count = len(tensors[names[0]]) if names else 0
+    fits = names and all(tensors[n].shape[1:] == (width,) and f"{n}_quantiles" in tensors for n in names)
+    others = [tensors[key] for key in ("labels", *(f"{n}_lengths" for n in names)) if key in tensors]
+    if not fits or any(one.shape != (count,) for one in others):
+        raise DataError(f"'{file}' does not fit this head; copy the head folder again.")
+    return Familiarity(
+        rows={name: tensors[name].float() for name in names},
+        quantiles={name: tensors[f"{name}_quantiles"].float() for name in names},
+        lengths={n: tensors[f"{n}_lengths"].float() for n in names if f"{n}_lengths" in tensors},
+        labels=tensors.get("labels"),
+    )

@@ -1,0 +1,291 @@
+"""A head on disk: a folder of `weights.safetensors`, `settings.json` and `metrics.json`.
+
+`settings.json` has the calibration; `familiarity.safetensors` has the training embeddings; `profile.safetensors` has
+their channel statistics. Heads without them also load, with temperature 1 and None.
+"""
+
+import shutil
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from glob import escape
+from pathlib import Path
+from time import time
+from typing import Any
+
+import torch
+from safetensors import SafetensorError
+from safetensors.torch import load_file, save
+from torch import Tensor
+
+from omnivat.data.profile import Profile, domain_of, load_profile, moved, profiled, require_key, save_profile
+from omnivat.data.rest import RESTED
+from omnivat.data.store import Embeddings
+from omnivat.head.calibration import Familiarity, load_familiarity, save_familiarity
+from omnivat.head.fusion import Calibration, plain
+from omnivat.head.head import OmniVaT
+from omnivat.head.settings import HeadSettings
+from omnivat.kit.config import settings_dict, settings_from
+from omnivat.kit.devices import current
+from omnivat.kit.errors import DataError, SettingsError
+from omnivat.kit.files import UNFINISHED_S, hash_of, replacing_folder, require_writable, write_json
+from omnivat.kit.schema import read_object, tensor_table, texts
+from omnivat.kit.stages import IMAGES, LIMIT
+
+FORMAT = "omnivat-head-1"
+WEIGHTS, SETTINGS, METRICS = "weights.safetensors", "settings.json", "metrics.json"
+FAMILIARITY, PROFILE = "familiarity.safetensors", "profile.safetensors"
+ENCODER = ("name", "weights_hash", "preprocessing")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Head:
+    """A trained head and its provenance."""
+
+    model: OmniVaT
+    settings: HeadSettings
+    encoder: dict[str, str]  # name, weights_hash, preprocessing
+    provenance: dict[str, Any]  # source domain, training settings, seed, LANG bank, versions
+    metrics: dict[str, Any] = field(default_factory=dict)
+    path: Path | None = None
+    familiarity: Familiarity | None = None
+    profile: Profile | None = None  # of the training pairs
+
+    @property
+    def source(self) -> str:
+        """The domain it was trained on."""
+        return str(self.provenance.get("source", ""))
+
+    def require(self, key: tuple[str, str, str], width: int, *, what: str) -> None:
+        """Raise DataError for embeddings of another encoder, weights, preprocessing or width.
+
+        The message names both sides.
+        """
+        wanted = tuple(self.encoder[name] for name in ENCODER)
+        if key == wanted and width == self.settings.input_width:
+            return
+        if key != wanted and "".join(key).removesuffix(RESTED) == "".join(wanted).removesuffix(RESTED):
+            less, more = ("with", "without") if wanted[2].endswith(RESTED) else ("without", "with")
+            raise DataError(
+                f"{what} are made {more} a rest picture subtracted from touch, and this head was "
+                f"trained {less} one. Embed the pairs {less} --tac-rest, or choose a head that fits."
+            )
+        raise DataError(
+            f"{what} come from {_describe(key, width)}, and this head was trained with "
+            f"{_describe(wanted, self.settings.input_width)}. Embed the pairs with the head's "
+            "encoder, or choose a head that fits."
+        )
+
+    def profiled(self, embeddings: Embeddings, profiles: Sequence[Profile]) -> Embeddings:
+        """Return embeddings with the pairs of profiled domains moved onto the source's statistics.
+
+        Raises DataError if the head lacks its source's profile, or a profile does not fit the set.
+        """
+        domains = embeddings.header.domains
+        owners = {domain_of(one, domains, self.source): one for one in profiles}
+        return profiled(embeddings, owners, self.source_profile) if owners else embeddings
+
+    @property
+    def source_profile(self) -> Profile:
+        """The profile of the training pairs; raises DataError for a head without one."""
+        if self.profile is None:
+            raise DataError(
+                "This head has no profile of its source, so no sensor's profile can be matched to it. "
+                "Train it again, or copy profile.safetensors into its folder."
+            )
+        return self.profile
+
+    def moved(self, name: str, rows: Tensor, profile: Profile) -> Tensor:
+        """Return rows (B, input_width) of a modality, moved from a profiled sensor to the source's.
+
+        A modality that the profile lacks stays as it is. Raises DataError as `profiled` does.
+        """
+        source = self.source_profile
+        require_key(profile, source.key, source.width)
+        target = profile.channels.get(name)
+        if target is None:
+            return rows
+        near = moved(rows.detach().cpu().numpy(), target, source.channels[name], source.step)
+        return torch.from_numpy(near).to(rows)
+
+    def require_embeddings(self, embeddings: Embeddings) -> None:
+        """Raise DataError for a set of embeddings that does not fit this head."""
+        self.require(embeddings.header.key, embeddings.width, what="The embeddings")
+
+
+def _describe(key: tuple[str, ...], width: int) -> str:
+    name, weights, preprocessing = key
+    return f"{name} (weights {weights[:12]}, {preprocessing}, width {width})"
+
+
+def save_head(folder: str | Path, head: Head) -> Path:
+    """Write a head folder, completely or not at all; it replaces an older head.
+
+    Raises DataError if the folder contains anything else.
+    """
+    target = Path(folder)
+    require_head_folder(target)
+    _sweep(target)
+    record = {
+        "format": FORMAT,
+        "head": settings_dict(head.settings),
+        "encoder": head.encoder,
+        "provenance": head.provenance,
+        "calibration": plain(head.model.calibration),
+    }
+    with replacing_folder(target) as folder:
+        tensors = {name: t.detach().contiguous() for name, t in head.model.state_dict().items()}
+        (folder / WEIGHTS).write_bytes(save(tensors, metadata={"format": FORMAT}))
+        (folder / WEIGHTS).chmod(0o644)
+        write_json(folder / SETTINGS, record)
+        write_json(folder / METRICS, head.metrics)
+        if head.familiarity is not None:
+            save_familiarity(folder / FAMILIARITY, head.familiarity)
+        if head.profile is not None:
+            save_profile(folder / PROFILE, head.profile)
+    return target
+
+
+def require_head_folder(folder: str | Path, *, also: Sequence[str] = ()) -> None:
+    """Check, before training, that a head can be written to `folder` without loss.
+
+    folder  may be missing; an older head in it may be replaced
+    also    names of further allowed files
+    Raises DataError naming a file that is not part of a head, WriteError if the folder is not
+    writable.
+    """
+    target = Path(folder)
+    if target.exists() and not target.is_dir():
+        raise DataError(f"'{target}' is a file; name a folder for the head.")
+    allowed = {WEIGHTS, SETTINGS, METRICS, FAMILIARITY, PROFILE, *also}
+    foreign = sorted(p.name for p in target.iterdir() if p.name not in allowed) if target.is_dir() else []
+    if foreign:
+        raise DataError(
+            f"'{target}' holds '{foreign[0]}', which is not part of a head and would be lost; "
+            "name a new folder, or move that file away."
+        )
+    require_writable(target / SETTINGS)
+
+
+def _sweep(target: Path) -> None:
+    """Remove the folders that killed writers of `target` left; an older head among them returns."""
+    for left in target.parent.glob(f".{escape(target.name)}.*"):
+        if not left.is_dir() or time() - left.stat().st_mtime < UNFINISHED_S:
+            continue
+        aside = left if left.name.endswith(".old") else left / "old"  # of earlier versions, and of this one
+        if aside.is_dir() and not target.exists():
+            aside.rename(target)
+        shutil.rmtree(left, ignore_errors=True)
+
+
+def load_head(folder: str | Path, *, dtype: torch.dtype | None = None) -> Head:
+    """Read a head folder, ready to predict.
+
+    dtype  precision for computation; None: as saved (float32)
+
+    The model is on the current device (`omnivat.kit.devices`).
+    Raises DataError with the file name if something is missing, truncated or does not fit.
+    """
+    path = Path(folder)
+    if not path.is_dir():
+        raise DataError(f"No head at '{path}'. Train one with `python -m omnivat train --out {path}`.")
+    file = path / SETTINGS
+    _require(file)
+    record = read_object(file)
+    if record.get("format") != FORMAT:
+        raise DataError(f"'{file}' is not the settings of a head ('{FORMAT}').")
+    try:
+        older = {"standardize": False}  # heads from before profiles take embeddings as they come
+        settings = settings_from(HeadSettings, older | record["head"])
+        encoder = texts(record["encoder"], f"{file} (encoder)")
+        if missing := [name for name in ENCODER if name not in encoder]:
+            raise DataError(f"'{file}' lacks the encoder's {missing[0]}.")
+        provenance = record["provenance"]
+        _require_provenance(provenance, file)
+    except (KeyError, TypeError, AttributeError, SettingsError) as error:
+        why = f"{error!s:.300}"
+        raise DataError(f"'{file}' does not describe a head: {why.rstrip('.')}.") from error
+    model = _load_weights(path / WEIGHTS, settings)
+    model.calibration = _calibration(file, record.get("calibration"))
+    model = model.to(device=current(), dtype=dtype)
+    profile = load_profile(path / PROFILE) if (path / PROFILE).is_file() else None
+    if profile and (profile.width != settings.input_width or set(profile.channels) != set(IMAGES)):
+        raise DataError(f"'{path / PROFILE}' does not fit this head; copy the head folder again.")
+    return Head(
+        model=model.eval().requires_grad_(False),
+        settings=settings,
+        encoder=encoder,
+        provenance=provenance,
+        metrics=read_object(path / METRICS) if (path / METRICS).is_file() else {},
+        path=path,
+        familiarity=load_familiarity(path / FAMILIARITY, settings.input_width),
+        profile=profile,
+    )
+
+
+def head_hash(folder: str | Path) -> str:
+    """Return a short hash of a head's weights and settings."""
+    return hash_of(*(Path(folder) / name for name in (WEIGHTS, SETTINGS)))[:16]
+
+
+def _calibration(file: Path, given: Any) -> Calibration:
+    """Return the calibration in a head's settings; temperature 1 for an older head."""
+    if given is None:
+        return Calibration()
+    try:
+        temperature = {n: float(given["temperature"][n]) for n in ("fused", "vis", "tac")}
+        share = float(given["share"])
+    except (KeyError, TypeError, ValueError) as error:
+        raise DataError(f"'{file}' holds a calibration that cannot be read: {error!r}.") from error
+    if all(0 < t < 1e6 for t in temperature.values()) and 0 <= share <= 1:
+        return Calibration(temperature=temperature, share=share)
+    raise DataError(
+        f"'{file}' holds temperatures {temperature} and share {share}; temperatures are above 0 "
+        "and the share is 0 to 1. Copy the head folder again."
+    )
+
+
+def _require_provenance(provenance: Any, file: Path) -> None:
+    """Raise DataError if the provenance, or training settings that others read, are of another kind."""
+    if not isinstance(provenance, dict):
+        raise DataError(f"'{file}' should hold its provenance as an object.")
+    train = provenance.get("train", {})
+    kinds = {"order_draw": str, "modalities": str, "order_low": int | float, "order_high": int | float}
+    if not isinstance(train, dict) or not all(isinstance(train[n], kinds[n]) for n in kinds.keys() & train.keys()):
+        raise DataError(f"'{file}' should hold its training settings as an object; train it again.")
+
+
+def _load_weights(file: Path, settings: HeadSettings) -> OmniVaT:
+    _require(file)
+    try:
+        tensor_table(file)
+        tensors = load_file(file)
+    except (SafetensorError, OSError) as error:
+        raise DataError(f"'{file}' cannot be read ({error}); copy the head folder again.") from error
+    with torch.device("meta"):
+        model = OmniVaT(settings)
+    wanted = model.state_dict()
+    for name in (*wanted, *sorted(tensors.keys() - wanted.keys())):
+        if why := _misfit(name, tensors.get(name), wanted.get(name)):
+            raise DataError(f"'{file}' does not fit its settings: {name} {why}.")
+    model.load_state_dict(tensors, assign=True)
+    return model
+
+
+def _misfit(name: str, given: Tensor | None, wanted: Tensor | None) -> str:
+    if given is None:
+        return "is missing"
+    if wanted is None:
+        return "is not part of such a head"
+    if given.shape != wanted.shape:
+        return f"has shape {tuple(given.shape)}, expected {tuple(wanted.shape)}"
+    if given.is_floating_point() != wanted.is_floating_point():
+        return f"is of type {given.dtype}, expected {wanted.dtype}"
+    if not given.isfinite().all():
+        return "holds NaN or infinite values"
+    far = name.endswith("order") and (given.abs() > LIMIT).any()
+    return f"is beyond {LIMIT:g} quarter turns" if far else ""
+
+
+def _require(file: Path) -> None:
+    if not file.is_file():
+        raise DataError(f"'{file}' is missing; a head folder holds {WEIGHTS}, {SETTINGS}, {METRICS}.")

@@ -1,0 +1,120 @@
+"""Discrete tree generation (DTG): a feature grows into a binary tree of linear children."""
+
+from typing import NamedTuple
+
+import torch
+from jaxtyping import Float
+from torch import Tensor, nn
+from torch.nn.functional import linear
+
+from omnivat.head.settings import HeadSettings
+
+
+def parents(arrangement: str, count: int) -> list[int]:
+    """Return the parent of each of `count` nodes; -1 for none.
+
+    arrangement  "tree", "series", "parallel", or another, whose nodes have no parents
+
+    >>> parents("tree", 7)
+    [-1, 0, 0, 1, 1, 2, 2]
+    """
+    if arrangement == "tree":
+        return [-1, *((node - 1) // 2 for node in range(1, count))]
+    if arrangement == "series":
+        return list(range(-1, count - 1))
+    if arrangement == "parallel":
+        return [-1, *([0] * (count - 1))]
+    return [-1] * count
+
+
+def groups(arrangement: str, count: int) -> list[range]:
+    """Return the groups of nodes that NOD pushes apart: the levels of a tree.
+
+    >>> groups("tree", 7)
+    [range(0, 1), range(1, 3), range(3, 7)]
+    """
+    if arrangement == "tree":
+        levels = (count + 1).bit_length() - 1
+        return [range(2**level - 1, 2 ** (level + 1) - 1) for level in range(levels)]
+    if arrangement == "parallel":
+        return [range(1), range(1, count)]
+    return [range(count)]
+
+
+class Grown(NamedTuple):
+    """Nodes, and their groups for NOD."""
+
+    nodes: Float[Tensor, "B N D"]  # the root first
+    groups: list[Float[Tensor, "B _ D"]]  # the root, then the groups for NOD
+
+
+class DTG(nn.Module):
+    """Discrete tree generation (DTG).
+
+    Node 0 is the input T. In a tree, node n has the children 2n + 1 and 2n + 2; each child is W x +
+    b of its parent x, with its own W and b. R levels have 2^R - 1 nodes. There is no activation,
+    so the mean over the tree is one affine map, which `fold` returns. For comparison, the same
+    number of matrices can be in series (each node is the child of the previous one) or parallel
+    (each node is a child of the root). Source: paper, Eq. 7 to 11, and its ablation of generation.
+    """
+
+    def __init__(self, width: int, *, levels: int = 3, init: str = "orthogonal", arrangement: str = "tree") -> None:
+        super().__init__()
+        self.levels = levels
+        self.arrangement = arrangement
+        edges = 2**levels - 2
+        self.weight = nn.Parameter(torch.empty(edges, width, width))
+        self.bias = nn.Parameter(torch.zeros(edges, width))
+        for weight in self.weight.data if not self.weight.is_meta else ():  # there, a file fills it
+            if init == "orthogonal":  # node norms stay equal, so nodes are comparable
+                nn.init.orthogonal_(weight)
+            elif init == "default":
+                nn.init.kaiming_uniform_(weight, a=5**0.5)
+            else:  # identity with a little noise: nodes start almost equal
+                weight.copy_(torch.eye(width) + 0.01 * torch.randn_like(weight))
+
+    def grow(self, root: Float[Tensor, "B D"]) -> Grown:
+        """Grow all nodes in heap order: root, its two children, and so on."""
+        if not len(self.weight):
+            return Grown(root[:, None], [root[:, None]])
+        count = len(self.weight) + 1
+        rows = [root]
+        edges = zip(parents(self.arrangement, count)[1:], self.weight, self.bias, strict=True)
+        for parent, weight, bias in edges:
+            rows.append(linear(rows[parent], weight, bias))
+        nodes = torch.stack(rows, dim=1)
+        found = [nodes[:, group.start : group.stop] for group in groups(self.arrangement, count)]
+        return Grown(nodes, [nodes[:, :1], *found] if self.arrangement == "series" else found)
+
+    def fold(self, dtype: torch.dtype | None = None) -> tuple[Float[Tensor, "D D"], Float[Tensor, " D"]]:
+        """Return M and b: the mean over all nodes of root T is T @ M.T + b, exactly.
+
+        dtype  precision of the products; None means that of the weights
+        """
+        dtype = dtype or self.weight.dtype
+        weights, biases = self.weight.to(dtype), self.bias.to(dtype)
+        eye = torch.eye(weights.shape[-1], dtype=weights.dtype, device=weights.device)
+        matrices, offsets = [eye], [torch.zeros_like(eye[0])]
+        own = parents(self.arrangement, len(weights) + 1)[1:]
+        for parent, weight, bias in zip(own, weights, biases, strict=True):
+            matrices.append(weight @ matrices[parent])
+            offsets.append(weight @ offsets[parent] + bias)
+        return torch.stack(matrices).mean(0), torch.stack(offsets).mean(0)
+
+
+def grow(tree: DTG, settings: HeadSettings, found: Float[Tensor, "M B D"], root: Float[Tensor, "B D"]) -> Grown | None:
+    """Return all nodes of the features and their root, or None without generation."""
+    if settings.generation == "none":
+        return None
+    if settings.generation == "interpolation":
+        points = interpolated(found, settings.levels)
+        return Grown(points, [root[:, None]])  # on one line: NOD does not apply
+    return tree.grow(root)
+
+
+def interpolated(features: Float[Tensor, "M B D"], levels: int) -> Float[Tensor, "B N D"]:
+    """Return 2^R - 1 evenly spaced points between VIS and TAC; with one modality, each is its feature."""
+    count = 2**levels
+    first, last = features[0], features[-1]
+    shares = torch.arange(1, count, dtype=first.dtype, device=first.device)[:, None] / count
+    return torch.lerp(first[:, None], last[:, None], shares)

@@ -1,0 +1,116 @@
+"""Prediction with folded weights: the fast path of the head.
+
+Scores need only θ_Qᵀ θ_K. θ_V comes after the mean over tokens, so it is merged into the first layer of the
+feed-forward network. The mean of the tree is one matrix, and the class token is one constant vector. Products of
+weights are computed once in double precision, so folding loses no accuracy.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import torch
+from jaxtyping import Float
+from torch import Tensor, nn
+from torch.nn.functional import gelu, linear, normalize
+
+from omnivat.head import factored
+from omnivat.head.dtg import DTG
+from omnivat.head.mffa import MFFA, FrATT
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FoldedMFFA:
+    """MFFA for given modalities with folded weights, without gradients.
+
+    Source: docs/method.md, "Folding"; `MFFA.features` is the unfolded form.
+    """
+
+    table: factored.Tables
+    scores: Float[Tensor, "D D"]  # the score of query u and key v is u @ scores @ v
+    key_scores: Float[Tensor, " D"]  # key v adds key_scores @ v to every score
+    first: Float[Tensor, "H D"]  # θ_V, then the first layer
+    first_bias: Float[Tensor, " H"]
+    second: nn.Linear
+    token: Float[Tensor, "M 1 D"] | None
+    score_root: float
+    unit: bool
+
+    def features(self, channels: Float[Tensor, "C M B D"]) -> tuple[Float[Tensor, "M B D"], Float[Tensor, "C M B D"]]:
+        """Return F-bar and F."""
+        base = factored.base_vectors(channels, self.table.halves.shape[1])
+        scores = factored.dots(base @ self.scores, base)
+        key_scores = (base @ self.key_scores).movedim(0, -1)
+        weights = factored.mean_weights(scores, key_scores, self.table, self.score_root)
+        pooled = factored.mixed(base, weights, self.table)
+        if self.token is not None:
+            pooled = pooled + self.token
+        feature = self.second(gelu(linear(pooled, self.first, self.first_bias)))
+        feature = normalize(feature, dim=-1) if self.unit else feature
+        return feature, factored.mean_channels(base, self.table)
+
+
+@torch.no_grad()
+def fold_mffa(mffa: MFFA, names: Sequence[str]) -> FoldedMFFA:
+    """Return the folded MFFA of the modalities `names`."""
+    fratt: FrATT = mffa.fratt
+    dtype = fratt.query.weight.dtype
+    score_root, value_root = fratt.roots
+    first, second = fratt.ffn[0], fratt.ffn[2]
+    assert isinstance(first, nn.Linear), "FrATT's network starts with a linear layer"
+    assert isinstance(second, nn.Linear), "FrATT's network ends with a linear layer"
+    key, value = fratt.key.weight.double(), fratt.value.weight.double()
+    wide = first.weight.double()
+    channels = 1 if mffa.real in ("magnitude", "real") else 2
+    return FoldedMFFA(
+        table=factored.tables(mffa.thetas(names), channels),
+        scores=(fratt.query.weight.double().T @ key).to(dtype),
+        key_scores=(fratt.query.bias.double() @ key).to(dtype),
+        first=(wide @ value / value_root).to(dtype),
+        first_bias=(wide @ fratt.value.bias.double() / value_root + first.bias).to(dtype),
+        second=second,
+        token=mffa.class_agnostic_tokens(names)[:, None] if mffa.class_token else None,
+        score_root=score_root,
+        unit=mffa.unit,
+    )
+
+
+@torch.no_grad()
+def fold_tree(tree: DTG) -> tuple[Float[Tensor, "D D"], Float[Tensor, " D"]]:
+    """Return the tree's mean as one matrix and one offset."""
+    dtype = tree.weight.dtype
+    matrix, offset = tree.fold(torch.float64)
+    return matrix.to(dtype), offset.to(dtype)
+
+
+def versions(module: nn.Module) -> list[tuple[int, int, torch.dtype]]:
+    """Return a value that changes with any weight: in place, by loading or conversion."""
+    found, left = [], [module]
+    while left:  # `Module.modules` takes twice as long, and this runs at every prediction
+        part = left.pop()
+        for tensor in (*part._parameters.values(), *part._buffers.values()):
+            if tensor is not None:
+                version = -1 if tensor.is_inference() else tensor._version
+                found.append((tensor.data_ptr(), version, tensor.dtype))
+        left += [child for child in part._modules.values() if child is not None]
+    return found
+
+
+class Folds:
+    """Cache of folded weights, valid until a weight changes."""
+
+    def __init__(self) -> None:
+        self._kept: dict[tuple[str, ...], Any] = {}
+        self._versions: object = None
+
+    def refresh(self, module: nn.Module) -> None:
+        """Clear the cache if a weight of `module` has changed."""
+        current = versions(module)
+        if self._versions != current:
+            self._kept, self._versions = {}, current
+
+    def get(self, name: tuple[str, ...], make: Callable[[], Any]) -> Any:
+        """Return the cached value, or call `make` and cache its result."""
+        if name not in self._kept:
+            self._kept[name] = make()
+        return self._kept[name]

@@ -1,0 +1,225 @@
+"""The OmniVaT head: from frozen embeddings to class probabilities and all stages."""
+
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import torch
+from jaxtyping import Bool, Float, Float64, Int
+from torch import Tensor
+from torch.nn.functional import linear
+
+from omnivat.fractional import Coefficients, coefficients, synthesise
+from omnivat.head import factored
+from omnivat.head.body import Body
+from omnivat.head.dtg import grow
+from omnivat.head.folded import FoldedMFFA, Folds, fold_mffa, fold_tree
+from omnivat.head.output import HeadOutput, TrainingOutput, joined
+from omnivat.head.settings import HeadSettings
+from omnivat.head.training import training_pass
+from omnivat.kit.threads import FEW_PAIRS, one_thread
+
+CHUNK = 512  # pairs predicted at once
+
+
+@dataclass(frozen=True, slots=True)
+class PairCoefficients:
+    """Eigenbasis coefficients of B pairs; they do not depend on p."""
+
+    names: tuple[str, ...]  # of the M modalities
+    stacked: Coefficients  # values "M B D"
+    taught: dict[str, Float[Tensor, "B K"]] = field(default_factory=dict)  # see `Body.taught_logits`
+
+    def __getitem__(self, pairs: Any) -> "PairCoefficients":
+        """Return the coefficients of some pairs: a slice, a mask or indices."""
+        taught = {name: rows[pairs] for name, rows in self.taught.items()}
+        return PairCoefficients(self.names, self.stacked[:, pairs], taught)
+
+    def __len__(self) -> int:
+        return self.stacked.shape[1]
+
+
+class OmniVaT(Body):
+    """MFFA, then DTG, then one cosine classifier shared by VIS and TAC.
+
+    A call with VIS and TAC embeddings predicts. LANG is used only in `training_pass`.
+    The prediction for a pair does not depend on the other pairs of its batch.
+    Source: paper, Fig. 2; docs/method.md lists the choices that the paper leaves open.
+    """
+
+    def __init__(self, settings: HeadSettings) -> None:
+        super().__init__(settings)
+        self._folds = Folds()
+
+    def forward(
+        self,
+        vis: Float[Tensor, "B W"] | None,
+        tac: Float[Tensor, "B W"] | None,
+        *,
+        order: float | Float[Tensor, "..."] | None = None,
+        nodes: bool = False,
+        attention: bool = False,
+    ) -> HeadOutput:
+        """Predict from raw embeddings of B pairs; see `coefficients` and `from_coefficients`."""
+        few = all(len(rows) <= FEW_PAIRS for rows in (vis, tac) if rows is not None)
+        with one_thread(few):
+            kept = self.coefficients(vis, tac)
+            return self.from_coefficients(kept, order, nodes=nodes, attention=attention)
+
+    def coefficients(self, vis: Float[Tensor, "_ _"] | None, tac: Float[Tensor, "_ _"] | None) -> PairCoefficients:
+        """Return the coefficients of B pairs; keep them to change p. One image may be None.
+
+        Raises DataError if both are missing, ShapeError for a wrong width or unequal B.
+        """
+        given = {n: e for n, e in (("vis", vis), ("tac", tac)) if e is not None}
+        kept = coefficients(self.embedded(given))
+        return PairCoefficients(tuple(given), kept, self.taught_logits(given))
+
+    def from_coefficients(
+        self,
+        kept: PairCoefficients,
+        order: float | Float[Tensor, "..."] | None = None,
+        *,
+        nodes: bool = False,
+        attention: bool = False,
+    ) -> HeadOutput:
+        """Predict at one order, or at one order for each pair.
+
+        kept       from `coefficients`
+        order      quarter turns: a number, or one for each pair; None: the learned one
+        nodes      also return the tree's nodes
+        attention  also return attention weights
+
+        Without gradients and attention weights, the head uses folded weights and processes pairs in
+        chunks that fit the processor's cache.
+        """
+        names, stacked = kept.names, kept.stacked
+        order = self.mffa.orders(names) if order is None else order
+        grad = torch.is_grad_enabled() and any(
+            t.requires_grad for t in (stacked.values, torch.as_tensor(order), *self.parameters())
+        )
+        if grad or attention or self.settings.complex_to_real == "hermitian":
+            found = self._output(names, stacked, order, nodes=nodes, attention=attention)
+            return replace(found, taught=kept.taught)
+        self._folds.refresh(self)
+        with one_thread(len(kept) <= FEW_PAIRS):
+            if len(kept) <= CHUNK:
+                found = self._output(names, stacked, order, nodes=nodes, fold=True)
+            else:
+                chunks = [slice(start, start + CHUNK) for start in range(0, len(kept), CHUNK)]
+                each = [(names, stacked[:, rows], _rows(order, rows)) for rows in chunks]
+                found = joined([self._output(*one, nodes=nodes, fold=True) for one in each])
+        return replace(found, taught=kept.taught)
+
+    def _output(
+        self,
+        names: tuple[str, ...],
+        kept: Coefficients,
+        order: float | Tensor,
+        *,
+        nodes: bool = False,
+        attention: bool = False,
+        fold: bool = False,
+    ) -> HeadOutput:
+        """Predict from stacked coefficients, with folded or unfolded weights."""
+        parts = synthesise(kept, order, planar=True)  # (2, M, B, D)
+        weights: dict[str, Tensor] = {}
+        if not self.settings.mffa:
+            relu = torch.relu(parts)
+            found = synthesise(kept, 0.0, planar=True)[0] / self.length
+        elif fold:
+            folded: FoldedMFFA = self._folds.get(names, lambda: fold_mffa(self.mffa, names))
+            found, relu = folded.features(self.mffa.channels(parts))
+        else:
+            own = self.mffa.expand(names, parts)
+            relu = factored.mean_channels(own.base, own.table)
+            if attention:
+                shown = [self.mffa.attend(name, parts[:, m]) for m, name in enumerate(names)]
+                found = torch.stack([feature for feature, _ in shown])
+                weights = {n: w for n, (_, w) in zip(names, shown, strict=True)}
+            else:
+                found = self.mffa.features(names, own)
+        root = found.sum(0)
+        mean = self._mean(found, root, fold) if self.settings.tree_at_inference else None
+        f_hat = found if mean is None else found + mean
+        alone = f_hat if len(names) == 1 else self._alone(found, fold)
+        towards = self._folds.get(("directions",), self.directions) if fold else None
+        logits = self.classify(torch.stack((f_hat, alone)), towards)
+        grown = grow(self.dtg, self.settings, found, root) if nodes else None
+        if len(relu) == 1:  # |F| or Re F alone: there is no imaginary part
+            relu = torch.cat((relu, torch.zeros_like(relu)))
+        return HeadOutput(
+            logits=dict(zip(names, logits[0], strict=True)),
+            alone=dict(zip(names, logits[1], strict=True)),
+            pair=self.classify(f_hat.sum(0), towards),
+            fusion=self.settings.fusion,
+            calibration=self.calibration,
+            frft=_by_name(names, parts),
+            relu=_by_name(names, relu),
+            f_bar=dict(zip(names, found, strict=True)),
+            f_hat=dict(zip(names, f_hat, strict=True)),
+            attention=weights,
+            nodes=None if grown is None else grown.nodes,
+        )
+
+    def _mean(
+        self, found: Float[Tensor, "M B D"], root: Float[Tensor, "B D"], fold: bool
+    ) -> Float[Tensor, "B D"] | None:
+        """Return the mean over the nodes that grow from the features."""
+        if self.settings.generation == "none":
+            return None
+        if self.settings.generation == "interpolation":
+            return root / len(found)  # points are evenly spaced between the features
+        folded = self._folds.get(("tree",), lambda: fold_tree(self.dtg)) if fold else self.dtg.fold()
+        return linear(root, *folded)
+
+    def _alone(self, found: Float[Tensor, "M B D"], fold: bool) -> Float[Tensor, "M B D"]:
+        """Return F-hat of each modality with the other image absent: T is its F-bar."""
+        if not self.settings.tree_at_inference:
+            return found
+        means = [self._mean(rows[None], rows, fold) for rows in found]
+        return found if means[0] is None else found + torch.stack([m for m in means if m is not None])
+
+    def training_pass(
+        self,
+        vis: Float[Tensor, "B W"] | None,
+        tac: Float[Tensor, "B W"] | None,
+        lang: Float[Tensor, "B L"] | None,
+        labels: Int[Tensor, " B"],
+        *,
+        lang_on: Bool[Tensor, " B"] | None = None,
+        token_on: Bool[Tensor, " B"] | None = None,
+        order: Float64[Tensor, "..."] | None = None,
+    ) -> TrainingOutput:
+        """Run one training batch with LANG and class tokens; one image may be None.
+
+        lang      of each pair's class, or None
+        lang_on   pairs whose VIS and TAC are guided by LANG; None: all
+        token_on  pairs that use the token of their class; the others use the class-agnostic one, as in prediction
+        order     orders that replace the learned one, without gradient
+        """
+        given = {n: e for n, e in (("vis", vis), ("tac", tac)) if e is not None}
+        return training_pass(self, given, lang, labels, lang_on=lang_on, token_on=token_on, order=order)
+
+
+def _by_name(names: tuple[str, ...], channels: Float[Tensor, "2 M B D"]) -> dict[str, Float[Tensor, "2 B D"]]:
+    """Return the channels by modality."""
+    return {name: channels[:, row] for row, name in enumerate(names)}
+
+
+def _rows(order: float | Tensor, rows: slice) -> float | Tensor:
+    """Return the orders of some pairs; a single order serves all."""
+    return order[rows] if isinstance(order, Tensor) and order.ndim == 1 and len(order) > 1 else order
+
+
+def build_head(settings: HeadSettings, *, seed: int = 0) -> OmniVaT:
+    """Return a head with initial weights; they depend on `seed` only."""
+    with torch.random.fork_rng(devices=[]):
+        torch.manual_seed(seed)
+        return OmniVaT(settings)
+
+
+def parameter_count(settings: HeadSettings) -> int:
+    """Return the number of trainable parameters, without allocating them."""
+    with torch.device("meta"):
+        head = OmniVaT(replace(settings, tree_init="default"))
+    return sum(p.numel() for p in head.parameters() if p.requires_grad)

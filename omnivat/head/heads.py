@@ -1,0 +1,72 @@
+"""Locations of the project's own heads and data."""
+
+import json
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+from omnivat.kit.files import hash_of
+
+
+def _examples() -> Path:
+    """Return the folder of examples: in the checkout, or in an installed `omnivat_examples`."""
+    checkout = Path(__file__).resolve().parents[2] / "examples"
+    installed = find_spec("omnivat_examples")
+    if checkout.is_dir() or installed is None or not installed.submodule_search_locations:
+        return checkout
+    return Path(next(iter(installed.submodule_search_locations)))
+
+
+EXAMPLES = _examples()
+
+LADDERS = EXAMPLES / "records" / "ladder.jsonl.gz"  # of `python -m benchmarks.ladder`
+
+# Sets of the project: name -> folder of their frames and head, and embeddings file
+SHIPPED = {
+    "sensors": (EXAMPLES, EXAMPLES / "simulated.safetensors"),
+    "chirps": (EXAMPLES / "chirps", EXAMPLES / "chirps" / "chirps.safetensors"),
+}
+
+
+def shipped_sets() -> dict[str, tuple[Path, Path]]:
+    """Return the available sets of the project: name -> (folder, embeddings file)."""
+    return {
+        name: (folder, embeddings)
+        for name, (folder, embeddings) in SHIPPED.items()
+        if embeddings.is_file() and (folder / "head").is_dir()
+    }
+
+
+def default_head() -> Path:
+    """Return the folder of the project's own head."""
+    return EXAMPLES / "head"
+
+
+def default_embeddings() -> Path:
+    """Return the project's own embeddings file (simulated domains)."""
+    return EXAMPLES / "simulated.safetensors"
+
+
+def ladder_file(embeddings: Path) -> Path:
+    """Return the path of a ladder that was computed before, next to its embeddings file."""
+    return embeddings.with_suffix(".ladder.json")
+
+
+def ladder_key(head: Path, embeddings: Path) -> str:
+    """Return a hash of what a ladder is computed from: the head with its profile, the set and the records.
+
+    Raises OSError if another file than the profile is missing: older heads have none.
+    """
+    profile = head / "profile.safetensors"
+    own = [profile] if profile.is_file() else []
+    files = (head / "weights.safetensors", head / "settings.json", *own, embeddings, LADDERS)
+    return hash_of(*files)[:24]
+
+
+def kept_ladder(head: Path, embeddings: Path) -> dict[str, Any] | None:
+    """Return the ladder that `omnivat evaluate --ladder` wrote for exactly this head and set, or None."""
+    try:
+        kept = json.loads(ladder_file(embeddings).read_bytes())
+        return kept["ladder"] if kept["of"] == ladder_key(head, embeddings) else None
+    except (OSError, ValueError, LookupError, TypeError):
+        return None

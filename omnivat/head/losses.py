@@ -1,0 +1,94 @@
+"""The losses: multimodal alignment (MMA), node diversity (NOD), and the joint loss with its parts."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import torch
+from jaxtyping import Bool, Float, Int
+from torch import Tensor
+from torch.nn.functional import cross_entropy, mse_loss, normalize
+
+from omnivat.kit.shapes import require_shapes
+from omnivat.kit.stages import MODALITIES
+
+
+def mma_loss(
+    lang: Float[Tensor, "B D"], vis: Float[Tensor, "B D"] | None = None, tac: Float[Tensor, "B D"] | None = None
+) -> Float[Tensor, ""]:
+    """Multimodal alignment (MMA): KL(LANG || VIS) + KL(LANG || TAC), without the weight λ.
+
+    A softmax over D makes each feature a distribution; an absent modality has no term. In nats, >= 0,
+    mean over the batch; 0 if they agree. LANG is the reference, the first argument of the divergence. Gradients flow to all.
+    Raises ShapeError if shapes differ.
+    Source: paper, L_MMA.
+    """
+    others = {name: x for name, x in (("vis", vis), ("tac", tac)) if x is not None}
+    require_shapes(lang=(lang, "B D"), **{name: (x, "B D") for name, x in others.items()})
+    if not others:
+        return lang.new_zeros(())
+    logs = torch.log_softmax(torch.stack((lang, *others.values())), dim=-1)
+    excess = logs[0] * len(others) - logs[1:].sum(0)  # (B, D), summed over the others
+    return (logs[0].exp() * excess).sum(1).mean()
+
+
+EPS = 1e-12  # below this length a node has no direction
+
+
+def nod_loss(layers: Sequence[Float[Tensor, "B _ D"]]) -> Float[Tensor, ""]:
+    """Node diversity (NOD): the distance of each level's cosine matrix from the identity.
+
+    layers  the levels r = 1..R, of 2^(r-1) nodes each
+    return  >= 0: Frobenius norms summed over levels, mean over the batch
+
+    Level 1 has one node and is left out, because the gradient of a norm at zero would be NaN.
+    Negative and positive cosines count equally, as printed.
+    Source: paper, Eq. 9 and 10.
+    """
+    total = layers[0].new_zeros(())
+    for nodes in layers[1:]:
+        units = normalize(nodes, dim=-1, eps=EPS)
+        cosines = units @ units.mT
+        apart = cosines - torch.diag_embed(cosines.diagonal(dim1=-2, dim2=-1))
+        total = total + torch.linalg.matrix_norm(apart).mean()
+    return total
+
+
+class Losses(NamedTuple):
+    """The parts of the joint loss, unweighted, and their weighted sum."""
+
+    total: Float[Tensor, ""]
+    mma: Float[Tensor, ""]
+    nod: Float[Tensor, ""]
+    cross_entropy: Float[Tensor, ""]
+
+
+def joint_loss(
+    *,
+    features: dict[str, Float[Tensor, "B D"]],
+    layers: list[Float[Tensor, "B _ D"]],
+    logits: dict[str, Float[Tensor, "B K"]],
+    labels: Int[Tensor, " B"],
+    aligned: Bool[Tensor, " B"] | None = None,
+    mma_weight: float = 10.0,
+    nod_weight: float = 1.0,
+    targets: dict[str, Float[Tensor, "B K"]] | None = None,
+) -> Losses:
+    """Return λ MMA + NOD + CE.
+
+    features  F-bar of "vis", "tac" or both, and of "lang" if present
+    layers    the tree's levels
+    logits    of "vis", "tac" or both; CE is their mean
+    aligned   pairs that MMA acts on; None: all
+    targets   logits of another head, by the same names. The total then has their mean squared
+              difference from `logits` in place of CE
+    Source: paper, Eq. 12; for `targets`, docs/order.md.
+    """
+    zero = layers[0].new_zeros(())
+    mma = zero
+    if "lang" in features and mma_weight:
+        given = {n: features[n] for n in MODALITIES if n in features}
+        mma = mma_loss(**{n: x if aligned is None else x[aligned] for n, x in given.items()})
+    nod = nod_loss(layers) if nod_weight else zero
+    ce = torch.stack([cross_entropy(values, labels) for values in logits.values()]).mean()
+    fit = ce if targets is None else torch.stack([mse_loss(logits[n], targets[n]) for n in logits]).mean()
+    return Losses(mma_weight * mma + nod_weight * nod + fit, mma, nod, ce)

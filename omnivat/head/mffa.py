@@ -1,0 +1,219 @@
+"""Multimodal fractional Fourier adapter (MFFA): embeddings to embedding-frequency features."""
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import torch
+from jaxtyping import Bool, Float, Float64, Int
+from torch import Tensor, nn
+from torch.nn.functional import linear, normalize
+
+from omnivat.head import factored, reference
+from omnivat.head.settings import HeadSettings
+from omnivat.kit.stages import MODALITIES
+
+
+class FrATT(nn.Module):
+    """The weights of fractional Fourier attention (FrATT); `reference.attention` computes it.
+
+    One head; biases on all linear layers; no output projection, residual or normalisation.
+    The same weights serve VIS, TAC and LANG. The bias of the keys and the class token in the keys
+    add a constant to a row of scores, which the softmax ignores.
+    """
+
+    def __init__(self, width: int, *, ffn_ratio: int = 4, scale: str = "inside") -> None:
+        super().__init__()
+        self.query = nn.Linear(width, width)
+        self.key = nn.Linear(width, width)
+        self.value = nn.Linear(width, width)
+        self.ffn = nn.Sequential(nn.Linear(width, ffn_ratio * width), nn.GELU(), nn.Linear(ffn_ratio * width, width))
+        root = float(width**0.5)  # √D divides the scores, or as printed the values
+        self.roots = (root, 1.0) if scale == "inside" else (1.0, root)
+
+
+class Expanded(NamedTuple):
+    """Transformed embeddings, and the base vectors of their tokens."""
+
+    parts: Float[Tensor, "2 M B D"]  # Re and Im
+    base: Float[Tensor, "r M B D"]
+    table: factored.Tables
+
+
+class MFFA(nn.Module):
+    """Multimodal fractional Fourier adapter (MFFA).
+
+    Its parameters are the order p (one for all modalities or one each), θ_e for each modality,
+    FrATT, and the bank of class tokens. p is float64, because rounding it to float32 changes the
+    transform by 1e-5. With MFFA switched off, nothing is learned here.
+    Source: paper, Eq. 3 to 6.
+    """
+
+    order: Float64[Tensor, "*any"]
+    fratt: FrATT
+    bank: Float[Tensor, "3 K D"]
+    bank_seen: Bool[Tensor, " K"]
+
+    def __init__(self, settings: HeadSettings) -> None:
+        super().__init__()
+        self.unit = settings.feature_scale == "unit"
+        self.class_token = settings.class_token
+        self.real = settings.complex_to_real
+        start = settings.order if settings.mffa else 0.0
+        order = torch.tensor(start, dtype=torch.float64)
+        if settings.order_per_modality:
+            order = order.repeat(len(MODALITIES))
+        self.order = nn.Parameter(order, requires_grad=settings.learn_order and settings.mffa)
+        self.theta = nn.ParameterDict()
+        if not settings.mffa:
+            return
+        for name in MODALITIES:
+            self.theta[name] = nn.Parameter(_theta(settings))
+        self.fratt = FrATT(settings.width, ffn_ratio=settings.ffn_ratio, scale=settings.attention_scale)
+        classes = len(settings.classes)
+        self.register_buffer("bank", torch.zeros(len(MODALITIES), classes, settings.width))
+        self.register_buffer("bank_seen", torch.zeros(classes, dtype=torch.bool))
+
+    def orders(self, names: Sequence[str]) -> Float64[Tensor, "*any"]:
+        """Return the learned order: () for all modalities, or (M, 1) for each."""
+        if self.order.ndim == 0:
+            return self.order
+        return self.order[[MODALITIES.index(name) for name in names], None]
+
+    def parts(
+        self, names: Sequence[str], embedding: Float[Tensor, "M B D"], order: Tensor | float | None = None
+    ) -> Float[Tensor, "2 M B D"]:
+        """Transform embeddings to Re and Im. order None: the learned one."""
+        p = self.orders(names) if order is None else torch.as_tensor(order, dtype=torch.float64)
+        return reference.transform(embedding, p.to(embedding.device))  # few rows: one product with V
+
+    def channels(self, parts: Float[Tensor, "2 *any"]) -> Float[Tensor, "#2 *any"]:
+        """Return the channels for tokens: Re and Im, their modulus, or Re."""
+        if self.real == "magnitude":
+            modulus: Tensor = torch.linalg.vector_norm(parts, dim=0, keepdim=True)
+            return modulus
+        return parts[:1] if self.real == "real" else parts
+
+    def thetas(self, names: Sequence[str]) -> Float[Tensor, "M E"]:
+        """Return θ_e, the factor of the channels; for the modulus, |θ_e|."""
+        theta = torch.stack([self.theta[name] for name in names])
+        return theta.abs() if self.real == "magnitude" else theta
+
+    # ---- class tokens ------------------------------------------------------------------------
+
+    def class_agnostic_tokens(self, names: Sequence[str]) -> Float[Tensor, "M D"]:
+        """Return the mean over the class tokens of training; it needs no labels."""
+        seen = self.bank_seen.to(self.bank.dtype)
+        rows = self.bank[[MODALITIES.index(name) for name in names]]
+        mean: Tensor = (seen @ rows) / seen.sum().clamp_min(1)
+        return mean
+
+    @torch.no_grad()
+    def update_bank(
+        self, tokens: Mapping[str, Float[Tensor, "B D"]], labels: Int[Tensor, " B"], *, momentum: float = 0.9
+    ) -> None:
+        """Move the bank towards the class means of `tokens`, by modality."""
+        if not tokens:
+            return
+        values = torch.stack(list(tokens.values()))  # (M, B, D)
+        rows = [MODALITIES.index(name) for name in tokens]
+        classes = torch.arange(len(self.bank_seen), device=labels.device)
+        members = (labels == classes[:, None]).to(values.dtype)  # (K, B)
+        count = members.sum(1, keepdim=True)
+        means = (members @ values) / count.clamp_min(1)
+        share = torch.where(self.bank_seen[:, None], 1 - momentum, 1.0) * (count > 0)
+        moved = torch.lerp(self.bank[rows], means.to(self.bank.dtype), share.to(self.bank.dtype))
+        self.bank[rows] = moved
+        self.bank_seen |= count[:, 0] > 0
+
+    def expand(self, names: Sequence[str], parts: Float[Tensor, "2 M B D"]) -> Expanded:
+        """Return the base vectors of the tokens."""
+        channels = self.channels(parts)
+        table = factored.tables(self.thetas(names), len(channels))
+        return Expanded(parts, factored.base_vectors(channels, table.halves.shape[1]), table)
+
+    def mean_tokens(self, own: Expanded) -> Float[Tensor, "M B D"]:
+        """Return the mean over the tokens of each sample.
+
+        With complex attention it is the mean of the real tokens, because class tokens are added to them.
+        """
+        if self.real == "hermitian":
+            return factored.mean_channels(own.base, own.table)[0]
+        return factored.combined(own.base, own.table.tokens.mean(-1)[:, None])
+
+    # ---- attention ---------------------------------------------------------------------------
+
+    def features(
+        self,
+        names: Sequence[str],
+        own: Expanded,
+        *,
+        guide: Float[Tensor, "B D"] | None = None,
+        guided: Bool[Tensor, " B"] | None = None,
+        token: Float[Tensor, "M #B D"] | None = None,  # noqa: F821
+    ) -> Float[Tensor, "M B D"]:
+        """Return F-bar of several modalities, equal to that of `reference.mffa`.
+
+        own     from `expand`
+        guide   F-bar of LANG: replaces token queries where `guided` is True
+        token   class tokens; None: the class-agnostic ones
+        """
+        if not self.class_token:
+            token = None
+        elif token is None:
+            token = self.class_agnostic_tokens(names)[:, None]
+        if self.real == "hermitian":  # complex attention has no base vectors: token by token
+            rows = [None] * len(names) if token is None else token
+            each = zip(names, own.parts.unbind(1), rows, strict=True)
+            return torch.stack([self.attend(n, p, guide=guide, guided=guided, token=t)[0] for n, p, t in each])
+        fratt, base, table = self.fratt, own.base, own.table
+        score_root, value_root = fratt.roots
+        keys = linear(base, fratt.key.weight)
+        scores = factored.dots(linear(base, fratt.query.weight), keys)
+        bias_scores = (keys @ fratt.query.bias).movedim(0, -1)
+        weights = factored.mean_weights(scores, bias_scores, table, score_root)
+        if guide is not None and guided is not None:
+            guide_query = fratt.query(guide).expand(1, *keys.shape[1:])
+            theirs = factored.dots(guide_query, keys).squeeze(-2) @ table.tokens
+            theirs = torch.softmax(theirs / score_root, dim=-1)
+            weights = torch.where(guided[:, None], theirs, weights)
+        pooled = factored.mixed(base, weights, table)
+        if token is not None:
+            pooled = pooled + token
+        return self._finished(fratt.ffn(fratt.value(pooled) / value_root))
+
+    def attend(
+        self,
+        name: str,
+        parts: Float[Tensor, "2 B D"],
+        *,
+        guide: Float[Tensor, "B D"] | None = None,
+        guided: Bool[Tensor, " B"] | None = None,
+        token: Float[Tensor, "#B D"] | None = None,
+    ) -> tuple[Float[Tensor, "B D"], Float[Tensor, "B Q T"]]:
+        """Return F-bar of one modality and its attention weights, token by token; see `features`."""
+        tokens = reference.tokens_of(parts, self.theta[name], self.real)
+        queries = reference.queries_of(tokens, guide, guided)
+        if self.class_token and token is None:
+            token = self.class_agnostic_tokens([name])
+        found, weights = reference.attention(self.fratt, queries, reference.with_class_token(tokens, token))
+        return self._finished(found), weights
+
+    def _finished(self, feature: Float[Tensor, "*any D"]) -> Float[Tensor, "*any D"]:
+        return normalize(feature, dim=-1) if self.unit else feature
+
+
+def _theta(settings: HeadSettings) -> Float[Tensor, " E"]:
+    """Return the initial θ_e.
+
+    Equal numbers have equal gradients and stay equal: E tokens would be E copies of one. "spread"
+    sets them evenly from 0.5 to 1.5, which breaks the symmetry.
+    """
+    count = settings.expansion
+    if settings.theta_init == "spread" and count > 1:
+        # made on the CPU: on the device "meta", torch would import sympy for it
+        return torch.linspace(0.5, 1.5, count, device="cpu").to(torch.get_default_device())
+    if settings.theta_init in ("spread", "ones"):
+        return torch.ones(count)
+    if settings.theta_init == "signed":
+        return torch.tensor([1.0, -1.0]).repeat((count + 1) // 2)[:count]
+    return torch.randn(count)

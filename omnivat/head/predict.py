@@ -1,0 +1,53 @@
+"""Predict the material of pairs, independent of the batch."""
+
+from typing import Any
+
+import torch
+from torch import Tensor
+
+from omnivat.data.profile import Profile
+from omnivat.head.checkpoint import Head
+from omnivat.kit.stages import IMAGES, optional_order
+
+PRECISION = torch.float64  # heads in this dtype give the same digits in any batch
+
+
+@torch.no_grad()
+def predict_embeddings(
+    head: Head, vis: Tensor | None, tac: Tensor | None, *, order: float | None = None, profile: Profile | None = None
+) -> list[dict[str, Any]]:
+    """Return one record for each pair, as plain values.
+
+    vis, tac  (B, input_width) raw embeddings; one of them may be None
+    order     quarter turns; None: the learned one
+    profile   of the sensor that made the pairs; None: they are taken as they come
+    return    B records: "prediction", "probabilities" (from all given images), "modalities" ("vis"
+              and "tac", each with the other image absent) and, for a pair, "branches" (inside the
+              pair), as class -> probability; "temperature" by reading; and "familiarity" by
+              modality, if the head has its training embeddings
+    """
+    if profile is not None:
+        vis, tac = (x if x is None else head.moved(name, x, profile) for name, x in (("vis", vis), ("tac", tac)))
+    given = [None if rows is None else rows.to(head.model.classifier.device) for rows in (vis, tac)]
+    readings = head.model(*given, order=optional_order(order)).readings
+    found = {name: values.cpu() for name, values in readings.items()}
+    classes, fused = head.settings.classes, found["fused"]
+    looked = head.familiarity.look(vis, tac) if head.familiarity else None
+
+    def named(row: int, ending: str = "") -> dict[str, dict[str, float]]:
+        own = {name: found[name + ending][row].tolist() for name in IMAGES if name + ending in found}
+        return {name: dict(zip(classes, values, strict=True)) for name, values in own.items()}
+
+    return [
+        {
+            "prediction": classes[int(fused[row].argmax())],
+            "probabilities": dict(zip(classes, fused[row].tolist(), strict=True)),
+            "modalities": named(row),
+            **({"branches": branches} if (branches := named(row, "_branch")) else {}),
+            "temperature": dict(head.model.calibration.temperature),
+            "familiarity": looked[row] if looked else {},
+            "order": head.model.order if order is None else order,
+            "profile": profile.counts if profile else {},
+        }
+        for row in range(len(fused))
+    ]

@@ -1,0 +1,127 @@
+"""A profile of pictures on disk or in memory: embed each, keep mean and variance."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from os.path import isfile
+from pathlib import Path
+
+import numpy as np
+
+from omnivat.data.pairs import Skipped
+from omnivat.data.profile import Profile, channels_of
+from omnivat.data.readers import read_pairs
+from omnivat.data.readers.files import folders_in, is_image_name, show, visible
+from omnivat.data.rest import RESTED, with_rest
+from omnivat.encoders.base import Encoder, for_modality
+from omnivat.encoders.cache import EmbeddingCache, Source, embed_image
+from omnivat.kit.errors import DataError, OmniVatError
+from omnivat.kit.progress import OnStep, Step, ignore, never
+from omnivat.kit.stages import IMAGES
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Picture:
+    """One unlabelled picture of a modality."""
+
+    modality: str  # "vis" or "tac"
+    source: Source
+    name: str = ""
+    crop: int = 0
+    rest: Path | None = None
+
+
+def pictures_in(
+    folder: Path | None, *, vis: Path | None = None, tac: Path | None = None, rest: str | None = None
+) -> list[Picture]:
+    """Return the pictures of a folder: of pairs, or by name (`*_vis.*`, `*_tac.*`, vis/, tac/).
+
+    vis, tac  folders of one modality each, instead of `folder`
+    rest      as --tac-rest of `embed`
+    Raises DataError if there are none.
+    """
+    if folder is None:
+        places = (("vis", vis), ("tac", tac))
+        found = [_picture(name, path) for name, place in places for path in (_images(place) if place else ())]
+    else:
+        found = _of_pairs(folder, rest) or [_picture(m, path) for path in _images(folder) if (m := modality_of(path))]
+    if not found:
+        raise DataError(
+            f"No photos or tactile images are in '{show(folder or vis or tac or '')}'. Name them "
+            "*_vis.png and *_tac.png, put them in folders vis and tac, or give --vis and --tac."
+        )
+    if rest not in (None, "none", "auto", "all"):
+        found = [replace(p, rest=Path(str(rest))) if p.modality == "tac" else p for p in found]
+    return found
+
+
+def _picture(modality: str, path: Path) -> Picture:
+    return Picture(modality=modality, source=path, name=show(path))
+
+
+def _of_pairs(folder: Path, rest: str | None) -> list[Picture]:
+    """Return the pictures of a folder of pairs in a known layout; [] for another folder."""
+    try:
+        pairs = with_rest(read_pairs(folder), rest or "none").pairs
+    except OmniVatError:
+        return []
+    photos = [_picture("vis", path) for path in dict.fromkeys(pair.vis for pair in pairs)]
+    return photos + [replace(_picture("tac", p.tac), crop=p.tac_crop, rest=p.tac_rest) for p in pairs]
+
+
+def modality_of(path: Path) -> str:
+    """Return "vis" or "tac" by the end of a file's stem or its folder's name; "" for neither."""
+    stem, folder = path.stem.lower(), path.parent.name.lower()
+    return next((n for n in IMAGES if stem == n or stem.endswith(f"_{n}") or folder == n), "")
+
+
+def _images(folder: Path) -> list[Path]:
+    """Return the image files of a folder and its folders, one level deep."""
+    return [
+        place / entry.name
+        for place in (folder, *folders_in(folder))
+        for entry in visible(place)
+        if is_image_name(entry.name) and isfile(place / entry.name)
+    ]
+
+
+def profile_of_pictures(
+    encoder: Encoder,
+    pictures: Sequence[Picture],
+    *,
+    domain: str = "",
+    cache: EmbeddingCache | None = None,
+    on_step: OnStep = ignore,
+    cancelled: Callable[[], bool] = never,
+) -> tuple[Profile, tuple[Skipped, ...]]:
+    """Embed pictures and return their profile, and those that could not be read.
+
+    cancelled  stops before the next picture when it returns True; the pictures so far count
+    Raises DataError if no picture can be read.
+    """
+    rows: dict[str, list[np.ndarray]] = {name: [] for name in IMAGES}
+    skipped = []
+    for done, picture in enumerate(pictures):
+        if cancelled():
+            break
+        on_step(Step(done=done, total=len(pictures), text=picture.name))
+        try:
+            embedded = embed_image(
+                for_modality(encoder, picture.modality),
+                picture.source,
+                cache,
+                crop=picture.crop,
+                rest=picture.rest,
+                name=picture.name,
+            )
+        except DataError as error:
+            skipped.append(Skipped(what=picture.name, why=str(error)))
+        else:
+            rows[picture.modality].append(embedded)
+    on_step(Step(done=len(pictures), total=len(pictures), text=""))
+    rested = RESTED if any(picture.rest for picture in pictures) else ""
+    key = encoder.name, encoder.weights_hash, encoder.preprocessing + rested
+    channels = {name: channels_of(np.stack(some)) for name, some in rows.items() if some}
+    if not channels:
+        first = next((f" The first: {one.why}" for one in skipped), "")
+        raise DataError(f"None of the pictures could be read.{first}")
+    return Profile(channels=channels, key=key, domain=domain), tuple(skipped)

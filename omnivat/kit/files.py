@@ -1,0 +1,211 @@
+"""Write files completely or not at all; numbers as text."""
+
+import csv
+import json
+import os
+import stat
+import sys
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from glob import escape
+from hashlib import sha256
+from pathlib import Path
+from tempfile import NamedTemporaryFile, TemporaryDirectory
+from time import time
+from typing import IO, Any
+
+from omnivat.kit.errors import DataError, WriteError
+
+if sys.platform != "win32":  # Windows has no such locks
+    import fcntl
+
+FORMULA = ("=", "+", "-", "@", "\t", "\r")  # starts of a cell that a spreadsheet computes
+UNFINISHED_S = 60  # seconds without a byte; younger files may not have their lock yet
+
+
+@contextmanager
+def replacing(path: str | Path) -> Iterator[Path]:
+    """Yield a temporary path next to `path`; if the block succeeds, it replaces `path`.
+
+    A crash at any moment leaves either the old file or the new one.
+    Raises WriteError with the file name if the folder, the disk or its permissions prevent it.
+    """
+    target = Path(path)
+    require_writable(target)
+    with writing(target):
+        target.parent.mkdir(parents=True, exist_ok=True)
+        sweep_unfinished(target)
+        with NamedTemporaryFile(dir=target.parent, prefix=f".{target.name}.", suffix=".tmp", delete=False) as handle:
+            temporary = Path(handle.name)
+            locked(handle)
+            try:
+                yield temporary
+                with temporary.open("rb") as written:
+                    os.fsync(written.fileno())
+                os.chmod(temporary, 0o644)
+                os.replace(temporary, target)
+            finally:
+                temporary.unlink(missing_ok=True)
+
+
+def safe_cell(value: object) -> object:
+    """Return a cell of a table that no spreadsheet takes for a formula; numbers stay numbers.
+
+    >>> safe_cell("=1+2"), safe_cell("-0.5"), safe_cell(-0.5), safe_cell("wood")
+    ("'=1+2", '-0.5', -0.5, 'wood')
+    """
+    if not isinstance(value, str) or not value.lstrip(" ").startswith(FORMULA):
+        return value
+    try:
+        float(value)
+    except ValueError:
+        return f"'{value}"
+    return value
+
+
+def write_csv(path: str | Path, header: Iterable[str], rows: Iterable[Iterable[object]]) -> None:
+    """Write a table completely or not at all; every cell is a `safe_cell`. Raises WriteError."""
+    with replacing(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as handle:
+        writer = csv.writer(handle)
+        writer.writerow(map(safe_cell, header))
+        writer.writerows(map(safe_cell, row) for row in rows)
+
+
+@contextmanager
+def writing(target: Path) -> Iterator[None]:
+    """Turn a failed write into a WriteError with the name of `target` and the reason."""
+    try:
+        yield
+    except WriteError:
+        raise
+    except OSError as error:
+        why = error.strerror or str(error)
+        raise WriteError(
+            f"'{target}' was not written ({why}); check the folder, its permissions and the free space."
+        ) from error
+
+
+@contextmanager
+def replacing_folder(path: Path) -> Iterator[Path]:
+    """Yield an empty folder; it takes the place of `path` if the block ends without an error.
+
+    What stood at `path` goes. Raises WriteError if nothing can be written there.
+    """
+    parent = path.absolute().parent
+    with writing(path):
+        parent.mkdir(parents=True, exist_ok=True)
+        with TemporaryDirectory(dir=parent, prefix=f".{path.name}.", ignore_cleanup_errors=True) as beside:
+            made, old = Path(beside) / "new", Path(beside) / "old"
+            made.mkdir()
+            yield made
+            made.chmod(0o755)
+            try:
+                if path.exists():
+                    os.replace(path, old)
+                os.replace(made, path)
+            finally:
+                if old.exists() and not path.exists():
+                    os.replace(old, path)
+
+
+def sweep_unfinished(target: Path) -> None:
+    """Remove files of killed writers of `target`; a running writer holds a lock."""
+    for left in target.parent.glob(f".{escape(target.name)}.*.tmp"):
+        try:
+            with left.open("rb") as handle:
+                if time() - os.fstat(handle.fileno()).st_mtime > UNFINISHED_S and locked(handle):
+                    left.unlink(missing_ok=True)
+        except OSError:  # another process removed it, or it is not ours
+            continue
+
+
+def locked(handle: IO[Any]) -> bool | None:
+    """Lock an open file until it is closed; False if another process holds the lock.
+
+    None if the system has no such locks.
+    """
+    if sys.platform == "win32":
+        return None
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        return False
+    return True
+
+
+def require_writable(path: str | Path, suffix: str = "") -> None:
+    """Check, before long work, that a file can be written.
+
+    suffix  required ending of the name, if any
+    Nothing is written to disk. Raises WriteError with the obstacle.
+    """
+    target = Path(path)
+    if suffix and target.suffix.lower() != suffix:
+        raise WriteError(f"'{target}' cannot be the file to write; name one that ends in {suffix}.")
+    if target.is_dir():
+        raise WriteError(f"'{target}' is a folder; name a file to write.")
+    if target.exists() and not target.is_file():
+        raise WriteError(f"'{target}' is a device and not a file; name a file to write.")
+    folder = target.absolute().parent
+    while not folder.exists() and folder != folder.parent:
+        folder = folder.parent
+    if not folder.is_dir():
+        raise WriteError(f"'{target}' cannot be written: '{folder}' is a file; choose a folder.")
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise WriteError(f"'{target}' cannot be written: nothing may be written in '{folder}'; choose another folder.")
+
+
+def read_whole(path: str | Path, most: int, name: str = "") -> bytes:
+    """Return a file's bytes, at most `most`.
+
+    name  its name in errors; None: the path
+    Raises DataError for a missing file, a larger one, or a pipe or device.
+    """
+    name = name or str(path)
+    try:
+        at_once = getattr(os, "O_NONBLOCK", 0)  # without waiting for the writer of a pipe
+        with open(path, "rb", opener=lambda p, flags: os.open(p, flags | at_once)) as handle:
+            found = os.fstat(handle.fileno())
+            if not stat.S_ISREG(found.st_mode):
+                raise DataError(f"'{name}' is a pipe or device; name a file.")
+            content = handle.read(min(most, found.st_size) + 1)
+    except (OSError, ValueError) as error:  # a name from a table may hold a zero byte
+        if isinstance(error, DataError):
+            raise
+        why = getattr(error, "strerror", None) or str(error)
+        raise DataError(f"'{name}' cannot be read ({why}); check the path.") from error
+    if len(content) > most:
+        raise DataError(f"'{name}' is larger than the {most / 1e6:.3g} MB that are read.")
+    return content
+
+
+def hash_of(*files: Path, start: str = "") -> str:
+    """Return the SHA-256 of `start` and the content of files, in hexadecimal; 2 GB in 1.3 s."""
+    digest = sha256(start.encode())
+    for file in files:
+        with file.open("rb") as handle:
+            while block := handle.read(1 << 20):
+                digest.update(block)
+    return digest.hexdigest()
+
+
+def write_text(path: str | Path, text: str) -> None:
+    """Write `text` as UTF-8, completely or not at all."""
+    with replacing(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+
+
+def write_json(path: str | Path, value: Any) -> None:
+    """Write `value` as readable JSON, completely or not at all."""
+    write_text(path, json.dumps(value, indent=2, ensure_ascii=False) + "\n")
+
+
+def cache_folder() -> Path:
+    """Return the cache folder: $OMNIVAT_CACHE, or the platform's default."""
+    if named := os.environ.get("OMNIVAT_CACHE"):
+        return Path(named)
+    if sys.platform == "darwin":
+        return Path.home() / "Library" / "Caches" / "omnivat"
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA", Path.home() / "AppData" / "Local")) / "omnivat"
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "omnivat"

@@ -1,0 +1,246 @@
+"""Collect maps, curves and predictions stop by stop into one set of frames."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from omnivat.data.store import Embeddings
+from omnivat.head.head import OmniVaT
+from omnivat.head.settings import HeadSettings
+from omnivat.kit.errors import DataError, SettingsError
+from omnivat.kit.progress import OnStep, Step, ignore
+from omnivat.kit.stages import fitting
+from omnivat.maps.frames.records import FEATURES, FrameSet, MapFrames, quantised
+from omnivat.maps.projection import pca
+from omnivat.maps.projection.quality import trust
+from omnivat.maps.projection.torch_umap import aligned, following
+from omnivat.maps.sweep import MEASURES, STAGES, STILL, AtOrder, Features, facts_of, measured, walk
+from omnivat.measure.evaluate import label_map
+from omnivat.measure.gaps.measures import STAGE_MEASURES
+from omnivat.measure.gaps.unit import unit
+from omnivat.measure.unseen import counted, mean_over_domains
+
+METHODS = ("pca", "umap")
+MOST_NAMES = 256  # an index is one byte
+
+
+@dataclass(slots=True, eq=False)
+class _Track:
+    """The maps of one stage by one method."""
+
+    method: str
+    stage: str
+    stops: tuple[int, ...]
+    maps: list[Tensor] = field(default_factory=list)
+    trust: list[float | None] = field(default_factory=list)
+
+    def add(self, points: Tensor, seed: int) -> None:
+        """Map the next stop."""
+        before = self.maps[-1] if self.maps else None
+        self.maps.append(next_map(self.method, points, before, seed=seed))
+        self.trust.append(trust(points, self.maps[-1]))
+
+    def frames(self) -> MapFrames:
+        """Return the maps, quantised, with their trust."""
+        flats = [flat.double().cpu().numpy() for flat in self.maps]
+        return quantised(flats, self.stops, tuple(self.trust))
+
+
+NAMES = {"fused": "accuracy/unseen", "vis": "accuracy:vis/unseen", "tac": "accuracy:tac/unseen"}
+
+
+class UnseenAccuracy:
+    """Mean accuracy over unseen domains, by curve name, of the pairs that `omnivat.measure.unseen.counted` chooses."""
+
+    def __init__(self, embeddings: Embeddings, classes: tuple[str, ...], source: str) -> None:
+        self._embeddings, self._source = embeddings, source
+        self._label = label_map(classes, embeddings.header.classes)[embeddings.label]
+        self._keep = counted(embeddings, source) & (self._label >= 0)
+
+    def at(self, probabilities: Mapping[str, Tensor]) -> dict[str, float | None]:
+        """Return curve name -> value at one order; empty if the source is not in the set.
+
+        probabilities  reading -> (N, K) over the head's classes
+        """
+        if self._source not in self._embeddings.header.domains:
+            return {}
+        found = {
+            NAMES[n]: shares.argmax(1).cpu().numpy() == self._label for n, shares in probabilities.items() if n in NAMES
+        }
+        return {n: mean_over_domains(right, self._embeddings, self._source, self._keep) for n, right in found.items()}
+
+
+class FrameBuilder:
+    """Collects the results of each stop, in the order of the stops.
+
+    settings  of the heads; all have the same classes and widths. None: no head, the raw stage alone
+    still     stages that do not depend on p: one map for all stops
+    """
+
+    def __init__(
+        self,
+        settings: HeadSettings | None,
+        embeddings: Embeddings,
+        *,
+        orders: Sequence[float],
+        maps: Mapping[str, int],
+        measures: Sequence[str],
+        source: str,
+        still: Sequence[str],
+        seed: int = 0,
+    ) -> None:
+        if not orders or any(after <= before for before, after in pairwise(orders)):
+            raise SettingsError("orders must be one or more numbers, each above the one before it.")
+        for name, stops in maps.items():
+            method, _, stage = name.partition("/")
+            if method not in METHODS or stage not in STAGES or stops < 1:
+                raise SettingsError(
+                    f"No map is called '{name}' with {stops} stops; name METHOD/STAGE of "
+                    f"{', '.join(METHODS)} and {', '.join(STAGES)}, with 1 stop or more."
+                )
+        if not len(embeddings):
+            raise DataError("There are no pairs to draw; choose a set with pairs.")
+        self.orders, self.embeddings, self.measures = tuple(orders), embeddings, measures
+        self.seed, self.still = seed, still
+        projects, known = (settings.projects, settings.classes) if settings else (True, ())
+        self.tracks = _tracks(maps, len(orders), projects=projects, still=still)
+        wanted = {track.stage for track in self.tracks.values()}
+        self.stages = [stage for stage in STAGES if stage in wanted]
+        self.unitary = {name.split("/")[1] for name in maps} - wanted  # frft, if it shares raw
+        self.classes, self.facts = facts_of(embeddings, known)
+        if max(len(self.classes), len(embeddings.header.domains)) > MOST_NAMES:
+            raise DataError(f"Frames can have {MOST_NAMES} domains and classes; choose a smaller set.")
+        self.curves: dict[str, list[float | None]] = {}
+        self._unseen = UnseenAccuracy(embeddings, known, source)
+        self._predictions: list[Any] = []
+        self._confidences: list[Any] = []
+
+    def add(self, found: AtOrder) -> None:
+        """Add the next stop: features of the stages that depend on p, and predictions."""
+        for track in set(self.tracks.values()):
+            if found.index in track.stops:
+                track.add(stacked(found.features[track.stage]), self.seed)
+        count = len(self.orders)
+        for stage, name, value in measured(found, self.facts, self.measures):
+            curve = self.curves.setdefault(name, [None] * count)
+            known = value if np.isfinite(value) else None
+            curve[:] = [known] * count if stage in self.still else curve
+            curve[found.index] = known
+        if "accuracy" in self.measures:
+            for name, share in self._unseen.at(found.probabilities).items():
+                self.curves.setdefault(name, [None] * count)[found.index] = share
+        nothing = torch.zeros(len(self.embeddings), 1)  # without a head
+        confidence, predicted = found.probabilities.get("fused", nothing).max(1)
+        self._predictions.append(predicted.to(torch.uint8).cpu().numpy())
+        self._confidences.append((confidence * 255).round().to(torch.uint8).cpu().numpy())
+
+    def finish(self, head: Mapping[str, Any]) -> FrameSet:
+        """Return the frames. head: facts about the head."""
+        if "frft" in self.unitary:  # the curves of the raw embedding are those of the raw DFrFT
+            raw = {name: name.split("/") for name in self.curves if name.split(":")[0].split("/")[0] in STAGE_MEASURES}
+            found = {"/".join([n, "frft", *rest]): name for name, (n, at, *rest) in raw.items() if at == "raw"}
+            self.curves |= {name: list(self.curves[own]) for name, own in found.items()}
+        frames = {track: track.frames() for track in set(self.tracks.values())}
+        header = self.embeddings.header
+        return FrameSet(
+            orders=tuple(float(order) for order in self.orders),
+            domains=header.domains,
+            classes=self.classes,
+            domain=self.facts.domains.cpu().numpy().astype(np.uint8),
+            label=self.facts.labels.cpu().numpy().astype(np.uint8),
+            prediction=np.stack(self._predictions),
+            confidence=np.stack(self._confidences),
+            maps={name: frames[track] for name, track in self.tracks.items()},
+            curves=self.curves,
+            head=dict(head),
+            embeddings={n: getattr(header, n) for n in ("encoder", "weights_hash", "simulated", "origin")},
+        )
+
+
+def next_map(method: str, points: Tensor, before: Tensor | None, *, seed: int = 0) -> Tensor:
+    """Return the map (2N, 2) of points (2N, W), aligned with the previous map `before`."""
+    if method == "pca":
+        flat = pca.project(points)
+        return flat if before is None else aligned(flat, before)
+    return following(points, before, seed=seed)
+
+
+def stacked(features: Features) -> Tensor:
+    """Return the unit rows of VIS, then those of TAC: (2N, W)."""
+    return torch.cat([unit(features["vis"]), unit(features["tac"])])
+
+
+def spread(stops: int, count: int) -> tuple[int, ...]:
+    """Return at most `stops` of 0 .. count - 1, evenly spaced, with both ends if possible.
+
+    >>> spread(3, 101)
+    (0, 50, 100)
+    """
+    places = np.linspace(0, count - 1, min(stops, count)) if stops > 1 else np.zeros(1)
+    return tuple(int(place) for place in np.rint(places))
+
+
+def _tracks(maps: Mapping[str, int], count: int, *, projects: bool, still: Sequence[str]) -> dict[str, _Track]:
+    """Map each map name to its track; the unitary raw DFrFT shares that of the raw embedding.
+
+    If the head projects embeddings, the DFrFT has its own track, of the projected embeddings.
+    """
+    made: dict[tuple[str, str], _Track] = {}
+    tracks = {}
+    for name, stops in maps.items():
+        method, stage = name.split("/")
+        source = "raw" if stage == "frft" and not projects else stage
+        chosen = spread(1 if source in still else stops, count)
+        tracks[name] = made.setdefault((method, source), _Track(method, source, chosen))
+    return tracks
+
+
+PCA_STOPS, UMAP_STOPS = 128, 21  # PCA: more than 101 round stops and the learned order
+DEFAULT_ORDERS = tuple(k / 100 for k in range(101))
+# maps, and the largest number of evenly spaced stops of each
+DEFAULT_MAPS: Mapping[str, int] = {
+    **{f"pca/{stage}": PCA_STOPS for stage in STAGES},
+    "umap/raw": 1,
+    "umap/frft": 1,
+    "umap/f_hat": UMAP_STOPS,
+}
+
+
+def build_frames(
+    model: OmniVaT | None,
+    embeddings: Embeddings,
+    *,
+    orders: Sequence[float] = DEFAULT_ORDERS,
+    maps: Mapping[str, int] = DEFAULT_MAPS,
+    measures: Sequence[str] = MEASURES,
+    provenance: Mapping[str, Any] | None = None,
+    seed: int = 0,
+    on_step: OnStep = ignore,
+) -> FrameSet:
+    """Compute the frames of a set of pairs, one order at a time.
+
+    model       None: the features alone, one stop, with the maps and gaps of the raw stage
+    orders      stops of the slider, in quarter turns, ascending
+    maps        "method/stage" -> largest number of stops, evenly spaced with both ends; the page shows the nearest one.
+                Raw embedding and raw DFrFT have one map for all stops, because the transform is unitary
+    measures    curves to compute, for the stages with a map; see docs/gaps.md
+    provenance  facts about the head, apart from its learned order: hash, source domain
+    Raises SettingsError for an unknown map or order, DataError for too many domains or classes.
+    """
+    known = dict(provenance or {})
+    if model is None:
+        orders, maps = (0.0,), {name: 1 for name in maps if name.endswith("/raw")}
+    more: dict[str, Any] = {"measures": measures, "source": str(known.get("source", "")), "still": STILL, "seed": seed}
+    builder = FrameBuilder(model.settings if model else None, embeddings, orders=orders, maps=maps, **more)
+    for found in walk(model, embeddings, orders, stages=builder.stages, predictions=model is not None):
+        builder.add(found)
+        on_step(Step(done=found.index + 1, total=len(orders), text=f"map at order {found.order:.2f}"))
+    if model is None:
+        return builder.finish({"kind": FEATURES, **known})
+    known = {"fits": list(fitting(model.order, model.settings.width))} | known
+    return builder.finish({"kind": "moved", "learned_order": model.order, **known})

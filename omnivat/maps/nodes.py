@@ -1,0 +1,93 @@
+"""Facts about a head's tree nodes: lengths, predictions, and the cosines of each level."""
+
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+from torch.nn.functional import normalize, one_hot
+
+from omnivat.data.store import Embeddings
+from omnivat.head.checkpoint import Head
+from omnivat.head.dtg import groups, parents
+from omnivat.head.head import OmniVaT
+from omnivat.head.losses import nod_loss
+from omnivat.kit.errors import DataError
+from omnivat.maps.sweep.walk import coefficients_of
+
+CHUNK = 512  # pairs with nodes in memory at once
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Level:
+    """One group of nodes for NOD."""
+
+    nodes: range
+    cosines: Tensor  # (n, n), mean over pairs
+    nod: float  # its term of the NOD loss
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TreeFacts:
+    """The N nodes of a head's tree, means over B pairs."""
+
+    parents: list[int]  # -1 for none
+    lengths: Tensor  # (N,)
+    probabilities: Tensor  # (N, K)
+    right: Tensor | None  # (N,) accuracy of each node, if labels are known
+    levels: list[Level]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NodeVote:
+    """The most frequent class of a node over a set, and its share of the pairs."""
+
+    label: str
+    share: float
+
+
+@torch.no_grad()
+def tree_facts(model: OmniVaT, nodes: Tensor, labels: Tensor | None = None) -> TreeFacts:
+    """Return facts about the nodes of B pairs.
+
+    nodes   (B, N, D) of `model(…, nodes=True)`
+    labels  (B,) class indices, -1 for a class that the head lacks; None if unknown
+    """
+    kind = model.settings.generation
+    probabilities = model.classify(nodes).softmax(-1)
+    right = None
+    if labels is not None:
+        known = labels >= 0
+        right = (probabilities.argmax(-1)[known] == labels[known, None]).double().mean(0)
+    levels = []
+    for group in groups(kind, nodes.shape[1]):
+        own = nodes[:, group.start : group.stop]
+        units = normalize(own, dim=-1)
+        levels.append(Level(nodes=group, cosines=(units @ units.mT).mean(0), nod=float(nod_loss([own[:, :1], own]))))
+    return TreeFacts(
+        parents=parents(kind, nodes.shape[1]),
+        lengths=nodes.norm(dim=-1).mean(0),
+        probabilities=probabilities.mean(0),
+        right=right,
+        levels=levels,
+    )
+
+
+@torch.no_grad()
+def node_votes(head: Head, embeddings: Embeddings) -> list[NodeVote]:
+    """Return each node's most frequent class over a set, at the learned p.
+
+    A node with a share near 1 gives the same class for almost every pair.
+    Raises DataError if the head has no nodes or does not fit the embeddings.
+    """
+    head.require_embeddings(embeddings)
+    kept = coefficients_of(head.model, embeddings)
+    classes, counts = head.settings.classes, torch.zeros(())
+    for start in range(0, len(kept), CHUNK):
+        nodes = head.model.from_coefficients(kept[start : start + CHUNK], nodes=True).nodes
+        if nodes is None:
+            raise DataError("This head generates no nodes: it was trained without DTG.")
+        counts = counts + one_hot(head.model.classify(nodes).argmax(-1), len(classes)).sum(0)  # (N, K)
+    return [
+        NodeVote(label=classes[best], share=int(count) / len(kept))
+        for count, best in zip(*(one.tolist() for one in counts.max(dim=1)), strict=True)
+    ]

@@ -1,0 +1,71 @@
+"""Principal components in two or three dimensions: exact, with a fixed sign."""
+
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+
+from omnivat.kit.errors import ShapeError
+from omnivat.kit.shapes import require_shapes
+
+BLOCK = 16_384  # rows centred at once
+
+
+@dataclass(frozen=True, slots=True)
+class Basis:
+    """A linear map to the plane or to space: subtract `mean` (D,), multiply by `axes` (D, 2 or 3)."""
+
+    mean: Tensor
+    axes: Tensor
+
+    def place(self, points: Tensor) -> Tensor:
+        """Return the places (N, 2) of points (N, D), BLOCK rows at a time."""
+        return torch.cat([(rows - self.mean) @ self.axes for rows in points.split(BLOCK)])
+
+
+def project(points: Tensor, *, seed: int = 0, dimensions: int = 2) -> Tensor:
+    """Return the PCA map of points (N, D) -> (N, dimensions). PCA is exact: `seed` has no effect."""
+    return basis(points, dimensions).place(points)
+
+
+def basis(points: Tensor, dimensions: int = 2) -> Basis:
+    """Return the directions of largest variance of points (N, D), largest first.
+
+    The largest entry of each axis by modulus is positive. Computed in float64 from the smaller of
+    the covariance and the Gram matrix. A direction without variance is still a unit vector, so a
+    map is always (N, dimensions).
+    Raises ShapeError for no rows or fewer columns than dimensions.
+    """
+    require_shapes(points=(points, "N D"))
+    rows, width = points.shape
+    if rows < 1 or width < dimensions:
+        raise ShapeError(f"points has shape {(rows, width)}; a map needs 1 row and {dimensions} columns or more.")
+    mean = points.mean(0)
+    few = dimensions <= rows < width
+    axes = _from_gram(points - mean, dimensions) if few else _from_covariance(points, mean, dimensions)
+    largest = axes.gather(0, axes.abs().argmax(0, keepdim=True))
+    return Basis(mean, (axes * torch.where(largest < 0, -1, 1)).to(points.dtype))
+
+
+def _from_covariance(points: Tensor, mean: Tensor, dimensions: int) -> Tensor:
+    """Exact for any number of rows; BLOCK rows are centred at a time."""
+    width = points.shape[1]
+    products = torch.zeros(width, width, dtype=torch.float64, device=points.device)
+    for rows in points.split(BLOCK):
+        centred = rows - mean
+        if centred.device.type != "cpu" or centred.requires_grad:
+            products += (centred.T @ centred).double()
+        else:  # numpy computes one half, the other being the same
+            plain = centred.numpy()
+            products += torch.from_numpy(plain.T @ plain).double()
+    vectors: Tensor = torch.linalg.eigh(products).eigenvectors
+    return vectors[:, -dimensions:].flip(1)
+
+
+def _from_gram(centred: Tensor, dimensions: int) -> Tensor:
+    """For fewer rows than columns: the same axes from the N×N Gram matrix."""
+    vectors = torch.linalg.eigh((centred @ centred.T).double()).eigenvectors[:, -dimensions:].flip(1)
+    axes = centred.double().T @ vectors
+    # QR gives unit columns, and a perpendicular one if the rows have no second direction
+    turned: Tensor = torch.linalg.qr(axes).Q
+    return turned

@@ -1,0 +1,195 @@
+"""Gaps and scores of a set as functions of p: one curve for each measure and stage."""
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from omnivat.data.store import Embeddings, load_embeddings
+from omnivat.head.checkpoint import load_head
+from omnivat.head.head import OmniVaT
+from omnivat.kit.files import write_csv, write_json
+from omnivat.kit.progress import OnStep, Step, ignore
+from omnivat.kit.stages import STILL
+from omnivat.kit.tables import need
+from omnivat.kit.threads import one_thread
+from omnivat.maps.sweep.walk import CHUNK, AtOrder, coarse_first, require_known, walk
+from omnivat.measure.gaps.measures import PREDICTION_MEASURES, STAGE_MEASURES, SUM_MEASURES, Facts
+from omnivat.measure.gaps.unit import unit
+
+Curves = Mapping[str, Sequence[float | None]]
+
+
+def write_curves_json(path: str | Path, orders: Sequence[float], curves: Curves, head: Mapping[str, Any]) -> None:
+    """Write `{"orders": [...], "head": {...}, "curves": {name: [...]}}`; null means undefined."""
+    plain = {name: [_number(value) for value in values] for name, values in curves.items()}
+    write_json(path, {"orders": list(orders), "head": dict(head), "curves": plain})
+
+
+def write_curves_csv(path: str | Path, orders: Sequence[float], curves: Curves) -> None:
+    """Write a column `order`, then one column for each curve; an empty cell means undefined."""
+    rows = zip(orders, *(map(_number, values) for values in curves.values()), strict=True)
+    write_csv(path, ["order", *curves], rows)  # None is an empty cell
+
+
+def _number(value: float | None) -> float | None:
+    return None if value is None or not math.isfinite(value) else float(value)
+
+
+MEASURES = ("modality_gap", "domain_gap", "margin", "accuracy", "macro_f1")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Sweep:
+    """Curves over P orders for N pairs.
+
+    curves  "measure/stage", "accuracy/all" and the like -> (P,); NaN if undefined. docs/gaps.md lists the names
+    """
+
+    orders: NDArray[np.float64]  # (P,) quarter turns, as given
+    classes: tuple[str, ...]  # the head's K classes, then other classes of the set
+    label: NDArray[np.int64]  # (N,) index into `classes`
+    probabilities: NDArray[np.float32]  # (P, N, K), from both images; (P, 0, K) without prediction measures
+    curves: dict[str, NDArray[np.float64]] = field(default_factory=dict)
+
+
+def sweep(
+    model: OmniVaT,
+    embeddings: Embeddings,
+    orders: Sequence[float],
+    *,
+    stages: Sequence[str] = ("f_hat",),
+    measures: Sequence[str] = MEASURES,
+    chunk: int = CHUNK,
+    on_step: OnStep = ignore,
+) -> Sweep:
+    """Measure gaps and predictions of a set at every order.
+
+    orders    quarter turns, any real numbers; computed coarse first, returned as given
+    stages    of `STAGES`; others are not kept
+    measures  of `STAGE_MEASURES` and `ANSWER_MEASURES`
+    chunk     pairs that pass the head at once. Memory holds one order's predictions, the probabilities of all orders
+              and, for measures that are not of `SUM_MEASURES`, one order's features
+
+    Measures of the raw embedding and the raw DFrFT are computed once, because they do not depend on
+    the order. Without prediction measures and other stages, the head runs at one order at most.
+    Raises SettingsError for an unknown stage or measure, or an invalid order.
+    """
+    require_known(measures, (*STAGE_MEASURES, *PREDICTION_MEASURES), "measure")
+    classes, facts = facts_of(embeddings, model.settings.classes, model.classifier.device)
+    predictions = any(name in PREDICTION_MEASURES for name in measures)
+    count = len(embeddings) if predictions else 0
+    result = Sweep(
+        orders=np.array(orders, dtype=np.float64),
+        classes=classes,
+        label=facts.labels.cpu().numpy(),
+        probabilities=np.zeros((len(orders), count, len(model.settings.classes)), dtype=np.float32),
+    )
+    visits = coarse_first(len(orders))
+    sums = facts if all(name in SUM_MEASURES for name in measures if name in STAGE_MEASURES) else None
+    how: dict[str, Any] = {"stages": stages, "predictions": predictions, "visits": visits, "chunk": chunk}
+    walked = walk(model, embeddings, orders, **how, sums_for=sums)
+    for done, found in enumerate(walked, start=1):
+        for stage, name, value in measured(found, facts, measures):
+            curve = result.curves.setdefault(name, np.full(len(orders), np.nan))
+            curve[slice(None) if stage in STILL else found.index] = value
+        if predictions:
+            result.probabilities[found.index] = found.probabilities["fused"].cpu().numpy()
+        on_step(Step(done=done, total=len(visits), text=f"order {found.order:.2f}"))
+    return result
+
+
+def measured(found: AtOrder, facts: Facts, measures: Sequence[str]) -> Iterator[tuple[str, str, float]]:
+    """Yield stage ("" for predictions), name and value of all curves at one order."""
+    for stage in (*found.features, *found.sums):
+        features, sums = found.features.get(stage, {}), found.sums.get(stage)
+        if sums is None and any(name in SUM_MEASURES for name in measures):
+            sums = facts.sums()
+            sums.add(features, facts.labels, facts.domains)
+        units: dict[str, Tensor] = {}
+        for name in (name for name in measures if name in STAGE_MEASURES):
+            if name in SUM_MEASURES and sums is not None:
+                values = SUM_MEASURES[name](sums, facts)
+            else:
+                units = units or {modality: unit(rows) for modality, rows in features.items()}
+                values = STAGE_MEASURES[name](units, facts)
+            for suffix, value in values:
+                variant, _, domain = suffix.partition("/")
+                tail = f"/{domain}" if domain else ""
+                yield stage, f"{name}{variant}/{stage}{tail}", float(value)
+    for name in measures:
+        if name in PREDICTION_MEASURES and found.probabilities:
+            for suffix, value in PREDICTION_MEASURES[name](found.probabilities, facts):
+                yield "", f"{name}{suffix}", float(value)
+
+
+def facts_of(
+    embeddings: Embeddings, known: tuple[str, ...], device: torch.device | None = None
+) -> tuple[tuple[str, ...], Facts]:
+    """Return the classes, those in `known` first, and the facts that do not depend on the order.
+
+    Pairs of a class that the head lacks count in gaps, not in scores.
+    """
+    header = embeddings.header
+    classes = tuple(dict.fromkeys((*known, *header.classes)))
+    index = torch.tensor([classes.index(name) for name in header.classes], dtype=torch.long)
+    labels = index[torch.from_numpy(np.array(embeddings.label))].to(device)
+    return classes, Facts(
+        labels=labels,
+        class_names=classes,
+        domains=torch.from_numpy(np.array(embeddings.domain)).to(device),
+        domain_names=header.domains,
+        scored=labels < len(known),
+    )
+
+
+def curves_on_ray(
+    head: Path,
+    embeddings: Path,
+    orders: Sequence[float],
+    *,
+    stages: Sequence[str],
+    measures: Sequence[str],
+    on_step: OnStep = ignore,
+) -> dict[str, NDArray[np.float64]]:
+    """Return the curves (P,) that `omnivat.maps.sweep.sweep` gives, by name; each order is one task.
+
+    head, embeddings  paths that every machine of the cluster can read
+    orders            P quarter turns
+
+    It uses the connected cluster, or the one of $RAY_ADDRESS, or starts Ray here.
+    """
+    ray = need("ray", purpose="a sweep on a cluster", install="ray")
+    ray.init(ignore_reinit_error=True)
+    remote: Callable[..., Any] = ray.remote(_at).remote
+    moving = tuple(stage for stage in stages if stage not in STILL)
+    files = str(Path(head).absolute()), str(Path(embeddings).absolute())
+    tasks = {
+        remote(*files, float(order), stages if index == 0 else moving, tuple(measures)): index
+        for index, order in enumerate(orders)
+    }
+    curves: dict[str, NDArray[np.float64]] = {}
+    waiting = list(tasks)
+    while waiting:
+        (done,), waiting = ray.wait(waiting, num_returns=1)
+        index = tasks[done]
+        for name, value in ray.get(done).items():
+            still = name.split("/")[1] in STILL  # it holds for every order
+            curve = curves.setdefault(name, np.full(len(orders), np.nan))
+            curve[slice(None) if still else index] = value
+        on_step(Step(done=len(tasks) - len(waiting), total=len(tasks), text=f"order {orders[index]:.2f}"))
+    return curves
+
+
+def _at(head: str, embeddings: str, order: float, stages: Sequence[str], measures: Sequence[str]) -> dict[str, float]:
+    """Return every curve's value at one order, in a worker of one core."""
+    with one_thread():
+        model = load_head(head).model
+        found = sweep(model, load_embeddings(embeddings), [order], stages=stages, measures=measures)
+    return {name: float(values[0]) for name, values in found.curves.items()}

@@ -1,0 +1,178 @@
+"""Visit orders one at a time, and compute features and predictions of a set at each."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from omnivat.data.store import Embeddings
+from omnivat.head.head import OmniVaT, PairCoefficients
+from omnivat.head.output import HeadOutput
+from omnivat.kit.errors import DataError, SettingsError
+from omnivat.kit.stages import STAGES, STILL
+from omnivat.kit.tables import unknown
+from omnivat.measure.evaluate import blocks
+from omnivat.measure.gaps.measures import Facts
+from omnivat.measure.gaps.sums import Sums
+
+CHUNK = 512  # pairs in one pass of the head; it bounds the memory for any set
+NO_PAIRS = "There are no pairs in these embeddings; choose a set with pairs."
+KEPT_PAIRS = 20_000  # pairs whose coefficients are kept for all orders; beyond, they are recomputed
+
+Features = Mapping[str, Tensor]  # modality -> (N, W), rows of any length
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AtOrder:
+    """The results at one order.
+
+    features  by stage: requested stages that depend on the order; at the first order visited, also those that do not
+    """
+
+    index: int  # of the order in the given list
+    order: float
+    features: Mapping[str, Features]
+    probabilities: Mapping[str, Tensor]  # reading -> (N, K); empty if predictions were not requested
+    sums: Mapping[str, Sums] = field(default_factory=dict)  # by stage, instead of features if requested
+
+
+def coarse_first(count: int) -> list[int]:
+    """Return 0 .. count - 1, both ends first, then finer and finer steps.
+
+    >>> coarse_first(9)
+    [0, 8, 4, 2, 6, 1, 3, 5, 7]
+    """
+    ends = {0, count - 1}
+    inner = sorted(set(range(count)) - ends, key=lambda i: (-(i & -i), i))
+    return sorted(ends & set(range(count))) + inner
+
+
+def walk(
+    model: OmniVaT | None,
+    embeddings: Embeddings,
+    orders: Sequence[float],
+    *,
+    stages: Sequence[str] = (),
+    predictions: bool = True,
+    visits: Sequence[int] | None = None,
+    chunk: int = CHUNK,
+    sums_for: Facts | None = None,
+) -> Iterator[AtOrder]:
+    """Yield the results at each order, in the order of `visits`.
+
+    model     None for the raw stage without predictions
+    sums_for  yield sums of the features by these labels and domains instead of features; memory is
+              then that of the predictions
+
+    If no requested result depends on the order, only the first order is visited. Raises SettingsError for an unknown
+    stage or an order that is not finite, DataError if there are no pairs.
+    """
+    require_known(stages, STAGES, "stage")
+    if model is None and (predictions or set(stages) - {"raw"}):
+        raise SettingsError("Only the raw stage needs no head; give one.")
+    if chunk < 1 or not np.isfinite(np.array(orders, dtype=np.float64)).all():
+        raise SettingsError("chunk must be 1 or more and every order a finite number.")
+    if not len(embeddings):
+        raise DataError(NO_PAIRS)
+    visits = list(range(len(orders))) if visits is None else list(visits)
+    moving = [stage for stage in stages if stage not in STILL]
+    if not moving and not predictions:
+        visits = visits[:1]
+    kept: PairCoefficients | None = None
+    for place, index in enumerate(visits):
+        order = float(orders[index])
+        wanted = [stage for stage in stages if stage != "raw"] if place == 0 else moving
+        found = _Found(len(embeddings), sums_for)
+        if place == 0 and "raw" in stages:
+            for rows, raw in _raw_chunks(model, embeddings, chunk):
+                found.take("raw", raw, rows)
+        if model is not None and (wanted or predictions):
+            if kept is None and len(embeddings) <= KEPT_PAIRS:
+                kept = coefficients_of(model, embeddings)
+            for rows, output in _outputs(model, embeddings, kept, order, chunk):
+                for stage in wanted:
+                    found.take(stage, stage_features(output, stage), rows)
+                if predictions:
+                    found.take("", output.readings, rows)
+        probabilities = found.whole.pop("", {})
+        yield AtOrder(index=index, order=order, features=found.whole, probabilities=probabilities, sums=found.sums)
+
+
+class _Found:
+    """Collect the results at one order, some rows at a time."""
+
+    def __init__(self, count: int, facts: Facts | None) -> None:
+        self.whole: dict[str, dict[str, Tensor]] = {}
+        self.sums: dict[str, Sums] = {}
+        self.count, self.facts = count, facts
+
+    def take(self, stage: str, found: Features, rows: slice) -> None:
+        """Add the features of some rows, or their predictions if the stage is ""."""
+        if stage and (facts := self.facts) is not None:
+            sums = self.sums.setdefault(stage, facts.sums())
+            sums.add(found, facts.labels[rows], facts.domains[rows])
+            return
+        into = self.whole.setdefault(stage, {})
+        for name, values in found.items():
+            if name not in into:
+                into[name] = values.new_empty(self.count, *values.shape[1:])
+            into[name][rows] = values
+
+
+@torch.no_grad()
+def stage_blocks(
+    model: OmniVaT | None, embeddings: Embeddings, order: float | None, stage: str, *, chunk: int = CHUNK
+) -> Iterator[tuple[slice, Features]]:
+    """Yield the features of one stage at one order, `chunk` pairs at a time, with their slice.
+
+    model  may be None at "raw"; order  None: the learned one
+    Raises SettingsError for an unknown stage, DataError if there are no pairs.
+    """
+    require_known([stage], STAGES, "stage")
+    if model is None or stage == "raw":
+        yield from _raw_chunks(model, embeddings, chunk)
+        return
+    order = model.order if order is None else order
+    for rows, output in _outputs(model, embeddings, None, order, chunk):
+        yield rows, stage_features(output, stage)
+
+
+@torch.no_grad()
+def coefficients_of(model: OmniVaT, embeddings: Embeddings) -> PairCoefficients:
+    """Return the coefficients of all pairs."""
+    _, raw = next(_raw_chunks(model, embeddings, len(embeddings)))
+    return model.coefficients(raw["vis"], raw["tac"])
+
+
+@torch.no_grad()
+def _outputs(
+    model: OmniVaT, embeddings: Embeddings, kept: PairCoefficients | None, order: float, chunk: int
+) -> Iterator[tuple[slice, HeadOutput]]:
+    """Yield the head's outputs for `chunk` pairs at a time, from kept coefficients if possible."""
+    if kept is None:
+        for rows, raw in _raw_chunks(model, embeddings, chunk):
+            yield rows, model.from_coefficients(model.coefficients(**raw), order)
+        return
+    for start in range(0, len(kept), chunk):
+        rows = slice(start, start + chunk)
+        yield rows, model.from_coefficients(kept[rows], order)
+
+
+def stage_features(output: HeadOutput, stage: str) -> Features:
+    """Return the rows of a stage by modality: (B, D), or (B, 2D) with Re before Im."""
+    return {name: rows.movedim(-2, 0).flatten(1) for name, rows in getattr(output, stage).items()}
+
+
+def _raw_chunks(model: OmniVaT | None, embeddings: Embeddings, chunk: int) -> Iterator[tuple[slice, dict[str, Tensor]]]:
+    if not len(embeddings):
+        raise DataError(NO_PAIRS)
+    return blocks(embeddings, model.classifier.device if model else None, size=chunk)
+
+
+def require_known(names: Sequence[str], known: Sequence[str], kind: str) -> None:
+    """Raise SettingsError for an unknown name; the message lists the known ones."""
+    for name in names:
+        if name not in known:
+            raise SettingsError(unknown(name, known, kind=kind))

@@ -1,0 +1,163 @@
+"""Evaluate a head on sets of embeddings: accuracy and macro-F1 for each domain."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from omnivat.data.arrays import walked
+from omnivat.data.store import Embeddings
+from omnivat.head.checkpoint import Head
+from omnivat.head.head import OmniVaT
+from omnivat.kit.errors import DataError
+from omnivat.kit.progress import OnStep, Step, ignore
+from omnivat.kit.stages import IMAGES
+from omnivat.measure.gaps.confusion import accuracy, confusion, macro_f1
+
+Rows = NDArray[np.int64]
+CHUNK = 512  # pairs in a forward pass; it bounds the memory for any set
+
+
+def predicted_probabilities(
+    model: OmniVaT,
+    embeddings: Embeddings,
+    *,
+    order: float | None = None,
+    modalities: Sequence[str] = ("vis", "tac"),
+    rows: Rows | None = None,
+) -> dict[str, Tensor]:
+    """Return class probabilities (N, K) by reading (omnivat/head/output.py).
+
+    "fused" uses all given images; "vis" and "tac" use one image with the other absent. With both
+    images, "vis_branch" and "tac_branch" are the branches inside the pair.
+
+    order       quarter turns; None: the learned one
+    modalities  input of the head: "vis", "tac" or both
+    rows        indices of the pairs; None: all
+    Raises DataError if there are no pairs.
+    """
+    return _predicted("readings", model, embeddings, order, modalities, rows)
+
+
+def predicted_logits(
+    model: OmniVaT, embeddings: Embeddings, *, modalities: Sequence[str] = ("vis", "tac")
+) -> dict[str, Tensor]:
+    """Return logits (N, K) before any temperature, named as in `HeadOutput.reading_logits`.
+
+    Raises DataError if there are no pairs.
+    """
+    return _predicted("reading_logits", model, embeddings, None, modalities, None)
+
+
+@torch.inference_mode()
+def _predicted(
+    what: str, model: OmniVaT, embeddings: Embeddings, order: float | None, modalities: Sequence[str], rows: Rows | None
+) -> dict[str, Tensor]:
+    """Return a property of `HeadOutput` for all pairs, some at a time."""
+    found = []
+    for _, given in blocks(embeddings, model.classifier.device, modalities, rows):
+        output = model(given.get("vis"), given.get("tac"), order=order)
+        found.append({name: values.cpu() for name, values in getattr(output, what).items()})
+    if not found:
+        raise DataError("There are no pairs to predict.")
+    return {name: torch.cat([part[name] for part in found]) for name in found[0]}
+
+
+def blocks(
+    embeddings: Embeddings,
+    device: torch.device | None = None,
+    modalities: Sequence[str] = IMAGES,
+    rows: Rows | None = None,
+    *,
+    size: int = CHUNK,
+) -> Iterator[tuple[slice, dict[str, Tensor]]]:
+    """Yield `size` pairs at a time by modality, with their places among `rows` (None: all pairs)."""
+    start = 0
+    for some in zip(*(walked(getattr(embeddings, name), rows, size=size) for name in modalities), strict=True):
+        yield (
+            slice(start, start + size),
+            {n: torch.from_numpy(b).to(device) for n, b in zip(modalities, some, strict=True)},
+        )
+        start += size
+
+
+def label_map(head_classes: Sequence[str], data_classes: Sequence[str]) -> np.ndarray[Any, Any]:
+    """Return the index of each class of the data in the head, or -1 if the head lacks it."""
+    return np.array([head_classes.index(c) if c in head_classes else -1 for c in data_classes])
+
+
+def evaluate(
+    head: Head,
+    embeddings: Embeddings,
+    *,
+    order: float | None = None,
+    modalities: Sequence[str] | None = None,
+    on_step: OnStep = ignore,
+) -> list[dict[str, Any]]:
+    """Return one record for each domain: counts, ACC and macro-F1 of every reading.
+
+    order       quarter turns; None: the learned one
+    modalities  input of the head: "vis", "tac" or both; None: as in training
+
+    If the data have a split, only the test part counts. "trained_on" is true when evaluated on training pairs. Pairs of
+    classes that the head lacks are left out and counted. F1 averages the classes present in the domain; the "union"
+    variant also averages classes that were only predicted.
+    Raises DataError if the embeddings are from another encoder.
+    """
+    head.require_embeddings(embeddings)
+    given = modalities or head.provenance.get("train", {}).get("modalities", "vis+tac").split("+")
+    records, done = [], 0
+    for index, name in enumerate(embeddings.header.domains):
+        records.append(_evaluate_domain(head, embeddings, name, order, given))
+        done += int((embeddings.domain == index).sum())
+        on_step(Step(done=done, total=len(embeddings), text=name))
+    return records
+
+
+def _evaluate_domain(
+    head: Head, embeddings: Embeddings, domain: str, order: float | None, modalities: Sequence[str]
+) -> dict[str, Any]:
+    classes = head.settings.classes
+    rows = embeddings.rows_of(domain, split="test")
+    labels = label_map(classes, embeddings.header.classes)[embeddings.label[rows]]
+    known = labels >= 0
+    split = embeddings.rows["split"]
+    record: dict[str, Any] = {
+        "domain": domain,
+        "is_source": domain == head.source,
+        "trained_on": domain == head.source and not any(split[row] for row in rows),
+        "order": head.model.order if order is None else order,
+        "pairs": int(known.sum()),
+        "left_out": int((~known).sum()),
+    }
+    if not known.any():
+        return record | {"scores": {}}
+    truth = torch.from_numpy(labels[known])
+    probabilities = predicted_probabilities(
+        head.model, embeddings, order=order, modalities=modalities, rows=rows[known]
+    )
+    predicted = {name: values.argmax(-1) for name, values in probabilities.items()}
+    record["scores"] = {name: scores(truth, labels) for name, labels in predicted.items()}
+    record["classes"] = list(classes)
+    record["confusion"] = confusion(truth, predicted["fused"], len(classes)).tolist()
+    return record
+
+
+def scores(truth: Tensor, predicted: Tensor, *, union: bool = True) -> dict[str, float]:
+    """Return ACC and macro-F1 of predicted classes (N,), and F1 over the union with the predicted ones."""
+    found = {"accuracy": float(accuracy(truth, predicted)), "macro_f1": float(macro_f1(truth, predicted))}
+    return found | ({"macro_f1_union": float(macro_f1(truth, predicted, average="union"))} if union else {})
+
+
+def target_scores(records: Iterable[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
+    """Return the fused scores of the records of `evaluate` whose domain is not the source."""
+    return [r["scores"]["fused"] for r in records if not r["is_source"] and r["scores"]]
+
+
+def target_mean(scores: Iterable[Mapping[str, Any]], metric: str = "accuracy") -> float:
+    """Return the unweighted mean of a metric over targets, one mapping each; NaN without targets."""
+    values = [found[metric] for found in scores]
+    return sum(values) / len(values) if values else float("nan")

@@ -1,0 +1,29 @@
+"""Distance between the mean directions of two sets of features."""
+
+from jaxtyping import Float
+from torch import Tensor
+
+from omnivat.kit.shapes import require_shapes
+from omnivat.measure.gaps.unit import require_rows, unit
+
+
+def centroid_gap(a: Float[Tensor, "N D"], b: Float[Tensor, "M D"]) -> Float[Tensor, ""]:
+    """Distance between the mean directions of two sets, in [0, 2]; the sets need not be paired.
+
+    Rows are scaled to unit length first. A unitary map of both sets does not change the gap.
+    Raises ShapeError for an empty set or differing widths.
+    """
+    require_shapes(a=(a, "N D"), b=(b, "M D"))
+    require_rows(1, a=a, b=b)
+    gap: Tensor = (unit(a).mean(0) - unit(b).mean(0)).norm()
+    return gap
+
+
+def modality_gap(vis: Float[Tensor, "B D"], tac: Float[Tensor, "B D"]) -> Float[Tensor, ""]:
+    """Distance between the mean directions of two modalities of the same objects, in [0, 2].
+
+    Raises ShapeError if the two differ in shape.
+    Source: Liang et al., "Mind the gap", NeurIPS 2022 (the distance of centroids).
+    """
+    require_shapes(vis=(vis, "B D"), tac=(tac, "B D"))
+    return centroid_gap(vis, tac)

@@ -1,0 +1,43 @@
+"""Scores of a classifier: confusion, accuracy and macro-F1."""
+
+import torch
+from jaxtyping import Float, Int, Int64
+from torch import Tensor
+
+from omnivat.kit.errors import SettingsError
+from omnivat.kit.shapes import require_shapes
+
+AVERAGES = ("present", "union")
+
+
+def confusion(labels: Int[Tensor, " N"], predicted: Int[Tensor, " N"], classes: int) -> Int64[Tensor, "K K"]:
+    """Count how often each class (row) is predicted as each class (column)."""
+    require_shapes(labels=(labels, "N"), predicted=(predicted, "N"))
+    return torch.bincount(labels * classes + predicted, minlength=classes**2).view(classes, classes)
+
+
+def accuracy(labels: Int[Tensor, " N"], predicted: Int[Tensor, " N"]) -> Float[Tensor, ""]:
+    """Share of correct predictions; NaN for no pairs."""
+    require_shapes(labels=(labels, "N"), predicted=(predicted, "N"))
+    return (labels == predicted).to(torch.get_default_dtype()).mean()
+
+
+def macro_f1(labels: Int[Tensor, " N"], predicted: Int[Tensor, " N"], *, average: str = "present") -> Float[Tensor, ""]:
+    """Mean over classes of F1 = 2 TP / (2 TP + FP + FN).
+
+    average  "present": classes among the labels. "union": classes among labels or predictions, so
+             predicting a class that the set lacks adds a zero (scikit-learn's default)
+    return   in [0, 1]; NaN for no pairs
+
+    Raises ShapeError for other shapes, SettingsError for another average.
+    """
+    require_shapes(labels=(labels, "N"), predicted=(predicted, "N"))
+    if average not in AVERAGES:
+        raise SettingsError(f"macro_f1 has no average '{average}'; use present or union.")
+    if not len(labels):
+        return torch.tensor(float("nan"))
+    counts = confusion(labels, predicted, int(torch.maximum(labels.max(), predicted.max())) + 1)
+    right, truth, predictions = counts.diagonal(), counts.sum(1), counts.sum(0)
+    kept = truth > 0 if average == "present" else truth + predictions > 0
+    scores = 2 * right[kept] / (truth + predictions)[kept]
+    return scores.mean()

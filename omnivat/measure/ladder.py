@@ -1,0 +1,177 @@
+"""The ladder: what is known about a new sensor, and the accuracy that each step brings.
+
+Every rung is accuracy over unseen domains with something known about them, beside the strict protocol, in which nothing
+is. The loaded head's own rungs are computed in seconds; those that need another training come from the records of
+`python -m benchmarks.ladder`, a light head like the default one.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from omnivat.data.embeddings import Embeddings
+from omnivat.data.profile import drawn_profiles, profiled
+from omnivat.head.checkpoint import Head
+from omnivat.head.heads import LADDERS, ladder_file, ladder_key
+from omnivat.kit.errors import DataError
+from omnivat.kit.files import write_json
+from omnivat.kit.lines import lines
+from omnivat.measure.evaluate import label_map, predicted_probabilities
+from omnivat.measure.unseen import counted, of_domains, wilson
+
+FORMAT = "omnivat-ladder-1"
+METHOD = "omnivat"  # in the records: the light head, trained as the default one
+OTHERS = {"logistic": "logistic regression", "nearest_mean": "nearest class mean"}  # for the rest
+COUNTS = (1, 2, 5, 10, 20, 50)  # pairs without labels
+ALL = 1_000_000
+DRAWS = 3  # of pairs, in the rungs of a loaded head
+KNOWN = {
+    "home": "its own sensor",
+    "none": "nothing: pictures as they come",
+    "rest": "a rest picture",
+    **{f"n{n}": f"{n} pair{'s' * (n > 1)} without labels" for n in COUNTS},
+    "all": "all pairs without labels",
+    "one": "20 pairs without labels, all of one class",
+    "t3a": "all pairs without labels: profile and T3A",
+    "lame": "all pairs without labels: profile and LAME",
+    "self": "all pairs without labels: profile and self-training",
+    **{f"k{k}": f"{k} labelled pair{'s' * (k > 1)} of each class" for k in (1, 3, 5)},
+    **{f"m{m}": f"{m} source domains" for m in (2, 4, 7)},
+    **{f"m{m}+": f"{m} source domains and all pairs without labels" for m in (1, 2, 4, 7)},
+}
+Rung = dict[str, Any]  # one step: shares of right predictions, mean over unseen domains with a 95 % interval
+
+
+def rungs(head: Head, embeddings: Embeddings, *, source: str = "") -> list[Rung]:
+    """Return the ladder as plain records: rung, known, accuracy, low, high, source, from.
+
+    source  the domain to climb from; "": the head's. Another one is read from the records
+
+    The rungs of `this head` are computed on the test pairs of `embeddings`; all others are from the
+    `records`. Shares lie between 0 and 1. Raises DataError for embeddings of another encoder.
+    """
+    own = source in ("", head.source) and head.source in embeddings.header.domains
+    found = {one["rung"]: one for one in recorded(source or head.source, embeddings.header.domains)}
+    if own:
+        found |= {one["rung"]: one for one in _of_head(head, embeddings)}
+    return [found[name] for name in KNOWN if name in found]
+
+
+def ladder(head: Head, embeddings: Embeddings, *, source: str = "") -> dict[str, Any]:
+    """Return `rungs`, and as `sources` the domains that have a ladder, the head's first."""
+    domains = embeddings.header.domains
+    own = [head.source] if head.source in domains else []
+    others = [name for name in domains if name != head.source and recorded(name, domains)]
+    return {"rungs": rungs(head, embeddings, source=source), "sources": [*own, *others]}
+
+
+def write_ladder(head: Head, embeddings: Embeddings, place: Path) -> Path:
+    """Write the head's ladder next to its set, the file `place`, so that the page need not compute it."""
+    if head.path is None:
+        raise DataError("Only the ladder of a saved head can be kept; save the head first.")
+    write_json(ladder_file(place), {"of": ladder_key(head.path, place), "ladder": ladder(head, embeddings)})
+    return ladder_file(place)
+
+
+def _of_head(head: Head, embeddings: Embeddings) -> Iterator[Rung]:
+    """Yield the rungs that need no training; without a profile, home and away only."""
+    head.require_embeddings(embeddings)
+    label = label_map(head.settings.classes, embeddings.header.classes)[embeddings.label]
+    tested = counted(embeddings, head.source) & (label >= 0)
+    test = embeddings.select(tested)
+    right = _right(head, test, label[tested])
+    home = list(embeddings.header.domains).index(head.source)
+    own = test.domain == home
+    for name, there in (("home", own), ("none", ~own)):
+        if there.any():
+            yield rung(name, [right], test.domain, home, head.source, "this head")
+    if own.all() or head.profile is None:
+        return
+    for name, count in (*((f"n{n}", n) for n in COUNTS), ("all", ALL)):
+        rows = []
+        for seed in range(DRAWS if count < ALL else 1):
+            profiles, _ = drawn_profiles(embeddings, head.source, count, seed=seed)
+            rows.append(_right(head, profiled(test, profiles, head.profile), label[tested]))
+        yield rung(name, rows, test.domain, home, head.source, "this head")
+
+
+def _right(head: Head, test: Embeddings, label: NDArray[np.int64]) -> NDArray[np.float64]:
+    shares = predicted_probabilities(head.model, test)["fused"]
+    right: NDArray[np.float64] = (shares.argmax(1).numpy() == label).astype(float)
+    return right
+
+
+def rung(name: str, rows: Sequence[Any], domain: NDArray[np.int64], home: int, source: str, origin: str) -> Rung:
+    """Return a rung from the right predictions (N,) of each draw; NaN where none was made.
+
+    The interval is for other domains and other pairs: both are drawn (`unseen.intervals`). That of "home" is for other
+    pairs of the source.
+    """
+    given = np.ma.masked_invalid(np.stack(rows)).mean(axis=0)
+    known, right = ~np.ma.getmaskarray(given), given.filled(0.0)
+    masks = [known & (domain == d) for d in np.unique(domain) if (d == home) == (name == "home")]
+    counts = [(round(float(right[m].sum())), int(m.sum())) for m in masks if m.any()]
+    low, high = wilson(*counts[0]) if name == "home" else of_domains(counts)
+    mean = float(np.mean([right[m].mean() for m in masks if m.any()]))
+    told = {"rung": name, "known": KNOWN[name], "accuracy": mean}
+    return {**told, "low": low, "high": high, "source": source, "from": origin}
+
+
+@cache
+def _records() -> tuple[Mapping[str, Any], list[Mapping[str, Any]]]:
+    """Return the head line of the shipped records, and the lines that `recorded` reads."""
+    found = list(lines(LADDERS, FORMAT))
+    return (found[0] if found else {}), [one for one in found[1:] if one["method"] in (METHOD, *OTHERS)]
+
+
+def recorded(source: str, domains: Sequence[str]) -> list[Rung]:
+    """Return the recorded rungs of heads trained on `source`; none without records.
+
+    domains  of the set: what was recorded on other domains says nothing about it
+
+    A rung that the light head has not climbed is another method's, whose name `known` then has.
+    """
+    first, records = _records()
+    records = [one for one in records if one["source"] == source]
+    if not records or first["domains"] != list(domains):
+        return []
+    domain = np.array(first["domain"])
+    home = first["domains"].index(source)
+    truth = letters(first["truth"])
+    taught = np.isin(truth, truth[domain == home])  # others are left out, as in `evaluate`
+    found = []
+    for name, words in KNOWN.items():
+        for method in (METHOD, *OTHERS):
+            rows = [
+                np.where(taught, marks(answers, truth), np.nan)
+                for one in records
+                if one["method"] == method
+                for key, answers in one["answers"].items()
+                if key.partition(":")[0] == name
+            ]
+            if rows:
+                known = words if method == METHOD else f"{words} ({OTHERS[method]})"
+                found.append(rung(name, rows, domain, home, source, "records") | {"known": known})
+                break
+    return found
+
+
+def letters(text: str) -> NDArray[np.int64]:
+    """Return the class indices of a text of letters; -1 for a dot: "ab." gives 0, 1, -1."""
+    codes = np.frombuffer(text.encode("ascii"), np.uint8).astype(np.int64)
+    return np.where(codes == ord("."), -1, codes - ord("a"))
+
+
+def lettered(labels: NDArray[np.int64]) -> str:
+    """Return class indices as letters, as `letters` reads them."""
+    return "".join("." if index < 0 else chr(ord("a") + index) for index in labels.tolist())
+
+
+def marks(answers: str, truth: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Return (N,) 1 for a right answer, 0 for a wrong one, NaN for none."""
+    said = letters(answers)
+    return np.where(said < 0, np.nan, said == truth)

@@ -1,0 +1,237 @@
+"""Results of a head in unseen domains: test pairs, 95 % intervals of shares, confusion and retrieval in one record."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from omnivat.data.embeddings import Embeddings
+from omnivat.head.checkpoint import Head
+from omnivat.measure.evaluate import blocks, label_map, predicted_probabilities
+from omnivat.measure.gaps.unit import unit
+
+READINGS = ("fused", "vis", "tac")
+UNSEEN = "unseen"  # the name of all unseen domains together
+Array = NDArray[Any]
+BLOCK = 1024  # photos compared at once; bounds the memory
+MOST = 2000  # photos of a domain; a larger one is thinned evenly
+Mask = NDArray[np.bool_]
+Z = 1.959963984540054  # normal quantile of a two-sided 95 % interval
+DRAWS = 2000
+
+
+def wilson(right: float, total: int) -> tuple[float, float]:
+    """Return the 95 % interval of a share, after Wilson (1927); it stays within 0 and 1.
+
+    >>> low, high = wilson(60, 100)
+    >>> round(low, 3), round(high, 3)
+    (0.502, 0.691)
+    """
+    if total < 1:
+        return 0.0, 1.0
+    share, square = right / total, Z * Z / total
+    middle = (share + square / 2) / (1 + square)
+    half = Z * np.sqrt(share * (1 - share) / total + square / (4 * total)) / (1 + square)
+    return float(max(0.0, middle - half)), float(min(1.0, middle + half))
+
+
+def of_domains(counts: Sequence[tuple[int, int]]) -> tuple[float, float]:
+    """Return the 95 % interval of the mean share over domains: (right, total) of each.
+
+    Bootstrap: domains are drawn with replacement, then pairs within each. The interval therefore
+    covers other domains of this kind, not only other pairs of these domains.
+    """
+    right, total = (np.array(part, dtype=np.int64) for part in zip(*counts, strict=True))
+    random = np.random.default_rng(0)
+    drawn = random.integers(len(total), size=(DRAWS, len(total)))
+    shares = random.binomial(total[drawn], right[drawn] / total[drawn]) / total[drawn]
+    low, high = np.quantile(shares.mean(axis=1), [0.025, 0.975])
+    return float(low), float(high)
+
+
+def counted(embeddings: Embeddings, source: str) -> Mask:
+    """Return a mask (N,) of the test pairs of a head trained on `source`.
+
+    If a domain has a split, its test part counts; otherwise all its pairs do. A source without a
+    split has no test pairs, because the head may have been trained on all of them.
+    """
+    split = np.array(embeddings.rows.get("split") or [""] * len(embeddings), dtype=object)
+    keep = np.zeros(len(embeddings), dtype=bool)
+    for index, name in enumerate(embeddings.header.domains):
+        own = embeddings.domain == index
+        stated = any(split[own])
+        keep |= own & (split == "test") if stated else own & (name != source)
+    return keep
+
+
+def mean_over_domains(right: NDArray[Any], embeddings: Embeddings, source: str, keep: Mask) -> float | None:
+    """Return the mean over unseen domains of each domain's share of `right` (N,) among `keep`.
+
+    None if the source is not among the domains or no unseen domain has a test pair.
+    """
+    if source not in embeddings.header.domains:
+        return None
+    shares = [
+        right[own].mean()
+        for index, name in enumerate(embeddings.header.domains)
+        if name != source and (own := keep & (embeddings.domain == index)).any()
+    ]
+    return float(np.mean(shares)) if shares else None
+
+
+def judged(keep: NDArray[np.bool_], domain: NDArray[Any], most: int = MOST) -> NDArray[np.int64]:
+    """Return the rows for retrieval: at most `most` for each domain, evenly spaced, ascending."""
+    chosen = [np.zeros(0, dtype=np.int64)]
+    for name in np.unique(domain):
+        own = np.flatnonzero(keep & (domain == name))
+        chosen.append(own if len(own) <= most else own[np.linspace(0, len(own) - 1, most).round().astype(np.int64)])
+    return np.sort(np.concatenate(chosen))
+
+
+def nearest_touch(vis: Array, tac: Array, domain: NDArray[Any], rows: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return for each of `rows` the row of the touch with the largest cosine in its domain.
+
+    vis     (len(rows), W), photos of `rows`; tac  (N, W); all of any length. A photo's own touch
+            may be the nearest
+    domain  (N,)
+    """
+    found = np.zeros(len(rows), dtype=np.int64)
+    for name in np.unique(domain[rows]):
+        among = np.flatnonzero(domain == name)
+        touches = _unit(tac[among])
+        places = np.flatnonzero(domain[rows] == name)
+        for part in np.split(places, range(BLOCK, len(places), BLOCK)):
+            found[part] = among[np.argmax(_unit(vis[part]) @ touches.T, axis=1)]
+    return found
+
+
+def _unit(rows: Array) -> Array:
+    return np.asarray(rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-12))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Facts:
+    """The data of the record, by pair."""
+
+    source: str
+    domains: tuple[str, ...]
+    domain: Array  # (N,)
+    label: Array  # (N,) index among the head's classes, or -1
+    counts: Array  # (N,) bool: test pairs of the head's classes
+
+    @property
+    def members(self) -> dict[str, Array]:
+        """Each domain with a mask (N,) of its test pairs."""
+        return {name: self.counts & (self.domain == i) for i, name in enumerate(self.domains)}
+
+    @property
+    def unseen(self) -> Array:
+        """Mask (N,) of the test pairs of all unseen domains."""
+        return self.counts & ~self.members.get(self.source, np.zeros(len(self.counts), bool))
+
+
+def unseen_summary(head: Head, embeddings: Embeddings) -> dict[str, Any]:
+    """Return the page's record; docs/page.md describes its keys.
+
+    Every share is computed on test pairs, at exactly the learned order. `readings` are "fused"
+    (both images), "vis" and "tac" (one image, the other one absent). "pairs" has values of each
+    pair as arrays (N,).
+    Raises DataError if the embeddings have another encoder or no pairs.
+    """
+    head.require_embeddings(embeddings)
+    classes = head.settings.classes
+    label = label_map(classes, embeddings.header.classes)[embeddings.label]
+    facts = _Facts(
+        source=head.source,
+        domains=embeddings.header.domains,
+        domain=np.asarray(embeddings.domain),
+        label=label,
+        counts=counted(embeddings, head.source) & (label >= 0),
+    )
+    found = predicted_probabilities(head.model, embeddings)
+    probabilities = {name: found[name].double().cpu().numpy() for name in READINGS}
+    predicted = {name: values.argmax(1) for name, values in probabilities.items()}
+    shares = {f"answers/{name}": (values == label) * 1.0 for name, values in predicted.items()}
+    rows = judged(facts.counts, facts.domain)
+    vis, tac, cosine = _alone(head, embeddings, rows)
+    shares["retrieval"] = np.full(len(label), np.nan)  # of photos that are not tested
+    shares["retrieval"][rows] = label[nearest_touch(vis, tac, facts.domain, rows)] == label[rows]
+    looks = embeddings.rows.get("looks_like", []) or [""] * len(label)  # unseen pairs that look like another class
+    alike = np.array([bool(name) for name in looks], bool) & facts.unseen
+    return {
+        "source": head.source,
+        "order": head.model.order,
+        "classes": list(classes),
+        "chance": 1 / len(classes),
+        "domains": [
+            {
+                "name": name,
+                "is_source": name == facts.source,
+                "pairs": int(mask.sum()),
+                **{key: _share(right[mask]) for key, right in shares.items()},
+            }
+            for name, mask in facts.members.items()
+        ],
+        "unseen": {name: _over_domains(facts, right) for name, right in shares.items()},
+        "look_alikes": {"pairs": int(alike.sum()), **{key: _share(right[alike]) for key, right in shares.items()}}
+        if alike.any()
+        else None,
+        "confusion": {name: _confusions(facts, values, len(classes)) for name, values in predicted.items()},
+        "pairs": {
+            "counts": facts.counts,
+            "answers": predicted,
+            "confidence": probabilities["fused"].max(1),
+            "cosine": cosine,
+        },
+    }
+
+
+def _share(right: Array) -> dict[str, float] | None:
+    """Return a share with its interval, or None without pairs. NaN values are skipped."""
+    right = right[~np.isnan(right)]
+    if not len(right):
+        return None
+    low, high = wilson(int(right.sum()), len(right))
+    return {"share": float(right.mean()), "low": low, "high": high}
+
+
+def _over_domains(facts: _Facts, right: Array) -> dict[str, float] | None:
+    """Return the mean over unseen domains with its interval, or None without any."""
+    known = ~np.isnan(right)
+    masks = [mask for name, mask in facts.members.items() if name != facts.source and mask.any()]
+    counts = [(int(right[m & known].sum()), int((m & known).sum())) for m in masks]
+    if not counts:
+        return None
+    low, high = of_domains(counts)
+    return {"share": float(np.mean([r / n for r, n in counts])), "low": low, "high": high}
+
+
+def _confusions(facts: _Facts, predicted: Array, classes: int) -> dict[str, list[list[int]]]:
+    """Return counts (K, K), true class by predicted class, of each domain and all unseen ones."""
+    found = {}
+    for name, mask in (facts.members | {UNSEEN: facts.unseen}).items():
+        cells = facts.label[mask] * classes + predicted[mask]
+        found[name] = np.bincount(cells, minlength=classes**2).reshape(classes, classes).tolist()
+    return found
+
+
+@torch.inference_mode()
+def _alone(head: Head, embeddings: Embeddings, rows: NDArray[np.int64]) -> tuple[Array, Array, Array]:
+    """Return unit F-hat of some photos and of each touch, each seen alone, and cosines (N,) of pairs.
+
+    rows  ascending: photos whose F-hat is kept
+    """
+    vis: list[torch.Tensor] = []
+    tac, cosines = torch.empty(0), torch.empty(len(embeddings))
+    for place, given in blocks(embeddings, head.model.classifier.device):
+        seen = unit(head.model(given["vis"], None).f_hat["vis"]).cpu()
+        felt = unit(head.model(None, given["tac"]).f_hat["tac"]).cpu()
+        if not len(tac):
+            tac = torch.empty(len(embeddings), felt.shape[1])
+        tac[place], cosines[place] = felt, (seen * felt).sum(1)
+        first, last = np.searchsorted(rows, (place.start, place.stop))
+        vis.append(seen[torch.from_numpy(rows[first:last] - place.start)])
+    return torch.cat(vis).numpy(), tac.numpy(), cosines.numpy()

@@ -1,6 +1,0 @@
-"""The domain shift of any features, without a head: gaps, retrieval, neighbours, probes, maps."""
-
-from omnivat.shift.reading import Features, read_features
-from omnivat.shift.report import write_report
-
-__all__ = ["Features", "read_features", "write_report"]

@@ -1,0 +1,75 @@
+"""Source-side evidence: scores of candidate settings on held-out objects of the source."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TypeVar
+
+import torch
+from torch import Tensor
+from torch.nn.functional import nll_loss
+
+from omnivat.data.splits import hold_out
+from omnivat.kit.seeding import derive_seed
+from omnivat.study.baselines.contract import Fitted, Source
+
+C = TypeVar("C")
+REPEATS, FRACTION = 4, 0.25
+
+
+def folds(source: Source, repeats: int = REPEATS) -> list[tuple[Tensor, Tensor]]:
+    """Return folds (training rows, held-out rows): whole objects, a quarter of each class.
+
+    For one seed, all methods get the same folds. Empty if no class has two objects.
+    """
+    found = []
+    for repeat in range(repeats):
+        seed = derive_seed(source.seed, "folds", repeat)
+        held = torch.from_numpy(hold_out(source.objects, source.labels.numpy(), FRACTION, seed=seed))
+        if held.any():
+            found.append(((~held).nonzero()[:, 0], held.nonzero()[:, 0]))
+    return found
+
+
+@dataclass(slots=True)
+class Score:
+    """Held-out predictions, summed over folds."""
+
+    right: int = 0
+    loss: float = 0.0
+
+    def add(self, probabilities: Tensor, labels: Tensor) -> None:
+        """Add one fold's predictions: probabilities (B, K), labels (B,)."""
+        self.right += int((probabilities.argmax(-1) == labels).sum())
+        self.loss += log_loss(probabilities, labels)
+
+    @property
+    def rank(self) -> tuple[float, int]:
+        """The quantity to maximise: minus the log loss, then accuracy.
+
+        Few objects are held out, so accuracy ties or depends on one object. It would choose any of
+        seven powers of ten for a regression's C.
+        """
+        return -self.loss, self.right
+
+
+def log_loss(probabilities: Tensor, labels: Tensor) -> float:
+    """Mean negative log probability of the true class, nats; finer than accuracy near 100 %."""
+    return float(nll_loss(probabilities.clamp_min(1e-12).log(), labels))
+
+
+def best(
+    source: Source, candidates: Mapping[str, C], fit: Callable[[Source, C], Fitted], *, repeats: int = REPEATS
+) -> str:
+    """Return the candidate with the lowest log loss on held-out objects; accuracy breaks ties.
+
+    return   its name; what another seed chose on this source (`Source.settled`); the first
+             candidate if it is the only one or nothing can be held out
+    """
+    if found := [name for name in candidates if name in source.settled]:
+        return found[0]
+    scores = {name: Score() for name in candidates}
+    for rows, held in folds(source, repeats) if len(candidates) > 1 else []:
+        part, rest = source.select(rows), source.select(held)
+        for name, candidate in candidates.items():
+            scores[name].add(fit(part, candidate).predict(rest.vis, rest.tac)["fused"], rest.labels)
+    return max(scores, key=lambda name: scores[name].rank)  # the first one of equals

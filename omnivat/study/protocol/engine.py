@@ -1,0 +1,146 @@
+"""Run what is not finished yet: in sequence, in parallel processes, or on a ray cluster."""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from omnivat.data.store import Embeddings, load_embeddings
+from omnivat.encoders.lang.bank import LangBank, load_bank
+from omnivat.kit.progress import OnStep, Step, ignore
+from omnivat.kit.tables import need
+from omnivat.kit.threads import in_processes, one_thread, pin_thread
+from omnivat.study.protocol import records
+from omnivat.study.protocol.methods import HEAD, Method
+from omnivat.study.protocol.run import Run, choice_of, execute, resolved
+from omnivat.study.protocol.settings import task
+
+ENGINES = ("local", "ray")
+
+
+def planned(
+    methods: Sequence[Method],
+    sources: Sequence[str],
+    seeds: Sequence[int],
+    folds: Sequence[int | None] = (None,),
+    *,
+    calibrate: bool = False,
+) -> list[Run]:
+    """Return all combinations, methods innermost, so that first table rows appear early."""
+    return [
+        Run(method=method, source=source, seed=seed, fold=fold, calibrate=calibrate)
+        for fold in folds
+        for seed in seeds
+        for source in sources
+        for method in methods
+    ]
+
+
+def run_all(
+    runs: Sequence[Run],
+    out: Path,
+    *,
+    embeddings: Path,
+    bank: Path | None,
+    jobs: int = 1,
+    engine: str = "local",
+    on_step: OnStep = ignore,
+) -> int:
+    """Run and append the records to `out`; finished runs are skipped.
+
+    embeddings, bank  files; every worker opens them itself
+    jobs              parallel processes, one thread each
+    engine            "local", or "ray" for a cluster that shares the files
+    return            the number of new runs
+    """
+    pairs, texts = _opened(embeddings, bank)
+    shared = records.provenance(pairs, texts)
+    records.mend(out)
+    known = {r["key"]: r for r in records.read(out) if r["format"] == records.FORMAT}
+    waiting = [run for run in runs if _key(run, pairs, texts, shared) not in known]
+    first, done = min((run.seed for run in runs), default=0), 0
+    for part in stages(waiting, first):
+        for place, run in enumerate(part):
+            if run.seed != first and chooses(run):
+                prior = known.get(_key(replace(run, seed=first), pairs, texts, shared))
+                part[place] = replace(run, prior=choice_of(prior)) if prior else run
+        for record in _results(part, embeddings, bank, jobs, engine):
+            done += 1
+            line = {"key": records.key(shared | record), **shared, **record}
+            known[line["key"]] = line
+            records.append(out, line)
+            text = f"{record['label']}, {record['source']}, seed {record['seed']}"
+            on_step(Step(done=done, total=len(waiting), text=text))
+    return done
+
+
+def stages(runs: Sequence[Run], first: int) -> list[list[Run]]:
+    """Return two stages if any run chooses or calibrates: the first seed decides for all."""
+    if not any(chooses(run) for run in runs):
+        return [list(runs)]
+    parts = [[run for run in runs if (run.seed == first) == early] for early in (True, False)]
+    return [part for part in parts if part]
+
+
+def chooses(run: Run) -> bool:
+    """True if a run uses held-out objects of its source before it trains."""
+    return run.calibrate or bool(run.method.candidates) or run.method.base != HEAD
+
+
+def _key(run: Run, pairs: Embeddings, bank: LangBank | None, shared: dict[str, Any]) -> str:
+    found = task(pairs, run.source)
+    return records.key(
+        shared
+        | {
+            "method": run.method.name,
+            "base": run.method.base,
+            "settings": resolved(run, found, bank),
+            "source": pairs.header.domains[int(found.train.domain[0])],
+            "part": found.setting.source.part,
+            "seed": run.seed,
+            "fold": run.fold,
+        }
+    )
+
+
+def _results(
+    runs: Sequence[Run], embeddings: Path, bank: Path | None, jobs: int, engine: str
+) -> Iterable[dict[str, Any]]:
+    if engine == "ray":
+        return _by_ray(runs, embeddings, bank)
+    if jobs == 1 or len(runs) < 2:
+        return _one_by_one(runs, embeddings, bank)
+    return in_processes(_work, runs, jobs, _prepare, embeddings, bank)
+
+
+def _one_by_one(runs: Sequence[Run], embeddings: Path, bank: Path | None) -> Iterator[dict[str, Any]]:
+    with one_thread():  # as in a worker, because the number of threads changes the last bits
+        pairs, texts = _opened(embeddings, bank)
+        for run in runs:
+            yield execute(run, pairs, texts)
+
+
+_OPEN: list[tuple[Embeddings, LangBank | None]] = []  # of a worker process
+
+
+def _prepare(embeddings: Path, bank: Path | None) -> None:
+    pin_thread()
+    _OPEN.append(_opened(embeddings, bank))
+
+
+def _work(run: Run) -> dict[str, Any]:
+    return execute(run, *_OPEN[0])
+
+
+def _by_ray(runs: Sequence[Run], embeddings: Path, bank: Path | None) -> Iterator[dict[str, Any]]:
+    ray = need("ray", purpose="running on a cluster", install="ray")
+    ray.init(ignore_reinit_error=True)
+    remote: Callable[..., Any] = ray.remote(lambda run, *files: next(iter(_one_by_one([run], *files)))).remote
+    waiting = [remote(run, embeddings, bank) for run in runs]
+    while waiting:
+        done, waiting = ray.wait(waiting, num_returns=1)
+        yield ray.get(done[0])
+
+
+def _opened(embeddings: Path, bank: Path | None) -> tuple[Embeddings, LangBank | None]:
+    return load_embeddings(embeddings), None if bank is None else load_bank(bank)

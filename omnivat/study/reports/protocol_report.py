@@ -1,0 +1,163 @@
+"""The comparison as Markdown: main table, intervals, every target, and the paper's figures."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from omnivat.kit.files import write_text
+from omnivat.study.reports.evidence_report import (
+    count_text,
+    interval_text,
+    markdown,
+    method_table,
+    percent,
+    score_cells,
+)
+from omnivat.study.reports.intervals import bootstrap_interval, paired_differences, spread, t_interval
+from omnivat.study.reports.paper import MARK, not_comparable, paper_rows, target_rows
+from omnivat.study.reports.reading import METRICS, Record, by_run, by_seed, changed_settings, completed, latest, methods
+from omnivat.study.reports.readings_report import readings_parts
+from omnivat.study.reports.side_report import side_parts
+
+REPORT = "report.md"
+OURS = "omnivat"
+SCORES = ("accuracy", "macro_f1")
+
+
+def write_report(records: Sequence[Record], folder: Path) -> str:
+    """Write `report.md` into the folder and return its text."""
+    text = protocol_report(records)
+    write_text(folder / REPORT, text)
+    return text
+
+
+def protocol_report(records: Sequence[Record]) -> str:
+    """Return the whole report of a protocol's records."""
+    found = latest(record for record in records if record["fold"] is None)
+    if not found:
+        return "No runs yet.\n"
+    parts = [
+        "# Single-domain generalization: comparison",
+        _origin(found),
+        *readings_parts(found),
+        "## Each source, both images by mean fusion: ACC / Macro-F1, mean over unseen targets",
+        main_table(found),
+        "Mean ± standard deviation (n − 1) over seeds; Macro-F1 over classes present in a target.",
+        *side_parts(found),
+        "## Other intervals: both images by mean fusion, 95 %, paired by source and seed",
+        interval_table(found),
+        "Points; none of these treats test objects as random or corrects for several comparisons. t: "
+        "over sources × seeds (n printed), assumed independent. Grouped: percentile bootstrap that "
+        "draws whole sources, then seeds. t of sources: over one mean for each source.",
+        "## Macro-F1 with predicted classes counted too (union), source test, size, time",
+        side_table(found),
+        "## Every target",
+        *[part for name, label in methods(found).items() for part in _targets(found, name, label)],
+        *_printed_targets(found),
+        _notes(found),
+    ]
+    return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def _origin(records: Sequence[Record]) -> str:
+    data, versions = records[0]["data"], records[0]["versions"]
+    seeds = sorted({record["seed"] for record in records})
+    what = "**Simulated domains**" if data["simulated"] else "Data"
+    encoder = f"Encoder {data['encoder']} ({data['weights_hash'][:12]})"
+    numbers = f"Seeds {', '.join(map(str, seeds))}. torch {versions.get('torch', '?')}."
+    return f"{what}: {data['origin'] or 'origin not stated'}. {encoder}. {numbers}"
+
+
+def _sources(records: Sequence[Record]) -> list[str]:
+    return list(dict.fromkeys(record["source"] for record in records))
+
+
+def main_table(records: Sequence[Record]) -> str:
+    """Return the paper's main table from these records, with its printed rows below."""
+    sources = _sources(records)
+
+    def cells(own: list[Record]) -> list[str]:
+        scores = [by_run(own, own[0]["method"], metric) for metric in SCORES]
+        each = [score_cells(*([v for (s, _), v in one.items() if s == source] for one in scores)) for source in sources]
+        return [*each, score_cells(*(by_seed(one, sources) for one in scores))]
+
+    header = [*(f"{s} → X" for s in sources), "average"]
+    return method_table(records, header, cells, below=paper_rows(sources, records[0]["data"]))
+
+
+def interval_table(records: Sequence[Record]) -> str:
+    """Return intervals of OmniVaT's lead over every other method."""
+
+    def cells(own: list[Record]) -> list[str]:
+        cells: list[str] = []
+        for metric in SCORES if own[0]["method"] != OURS else ():
+            found = paired_differences(by_run(records, OURS, metric), by_run(own, own[0]["method"], metric))
+            plain = t_interval([value for values in found.values() for value in values])
+            cells += [
+                f"{interval_text(plain)} n={plain.n}",
+                interval_text(bootstrap_interval(found)),
+                interval_text(t_interval([spread(values).mean for values in found.values()])),
+            ]
+        return cells
+
+    kinds = ("t", "grouped", "t of sources")
+    header = [f"{METRICS[m]}, {kind}" for m in SCORES for kind in kinds]
+    return method_table(records, header, cells, first="OmniVaT minus")
+
+
+def side_table(records: Sequence[Record]) -> str:
+    """Return further figures of each method, averaged over all runs."""
+
+    def cells(own: list[Record]) -> list[str]:
+        union = spread(list(by_run(own, own[0]["method"], "macro_f1_union").values())).mean
+        test = [r["source_test"]["scores"]["fused"]["accuracy"] for r in own if r.get("source_test")]
+        seconds = sorted(r["seconds"] for r in own)[len(own) // 2]
+        size = count_text([r["parameters"] for r in own])
+        return [percent(union), percent(spread(test).mean), size, f"{seconds:.1f}"]
+
+    header = [METRICS["macro_f1_union"], "source-test ACC", "parameters", "fit, s (median)"]
+    return method_table(records, header, cells)
+
+
+def _targets(records: Sequence[Record], name: str, label: str) -> list[str]:
+    """Return the matrix source × target of ACC / Macro-F1, mean over seeds."""
+    found = completed(records, name)
+    if not found:
+        return []
+    targets = list(dict.fromkeys(t for record in found for t in record["targets"]))
+    rows = []
+    for source in _sources(found):
+        cells = []
+        for target in targets:
+            own = [r["targets"][target] for r in found if r["source"] == source and target in r["targets"]]
+            scores = [one["scores"]["fused"] for one in own]
+            cells.append(" / ".join(percent(spread([s[m] for s in scores]).mean) for m in SCORES) if scores else "")
+        rows.append([source, *cells])
+    return [f"### {label}", markdown(["source", *targets], rows)]
+
+
+def _printed_targets(records: Sequence[Record]) -> list[str]:
+    """Return the paper's tables of single targets for the sources in these records."""
+    data = records[0]["data"]
+    targets = list(dict.fromkeys(t for r in records for t in r.get("targets", {})))
+    rows = [[source, *row] for source in _sources(records) for row in target_rows(source, targets, data)]
+    if not rows:
+        return []
+    why = not_comparable(data, ablations=True)
+    note = f"Printed by the paper, ViT-B/16{f' {MARK} ({why})' if why else ''}."
+    return ["### Printed, every target", note, markdown(["source", "method", *targets], rows)]
+
+
+def _notes(records: Sequence[Record]) -> str:
+    kinds: list[list[str]] = [[], [], [], [], []]  # one list for each kind of note
+    for r in records:
+        label, source, chosen = r["label"], r["source"], r.get("chosen", {}).get("settings")
+        kinds[0] += [f"- {label}: {r['note']}."] if r["note"] else []
+        kinds[1] += [f"- {label}: settings {changed_settings(r) or 'as the defaults'}."] if r.get("settings") else []
+        kinds[2] += [f"- {label}, {source}: settings chosen on the source: {chosen}."] if chosen else []
+        kinds[3] += [f"- {label} did not run: {r['skipped']}"] if "skipped" in r else []
+        missing = ", ".join(r["missing_targets"])
+        kinds[4] += (
+            [f"- From {source} these targets have no pairs of the learned classes: {missing}."] if missing else []
+        )
+    lines = dict.fromkeys(line for notes in kinds for line in notes)
+    return "\n".join(["## Notes", "", *lines]) if lines else ""

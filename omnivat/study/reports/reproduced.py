@@ -1,0 +1,67 @@
+"""The paper's margin and cost tables, with printed and our figures."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from omnivat.data.domains import paper_name
+from omnivat.study.reports.evidence_report import method_table
+from omnivat.study.reports.paper import MARK, not_comparable, paper
+from omnivat.study.reports.reading import Record, latest
+
+SOURCE = "TAG"  # the source of the paper's margins
+
+
+def margins_report(records: Sequence[Record]) -> str:
+    """Return the cosine margins of the concatenated features, from TAG, with the printed figures.
+
+    The paper's figures over two targets ("[A; B]") are shown; ours are for single targets.
+    """
+    found = [r for r in latest(records) if paper_name(r["source"]) == SOURCE and "targets" in r]
+    if not found:
+        return f"# Cosine margins from {SOURCE}\n\nNo run has {SOURCE} as its source.\n"
+    printed = paper()["margins"]
+    targets = list(dict.fromkeys(name for record in found for name in record["targets"]))
+    joint = [name for name in next(iter(printed.values())) if name.startswith("[")]
+    why = not_comparable(found[0]["data"])
+    mark = f" {MARK} ({why})" if why else ""
+    below = []
+    for label, cells in printed.items():
+        values = [cells.get(name) for name in (*map(paper_name, targets), *joint)]
+        below.append([f"printed: {label}{mark}", *("–" if v is None else f"{v:.3f}" for v in values)])
+    table = method_table(
+        found, [*targets, *joint], lambda own: [_margin(own, t) for t in targets] + ["–"] * len(joint), below=below
+    )
+    return f"# Cosine margins from {SOURCE}\n\nMean over seeds, both images.\n\n{table}\n"
+
+
+def _margin(records: Sequence[Record], target: str) -> str:
+    found = [record["targets"].get(target, {}).get("margins", {}).get("pair") for record in records]
+    values = [value for value in found if value is not None]
+    return f"{sum(values) / len(values):.3f}" if values else "–"
+
+
+def cost_report(records: Sequence[Record], measured: Mapping[str, Any]) -> str:
+    """Return parameters, training time and pairs per second, with the printed figures.
+
+    measured  "encoder, s a pair", "memory, MB" and "machine", as measured by `omnivat reproduce`
+    """
+    columns = ["parameters, millions", "training, s", "inference, FPS", "GPU memory, MB"]
+
+    def cells(own: list[Record]) -> list[str]:
+        size = max(record["parameters"] for record in own) / 1e6
+        seconds = sum(record["seconds"] for record in own) / len(own)
+        rate, memory = 1 / measured["encoder, s a pair"], measured.get("memory, MB")
+        return [f"{size:.2f}", f"{seconds:.1f}", f"{rate:.1f}", f"{memory:.0f}" if memory else "–"]
+
+    below = []
+    for label, printed in paper()["cost"].items():
+        values = [None if name == "training, s" else printed.get(name) for name in columns]
+        texts = ("–" if value is None else f"{value:g}" for value in values)
+        below.append([f"printed: {label} {MARK} (their machine)", *texts])
+    table = method_table(latest(records), columns, cells, below=below)
+    note = (
+        f"On {measured['machine']}. Training is a whole fit on cached embeddings, with the choices on "
+        "held-out objects; the paper prints seconds for an epoch with the encoder, a different "
+        "quantity. FPS is pairs per second with the encoder, which takes nearly all of the time."
+    )
+    return f"# Cost\n\n{table}\n\n{note}\n"

@@ -1,0 +1,110 @@
+"""Read features of any encoder, with one or two modalities, with or without classes and domains."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from omnivat.data.embeddings import Embeddings
+from omnivat.data.foreign import import_embeddings, read_columns
+from omnivat.data.materials import NO_CLASS
+from omnivat.data.store import load_embeddings
+from omnivat.kit.errors import DataError
+from omnivat.measure.gaps.unit import unit
+
+MOST = 4000  # pairs; more are drawn at random, and the report says so
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Features:
+    """N pairs, and which of modalities and labels they have."""
+
+    embeddings: Embeddings
+    modalities: tuple[str, ...]
+    labelled: bool
+    drawn_of: int  # pairs of the file
+
+    @property
+    def domains(self) -> list[str]:
+        """Names of the domains with pairs."""
+        sizes = np.bincount(self.embeddings.domain, minlength=len(self.embeddings.header.domains))
+        return [n for n, size in zip(self.embeddings.header.domains, sizes, strict=True) if size]
+
+    @property
+    def objects(self) -> NDArray[np.int64]:
+        """(N,) index of each pair's object: pairs of one object are not independent."""
+        header, names = self.embeddings.header, self.embeddings.rows["object"]
+        keys = [f"{header.domains[d]}/{n}" for d, n in zip(self.embeddings.domain, names, strict=True)]
+        return np.unique(keys, return_inverse=True)[1]
+
+    def rows(self, modality: str) -> Tensor:
+        """Unit rows (N, D) of a modality."""
+        return unit(torch.from_numpy(np.array(getattr(self.embeddings, modality), np.float32)))
+
+    def members(self, domain: str) -> NDArray[np.int64]:
+        """Rows of a domain."""
+        return np.flatnonzero(self.embeddings.domain == self.embeddings.header.domains.index(domain))
+
+
+def read_features(
+    file: Path,
+    *,
+    encoder: str = "",
+    domain: str = "",
+    classes: tuple[str, ...] = (),
+    columns: Mapping[str, str] | None = None,
+    simulated: bool = False,
+    seed: int = 0,
+) -> Features:
+    """Return the features in an embeddings file, NPZ, Parquet, HDF5 or CSV.
+
+    columns  name here -> name in the file, as for `omnivat import`; `vis` or `tac` may be absent, as
+             may `material` and `domain`
+    Raises DataError, one sentence with the file and the fault.
+    """
+    own = file.suffix.lower() == ".safetensors"
+    read = (load_embeddings(file),) if own else _foreign(file, encoder, domain, classes, columns, simulated)
+    found = features_of(*read, seed=seed)
+    if found.drawn_of < 2:
+        raise DataError(f"'{file}' has {found.drawn_of} pair(s); 2 or more are needed.")
+    return found
+
+
+def features_of(
+    data: Embeddings, modalities: tuple[str, ...] = (), labelled: bool = True, *, seed: int = 0
+) -> Features:
+    """Return the features of a set that is loaded; see `read_features`. modalities  (): by its pictures"""
+    known, kinds = labelled and len(np.unique(data.label)) > 1, modalities or _pictured(data)
+    return Features(embeddings=data.sampled(MOST, seed=seed), modalities=kinds, labelled=known, drawn_of=len(data))
+
+
+def _pictured(data: Embeddings) -> tuple[str, ...]:
+    """Return the modalities of a set: one if the same pictures stand for both, by their names."""
+    names = data.rows["vis"]
+    if names != data.rows["tac"] or not any(names):
+        return "vis", "tac"
+    return ("tac",) if all(Path(name).stem.lower().endswith("_tac") for name in names) else ("vis",)
+
+
+def _foreign(
+    file: Path, encoder: str, domain: str, classes: tuple[str, ...], columns: Mapping[str, str] | None, simulated: bool
+) -> tuple[Embeddings, tuple[str, ...], bool]:
+    named: dict[str, str] = dict(columns or {})
+    found = read_columns(file)
+    stems = {key for name in found for key in (name, re.sub(r"_\d+$", "", name))}
+    there = tuple(name for name in ("vis", "tac") if named.get(name, name) in stems)
+    if len(there) == 1:  # one modality stands for both, and is reported once
+        named |= {name: named.get(there[0], there[0]) for name in ("vis", "tac")}
+    labels = found.get(named.get("material", "material"), found.get("label", found.get("class")))
+    if not classes and labels is not None and labels.dtype.kind in "iu" and labels.size:
+        classes = tuple(f"class {k}" for k in range(min(int(labels.max()), 10_000) + 1))
+    read = import_embeddings(
+        file, encoder=encoder or file.stem, domain=domain or file.stem, material=NO_CLASS, classes=classes,
+        columns=named, simulated=simulated,
+    )  # fmt: skip
+    return read, there or ("vis", "tac"), labels is not None

@@ -1,0 +1,236 @@
+"""Try a set of pairs: a head that suits their number, and figures on objects that it did not see."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from omnivat.data.profile import profile_of, profiled
+from omnivat.data.store import Embeddings
+from omnivat.encoders.lang.bank import DEFAULT_BANK, load_bank
+from omnivat.head.checkpoint import Head
+from omnivat.head.head import parameter_count
+from omnivat.kit.errors import DataError, printable
+from omnivat.kit.progress import OnStep, ignore
+from omnivat.kit.seeding import derive_seed
+from omnivat.measure.evaluate import label_map, predicted_probabilities
+from omnivat.measure.unseen import wilson
+from omnivat.study.shift.probe import VIEWS, fitted_probe, joined
+from omnivat.study.shift.reading import Features
+from omnivat.training import TrainSettings, Watch, train
+from omnivat.training.from_pairs import TrainingPlan, plan_training, trained_head
+from omnivat.training.loop import steps_of
+
+STEPS = 1500  # of all trainings together: under a minute on two cores
+FOLDS, FEW = 5, 200  # up to FEW pairs; with more, 3
+KNOWN = 20  # pictures of a target's profile; they are not tested, and are half of it at most
+WORDS = {"vis": "photo only", "tac": "touch only", "both": "both"}
+PROBE = "a logistic regression of the same vectors"
+NO_CLASSES = (
+    "the pairs have no classes, or all have the same one. Gaps, retrieval and maps need none: `python -m omnivat report` "
+    "measures them."
+)
+Rows = NDArray[np.int64]
+Labels = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Trial:
+    """A head (None: `lines` say why), figures as records, and both in sentences."""
+
+    head: Head | None
+    lines: list[str]
+    records: list[dict[str, Any]] = field(default_factory=list)
+
+
+def try_pairs(found: Features, *, source: str = "", seed: int = 0, on_step: OnStep = ignore) -> Trial:
+    """Train on one domain and measure at home, with whole objects left out, and in every other domain.
+
+    source  "": the domain with the most pairs among those with two classes or more
+
+    Raises DataError for a source without two classes.
+    """
+    data = found.embeddings
+    able = data.learnable
+    if source and source not in able:
+        raise DataError(
+            f"'{printable(source)}' cannot train a head: it needs pairs of two classes. Choose "
+            f"{' or '.join(able) or 'a set with labels'}."
+        )
+    if not found.labelled or not able:
+        why = "no single domain has pairs of two classes." if found.labelled else NO_CLASSES
+        return Trial(head=None, lines=[f"No head was trained: {why}"])
+    source = source or max(able, key=lambda name: len(found.members(name)))
+    own, objects = found.members(source), _objects(data)
+    own = own[data.labelled[own]]
+    folds, alone = _folds(data.label[own], objects[own], seed)
+    plan = _plan(found, source, len(folds) + 2, seed)
+    each = plan.training.epochs * steps_of(len(plan.pairs), plan.training)
+    watch, whole = Watch(on_step=on_step), (len(folds) + 1) * each
+    said = {view: np.full(len(own), -1) for view in _views(found)} | {PROBE: np.full(len(own), -1)}
+    for k, out in enumerate(folds):
+        fit = own[~out]
+        part = _plan(found, source, len(folds) + 2, seed, rows=fit)
+        turn = watch.part(k * each, whole)
+        model = train(part.pairs, part.settings, part.training, bank=part.bank, seed=seed, watch=turn).model
+        for view, labels in _predicted(model, data, own[out], _views(found)).items():
+            said[view][out] = labels
+        said[PROBE][out] = _probed(found, fit, own[out])
+    head = trained_head(plan, watch=watch.part(len(folds) * each, whole))
+    tested = np.any(folds, axis=0) if folds else np.zeros(len(own), bool)
+    lines = [_about(plan, source)]
+    records = []
+    if tested.any():
+        told = {name: labels[tested] for name, labels in said.items()}
+        records.append(_record(source, data.label[own][tested], objects[own][tested], told))
+        lines.append(f"At home, objects that it did not see: {_sentence(records[-1])}")
+        lines += alone
+    else:
+        lines.append(
+            f"At home there is no honest figure: every class of '{source}' has one object only, so "
+            "none can be left out. Add a second object of each class."
+        )
+    targets = [name for name in found.domains if name != source]
+    for name in targets:
+        away, text = _in_target(found, head, own, found.members(name), name)
+        records += [away] if away else []
+        lines.append(text)
+    if not targets:
+        lines.append("There is one domain, so how this head fares on another sensor is not known.")
+    if len(np.unique(objects)) == len(data) and len(data) > 2:
+        lines.append(
+            "No two pairs share an object's name, so each pair counts as an object. If several show "
+            "one thing, name the objects: these figures are too good otherwise."
+        )
+    return Trial(head=head, lines=lines, records=records)
+
+
+def _objects(data: Embeddings) -> NDArray[np.int64]:
+    """Return an index (N,) of objects by domain and name; a pair without a name is its own."""
+    names = data.rows["object"]
+    keys = [f"{d}/{name or f'{chr(0)}{k}'}" for k, (d, name) in enumerate(zip(data.domain, names, strict=True))]
+    return np.unique(keys, return_inverse=True)[1]
+
+
+def _views(found: Features) -> tuple[str, ...]:
+    """Return the readings of a set: one modality, or both and each alone."""
+    return tuple(VIEWS) if len(found.modalities) == 2 else found.modalities
+
+
+def _plan(found: Features, source: str, trainings: int, seed: int, rows: Rows | None = None) -> TrainingPlan:
+    """Return the plan of a head that suits the pairs: small, with noise and imitated sensors."""
+    data = found.embeddings if rows is None else found.embeddings.select(rows)
+    count = len(found.members(source))
+    batch = 16 if count <= 500 else 64 if count <= 2000 else 256
+    epochs = int(np.clip(STEPS * batch // (trainings * max(count, batch)), 5, 40))
+    classes = {data.header.classes[k] for k in np.unique(data.label[data.labelled])}
+    lang, modalities = classes <= set(load_bank(DEFAULT_BANK).classes), "+".join(found.modalities)
+    training = TrainSettings(epochs=epochs, batch=batch, noise=4.0, shift=1.0, lang=lang, modalities=modalities)
+    return plan_training(data, source, head={"width": 64}, training=training, seed=seed)
+
+
+def _folds(labels: Labels, objects: Rows, seed: int) -> tuple[list[NDArray[np.bool_]], list[str]]:
+    """Return masks (N,) of left-out pairs, and a note on classes of one object, which stay in."""
+    random = np.random.default_rng(derive_seed(seed, "folds"))
+    most = FOLDS if len(labels) <= FEW else 3
+    fold, alone = np.full(len(labels), -1), 0
+    _, first = np.unique(objects, return_index=True)
+    for label in np.unique(labels[first]):
+        own = random.permutation(objects[first][labels[first] == label])
+        if len(own) < 2:
+            alone += 1
+            continue
+        start = int(random.integers(most))
+        for k, name in enumerate(own):
+            fold[objects == name] = (start + k) % most
+    masks = [fold == k for k in range(most) if (fold == k).any()]
+    masks = [out for out in masks if len(np.unique(labels[~out])) > 1]
+    word = f"{alone} {'class has' if alone == 1 else 'classes have'}"
+    left = f"{word} one object only: its pairs are trained on and not tested."
+    return masks, [left] if alone and masks else []
+
+
+def _predicted(model: Any, data: Embeddings, rows: Rows, views: Sequence[str]) -> dict[str, Labels]:
+    """Return the predicted label (N,) in the set's classes for each reading."""
+    back = label_map(data.header.classes, model.settings.classes)
+    shares = {v: predicted_probabilities(model, data, modalities=VIEWS[v], rows=rows)["fused"] for v in views}
+    return {view: back[found.argmax(-1).numpy()] for view, found in shares.items()}
+
+
+def _probed(found: Features, fit: Rows, rows: Rows) -> Labels:
+    """Return the labels of `rows` by a probe of unit vectors, both modalities side by side, that is fitted to `fit`."""
+    data = found.embeddings
+    fitted, asked = (joined([np.array(getattr(data, n)[k], np.float32) for n in found.modalities]) for k in (fit, rows))
+    labels: Labels = fitted_probe(fitted, data.label[fit])(asked)
+    return labels
+
+
+def _record(domain: str, labels: Labels, objects: Rows, said: dict[str, Labels]) -> dict[str, Any]:
+    """Return the tested pairs' counts, and the share right of each reading with its interval, by objects."""
+    sizes, count = np.bincount(labels), len(np.unique(objects))
+    record: dict[str, Any] = {"domain": domain, "pairs": len(labels), "objects": count}
+    record["classes"] = int((sizes > 0).sum())
+    record["always the largest class"] = float(sizes.max() / len(labels))
+    for name, guessed in said.items():
+        share = float((guessed == labels).mean())
+        low, high = wilson(share * count, count)
+        record[name] = {"share": share, "low": low, "high": high}
+    return record
+
+
+def _in_target(found: Features, head: Head, own: Rows, rows: Rows, name: str) -> tuple[dict[str, Any] | None, str]:
+    """Return the record of a target domain, plain and with a profile of its pictures, and a sentence."""
+    data, views = found.embeddings, _views(found)
+    lead = f"In '{printable(name)}'"
+    known = rows[np.isin(data.label[rows], np.unique(data.label[own]))]
+    if not len(known):
+        return None, f"{lead}: no pair is of a class that the head learned."
+    told = _predicted(head.model, data, known, views) | {PROBE: _probed(found, own, known)}
+    record = _record(name, data.label[known], _objects(data)[known], told)
+    text = f"{lead}, of which nothing was known: {_sentence(record)}"
+    mixed = np.random.default_rng(derive_seed(0, "known", name)).permutation(rows)
+    count = min(KNOWN, len(rows) // 2)
+    rest = np.setdiff1d(known, mixed[:count])
+    if count and len(rest):
+        profile = profile_of(data, np.sort(mixed[:count]), domain=name)
+        moved = profiled(data, {name: profile}, head.source_profile)
+        guessed = (_predicted(head.model, some, rest, views[-1:])[views[-1]] for some in (data, moved))
+        before, after = (float((labels == data.label[rest]).mean()) for labels in guessed)
+        record["profile"] = {"pictures": count, "pairs": len(rest), "share": after, "plain": before}
+        text += (
+            f" With a profile of {count} of its pairs without labels: {_percent(after)} of the other "
+            f"{len(rest)}, against {_percent(before)} without."
+        )
+    shared = {data.rows["object"][k] for k in own} & {data.rows["object"][k] for k in known} - {""}
+    if shared:
+        text += f" {len(shared)} of its objects have names of training objects: if they are the same things, only the sensor is new."
+    return record, text
+
+
+def _about(plan: TrainingPlan, source: str) -> str:
+    numbers, settings = parameter_count(plan.settings), plan.training
+    without = f" ({plan.left_out} pairs without a class left out)" if plan.left_out else ""
+    return (
+        f"Trained on '{printable(source)}': {len(plan.pairs)} pairs, {len(plan.settings.classes)} classes{without}; "
+        f"a small head of {numbers:,} numbers (width {plan.settings.width}, noise {settings.noise:g}, "
+        f"shift {settings.shift:g}, {settings.epochs} epochs{', with texts' if settings.lang else ''})."
+    )
+
+
+def _sentence(record: dict[str, Any]) -> str:
+    """Return the figures of a record; the interval counts objects, since pairs of one are alike."""
+    views = [name for name in ("both", "vis", "tac") if name in record]
+    main = record[views[0]]
+    n, objects = record["pairs"], record["objects"]
+    text = (
+        f"{round(main['share'] * n)} of {n} pairs right, {_percent(main['share'])} "
+        f"(95 %: {100 * main['low']:.0f} to {100 * main['high']:.0f}, of {objects} objects)"
+    )
+    others = [f"{(WORDS | {PROBE: PROBE})[name]} {_percent(record[name]['share'])}" for name in (*views[1:], PROBE)]
+    return f"{text}; {', '.join(others)}, always its largest class {_percent(record['always the largest class'])}."
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.0f} %"

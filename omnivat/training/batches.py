@@ -1,0 +1,165 @@
+"""Training data: labels, the held-out share, and batches of cached embeddings."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from omnivat.data.splits import hold_out
+from omnivat.data.store import Embeddings
+from omnivat.encoders.lang.bank import LangBank
+from omnivat.head.settings import HeadSettings
+from omnivat.kit.errors import DataError
+from omnivat.kit.seeding import derive_seed
+from omnivat.training.settings import TrainSettings
+
+Array = np.ndarray[Any, Any]
+SPREAD_ROWS = 512  # pairs that span the offsets of imitated sensors
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Batch:
+    """One batch for `OmniVaT.training_pass`."""
+
+    vis: Tensor | None
+    tac: Tensor | None
+    lang: Tensor | None
+    labels: Tensor
+    lang_on: Tensor
+    token_on: Tensor
+    order: Tensor | None = None  # (B,) if orders are drawn
+
+    def to(self, device: torch.device) -> "Batch":
+        """Return the batch on a device; itself if it is already there."""
+        if self.labels.device == device:
+            return self
+        held: dict[str, Any] = {name: getattr(self, name) for name in self.__slots__}
+        moved: dict[str, Any] = {name: value if value is None else value.to(device) for name, value in held.items()}
+        return Batch(**moved)
+
+
+def labels_of(source: Embeddings, head: HeadSettings) -> Array:
+    """Return the class indices of the source's pairs in head.classes.
+
+    Raises DataError if the source is empty, has one class, or has a class that the head lacks.
+    """
+    if not len(source):
+        raise DataError("The source domain has no training pairs.")
+    names = source.header.classes
+    lookup = np.array([head.classes.index(n) if n in head.classes else -1 for n in names])
+    labels: Array = lookup[source.label]
+    if (labels < 0).any():
+        lacking = names[int(source.label[labels < 0][0])]
+        raise DataError(f"The source has pairs of '{lacking}', which the head lacks.")
+    if len(np.unique(labels)) < 2:
+        raise DataError("The source domain has pairs of one class only; two or more are needed.")
+    return labels
+
+
+def held_out(source: Embeddings, labels: Array, settings: TrainSettings, seed: int) -> tuple[Array, Array]:
+    """Return indices of training pairs and of pairs held out for selection; no object is split."""
+    everything = np.arange(len(source))
+    if settings.selection == "last" or settings.val_fraction == 0:
+        return everything, everything[:0]
+    held = hold_out(source.rows["object"], labels, settings.val_fraction, seed=derive_seed(seed, "hold-out"))
+    return everything[~held], everything[held]
+
+
+def batches(
+    source: Embeddings, labels: Array, fit: Array, bank: LangBank | None, settings: TrainSettings, seed: int
+) -> Iterator[Batch]:
+    """Yield the batches of one epoch: shuffled pairs, random mirroring, a random text style."""
+    random = np.random.default_rng(seed)
+    shuffled = fit[random.permutation(len(fit))]
+    count, truth = len(shuffled), labels[shuffled]
+    lang_on = torch.from_numpy(random.random(count) >= settings.lang_drop)
+    token_on = torch.from_numpy(random.random(count) >= settings.class_token_drop)
+    images = {n: _mirrored(source, n, shuffled, random) for n in settings.given}
+    noise: dict[str, Array] = {}  # standard deviation of each channel
+    if settings.noise:
+        noise = {n: settings.noise * getattr(source, n)[fit].std(0, dtype=np.float32) for n in settings.given}
+    spread = _spread(source, fit, settings, random)
+    texts = None
+    if bank is not None and settings.lang:  # a random style for every pair
+        _, styles, width = bank.embeddings.shape
+        drawn = random.integers(styles, size=count)
+        texts = _Drawn(bank.embeddings.reshape(-1, width), truth * styles + drawn)
+    targets = torch.from_numpy(truth)
+    orders = _orders(count, settings, random)
+    for start in range(0, count, settings.batch):
+        rows = slice(start, start + settings.batch)
+        given = {
+            name: torch.from_numpy(_disturbed(held.rows(rows), noise.get(name), spread.get(name), random))
+            for name, held in images.items()
+        }
+        yield Batch(
+            vis=given.get("vis"),
+            tac=given.get("tac"),
+            lang=None if texts is None else torch.from_numpy(texts.rows(rows)),
+            labels=targets[rows],
+            lang_on=lang_on[rows],
+            token_on=token_on[rows],
+            order=None if orders is None else orders[rows],
+        )
+
+
+def _orders(count: int, settings: TrainSettings, random: np.random.Generator) -> Tensor | None:
+    """Draw an order for each pair or each batch, (N,); None if orders are not drawn."""
+    if settings.order_draw == "none":
+        return None
+    drawn = random.uniform(settings.order_low, settings.order_high, count)
+    if settings.order_draw == "batch":
+        drawn = drawn[np.arange(count) // settings.batch * settings.batch]
+    return torch.from_numpy(drawn)
+
+
+def _spread(source: Embeddings, fit: Array, settings: TrainSettings, random: np.random.Generator) -> dict[str, Array]:
+    """Return centred rows (M, input_width) by modality whose random sums are offsets; {} without.
+
+    Their covariance is that of the source's pairs times shift², so an offset moves a batch along
+    the directions in which pairs differ, as an unknown sensor does.
+    """
+    if not settings.shift:
+        return {}
+    some = random.permutation(fit)[:SPREAD_ROWS]
+    rows = {name: getattr(source, name)[some].astype(np.float32) for name in settings.given}
+    scale = np.float32(settings.shift / len(some) ** 0.5)
+    return {name: scale * (values - values.mean(0)) for name, values in rows.items()}
+
+
+def _disturbed(rows: Array, noise: Array | None, spread: Array | None, random: np.random.Generator) -> Array:
+    """Return rows (B, input_width) with white noise on every channel, and moved by one random offset."""
+    if noise is not None:
+        rows = rows + noise * random.standard_normal(rows.shape, dtype=np.float32)
+    if spread is not None:
+        rows = rows + random.standard_normal(len(spread), dtype=np.float32) @ spread
+    return rows
+
+
+@dataclass(frozen=True, slots=True)
+class _Drawn:
+    """Rows of two tables in a random order for the epoch, read batch by batch."""
+
+    plain: Array
+    index: Array
+    other: Array | None = None
+    from_other: Array | None = None  # bool, row by row
+
+    def rows(self, some: slice) -> Array:
+        """Return float32 rows of a batch."""
+        chosen: Array = self.plain[self.index[some]].astype(np.float32, copy=False)
+        if self.other is not None and self.from_other is not None:
+            mirror = self.from_other[some]
+            chosen[mirror] = self.other[self.index[some][mirror]]
+        return chosen
+
+
+def _mirrored(source: Embeddings, name: str, shuffled: Array, random: np.random.Generator) -> _Drawn:
+    """Draw embeddings of VIS or TAC; each is mirrored with probability 1/2."""
+    plain, flipped = getattr(source, name), getattr(source, f"{name}_flip")
+    if flipped is None:
+        return _Drawn(plain, shuffled)
+    return _Drawn(plain, shuffled, flipped, random.random(len(shuffled)) < 0.5)

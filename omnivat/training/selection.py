@@ -1,0 +1,82 @@
+"""Source-side evidence for choosing settings: held-out objects of the source, plain and shifted.
+
+Targets are never used. Held-out objects alone measure how well a method fits its source, but a new sensor also shifts
+all embeddings of a modality. An imitated sensor applies one random offset and one random scale to all held-out pairs of
+a modality, drawn at the scale of the source's spread. Several draws imitate several unknown sensors, of two kinds:
+
+axes    each axis is shifted independently, including axes that hardly vary
+spread  the offset is drawn from the distribution of the source's pairs, along the directions in
+        which they differ: same norm, more damaging, because classes differ along them
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from omnivat.data.splits import hold_out
+from omnivat.data.store import Embeddings
+from omnivat.kit.errors import DataError
+from omnivat.kit.seeding import derive_seed
+
+FRACTION = 0.25
+SHIFTS, STRENGTH = 6, 1.0  # of each kind; their size in standard deviations of the source
+KINDS = ("axes", "spread")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Evidence:
+    """One fold: training pairs, and held-out pairs, plain and under imitated sensors."""
+
+    fit: Embeddings
+    held: dict[str, Embeddings]  # "held out", "axes 0", "axes 1", ..., "spread 0", ...
+
+
+def evidence(source: Embeddings, fold: int, *, shifts: int = SHIFTS) -> Evidence:
+    """Split a source's training pairs by object and shift the held-out ones.
+
+    fold    number of the fold; the same for every method
+    shifts  imitated sensors of each kind
+    Raises DataError if no object can be held out.
+    """
+    seed = derive_seed(0, "evidence", fold)
+    held = hold_out(source.rows["object"], source.label, FRACTION, seed=seed)
+    if not held.any():
+        raise DataError("No object of the source can be held out: every class has one object only.")
+    return evidence_of(source, held, seed, shifts=shifts)
+
+
+def evidence_of(source: Embeddings, held: NDArray[np.bool_], seed: int, *, shifts: int = SHIFTS) -> Evidence:
+    """Return the fold with held-out pairs `held` (N,); the seed draws the imitated sensors."""
+    fit, rest = source.select(~held), source.select(held)
+    shifted = {
+        f"{kind} {number}": shift(rest, fit, STRENGTH, derive_seed(seed, kind, number), kind=kind)
+        for kind in KINDS
+        for number in range(shifts)
+    }
+    return Evidence(fit=fit, held={"held out": rest, **shifted})
+
+
+def shift(pairs: Embeddings, reference: Embeddings, strength: float, seed: int, *, kind: str = "axes") -> Embeddings:
+    """Return the pairs as measured by imitated sensors.
+
+    "axes"    x -> mean + (x - mean) (1 + s a) + s std b, a in [-0.5, 0.5] and b ~ N(0, 1) by axis
+    "spread"  x -> mean + (x - mean) (1 + s a) + s z, one a, and z ~ N(0, covariance of reference)
+
+    The draw is the same for all pairs of a modality.
+    """
+    random = np.random.default_rng(seed)
+
+    def move(rows: NDArray[Any], known: NDArray[Any]) -> NDArray[np.float32]:
+        mean = known.mean(0)
+        stretch = 1 + strength * random.uniform(-0.5, 0.5, len(mean) if kind == "axes" else None)
+        if kind == "axes":
+            offset = strength * known.std(0) * random.normal(size=len(mean))
+        else:  # covariance: that of the reference
+            offset = strength * (random.normal(size=len(known)) / len(known) ** 0.5 @ (known - mean))
+        moved: NDArray[np.float32] = (mean + (rows - mean) * stretch + offset).astype(np.float32)
+        return moved
+
+    vis, tac = move(pairs.vis, reference.vis), move(pairs.tac, reference.tac)
+    return replace(pairs, vis=vis, tac=tac, vis_flip=None, tac_flip=None)

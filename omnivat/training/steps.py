@@ -1,0 +1,109 @@
+"""The optimiser, its learning rate, and one step."""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import torch
+from torch import Tensor
+
+from omnivat.head.head import OmniVaT
+from omnivat.head.losses import joint_loss
+from omnivat.kit.errors import OmniVatError
+from omnivat.training.batches import Batch
+from omnivat.training.momentum import Momentum
+from omnivat.training.settings import TrainSettings
+
+
+def make_optimiser(model: OmniVaT, settings: TrainSettings) -> Momentum:
+    """SGD in three groups: p (slow, clamped), θ_e (no decay) and everything else."""
+    order, theta = [model.mffa.order], list(model.mffa.theta.values())
+    apart = {id(parameter) for parameter in (*order, *theta)}
+    rest = [p for p in model.parameters() if id(p) not in apart]
+    groups: list[dict[str, Any]] = [{"params": rest, "weight_decay": settings.weight_decay, "scale": 1.0}]
+    if theta:
+        groups.append({"params": theta, "weight_decay": 0.0, "scale": 1.0})
+    if model.mffa.order.requires_grad:
+        groups.append({"params": order, "weight_decay": 0.0, "scale": settings.order_lr_scale})
+    return Momentum([{**group, "lr": settings.lr} for group in groups], settings.momentum)
+
+
+def set_rate(optimiser: Momentum, settings: TrainSettings, epoch: float, step: float) -> None:
+    """Linear warm-up by step, then cosine to zero. epoch and step count in epochs."""
+    warm = min(settings.warmup_epochs, settings.epochs)
+    if epoch < warm:
+        share = (epoch + step) / warm
+    else:
+        share = 0.5 * (1 + math.cos(math.pi * (epoch - warm) / max(settings.epochs - warm, step)))
+    for group in optimiser.param_groups:
+        group["lr"] = settings.lr * group["scale"] * share
+
+
+def pairs_of(kind: str, batch: Batch) -> Tensor | None:
+    """Return a mask (B,) of the pairs of a kind: "guided" by LANG, "unguided"; None for all.
+
+    Without LANG, all pairs are unguided. If a batch has no pair of the kind, all of its pairs
+    count; otherwise a training that guides every pair would never fill its bank.
+    """
+    if kind == "all" or batch.lang is None:
+        return None
+    mask = batch.lang_on if kind == "guided" else ~batch.lang_on
+    return mask if bool(mask.any()) and not bool(mask.all()) else None
+
+
+@torch.no_grad()
+def taught_logits(teachers: Sequence[OmniVaT], batch: Batch) -> dict[str, Tensor]:
+    """Return the teachers' mean logits (B, K) of VIS and TAC, each at its own order, without LANG."""
+    found = [teacher(batch.vis, batch.tac).logits for teacher in teachers]
+    return {name: torch.stack([one[name] for one in found]).mean(0) for name in found[0]}
+
+
+def learn(
+    model: OmniVaT, optimiser: Momentum, batch: Batch, settings: TrainSettings, teachers: Sequence[OmniVaT] = ()
+) -> dict[str, float]:
+    """Take one optimiser step; return the losses as numbers.
+
+    teachers  heads whose mean logits for the batch are the targets, in place of the labels
+
+    "clipped" and "order_clipped" are 1 if a gradient was clipped.
+    Raises OmniVatError if the loss or a gradient is not finite.
+    """
+    on = {"lang_on": batch.lang_on, "token_on": batch.token_on}
+    output = model.training_pass(batch.vis, batch.tac, batch.lang, batch.labels, **on, order=batch.order)
+    losses = joint_loss(
+        features=output.features,
+        layers=output.layers,
+        logits=output.logits,
+        labels=batch.labels,
+        aligned=pairs_of(settings.mma_on, batch),
+        mma_weight=settings.mma_weight,
+        nod_weight=settings.nod_weight,
+        targets=taught_logits(teachers, batch) if teachers else None,
+    )
+    parameters = list(optimiser.parameters)
+    for parameter in parameters:
+        parameter.grad = None
+    losses.total.backward()
+    order = model.mffa.order
+    rest = [p.grad for p in parameters if p is not order and p.grad is not None]
+    norms = torch.stack(torch._foreach_norm(rest))
+    norm = float(torch.linalg.vector_norm(norms))
+    total, mma, nod, cross_entropy = torch.stack(losses).detach().tolist()
+    if not (math.isfinite(total) and math.isfinite(norm)):
+        raise OmniVatError(
+            f"Training stopped: the loss is {total:g}. Lower lr or "
+            "mma_weight, or look for extreme values in the embeddings."
+        )
+    clipped = norm > settings.clip
+    if clipped:
+        torch._foreach_mul_(rest, settings.clip / norm)
+    held = 0.0
+    if order.grad is not None:
+        held = float(bool((order.grad.abs() > settings.order_clip).any()))
+        order.grad.clamp_(-settings.order_clip, settings.order_clip)
+    optimiser.step()
+    own = pairs_of(settings.bank_from, batch)
+    tokens = {n: t.detach() if own is None else t.detach()[own] for n, t in output.tokens.items()}
+    model.mffa.update_bank(tokens, batch.labels if own is None else batch.labels[own])
+    known = {"loss": total, "mma": mma, "nod": nod, "cross_entropy": cross_entropy}
+    return {**known, "clipped": float(clipped), "order_clipped": held}

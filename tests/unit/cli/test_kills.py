@@ -1,0 +1,112 @@
+"""Each long command is killed once while it writes: nothing half-written stands, and it can run again."""
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+pytestmark = pytest.mark.slow
+
+ROOT = Path(__file__).resolve().parents[3]
+# A killed process is one that dies just before a file that it has written takes its place.
+SCRIPT = """
+import os, signal, sys
+from omnivat.head import checkpoint
+from omnivat.kit import files
+files.UNFINISHED_S = checkpoint.UNFINISHED_S = -1  # what the dead left need not grow old to be swept
+left = int(sys.argv[1])
+
+def dies(real):
+    def place(*names, **options):
+        global left
+        if left == 0:
+            os.kill(os.getpid(), signal.SIGKILL)
+        left -= 1
+        return real(*names, **options)
+    return place
+
+os.replace, os.rename = dies(os.replace), dies(os.rename)
+from omnivat.cli import main
+sys.exit(main(sys.argv[2:]))
+"""
+
+TRAIN = "--source TAG-sim --set width=16 --set epochs=2 --set lang=false --no-calibration"
+# command, its arguments, what it makes, and after how many files it is killed
+COMMANDS = {
+    "train": (f"--embeddings {{set}} {TRAIN} --out {{out}}/head", "head", 2),
+    "sweep": ("--head {head} --embeddings {set} --orders 0,0.5 --out {out}/f.bin --json {out}/c.json", "f.bin", 1),
+    "embed": ("{pairs} --encoder strip --out {out}/e.safetensors", "e.safetensors", 2),
+    "protocol": ("--embeddings {set} --methods linear_probe --seeds 0 --out {out}/records", "records", 0),
+    "simulate": ("--set chirps --pairs-per-class 4 --out {out}/chirps", "chirps", 30),
+    "export": ("--frames {frames} --out {out}/map.svg", "map.svg", 0),
+    "thumbnails": ("{pairs} --embeddings {embedded} --out {out}/s.webp", "s.webp", 1),
+}
+
+
+def run(command, after, names):
+    """Run a command until it has placed `after` files, or to its end where that is -1."""
+    arguments = [part.format(**names) for part in COMMANDS[command][0].split()]
+    return subprocess.run(
+        [sys.executable, "-c", SCRIPT, str(after), command, *arguments],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        env={**os.environ, "OMP_NUM_THREADS": "1"},
+        check=False,
+    )
+
+
+@pytest.fixture(scope="module")
+def names(tmp_path_factory, head_folder):
+    """Return what the arguments name: a small head and set, frames, and a folder of pairs."""
+    from omnivat.cli import main
+
+    folder = tmp_path_factory.mktemp("kills")
+    random = np.random.default_rng(0)
+    for k in range(6):
+        for modality in ("vis", "tac"):
+            file = folder / "pairs" / f"TAG-sim/wood/{k}_{modality}.png"
+            file.parent.mkdir(parents=True, exist_ok=True)
+            Image.fromarray(random.integers(0, 255, (40, 40, 3), dtype=np.uint8)).save(file)
+    embedded = folder / "embedded.safetensors"
+    assert main(["embed", str(folder / "pairs"), "--encoder", "strip", "--out", str(embedded)]) == 0
+    return {
+        "set": head_folder.parent / "set.safetensors",
+        "head": head_folder,
+        "frames": ROOT / "examples" / "frames.bin",
+        "pairs": folder / "pairs",
+        "embedded": embedded,
+    }
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_killed_command_leaves_nothing_half_written_and_runs_again(command, names, tmp_path):
+    _, made, after = COMMANDS[command]
+    names = {**names, "out": tmp_path}
+    killed = run(command, after, names)
+    assert killed.returncode == -signal.SIGKILL, killed.stderr
+    standing = {p: p.read_bytes() for p in shown(tmp_path)}
+    again = run(command, -1, names)
+    assert again.returncode == 0, again.stderr
+    assert (tmp_path / made).exists()
+    whole = {p: p.read_bytes() for p in shown(tmp_path)}
+    for file, content in standing.items():  # what stood after the kill was whole
+        if file in whole and file.suffix in (".png", ".webp", ".safetensors", ".svg", ".bin"):
+            assert whole[file] == content, file.name
+    assert [p.name for p in tmp_path.rglob("*") if p.name.endswith((".tmp", ".old"))] == []
+    assert [p.name for p in tmp_path.iterdir() if p.name.startswith(".")] == []
+
+
+def shown(folder):
+    """Return the files of a folder that are not a writer's own temporary ones."""
+    return [
+        p
+        for p in folder.rglob("*")
+        if p.is_file() and not any(part.startswith(".") for part in p.relative_to(folder).parts)
+    ]

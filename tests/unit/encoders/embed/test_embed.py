@@ -1,0 +1,195 @@
+"""Embedding a set of pairs: bad images are skipped, settings are checked, files are complete."""
+
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import torch
+
+from omnivat.cli import main
+from omnivat.data.images import read_image
+from omnivat.data.pairs import Pair, PairSet
+from omnivat.data.rest import RESTED, minus_rest, with_rest
+from omnivat.data.store import load_embeddings
+from omnivat.encoders.cache import EmbeddingCache, embed_image
+from omnivat.encoders.embed.engines import in_order
+from omnivat.kit.errors import DataError, MissingNameError, OmniVatError, SettingsError
+from omnivat.kit.progress import Step
+
+from .small_pairs import MeanColour, embed, make_pairs, png
+
+pytestmark = pytest.mark.usefixtures("mean_encoder")
+
+
+def test_every_pair_has_the_embeddings_of_its_images(tmp_path: Path) -> None:
+    pairs = make_pairs(tmp_path)
+    report = embed(pairs, tmp_path / "set.safetensors")
+    loaded = load_embeddings(report.out)
+    assert (report.embedded, report.resumed, report.skipped) == (10, 0, ())
+    for i, pair in enumerate(pairs.pairs):
+        for name, file in (("vis", pair.vis), ("tac", pair.tac)):
+            wanted = embed_image(MeanColour(), file)
+            mirrored = embed_image(MeanColour(), file, flip=True)
+            assert np.array_equal(getattr(loaded, name)[i], wanted)
+            assert np.array_equal(getattr(loaded, f"{name}_flip")[i], mirrored)
+        assert loaded.header.domains[loaded.domain[i]] == pair.domain
+        assert loaded.header.classes[loaded.label[i]] == pair.material
+    assert loaded.header.classes == ("wood", "glass", "cork")
+    assert loaded.rows["object"] == [pair.object for pair in pairs.pairs]
+    assert loaded.rows["vis"][1] == "OF Real/wood/1_vis.png"
+    assert loaded.header.origin == "made by a test"
+    assert not (tmp_path / "set.safetensors.parts").exists()
+
+
+def test_the_crop_of_a_pair_is_cut_from_its_tactile_image_alone(tmp_path: Path) -> None:
+    (pair,) = make_pairs(tmp_path, 1).pairs
+    cut = Pair(vis=pair.vis, tac=pair.tac, domain="TAG", material="glass", tac_crop=8)
+    loaded = load_embeddings(embed(PairSet(pairs=(cut,)), tmp_path / "set.safetensors").out)
+    assert np.array_equal(loaded.vis[0], embed_image(MeanColour(), pair.vis))
+    assert np.array_equal(loaded.tac[0], embed_image(MeanColour(), pair.tac, crop=8))
+
+
+def test_a_rest_picture_changes_touch_alone_and_is_named_in_the_header(tmp_path: Path) -> None:
+    pairs = make_pairs(tmp_path / "set", 4)
+    (tmp_path / "set" / "OF Real" / "rest.png").write_bytes(png(99))
+    plain = load_embeddings(embed(pairs, tmp_path / "plain.safetensors").out)
+    rested = with_rest(pairs, "all")
+    loaded = load_embeddings(embed(rested, tmp_path / "set.safetensors").out)
+
+    own = loaded.domain == loaded.header.domains.index("OF Real")
+    assert np.array_equal(loaded.vis, plain.vis)
+    assert np.array_equal(loaded.tac[~own], plain.tac[~own])
+    assert (loaded.tac[own] != plain.tac[own]).all(axis=1).all()
+    assert set(loaded.header.tac_rest) == {"OF Real"}
+    assert loaded.header.preprocessing == plain.header.preprocessing + RESTED
+    # The expected value, by hand: mean colours add up where nothing is clipped.
+    wanted = np.asarray(minus_rest(read_image(rested.pairs[1].tac), read_image(png(99))), float)
+    assert np.allclose(loaded.tac[1][:3], wanted[:, :10].mean((0, 1)), atol=1e-4)
+
+
+def test_a_cached_image_is_encoded_again_for_a_rest_picture(tmp_path: Path) -> None:
+    (pair,), cache = make_pairs(tmp_path, 1).pairs, EmbeddingCache()
+    calm = tmp_path / "rest.png"
+    calm.write_bytes(png(99))
+    plain = embed_image(MeanColour(), pair.tac, cache)
+    assert not np.array_equal(embed_image(MeanColour(), pair.tac, cache, rest=calm), plain)
+    assert np.array_equal(embed_image(MeanColour(), pair.tac, cache), plain)
+
+
+def test_pairs_with_an_unreadable_image_are_left_out_and_listed(tmp_path: Path) -> None:
+    pairs = make_pairs(tmp_path, bad=(3, 4))
+    pairs.pairs[7].vis.unlink()
+    report = embed(pairs, tmp_path / "set.safetensors")
+    assert report.embedded == 7
+    for number, skipped in zip((3, 4, 7), report.skipped, strict=True):
+        assert str(pairs.pairs[number].tac) in skipped.what
+    assert "is not an image" in report.skipped[0].why
+    assert "cannot be read" in report.skipped[2].why
+    loaded = load_embeddings(report.out)
+    assert loaded.rows["object"] == [f"o{i}" for i in (0, 1, 2, 5, 6, 8, 9)]
+
+
+def test_a_set_of_which_nothing_can_be_read_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(DataError, match="None of 3 pairs could be read"):
+        embed(make_pairs(tmp_path, 3, bad=(0, 1, 2)), tmp_path / "set.safetensors")
+    assert not list(tmp_path.glob("set*"))
+
+
+def test_no_pairs_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(DataError, match="no pairs to embed in here"):
+        embed(PairSet(pairs=(), origin="here"), tmp_path / "set.safetensors")
+
+
+def test_a_photo_shared_by_many_touches_is_encoded_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pairs = make_pairs(tmp_path, 6)
+    for pair in pairs.pairs:
+        pair.vis.write_bytes(png(0))
+    calls: list[int] = []
+    original = MeanColour.embed
+    monkeypatch.setattr(MeanColour, "embed", lambda s, x: calls.append(1) or original(s, x))
+    embed(pairs, tmp_path / "set.safetensors", workers=1)
+    assert len(calls) == 2 + 2 * 6
+
+
+@pytest.mark.parametrize("workers", [1, 2, 5])
+def test_the_number_of_workers_changes_nothing(tmp_path: Path, workers: int) -> None:
+    pairs = make_pairs(tmp_path)
+    before = torch.get_num_threads()
+    one, some = tmp_path / "one.safetensors", tmp_path / "some.safetensors"
+    embed(pairs, one, workers=1)
+    embed(pairs, some, workers=workers)
+    assert one.read_bytes() == some.read_bytes()
+    assert torch.get_num_threads() == before
+
+
+def test_progress_counts_every_pair_with_rate_and_time_left(tmp_path: Path) -> None:
+    steps: list[Step] = []
+    embed(make_pairs(tmp_path), tmp_path / "set.safetensors", on_step=steps.append)
+    assert [step.done for step in steps] == list(range(11))
+    assert {step.total for step in steps} == {10}
+    assert all("pairs/s" in step.text and "left" in step.text for step in steps[1:])
+
+
+def test_results_come_in_order_with_few_under_way() -> None:
+    from concurrent.futures import ThreadPoolExecutor
+
+    drawn: list[int] = []
+
+    def items() -> Any:
+        for i in range(50):
+            drawn.append(i)
+            yield i
+
+    with ThreadPoolExecutor(3) as pool:
+        for i, result in enumerate(in_order(pool, lambda x: x * x, items(), window=5)):
+            assert result == i * i
+            assert len(drawn) <= i + 5
+
+
+@pytest.mark.parametrize(
+    ("settings", "error"),
+    [
+        ({"engine": "rai"}, MissingNameError),
+        ({"dtype": "int8"}, SettingsError),
+        ({"manifest": "xls"}, SettingsError),
+        ({"workers": 0}, SettingsError),
+    ],
+)
+def test_settings_are_checked_before_any_work(
+    tmp_path: Path, settings: dict[str, Any], error: type[OmniVatError]
+) -> None:
+    with pytest.raises(error):
+        embed(make_pairs(tmp_path, 2), tmp_path / "set.safetensors", **settings)
+    assert not list(tmp_path.glob("set*"))
+
+
+@pytest.mark.parametrize(
+    ("device", "sentence"),
+    [
+        ("gpu", "No device is called 'gpu'; use auto, cpu or cuda."),
+        ("cuda", "Device 'cuda' needs a GPU, and none is usable here; use cpu."),
+    ],
+)
+def test_a_device_that_is_not_there_is_refused(
+    device: str, sentence: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(torch.cuda, "is_available", lambda: False)
+    make_pairs(tmp_path / "pairs", 2)
+    out = tmp_path / "set.safetensors"
+    assert main(["embed", str(tmp_path / "pairs"), "--out", str(out), "--device", device]) == 1
+    assert sentence in capsys.readouterr().err
+    assert not list(tmp_path.glob("set*"))
+
+
+def test_names_that_are_no_text_still_give_a_readable_table(tmp_path: Path) -> None:
+    (pair,) = make_pairs(tmp_path, 1).pairs
+    odd = Path(os.fsdecode(os.fsencode(pair.vis.parent) + b"/\xff_vis.png"))
+    try:
+        pair.vis.rename(odd)
+    except OSError:
+        pytest.skip("this disk takes no such names")
+    strange = Pair(vis=odd, tac=pair.tac, domain="TAG", material="glass")
+    report = embed(PairSet(pairs=(strange,)), tmp_path / "set.safetensors")
+    assert load_embeddings(report.out).rows["vis"][0].endswith("\\xff_vis.png")

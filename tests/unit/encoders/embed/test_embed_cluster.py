@@ -1,0 +1,102 @@
+"""The Ray engine on a local cluster of two workers, one of which is killed half-way."""
+
+import importlib.util
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from omnivat.data.pairs import Pair, PairSet
+from omnivat.encoders.embed import embed_pairs
+from omnivat.kit.errors import MissingPackageError
+
+HAS_RAY = importlib.util.find_spec("ray") is not None
+
+# A lost machine is noticed after a second or two instead of a quarter of a minute, and workers do not
+# stand back for whatever else runs, as Ray has it: on a busy machine they would start for minutes.
+QUICK = {
+    "RAY_worker_niceness": "0",
+    "RAY_health_check_initial_delay_ms": "0",
+    "RAY_health_check_period_ms": "500",
+    "RAY_health_check_timeout_ms": "2000",
+    "RAY_health_check_failure_threshold": "3",
+    "RAY_USAGE_STATS_ENABLED": "0",
+}
+
+# Ray warns of its own affairs and logs a great deal, so it runs in a process of its own.
+SCRIPT = """
+import json, sys
+from pathlib import Path
+import ray
+from ray.cluster_utils import Cluster
+from omnivat.encoders.embed import job
+job.chunks_of.__defaults__ = (4,)
+from omnivat.data.pairs import Pair, PairSet
+from omnivat.encoders.embed import embed_pairs
+
+folder, kill_at = Path(sys.argv[1]), int(sys.argv[2])
+tac = lambda f: f.with_name(f.name.replace("_vis", "_tac"))
+pairs = PairSet(pairs=tuple(
+    Pair(vis=f, tac=tac(f), domain="TAG", material="wood")
+    for f in sorted(folder.glob("*_vis.png"))
+))
+# the head is one of the two workers: a node less to start; the other is the one to be killed
+cluster = Cluster(initialize_head=True, head_node_args={"num_cpus": 1, "include_dashboard": False})
+workers = [cluster.head_node, cluster.add_node(num_cpus=1)]
+ray.init(address=cluster.address, log_to_driver=False)
+seen = []
+
+def on_step(step):
+    seen.append(step.done)
+    if step.done >= kill_at and len(workers) == 2:
+        cluster.remove_node(workers.pop(), allow_graceful=False)
+
+report = embed_pairs(
+    pairs, "efficientnet-lite0", folder / "ray.safetensors", engine="ray", workers=2, on_step=on_step
+)
+lost = 2 - len(workers)
+ray.shutdown()
+cluster.shutdown()
+print(json.dumps({"embedded": report.embedded, "skipped": len(report.skipped), "lost": lost,
+                  "steps": seen}))
+"""
+
+
+def make_pairs(folder: Path, count: int) -> PairSet:
+    random = np.random.default_rng(0)
+    pairs = []
+    for i in range(count):
+        vis, tac = folder / f"{i:03}_vis.png", folder / f"{i:03}_tac.png"
+        for file in (vis, tac):
+            pixels = random.integers(0, 256, (32, 40, 3), dtype=np.uint8)
+            Image.fromarray(pixels).save(file)
+        pairs.append(Pair(vis=vis, tac=tac, domain="TAG", material="wood"))
+    (folder / "005_tac.png").write_bytes(b"no image")
+    return PairSet(pairs=tuple(pairs))
+
+
+@pytest.mark.slow
+@pytest.mark.long
+@pytest.mark.skipif(not HAS_RAY, reason="ray is not installed: pip install 'ray[data]'")
+def test_with_one_of_two_workers_killed_nothing_is_lost_doubled_or_changed(tmp_path: Path) -> None:
+    pairs = make_pairs(tmp_path, 40)
+    local = embed_pairs(pairs, "efficientnet-lite0", tmp_path / "local.safetensors")
+    command = [sys.executable, "-c", SCRIPT, str(tmp_path), "16"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, env={**os.environ, **QUICK})
+    assert done.returncode == 0, done.stderr[-3000:]
+    said = json.loads(done.stdout.strip().splitlines()[-1])
+    assert said["lost"] == 1
+    assert (said["embedded"], said["skipped"]) == (39, 1)
+    assert said["steps"][-1] == 40
+    assert (tmp_path / "ray.safetensors").read_bytes() == local.out.read_bytes()
+
+
+def test_without_ray_the_engine_says_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "ray", None)
+    with pytest.raises(MissingPackageError, match=r"pip install 'ray\[data\]'"):
+        embed_pairs(make_pairs(tmp_path, 6), "efficientnet-lite0", tmp_path / "a.safetensors", engine="ray")

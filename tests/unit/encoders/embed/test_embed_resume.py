@@ -1,0 +1,112 @@
+"""Interrupted and killed runs resume from their finished parts."""
+
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from omnivat.data.store import load_embeddings
+from omnivat.encoders.cache import embed_image
+from omnivat.encoders.embed import job as job_module
+from omnivat.kit.progress import Step
+
+from .small_pairs import MeanColour, embed, make_pairs, png
+
+pytestmark = pytest.mark.usefixtures("mean_encoder")
+
+
+@pytest.fixture
+def small_chunks(monkeypatch: pytest.MonkeyPatch) -> None:
+    original = job_module.chunks_of
+    monkeypatch.setattr("omnivat.encoders.embed.pairs.chunks_of", lambda *given: original(*given, size=4))
+
+
+class StopError(Exception):
+    """Stands for whatever ends a run: Ctrl-C, a full disk, a lost machine."""
+
+
+def stop_after(count: int) -> Callable[[Step], None]:
+    def on_step(step: Step) -> None:
+        if step.done >= count:
+            raise StopError
+
+    return on_step
+
+
+@pytest.mark.usefixtures("small_chunks")
+@pytest.mark.parametrize("stopped_at", [1, 4, 7, 10])
+def test_an_interrupted_run_goes_on_and_ends_in_the_same_bytes(tmp_path: Path, stopped_at: int) -> None:
+    pairs = make_pairs(tmp_path, bad=(2,))
+    whole = embed(pairs, tmp_path / "whole.safetensors")
+    out = tmp_path / "set.safetensors"
+    out.write_bytes(b"what was there before")
+    with pytest.raises(StopError):
+        embed(pairs, out, on_step=stop_after(stopped_at))
+    assert out.read_bytes() == b"what was there before"
+    steps: list[Step] = []
+    report = embed(pairs, out, on_step=steps.append)
+    assert report.resumed == (stopped_at - 1) // 4 * 4
+    assert steps[0].done == report.resumed
+    assert report.skipped == whole.skipped
+    assert out.read_bytes() == whole.out.read_bytes()
+    assert not out.with_name("set.safetensors.parts").exists()
+
+
+@pytest.mark.usefixtures("small_chunks")
+def test_parts_of_changed_images_or_settings_or_damaged_ones_are_made_again(tmp_path: Path) -> None:
+    pairs = make_pairs(tmp_path)
+    out = tmp_path / "set.safetensors"
+    with pytest.raises(StopError):
+        embed(pairs, out, on_step=stop_after(9))
+    pairs.pairs[1].vis.write_bytes(png(99) + b" ")
+    part = next(iter(sorted(out.with_name("set.safetensors.parts").glob("*1.safetensors"))))
+    part.write_bytes(part.read_bytes()[:-5])
+    report = embed(pairs, out)
+    assert report.resumed == 0
+    assert np.array_equal(load_embeddings(out).vis[1], embed_image(MeanColour(), png(99)))
+    with pytest.raises(StopError):
+        embed(pairs, out, on_step=stop_after(9))
+    assert embed(pairs, out, flips=False).resumed == 0
+
+
+KILLED = """
+import os, sys
+from pathlib import Path
+from omnivat.encoders.embed import job
+job.CHUNK = 4
+job.chunks_of.__defaults__ = (4,)
+from omnivat.data.pairs import Pair, PairSet
+from omnivat.encoders.embed import embed_pairs
+
+files = sorted(Path(sys.argv[1]).glob("*/*/*_vis.png"))
+pairs = [
+    Pair(vis=f, tac=f.with_name(f.name.replace("_vis", "_tac")), domain="TAG", material="wood")
+    for f in files
+]
+
+def on_step(step):
+    if step.done == int(sys.argv[3]):
+        os.kill(os.getpid(), 9)
+
+report = embed_pairs(PairSet(pairs=tuple(pairs)), "efficientnet-lite0", sys.argv[2], on_step=on_step)
+print(report.resumed)
+"""
+
+
+@pytest.mark.slow
+def test_a_process_that_is_killed_leaves_parts_that_the_next_one_uses(tmp_path: Path) -> None:
+    """With the real encoder, in processes of their own."""
+    make_pairs(tmp_path / "pairs", 9)
+    out = tmp_path / "set.safetensors"
+
+    def run(stop: int) -> subprocess.CompletedProcess[str]:
+        command = [sys.executable, "-c", KILLED, str(tmp_path / "pairs"), str(out), str(stop)]
+        return subprocess.run(command, capture_output=True, text=True, check=False)
+
+    assert run(6).returncode == -9
+    assert not out.exists()
+    assert run(99).stdout.strip() == "4"
+    assert len(load_embeddings(out)) == 9

@@ -1,0 +1,102 @@
+"""Live's own functions on real frames of GelSights: contact, and a recording that `embed` reads."""
+
+import io
+import json
+import shutil
+import subprocess
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from omnivat.cli import main
+from omnivat.data.store import load_embeddings
+
+pytestmark = pytest.mark.usefixtures("mean_encoder")
+ROOT = Path(__file__).resolve().parents[4]
+SIZE = (256, 192)  # as Live draws them
+SCRIPT = """
+import { readFileSync, writeFileSync } from "node:fs";
+await import(`${ROOT}/tests/web/browser.js`);
+const { apart, blocksOf, restOf } = await import(`${ROOT}/app/web/pair/feed.js`);
+const { recorded } = await import(`${ROOT}/app/web/pair/live.js`);
+const { zipped } = await import(`${ROOT}/app/web/pair/zip.js`);
+const blocks = (name) => blocksOf({ data: readFileSync(name), width: 256, height: 192 });
+const { rest, frames, pictures, out } = JSON.parse(readFileSync(0));
+if (rest) {
+  const known = restOf(rest.map(blocks));
+  console.log(JSON.stringify(known && frames.map((name) => apart(blocks(name), known.mean) > known.limit)));
+} else {
+  const blob = (name) => new Blob([readFileSync(name)]);
+  const pairs = pictures.map(({ label, ...files }) =>
+    ({ label, time: "2026", pictures: Object.entries(files).map(([name, file]) => [name, blob(file)]) }));
+  writeFileSync(out, Buffer.concat(zipped(await recorded(pairs)).map((part) => Buffer.from(part))));
+}
+"""
+
+
+def page(**asked):
+    """Run the page's own scripts outside a browser."""
+    if shutil.which("node") is None:
+        pytest.skip("node is not installed")
+    script = SCRIPT.replace("${ROOT}", ROOT.as_uri())
+    done = subprocess.run(
+        ["node", "--input-type=module", "-e", script],
+        input=json.dumps(asked), capture_output=True, text=True, timeout=60,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout or "null")
+
+
+def written(folder, name, pixels, noise, random):
+    """Write a frame as the canvas holds it, with the noise of a camera; return its place."""
+    small = np.asarray(Image.fromarray(pixels).resize(SIZE), float)
+    noisy = np.clip(small + random.normal(0, noise, small.shape), 0, 255).astype(np.uint8)
+    (folder / name).write_bytes(np.dstack([noisy, np.full(noisy.shape[:2], 255, np.uint8)]).tobytes())
+    return str(folder / name)
+
+
+@pytest.mark.parametrize("noise", [1, 4])
+@pytest.mark.parametrize("name", ["gelsight", "gelsight_mini"])
+def test_each_real_press_is_a_contact_and_no_rest_frame_is(tmp_path, presses, name, noise):
+    calm, pressed = presses(name)
+    random = np.random.default_rng(0)
+    rest = [written(tmp_path, f"r{k}", calm, noise, random) for k in range(10)]
+    again = [written(tmp_path, f"a{k}", np.clip(calm.astype(int) + k % 3, 0, 255).astype(np.uint8), noise, random) for k in range(12)]  # fmt: skip
+    touched = [written(tmp_path, f"p{k}", one, noise, random) for k, one in enumerate(pressed)]
+    found = page(rest=rest, frames=[*again, *touched])
+    assert not any(found[:12]) and all(found[12:])
+    assert len(pressed) >= 24
+
+
+def test_a_rest_picture_is_refused_if_the_sensor_was_touched_meanwhile(tmp_path, presses):
+    calm, pressed = presses("gelsight")
+    random = np.random.default_rng(0)
+    touched = np.argsort([np.abs(one.astype(int) - calm).mean() for one in pressed])[0]  # lightest
+    frames = [calm] * 9 + [pressed[touched]]
+    rest = [written(tmp_path, f"r{k}", one, 1, random) for k, one in enumerate(frames)]
+    assert page(rest=rest, frames=[]) is None
+    assert page(rest=rest[:9], frames=[]) == []
+
+
+@pytest.mark.parametrize("halves", [("vis", "tac"), ("tac",)])
+def test_a_recording_of_live_is_embedded(tmp_path, presses, halves):
+    """With photo and touch by `embed`, of touches alone by its reader for names alone."""
+    _, pressed = presses("gelsight_mini")
+    pictures = []
+    for k, one in enumerate(pressed[:6]):
+        files = {}
+        for half in halves:
+            files[half] = str(tmp_path / f"{k}_{half}")
+            Image.fromarray(one).resize(SIZE).save(files[half], "JPEG")
+        pictures.append({"label": ("wood", "a/b", "=felt")[k % 3], **files})
+    page(pictures=pictures, out=str(tmp_path / "recording.zip"))
+    with zipfile.ZipFile(io.BytesIO((tmp_path / "recording.zip").read_bytes())) as packed:
+        packed.extractall(tmp_path)
+    line = ["embed", str(tmp_path / "recording"), "--out", str(tmp_path / "set.safetensors")]
+    assert main([*line, *(["--reader", "loose"] if len(halves) == 1 else [])]) == 0
+    found = load_embeddings(tmp_path / "set.safetensors")
+    assert (len(found), found.header.domains) == (6, ("My sensor",))
+    assert len(found.header.classes) == 3

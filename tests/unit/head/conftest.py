@@ -1,0 +1,41 @@
+"""Heads in which every part matters, and pairs for them."""
+
+from collections.abc import Callable
+
+import pytest
+import torch
+
+from omnivat.head.head import OmniVaT, build_head
+from omnivat.head.settings import HeadSettings
+
+CLASSES = ("wood", "steel", "plastic", "ceramic", "glass")
+
+
+@pytest.fixture(scope="session")
+def make_head() -> Callable[..., OmniVaT]:
+    """Return a maker of heads with random class tokens, biases and, optionally, signed θ_e."""
+
+    def make(*, theta: str = "ones", dtype: torch.dtype = torch.float64, **changes) -> OmniVaT:
+        values = {"classes": CLASSES, "input_width": 24, "width": 16, "lang_width": 8} | changes
+        model = build_head(HeadSettings(**values, theta_init=theta)).to(dtype).eval()
+        random = torch.Generator().manual_seed(1)
+        with torch.no_grad():
+            for name, tensor in model.state_dict().items():
+                if name in ("mffa.bank", "dtg.bias"):
+                    tensor.copy_(torch.randn(tensor.shape, generator=random))
+            if model.settings.mffa:
+                model.mffa.bank_seen.fill_(True)
+        return model
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def make_pairs() -> Callable[..., tuple[torch.Tensor, torch.Tensor]]:
+    """Return a maker of VIS and TAC embeddings (count, width)."""
+
+    def make(count, width=24, dtype=torch.float64, seed=0):
+        random = torch.Generator().manual_seed(seed)
+        return tuple(torch.randn(count, width, generator=random, dtype=torch.float64).to(dtype) for _ in ("vis", "tac"))
+
+    return make

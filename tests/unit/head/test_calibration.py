@@ -1,0 +1,87 @@
+"""Temperatures, shares and scores of confidence, against figures worked out by hand."""
+
+import math
+
+import pytest
+import torch
+
+from omnivat.head.calibration import fit_calibration, fit_share, fit_temperature
+from omnivat.kit.errors import DataError
+from omnivat.measure.gaps.calibration import aurc, ece, nll, risk_coverage
+
+
+def sampled(logits, seed=0):
+    """Return labels drawn from the logits' own softmax: their best temperature is one."""
+    random = torch.Generator().manual_seed(seed)
+    return torch.multinomial(logits.softmax(-1), 1, generator=random)[:, 0]
+
+
+@pytest.fixture(scope="module")
+def honest():
+    logits = 2 * torch.randn(20_000, 5, generator=torch.Generator().manual_seed(1)).double()
+    return logits, sampled(logits)
+
+
+@pytest.mark.parametrize("factor", [0.25, 1.0, 4.0])
+def test_the_temperature_undoes_a_factor_of_honest_logits(honest, factor):
+    logits, labels = honest
+    assert fit_temperature(factor * logits, labels) == pytest.approx(factor, rel=0.03)
+
+
+def test_no_other_temperature_has_a_lower_loss(honest):
+    logits, labels = honest[0][:200] * 3, honest[1][:200]
+    best = fit_temperature(logits, labels)
+
+    def loss(temperature):
+        return float(nll((logits / temperature).softmax(-1), labels))
+
+    assert all(loss(best) <= loss(best * f) + 1e-12 for f in (0.5, 0.9, 0.999, 1.001, 1.1, 2))
+
+
+def test_logits_that_say_nothing_get_the_highest_temperature():
+    random = torch.Generator().manual_seed(2)
+    logits = torch.randn(4000, 5, generator=random)
+    assert fit_temperature(logits, torch.randint(5, (4000,), generator=random)) > 15
+
+
+def test_a_temperature_without_pairs_is_refused():
+    with pytest.raises(DataError, match="held-out pairs; there are none"):
+        fit_temperature(torch.zeros(0, 5), torch.zeros(0, dtype=torch.long))
+
+
+def test_the_share_goes_to_the_branch_that_is_right(honest):
+    logits, labels = (x[:1000] for x in honest)
+    noise = torch.randn(logits.shape, generator=torch.Generator().manual_seed(3)).double()
+    assert fit_share(logits, noise, labels) > 0.9
+    assert fit_share(noise, logits, labels) < 0.1
+    assert fit_share(logits, logits, labels) == 0.5
+
+
+def test_a_head_of_one_modality_is_calibrated_for_that_one(honest):
+    logits, labels = honest
+    found = fit_calibration({"vis": 3 * logits}, labels)
+    assert found.temperature["vis"] == pytest.approx(3, rel=0.03)
+    assert found.temperature["fused"] == found.temperature["vis"]
+    assert found.temperature["tac"] == 1
+
+
+def test_confidence_of_honest_logits_is_their_accuracy_after_calibration(honest):
+    logits, labels = honest
+    before = ece((4 * logits).softmax(-1), labels)
+    after = ece((4 * logits / fit_temperature(4 * logits, labels)).softmax(-1), labels)
+    assert before > 0.1
+    assert after < 0.01
+
+
+def test_risk_grows_over_the_most_confident_first():
+    probabilities = torch.tensor([[0.6, 0.4], [0.9, 0.1], [0.3, 0.7], [0.8, 0.2]])
+    labels = torch.tensor([1, 0, 1, 1])  # in order of confidence: right, wrong, right, wrong
+    risk = risk_coverage(probabilities, labels)
+    torch.testing.assert_close(risk, torch.tensor([0, 1 / 2, 1 / 3, 1 / 2]))
+    assert float(aurc(probabilities, labels)) == pytest.approx((1 / 2 + 1 / 3 + 1 / 2) / 4)
+
+
+def test_nll_is_the_mean_log_of_the_true_class():
+    probabilities = torch.tensor([[0.5, 0.5], [0.1, 0.9]])
+    assert float(nll(probabilities, torch.tensor([0, 1]))) == pytest.approx(-(math.log(0.5) + math.log(0.9)) / 2)
+    assert math.isnan(nll(probabilities[:0], torch.zeros(0, dtype=torch.long)))

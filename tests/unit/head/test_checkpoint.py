@@ -1,0 +1,196 @@
+"""A head on disk: a saved head loads unchanged, and errors name the file."""
+
+import json
+import shutil
+from dataclasses import replace
+
+import pytest
+import torch
+
+from omnivat.data.rest import RESTED
+from omnivat.head.checkpoint import Head, head_hash, load_head, save_head
+from omnivat.head.fusion import Calibration, plain
+from omnivat.kit.errors import DataError
+
+
+@pytest.fixture
+def folder(head_folder, tmp_path):
+    """A copy of the trained head for tests to damage."""
+    return shutil.copytree(head_folder, tmp_path / "copy")
+
+
+def test_a_head_comes_back_as_it_was_saved(folder, tmp_path):
+    first = load_head(folder)
+    save_head(tmp_path / "again", first)
+    second = load_head(tmp_path / "again")
+    for name, tensor in first.model.state_dict().items():
+        assert torch.equal(tensor, second.model.state_dict()[name])
+    assert (first.settings, first.encoder) == (second.settings, second.encoder)
+    assert first.provenance == second.provenance
+    assert head_hash(folder) == head_hash(tmp_path / "again")
+
+
+def test_a_head_says_where_it_comes_from(folder):
+    head = load_head(folder)
+    assert head.source == "TAG-sim"
+    assert head.provenance["simulated"] is True
+    assert head.provenance["lang"]["hash"]
+    assert {record["domain"] for record in head.metrics["domains"]} == {"TAG-sim", "OF Real-sim"}
+
+
+def test_a_loaded_head_is_frozen_and_its_order_stays_in_double_precision(folder):
+    head = load_head(folder)
+    assert not head.model.training
+    assert not any(p.requires_grad for p in head.model.parameters())
+    assert head.model.mffa.order.dtype == torch.float64
+
+
+def test_saving_replaces_an_older_head_and_nothing_else(folder, tmp_path):
+    head = load_head(folder)
+    save_head(folder, head)
+    other = tmp_path / "thesis"
+    other.mkdir()
+    (other / "chapter.txt").write_text("years of work")
+    with pytest.raises(DataError, match=r"holds 'chapter.txt', which is not part of a head"):
+        save_head(other, head)
+    assert (other / "chapter.txt").read_text() == "years of work"
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["copy", "thesis"]
+
+
+def test_a_save_that_fails_leaves_the_old_head_whole(folder, monkeypatch):
+    before, head = head_hash(folder), load_head(folder)
+    monkeypatch.setattr("omnivat.head.checkpoint.write_json", lambda *_: (_ for _ in ()).throw(OSError("disk full")))
+    with pytest.raises(OSError, match=r"was not written \(disk full\)"):
+        save_head(folder, head)
+    assert head_hash(folder) == before
+    assert [p.name for p in folder.parent.iterdir()] == ["copy"]
+
+
+def break_weights(folder):
+    path = folder / "weights.safetensors"
+    path.write_bytes(path.read_bytes()[:100])
+
+
+def edit_settings(folder, **changes):
+    path = folder / "settings.json"
+    record = json.loads(path.read_text())
+    record["head"] |= changes
+    path.write_text(json.dumps(record))
+
+
+@pytest.mark.parametrize(
+    ("spoil", "sentence"),
+    [
+        (break_weights, r"weights\.safetensors' cannot be read"),
+        (lambda f: (f / "weights.safetensors").unlink(), r"weights\.safetensors' is missing"),
+        (lambda f: (f / "settings.json").unlink(), r"settings\.json' is missing"),
+        (lambda f: (f / "settings.json").write_text("{"), r"is not readable JSON"),
+        (lambda f: (f / "settings.json").write_text("[1]"), "should hold a JSON object"),
+        (lambda f: (f / "settings.json").write_text("{}"), "is not the settings of a head"),
+        (lambda f: edit_settings(f, width=32), r"does not fit its settings: .* has shape"),
+        (lambda f: edit_settings(f, levls=3), r"has no setting 'levls'\. Did you mean 'levels'"),
+        (lambda f: edit_settings(f, width="wide"), "Setting 'width' is 'wide'; it must be int"),
+        (shutil.rmtree, r"No head at .* Train one with"),
+    ],
+)
+def test_a_spoilt_head_is_refused_with_the_name_of_the_file(folder, spoil, sentence):
+    spoil(folder)
+    with pytest.raises(DataError, match=sentence):
+        load_head(folder)
+
+
+@pytest.mark.parametrize("train", [None, [], "x", {"order_draw": 3}, {"modalities": None}, {"order_low": "0"}])
+def test_training_settings_of_another_kind_are_refused(folder, train):
+    path = folder / "settings.json"
+    record = json.loads(path.read_text())
+    record["provenance"]["train"] = train
+    path.write_text(json.dumps(record))
+    with pytest.raises(DataError, match="should hold its training settings as an object"):
+        load_head(folder)
+
+
+def test_weights_with_nan_are_refused(folder):
+    from safetensors.torch import load_file, save_file
+
+    path = folder / "weights.safetensors"
+    tensors = load_file(path)
+    tensors["classifier"][0, 0] = float("nan")
+    save_file(tensors, path)
+    with pytest.raises(DataError, match="classifier holds NaN or infinite values"):
+        load_head(folder)
+
+
+def test_embeddings_with_a_rest_picture_are_refused_in_words_of_their_own(folder):
+    with pytest.raises(DataError, match=r"made with a rest picture .* Embed the pairs without"):
+        load_head(folder).require(("test-encoder", "0" * 16, "none" + RESTED), 24, what="They")
+
+
+@pytest.mark.parametrize(
+    ("key", "width"),
+    [
+        (("other", "0" * 16, "none"), 24),
+        (("test-encoder", "f" * 16, "none"), 24),
+        (("test-encoder", "0" * 16, "crop"), 24),
+        (("test-encoder", "0" * 16, "none"), 512),
+    ],
+)
+def test_embeddings_that_the_head_was_not_trained_on_are_refused(folder, key, width):
+    head: Head = load_head(folder)
+    head.require(("test-encoder", "0" * 16, "none"), 24, what="The embeddings")
+    with pytest.raises(DataError, match="The embeddings come from .* and this head was trained with"):
+        head.require(key, width, what="The embeddings")
+
+
+def test_a_calibration_and_training_images_come_back(folder, tmp_path):
+    first = load_head(folder)
+    first.model.calibration = Calibration(temperature={"vis": 2.0, "tac": 3.0, "fused": 1.5}, share=0.75)
+    save_head(tmp_path / "again", first)
+    second = load_head(tmp_path / "again")
+    assert plain(second.model.calibration) == plain(first.model.calibration)
+    rows = first.familiarity.rows["vis"][:3]
+    assert first.familiarity.look(rows, None) == second.familiarity.look(rows, None)
+
+
+def test_an_older_head_without_a_calibration_loads_with_temperatures_of_one(folder, tmp_path):
+    save_head(tmp_path / "old", load_head(folder))
+    settings = json.loads((tmp_path / "old" / "settings.json").read_text())
+    del settings["calibration"]
+    (tmp_path / "old" / "settings.json").write_text(json.dumps(settings))
+    (tmp_path / "old" / "familiarity.safetensors").unlink()
+    found = load_head(tmp_path / "old")
+    assert found.model.calibration == Calibration()
+    assert found.familiarity is None
+
+
+@pytest.mark.parametrize("value", [0, -1, "warm", None])
+def test_a_temperature_that_cannot_be_is_refused(folder, tmp_path, value):
+    save_head(tmp_path / "bad", load_head(folder))
+    settings = json.loads((tmp_path / "bad" / "settings.json").read_text())
+    settings["calibration"]["temperature"]["vis"] = value
+    (tmp_path / "bad" / "settings.json").write_text(json.dumps(settings))
+    with pytest.raises(DataError, match="settings.json' holds"):
+        load_head(tmp_path / "bad")
+
+
+def test_training_images_of_another_width_are_refused(folder, tmp_path):
+    found = load_head(folder)
+    narrow = {name: rows[:, :5] for name, rows in found.familiarity.rows.items()}
+    save_head(tmp_path / "bad", replace(found, familiarity=replace(found.familiarity, rows=narrow)))
+    with pytest.raises(DataError, match="does not fit this head"):
+        load_head(tmp_path / "bad")
+
+
+def test_what_killed_writers_of_a_head_left_goes_and_the_head_they_put_aside_returns(tmp_path):
+    import os
+
+    from omnivat.head.checkpoint import _sweep
+
+    half, aside, young = (tmp_path / f".head.{name}" for name in ("a", "b", "c"))
+    for folder, part in ((half, "new"), (aside, "old"), (young, "new")):
+        (folder / part).mkdir(parents=True)
+        (folder / part / "settings.json").write_text(folder.name)
+    for folder in (half, aside):
+        os.utime(folder, (1, 1))
+    _sweep(tmp_path / "head")
+    assert sorted(p.name for p in tmp_path.iterdir()) == [".head.c", "head"]
+    assert (tmp_path / "head" / "settings.json").read_text() == ".head.b"

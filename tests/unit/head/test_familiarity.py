@@ -1,0 +1,102 @@
+"""Familiarity: the nearest training image, read against the training set's own distances."""
+
+from dataclasses import replace
+
+import pytest
+import torch
+from torch.nn.functional import normalize
+
+from omnivat.head.calibration import (
+    MOST_ROWS,
+    familiarity_of,
+    load_familiarity,
+    nearest_cosine,
+    quantile_of,
+    save_familiarity,
+    words,
+)
+from omnivat.kit.errors import DataError
+
+
+@pytest.fixture(scope="module")
+def images():
+    random = torch.Generator().manual_seed(0)
+    centre = torch.randn(32, generator=random)
+    return [centre + 0.5 * torch.randn(200, 32, generator=random) for _ in ("vis", "tac")]
+
+
+def own_objects(count):
+    return [str(i) for i in range(count)]
+
+
+def test_the_nearest_cosine_is_the_largest_of_all():
+    rows, reference = torch.eye(3), normalize(torch.tensor([[1.0, 1.0, 0.0], [0.0, 0.0, 5.0]]))
+    expected = torch.tensor([0.5**0.5, 0.5**0.5, 1.0])
+    torch.testing.assert_close(nearest_cosine(rows, reference), expected)
+
+
+def test_a_training_image_is_familiar_and_noise_is_not(images):
+    found = familiarity_of(*images, own_objects(200))
+    (known,) = found.look(images[0][:1], None)
+    assert known["vis"] == {"cosine": 1.0, "quantile": 1.0, "words": "familiar"}
+    strange = torch.randn(1, 32, generator=torch.Generator().manual_seed(9))
+    (unknown,) = found.look(strange, strange)
+    assert unknown["vis"]["quantile"] == 0 == unknown["tac"]["quantile"]
+    assert unknown["vis"]["words"] == "unlike the training images"
+
+
+def test_new_images_of_the_same_kind_have_even_quantiles(images):
+    """Half of new images drawn alike lie below the median of the set's own cosines."""
+    vis, tac = images
+    found = familiarity_of(vis[:100], tac[:100], own_objects(100))
+    places = [record["tac"]["quantile"] for record in found.look(None, tac[100:])]
+    assert 0.35 < sum(p < 0.5 for p in places) / 100 < 0.65
+
+
+def test_pictures_of_the_same_object_do_not_count_as_neighbours(images):
+    """Two nearly equal pictures an object would otherwise make all else look strange."""
+    vis = images[0][:50].repeat_interleave(2, dim=0) + 1e-4
+    one = familiarity_of(vis, None, [str(i // 2) for i in range(100)])
+    two = familiarity_of(vis, None, own_objects(100))
+    assert one.quantiles["vis"].max() < 0.999 < two.quantiles["vis"].min()
+
+
+def test_a_quantile_is_where_a_value_stands():
+    quantiles = torch.tensor([0.0, 0.2, 0.4, 1.0])
+    values = torch.tensor([-1.0, 0.0, 0.1, 0.4, 0.7, 1.0, 2.0])
+    expected = torch.tensor([0, 0, 1 / 6, 2 / 3, 5 / 6, 1, 1])
+    torch.testing.assert_close(quantile_of(values, quantiles), expected)
+
+
+def test_words_have_an_order():
+    assert [words(q) for q in (0.0, 0.1, 0.5, 1.0)] == [
+        "unlike the training images",
+        "familiar",  # an ordinary rank: a tenth of the training images lie below
+        "familiar",
+        "familiar",
+    ]
+
+
+def test_a_large_set_keeps_a_bounded_number_of_rows():
+    found = familiarity_of(torch.randn(5001, 4), None, own_objects(5001))
+    assert len(found.rows["vis"]) <= MOST_ROWS
+
+
+def test_one_object_is_refused():
+    with pytest.raises(DataError, match="two objects or more"):
+        familiarity_of(torch.randn(3, 4), None, ["same"] * 3)
+
+
+def test_the_training_rows_come_back_with_lengths_and_classes(images, tmp_path):
+    labels = torch.arange(200) % 5
+    found = familiarity_of(*images, own_objects(200), labels)
+    save_familiarity(tmp_path / "file.safetensors", found)
+    again = load_familiarity(tmp_path / "file.safetensors", 32)
+    assert torch.equal(again.labels, labels)
+    for name, rows in zip(("vis", "tac"), images, strict=True):
+        again_rows = again.rows[name] * again.lengths[name][:, None]
+        torch.testing.assert_close(again_rows, rows, atol=0.01, rtol=0.01)  # half precision
+    broken = replace(found, labels=labels[:3])
+    save_familiarity(tmp_path / "file.safetensors", broken)
+    with pytest.raises(DataError, match="does not fit"):
+        load_familiarity(tmp_path / "file.safetensors", 32)

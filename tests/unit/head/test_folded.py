@@ -1,0 +1,179 @@
+"""The fast head against the reference, token by token: the same head, but faster."""
+
+import pytest
+import torch
+
+from omnivat.head import reference
+from omnivat.head.folded import versions
+from omnivat.head.output import HeadOutput
+
+
+@torch.no_grad()
+def by_reference(model, vis, tac, order=None):
+    order = order if order is None else torch.tensor(order, dtype=torch.float64)
+    return reference.predict(model, {"vis": vis, "tac": tac}, order)
+
+
+def largest_difference(first: reference.Predicted, second: HeadOutput) -> float:
+    """Return the largest difference of F, F-bar, F-hat, logits and probabilities."""
+    differences = [(first.probabilities - second.probabilities).abs().max()]
+    for name, one in first.features.items():
+        length = max(1.0, float(one.parts.abs().max()) if one.parts.numel() else 1.0)  # near √D
+        channels = second.relu[name][: len(one.relu)]
+        differences.append((one.relu - channels).abs().max() / length)
+        differences.append((one.parts - second.frft[name]).abs().max() / length)
+        differences.append((one.f_bar - second.f_bar[name]).abs().max())
+        differences.append((first.f_hat[name] - second.f_hat[name]).abs().max())
+        differences.append((first.logits[name] - second.logits[name]).abs().max() / 10)
+    return float(torch.stack(differences).max())
+
+
+@pytest.mark.parametrize("theta", ["ones", "signed", "normal"])
+@pytest.mark.parametrize(
+    "change",
+    [
+        {},
+        {"attention_scale": "outside"},
+        {"feature_scale": "literal"},
+        {"class_token": False},
+        {"complex_to_real": "magnitude"},
+        {"complex_to_real": "real"},
+        {"complex_to_real": "hermitian"},
+        {"order_per_modality": True},
+        {"expansion": 1},
+        {"levels": 1},
+        {"generation": "series"},
+        {"generation": "parallel"},
+        {"generation": "interpolation"},
+        {"generation": "none"},
+        {"mffa": False},
+    ],
+    ids=str,
+)
+def test_the_folded_head_answers_as_the_unfolded_one_to_1e_12(make_head, make_pairs, theta, change):
+    model, given = make_head(theta=theta, **change), make_pairs(7)
+    for order in (None, 0.0, 0.3, 1.0, -1.7):
+        printed = by_reference(model, *given, order=order)
+        with torch.no_grad():
+            folded = model(*given, order=order)
+        assert largest_difference(printed, folded) <= 1e-12
+
+
+@pytest.mark.parametrize("width", [64, 512])
+@pytest.mark.parametrize("theta", ["ones", "normal"])
+def test_in_single_precision_they_differ_by_less_than_1e_6(make_head, make_pairs, width, theta):
+    changes = {"width": width, "input_width": 512, "lang_width": 512}
+    model = make_head(theta=theta, dtype=torch.float32, **changes)
+    given = make_pairs(40, 512, torch.float32)
+    printed = by_reference(model, *given)
+    with torch.no_grad():
+        assert largest_difference(printed, model(*given)) <= 1e-6
+
+
+@pytest.mark.parametrize("dtype", [torch.float32, torch.float64])
+def test_a_pair_alone_in_a_batch_and_across_chunks_is_predicted_alike(make_head, make_pairs, monkeypatch, dtype):
+    monkeypatch.setattr("omnivat.head.head.CHUNK", 16)
+    model = make_head(dtype=dtype, width=128, input_width=96, theta="signed")
+    vis, tac = make_pairs(37, 96, dtype)
+    with torch.inference_mode():
+        together = model(vis, tac)
+        alone = [model(vis[i : i + 1], tac[i : i + 1]) for i in range(37)]
+    assert len(together.probabilities) == 37
+    single = torch.cat([output.probabilities for output in alone])
+    assert (together.probabilities - single).abs().max() <= 1e-6
+
+
+def test_chunks_keep_orders_and_nodes_with_their_pairs(make_head, make_pairs, monkeypatch):
+    model, given = make_head(), make_pairs(10)
+    orders = torch.linspace(0, 1, 10, dtype=torch.float64)
+    with torch.no_grad():
+        kept = model.coefficients(*given)
+        whole = model.from_coefficients(kept, orders, nodes=True)
+        monkeypatch.setattr("omnivat.head.head.CHUNK", 3)
+        parts = model.from_coefficients(kept, orders, nodes=True)
+    torch.testing.assert_close(parts.nodes, whole.nodes)
+    torch.testing.assert_close(parts.f_hat, whole.f_hat)
+    assert parts.frft["vis"].shape == (2, 10, 16)
+
+
+def test_no_pairs_give_empty_answers(make_head):
+    with torch.no_grad():
+        output = make_head()(torch.zeros(0, 24), torch.zeros(0, 24))
+    assert output.probabilities.shape == (0, 5)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "mffa.bank",
+        "mffa.fratt.query.weight",
+        "mffa.fratt.value.bias",
+        "mffa.fratt.ffn.0.weight",
+        "mffa.fratt.ffn.2.weight",
+        "mffa.theta.vis",
+        "dtg.weight",
+        "classifier",
+        "project_image.weight",
+        "project_tac.weight",
+    ],
+)
+def test_a_weight_changed_in_place_changes_the_next_prediction(make_head, make_pairs, name):
+    """Folded weights must not outlive the original weights."""
+    model, given = make_head(), make_pairs(3)
+    with torch.no_grad():
+        before = model(*given).probabilities
+        model.state_dict()[name].mul_(-2)
+        after = model(*given)
+    assert not torch.allclose(before, after.probabilities)
+    assert largest_difference(by_reference(model, *given), after) <= 1e-12
+
+
+def test_loading_weights_and_changing_precision_forget_what_was_folded(make_head, make_pairs):
+    model, other, given = make_head(), make_head(theta="normal"), make_pairs(3)
+    with torch.no_grad():
+        model(*given)
+        model.load_state_dict(other.state_dict())
+        torch.testing.assert_close(model(*given).probabilities, other(*given).probabilities)
+        single = model.float()(*(x.float() for x in given)).probabilities
+    assert single.dtype == torch.float32
+
+
+def test_folding_happens_once_while_nothing_changes(make_head, make_pairs, monkeypatch):
+    import omnivat.head.head as module
+
+    calls = []
+    fold = module.fold_mffa
+    monkeypatch.setattr(module, "fold_mffa", lambda *a: calls.append(a) or fold(*a))
+    model, given = make_head(), make_pairs(3)
+    with torch.no_grad():
+        for order in (0.1, 0.2, 0.3):
+            model(*given, order=order)
+    assert len(calls) == 1
+
+
+def test_versions_see_a_change_and_only_a_change(make_head):
+    model = make_head()
+    before = versions(model)
+    assert versions(model) == before
+    with torch.no_grad():
+        model.classifier.add_(0)
+    assert versions(model) != before
+
+
+def test_gradients_reach_p_and_the_embeddings_where_they_are_asked_for(make_head, make_pairs):
+    model = make_head()
+    vis, tac = make_pairs(3)
+    output = model(vis.requires_grad_(), tac)
+    output.logits["vis"].sum().backward()
+    assert model.mffa.order.grad.abs() > 0
+    assert vis.grad.abs().sum() > 0
+
+
+def test_attention_weights_are_shown_and_agree_with_the_fast_prediction(make_head, make_pairs):
+    model, given = make_head(theta="signed"), make_pairs(4)
+    with torch.no_grad():
+        shown, fast = model(*given, attention=True), model(*given)
+    assert shown.attention["vis"].shape == (4, 8, 8)
+    torch.testing.assert_close(shown.attention["tac"].sum(-1), torch.ones(4, 8, dtype=torch.float64))
+    assert not fast.attention
+    assert largest_difference(by_reference(model, *given), shown) <= 1e-12

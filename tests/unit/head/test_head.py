@@ -1,0 +1,265 @@
+"""The head: stages, counts, folding, and independence of predictions."""
+
+import pytest
+import torch
+
+from omnivat.head.head import CHUNK, OmniVaT, build_head, parameter_count
+from omnivat.head.settings import HeadSettings, literal
+from omnivat.kit.errors import DataError, SettingsError, ShapeError
+
+CLASSES = ("wood", "steel", "plastic", "ceramic", "glass")
+
+
+def settings(**changes: object) -> HeadSettings:
+    values: dict[str, object] = {"classes": CLASSES, "input_width": 24, "width": 16, "lang_width": 8}
+    return HeadSettings(**(values | changes))
+
+
+@pytest.fixture
+def head() -> OmniVaT:
+    """A head with weights that make every part matter, in double precision."""
+    model = build_head(settings()).double().eval()
+    with torch.no_grad():
+        torch.manual_seed(1)
+        model.mffa.bank.normal_()
+        model.mffa.bank_seen.fill_(True)
+        for theta in model.mffa.theta.values():
+            theta.normal_()
+        model.dtg.bias.normal_()
+    return model
+
+
+def pairs(count: int, seed: int = 0) -> tuple[torch.Tensor, torch.Tensor]:
+    random = torch.Generator().manual_seed(seed)
+    return tuple(torch.randn(count, 24, generator=random, dtype=torch.float64) for _ in "vt")
+
+
+# counts: attention 3 (D² + D), FFN 8 D² + 5 D, tree (2^R - 2)(D² + D), θ_e 3 E, p 1, classifier 5 D
+@pytest.mark.parametrize("width", [64, 512, 768, 1024])
+@pytest.mark.parametrize("levels", [1, 2, 3, 4])
+def test_parameters_are_counted_as_the_paper_is_read(width, levels):
+    chosen = settings(width=width, input_width=width, lang_width=width, levels=levels)
+    square, tree = width**2, 2**levels - 2
+    wanted = 11 * square + 8 * width + tree * (square + width) + 5 * width + 3 * 4 + 1
+    assert parameter_count(chosen) == wanted
+
+
+def test_each_image_modality_has_a_projection_of_its_own_unless_they_share_one():
+    """Changing TAC's map leaves VIS's features alone; a shared one is 16 (24 + 1) numbers less."""
+    model, (vis, tac) = build_head(settings()).double(), pairs(3)
+    before = model.embedded({"vis": vis, "tac": tac})
+    with torch.no_grad():
+        model.project_tac.weight.neg_()
+    after = model.embedded({"vis": vis, "tac": tac})
+    assert torch.equal(before[0], after[0])
+    assert not torch.allclose(before[1], after[1])
+    torch.testing.assert_close(after[1], model.embedded({"tac": tac})[0])
+    apart, shared = (parameter_count(settings(shared_projection=s)) for s in (False, True))
+    assert apart - shared == 16 * 25
+
+
+def test_core_head_at_width_512_has_4_47_million_parameters():
+    count = parameter_count(settings(width=512, input_width=512, lang_width=512))
+    assert count == 4_466_189
+    assert f"{count / 1e6:.2f}" == "4.47"
+
+
+def test_folded_tree_is_the_mean_of_its_seven_nodes(head):
+    root = torch.randn(11, 16, dtype=torch.float64)
+    matrix, offset = head.dtg.fold()
+    nodes = head.dtg.grow(root).nodes
+    assert nodes.shape == (11, 7, 16)
+    torch.testing.assert_close(root @ matrix.T + offset, nodes.mean(1), atol=1e-12, rtol=0)
+
+
+def test_a_child_is_its_parent_times_its_own_matrix(head):
+    root = torch.randn(1, 16, dtype=torch.float64)
+    nodes = head.dtg.grow(root).nodes[0]
+    for child in range(1, 7):
+        parent = nodes[(child - 1) // 2]
+        wanted = head.dtg.weight[child - 1] @ parent + head.dtg.bias[child - 1]
+        torch.testing.assert_close(nodes[child], wanted)
+
+
+def test_prediction_with_nodes_and_without_is_the_same(head):
+    vis, tac = pairs(5)
+    with torch.no_grad():
+        shown, folded = head(vis, tac, nodes=True), head(vis, tac)
+    mean = shown.nodes.mean(1)
+    torch.testing.assert_close(folded.f_hat["vis"], folded.f_bar["vis"] + mean)
+    assert folded.nodes is None
+    torch.testing.assert_close(shown.probabilities, folded.probabilities)
+
+
+@pytest.mark.parametrize("missing", ["vis", "tac"])
+def test_one_modality_alone_is_enough(head, missing):
+    vis, tac = pairs(4)
+    given = {"vis": vis, "tac": tac} | {missing: None}
+    with torch.no_grad():
+        output = head(given["vis"], given["tac"])
+    present = "tac" if missing == "vis" else "vis"
+    assert list(output.logits) == [present]
+    torch.testing.assert_close(output.probabilities, output.branch_probabilities[present])
+    torch.testing.assert_close(output.probabilities.sum(-1), torch.ones(4, dtype=torch.float64))
+
+
+def test_no_modality_at_all_is_refused(head):
+    with pytest.raises(DataError, match=r"Neither VIS nor TAC was given; give one of them or both\."):
+        head(None, None)
+
+
+def test_embeddings_of_another_width_are_refused(head):
+    with pytest.raises(ShapeError, match=r"vis has shape \(2, 7\); this head needs \(B, 24\)"):
+        head(torch.zeros(2, 7), None)
+
+
+def test_unequal_numbers_of_vis_and_tac_are_refused(head):
+    with pytest.raises(ShapeError, match="different numbers of pairs"):
+        head(torch.zeros(2, 24), torch.zeros(3, 24))
+
+
+@pytest.mark.parametrize("dtype", [torch.float32, torch.float64])
+def test_a_pair_is_predicted_alike_alone_and_in_a_batch(head, dtype):
+    head = head.to(dtype)
+    vis, tac = (x.to(dtype) for x in pairs(33))
+    with torch.no_grad():
+        batch = head(vis, tac).probabilities
+        alone = torch.cat([head(vis[i : i + 1], tac[i : i + 1]).probabilities for i in range(33)])
+    assert (batch - alone).abs().max() <= 1e-6
+
+
+def test_coefficients_give_the_output_of_a_full_pass_at_any_order(head):
+    vis, tac = pairs(6)
+    with torch.no_grad():
+        kept = head.coefficients(vis, tac)
+        for order in (0, 0.25, 1, 1.7, 2, 3, -0.4):
+            full = head(vis, tac, order=order).probabilities
+            torch.testing.assert_close(head.from_coefficients(kept, order).probabilities, full)
+        part = head.from_coefficients(kept[2:4], 0.3).probabilities
+        torch.testing.assert_close(part, head(vis[2:4], tac[2:4], order=0.3).probabilities)
+
+
+def test_one_order_a_pair_equals_one_pass_an_order(head):
+    vis, tac = pairs(3)
+    orders = torch.tensor([0.1, 0.5, 0.9], dtype=torch.float64)
+    with torch.no_grad():
+        kept = head.coefficients(vis, tac)
+        rows = head.from_coefficients(kept, orders).probabilities
+        for row, order in enumerate(orders.tolist()):
+            alone = head.from_coefficients(kept[row : row + 1], order).probabilities
+            torch.testing.assert_close(rows[row : row + 1], alone)
+
+
+def test_a_tensor_of_one_order_serves_any_number_of_pairs(head):
+    vis, tac = pairs(CHUNK + 3)
+    order = torch.tensor([0.1], dtype=torch.float64)
+    with torch.no_grad():
+        torch.testing.assert_close(head(vis, tac, order=order).probabilities, head(vis, tac, order=0.1).probabilities)
+
+
+def test_probabilities_change_with_the_order_and_continuously(head):
+    vis, tac = pairs(8)
+    with torch.no_grad():
+        at = {p: head(vis, tac, order=p).probabilities for p in (0.0, 1e-6, 0.5, 1.0)}
+    assert (at[0.0] - at[1e-6]).abs().max() < 1e-4
+    assert (at[0.0] - at[0.5]).abs().max() > 1e-3
+    assert (at[0.5] - at[1.0]).abs().max() > 1e-3
+
+
+@pytest.mark.parametrize("value", [0.0, 1e-30, 1e30])
+def test_zero_tiny_and_huge_embeddings_give_finite_probabilities(head, value):
+    row = torch.full((1, 24), value, dtype=torch.float64)
+    with torch.no_grad():
+        probabilities = head(row, row).probabilities
+    assert probabilities.isfinite().all()
+    torch.testing.assert_close(probabilities.sum(), torch.tensor(1.0, dtype=torch.float64))
+
+
+@pytest.mark.parametrize("factor", [1e-30, 1e30])
+def test_the_size_of_embeddings_does_not_matter_even_where_squares_overflow(factor):
+    """Nor where they vanish: 1e30 squared is infinite in single precision."""
+    model = build_head(settings(input_width=16, standardize=False)).eval()
+    vis, tac = (x[:, :16].float() for x in pairs(3))
+    with torch.no_grad():
+        plain, scaled = model(vis, tac), model(factor * vis, factor * tac)
+    assert (plain.probabilities - scaled.probabilities).abs().max() < 1e-6
+
+
+def test_class_token_in_prediction_needs_no_label(head):
+    """It is the mean over the bank, so changing one class's row changes every prediction."""
+    vis, tac = pairs(2)
+    with torch.no_grad():
+        before = head(vis, tac).probabilities
+        head.mffa.bank[:, 3] += 10
+        assert not torch.allclose(head(vis, tac).probabilities, before)
+        head.mffa.bank_seen[3] = False
+        without = head.mffa.class_agnostic_tokens(["vis"])[0]
+    torch.testing.assert_close(without, head.mffa.bank[1, [0, 1, 2, 4]].mean(0))
+
+
+def test_pairs_without_lang_train_as_they_are_predicted(head):
+    """With LANG off and the class-agnostic token, training computes the prediction's features."""
+    vis, tac = pairs(4)
+    off = torch.zeros(4, dtype=torch.bool)
+    labels = torch.tensor([0, 1, 2, 3])
+    lang = torch.randn(4, 8, dtype=torch.float64)
+    head.train()
+    trained = head.training_pass(vis, tac, lang, labels, lang_on=off, token_on=off)
+    head.eval()
+    predicted = head(vis, tac)
+    for name in ("vis", "tac"):
+        torch.testing.assert_close(trained.features[name], predicted.f_bar[name])
+        torch.testing.assert_close(trained.logits[name], predicted.logits[name])
+
+
+def test_lang_guides_vis_and_tac_where_it_is_on(head):
+    vis, tac = pairs(4)
+    labels = torch.tensor([0, 1, 2, 3])
+    on = torch.tensor([True, False, True, False])
+    first, second = (
+        head.training_pass(
+            vis,
+            tac,
+            torch.randn(4, 8, dtype=torch.float64),
+            labels,
+            lang_on=on,
+            token_on=torch.zeros(4, dtype=torch.bool),
+        )
+        for _ in range(2)
+    )
+    moved = (first.logits["vis"] - second.logits["vis"]).abs().amax(-1) > 1e-9
+    assert moved.tolist() == on.tolist()
+
+
+def test_literal_settings_follow_the_printed_equations():
+    chosen = literal(settings())
+    assert (chosen.attention_scale, chosen.feature_scale) == ("outside", "literal")
+    model = build_head(chosen).eval()
+    with torch.no_grad():
+        output = model(torch.randn(2, 24), torch.randn(2, 24))
+    torch.testing.assert_close(output.f_hat["vis"], output.f_bar["vis"])  # Alg. 2 has no tree
+    assert not torch.allclose(output.f_bar["vis"].norm(dim=-1), torch.ones(2))
+
+
+def test_same_seed_gives_the_same_weights_and_leaves_global_randomness_alone():
+    torch.manual_seed(7)
+    expected = torch.rand(1)
+    torch.manual_seed(7)
+    first, second, other = (build_head(settings(), seed=s) for s in (3, 3, 4))
+    assert torch.equal(torch.rand(1), expected)
+    assert all(torch.equal(a, b) for a, b in zip(first.parameters(), second.parameters(), strict=True))
+    assert not torch.equal(first.classifier, other.classifier)
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ({"levels": 9}, r"levels is 9; choose 1 to 6\."),
+        ({"theta_init": "twos"}, r"theta_init is 'twos'; choose one of spread, ones, signed, normal\."),
+        ({"classes": ("wood",)}, "two or more different names"),
+        ({"order": float("nan")}, "a number of quarter turns from -4 to 4"),
+    ],
+)
+def test_impossible_settings_are_refused_with_a_sentence(change, sentence):
+    with pytest.raises(SettingsError, match=sentence):
+        settings(**change)

@@ -1,0 +1,137 @@
+"""A head as ONNX gives the fast head's readings at any order."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+
+from omnivat.head.checkpoint import Head
+from omnivat.head.fusion import Calibration
+from omnivat.head.head import build_head
+from omnivat.head.settings import HeadSettings
+
+pytest.importorskip("onnx", reason="the extra [onnx] is not installed")
+runtime = pytest.importorskip("onnxruntime", reason="the extra [onnx] is not installed")
+pytest.importorskip("onnxscript", reason="the extra [onnx] is not installed")
+
+from omnivat.head.portable import OUTPUTS, STAGED, write_head, write_stages  # noqa: E402
+from omnivat.maps.sweep.walk import stage_features  # noqa: E402
+
+pytestmark = pytest.mark.slow  # an export takes seconds
+ORDERS = (0.0, 0.31, 1.0, 2.7, -3.99)
+
+
+def head_of(**changes):
+    settings = HeadSettings(classes=("a", "b", "c"), input_width=24, width=10, **changes)
+    model = build_head(settings, seed=3).eval().requires_grad_(False)
+    if settings.standardize:
+        model.input_mean.normal_()
+        model.input_scale.uniform_(0.5, 2)
+    if settings.mffa:
+        model.mffa.bank.normal_()
+        model.mffa.bank_seen.fill_(True)
+    model.calibration = Calibration(temperature={"fused": 1.3, "vis": 2.9, "tac": 0.7}, share=0.4)
+    return Head(model=model, settings=settings, encoder={}, provenance={})
+
+
+def run(file, vis, tac, orders, directions):
+    session = runtime.InferenceSession(file, providers=["CPUExecutionProvider"])
+    given = {
+        "vis": vis,
+        "tac": tac,
+        "orders": torch.tensor([orders, orders], dtype=torch.float64),
+        "directions": directions,
+    }
+    names = {one.name for one in session.get_inputs()}
+    feeds = {name: value.numpy() for name, value in given.items() if name in names}
+    found = session.run(None, feeds)
+    return {n: torch.from_numpy(np.asarray(v)) for n, v in zip(OUTPUTS, found, strict=True)}
+
+
+@pytest.fixture(scope="module")
+def plain(tmp_path_factory):
+    """A head as it is by default, and its file."""
+    head, file = head_of(), tmp_path_factory.mktemp("portable") / "head.onnx"
+    write_head(file, head)
+    return head, file
+
+
+@pytest.fixture(scope="module")
+def other(tmp_path_factory):
+    """A head of complex attention, of embeddings as they come, and its file."""
+    changes = {"complex_to_real": "hermitian", "fusion": "learned", "generation": "series"}
+    head, file = head_of(standardize=False, **changes), tmp_path_factory.mktemp("other") / "o.onnx"
+    write_head(file, head)
+    return head, file
+
+
+@pytest.mark.parametrize("which", ["plain", "other"])
+def test_a_portable_head_gives_every_reading_of_the_fast_head_at_any_order(which, request):
+    head, file = request.getfixturevalue(which)
+    vis, tac = torch.randn(2, 1, 24, generator=torch.Generator().manual_seed(1))
+    orders = torch.tensor(ORDERS, dtype=torch.float64)
+    found = run(file, vis, tac, ORDERS, head.model.directions())
+    many = torch.zeros(len(ORDERS), dtype=torch.long)
+    for given in ({"vis": vis, "tac": tac}, {"vis": vis, "tac": None}, {"vis": None, "tac": tac}):
+        out = head.model.from_coefficients(head.model.coefficients(**given)[many], orders)
+        alone = next((name for name in ("vis", "tac") if given[name] is None), "")
+        for name, wanted in out.readings.items():
+            if name == "fused" and alone:  # one image: the reading of that image
+                name = "tac" if alone == "vis" else "vis"
+            assert torch.allclose(found[f"p_{name}"], wanted, atol=2e-6), name
+        for name, wanted in out.frft.items():
+            assert torch.allclose(found[f"{name}_size"], wanted.norm(dim=0), atol=1e-5)
+    assert torch.allclose(found["vis_standing"], head.model.standing("vis", vis), atol=1e-6)
+
+
+def test_a_portable_head_takes_directions_of_more_classes(plain):
+    head, file = plain
+    more = torch.cat((head.model.directions(), torch.ones(1, 10)))
+    vis, tac = torch.ones(2, 1, 24)
+    found = run(file, vis, tac, (0.5, 0.6), more)
+    assert found["p_fused"].shape == (2, 4)
+    assert torch.allclose(found["p_fused"].sum(1), torch.ones(2))
+
+
+def test_a_profile_moves_embeddings_before_a_portable_head_as_before_the_head(plain):
+    from omnivat.data.profile import Channels, Profile
+    from omnivat.head.predict import predict_embeddings
+
+    random = np.random.default_rng(0)
+
+    def profile(count):
+        parts = {
+            name: Channels(
+                mean=random.normal(size=24).astype("f4"), variance=random.uniform(size=24).astype("f4"), count=count
+            )
+            for name in ("vis", "tac")
+        }
+        return Profile(channels=parts, key=("e", "w", "p"))
+
+    head, file = plain
+    head, own = replace(head, profile=replace(profile(200), step=0.75)), profile(9)
+    vis, tac = torch.randn(2, 1, 24)
+    near = [head.moved(name, rows, own) for name, rows in (("vis", vis), ("tac", tac))]
+    found = run(file, *near, (0.31, 0.5), head.model.directions())
+    wanted = predict_embeddings(head, vis, tac, order=0.31, profile=own)[0]
+    assert found["p_fused"][0].tolist() == pytest.approx(list(wanted["probabilities"].values()), abs=2e-6)
+
+
+def test_the_stages_and_trees_of_many_pairs_are_those_of_the_fast_head(tmp_path):
+    head, file = head_of(), tmp_path / "stages.onnx"
+    write_stages(file, head)
+    vis, tac = torch.randn(2, 5, 24)
+    session = runtime.InferenceSession(file, providers=["CPUExecutionProvider"])
+    orders = np.full(5, 0.31)
+    found = session.run(None, {"vis": vis.numpy(), "tac": tac.numpy(), "orders": orders})
+    names = [one.name for one in session.get_outputs()]
+    given = {name: torch.from_numpy(value) for name, value in zip(names, found, strict=True)}
+    wanted, alone = (head.model(vis, t, order=0.31, nodes=True) for t in (tac, None))
+    for stage in STAGED:
+        for name, rows in stage_features(wanted, stage).items():
+            torch.testing.assert_close(given[f"{stage}_{name}"], rows, atol=1e-5, rtol=1e-4)
+    torch.testing.assert_close(given["nodes"], wanted.nodes, atol=1e-5, rtol=1e-4)
+    torch.testing.assert_close(given["vis_nodes"], alone.nodes, atol=1e-5, rtol=1e-4)
+    shares = head.model.classify(wanted.nodes).softmax(-1)
+    torch.testing.assert_close(given["shares"], shares, atol=1e-5, rtol=1e-4)

@@ -1,0 +1,118 @@
+"""Readings: one modality alone is not a branch of the pair, and each fusion has the effect of its name."""
+
+import pytest
+import torch
+
+from omnivat.head.checkpoint import load_head
+from omnivat.head.fusion import FUSIONS, LATE, Calibration, fused_logs, plain
+from omnivat.head.predict import predict_embeddings
+from omnivat.kit.errors import MissingNameError, SettingsError
+
+GENERATIONS = ("tree", "series", "parallel", "interpolation", "none")
+
+
+def other_changed(pairs, name):
+    """Return the pairs with every image but `name` replaced."""
+    vis, tac = pairs
+    return (vis, tac.flip(0) + 1) if name == "vis" else (vis.flip(0) - 1, tac)
+
+
+def depends_on_the_other_image(reading, pairs, name):
+    return not torch.allclose(reading(*pairs), reading(*other_changed(pairs, name)), atol=1e-9)
+
+
+@pytest.mark.parametrize("settings", [*({"generation": g} for g in GENERATIONS), {"mffa": False}])
+@pytest.mark.parametrize("name", ["vis", "tac"])
+def test_one_modality_alone_is_the_head_called_without_the_other(make_head, make_pairs, settings, name):
+    model, pairs = make_head(**settings), make_pairs(7)
+    single = model(*(x if n == name else None for n, x in zip(("vis", "tac"), pairs, strict=True)))
+    torch.testing.assert_close(model(*pairs).readings[name], single.readings["fused"])
+    assert set(single.readings) == {"fused", name}
+
+
+@torch.no_grad()
+@pytest.mark.parametrize("name", ["vis", "tac"])
+def test_a_modality_alone_does_not_see_the_other_image_and_a_branch_does(make_head, make_pairs, name):
+    """The check of "alone" fails for a branch, so it would detect a branch used as "alone"."""
+    model, pairs = make_head(), make_pairs(7)
+    assert not depends_on_the_other_image(lambda *p: model(*p).readings[name], pairs, name)
+    assert depends_on_the_other_image(lambda *p: model(*p).readings[f"{name}_branch"], pairs, name)
+
+
+@torch.no_grad()
+def test_readings_are_the_same_in_chunks_and_with_live_weights(make_head, make_pairs):
+    model, pairs = make_head(), make_pairs(600)
+    together = model(*pairs).readings
+    alone = model(*(x[550:553] for x in pairs)).readings
+    with torch.enable_grad():
+        live = model(*pairs).readings
+    for name, values in together.items():
+        torch.testing.assert_close(values[550:553], alone[name])
+        torch.testing.assert_close(values, live[name].detach())
+
+
+@torch.no_grad()
+@pytest.mark.parametrize("fusion", FUSIONS)
+def test_a_fusion_gives_probabilities_and_a_temperature_changes_no_prediction(make_head, make_pairs, fusion):
+    model, pairs = make_head(fusion=fusion), make_pairs(9)
+    before = model(*pairs).readings
+    model.calibration = Calibration(temperature={"fused": 3.0, "vis": 0.5, "tac": 2.0})
+    after = model(*pairs).readings
+    for name in ("fused", "vis", "tac"):
+        torch.testing.assert_close(after[name].sum(-1), torch.ones(9, dtype=torch.float64))
+        assert torch.equal(before[name].argmax(-1), after[name].argmax(-1))
+    assert (after["fused"].amax(-1) < before["fused"].amax(-1)).all()
+    assert (after["vis"].amax(-1) > before["vis"].amax(-1)).all()
+
+
+def test_each_fusion_is_its_formula():
+    vis, tac = torch.tensor([[2.0, 0.0, -1.0]]).double(), torch.tensor([[0.0, 0.5, 0.3]]).double()
+    p, q = vis.softmax(-1), tac.softmax(-1)
+    torch.testing.assert_close(fused_logs("mean", vis, tac).exp(), (p + q) / 2)
+    product = (p * q).sqrt()
+    torch.testing.assert_close(fused_logs("product", vis, tac).exp(), product / product.sum())
+    learned = p**0.8 * q**0.2
+    torch.testing.assert_close(fused_logs("learned", vis, tac, 0.8).exp(), learned / learned.sum())
+    sure = [torch.log(torch.tensor(3.0).double()) + (x * x.log()).sum() for x in (p, q)]
+    confident = (sure[0] * p + sure[1] * q) / (sure[0] + sure[1])
+    torch.testing.assert_close(fused_logs("confidence", vis, tac).exp(), confident)
+
+
+def test_confidence_fusion_of_two_uniform_branches_is_uniform():
+    even = torch.zeros(1, 4).double()
+    torch.testing.assert_close(fused_logs("confidence", even, even).exp(), even + 0.25)
+
+
+def test_an_unknown_fusion_is_refused(make_head):
+    with pytest.raises(SettingsError, match="fusion is 'vote'; choose one of mean, product"):
+        make_head(fusion="vote")
+
+
+def test_an_unknown_fusion_of_two_branches_is_an_error_with_the_nearest_name():
+    with pytest.raises(MissingNameError, match="'prodct'; there are mean, .*Did you mean 'product'"):
+        fused_logs("prodct", torch.zeros(1, 3), torch.zeros(1, 3))
+
+
+def test_a_fusion_of_one_line_is_a_fusion_of_the_library(monkeypatch):
+    """docs/extend.md: one entry in LATE."""
+    monkeypatch.setitem(LATE, "photo", lambda logs, share: logs[0])
+    vis, tac = torch.randn(2, 4, 3)
+    torch.testing.assert_close(fused_logs("photo", vis, tac).exp(), vis.softmax(-1))
+
+
+def test_a_calibration_is_plain_values():
+    assert plain(Calibration()) == {"temperature": {"fused": 1.0, "vis": 1.0, "tac": 1.0}, "share": 0.5}
+
+
+def test_predicted_records_name_every_reading_and_familiarity(head_folder, make_embeddings):
+    head, pairs = load_head(head_folder), make_embeddings(domains=("TAG-sim",))
+    vis, tac = torch.from_numpy(pairs.vis[:2]), torch.from_numpy(pairs.tac[:2])
+    (first, _), (photo, _) = predict_embeddings(head, vis, tac), predict_embeddings(head, vis, None)
+    assert set(first["modalities"]) == set(first["branches"]) == {"vis", "tac"}
+    assert first["modalities"]["vis"] == pytest.approx(photo["probabilities"])
+    assert first["branches"]["vis"] != pytest.approx(photo["probabilities"])
+    assert photo["prediction"] == max(photo["probabilities"], key=photo["probabilities"].get)
+    assert "branches" not in photo
+    assert set(photo["familiarity"]) == {"vis"}
+    assert first["familiarity"]["tac"]["words"] == "familiar"
+    assert first["temperature"]["fused"] != 1

@@ -1,0 +1,109 @@
+"""A head standardizes its input by the profile of its source."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+
+from omnivat.data.profile import STEP_SHIFTED, moved, profile_of
+from omnivat.head.checkpoint import load_head, save_head
+from omnivat.head.predict import predict_embeddings
+from omnivat.kit.errors import DataError
+from omnivat.training import TrainSettings
+from omnivat.training.from_pairs import head_from_pairs
+
+
+@pytest.fixture(scope="module")
+def head(head_folder):
+    return load_head(head_folder)
+
+
+def test_the_source_lies_at_zero_after_standardising(head, make_embeddings):
+    source = make_embeddings().in_domain("TAG-sim")
+    rows = (torch.from_numpy(source.vis) - head.model.input_mean[0]) / head.model.input_scale[0]
+    assert rows.mean(0).abs().max() < 1e-5
+    assert rows.std(0).max() < 1
+
+
+def test_a_sensor_that_shifts_channels_gets_the_same_probabilities_with_its_profile(head, make_embeddings):
+    source = make_embeddings().in_domain("TAG-sim")
+    other = replace(source, vis=source.vis + 4, tac=source.tac - 3)
+    profile = profile_of(other)
+    vis, tac = torch.from_numpy(other.vis), torch.from_numpy(other.tac)
+    plain = predict_embeddings(head, torch.from_numpy(source.vis), torch.from_numpy(source.tac))
+    lost = predict_embeddings(head, vis, tac)
+    back = predict_embeddings(head, vis, tac, profile=profile)
+
+    def away(records):
+        pairs = zip(records, plain, strict=True)
+        return max(
+            abs(a["probabilities"][name] - b["probabilities"][name]) for a, b in pairs for name in a["probabilities"]
+        )
+
+    assert away(back) < 0.3 * away(lost)  # 40 pictures count 40 / 42 of their mean
+    assert back[0]["profile"] == {"vis": len(source), "tac": len(source)}
+
+
+def test_familiarity_is_that_of_the_moved_pictures(head, make_embeddings):
+    if head.familiarity is None:
+        pytest.skip("the head holds no familiarity")
+    source = make_embeddings().in_domain("TAG-sim")
+    away = torch.from_numpy(source.tac + 9)
+    profile = profile_of(replace(source, tac=source.tac + 9))
+    near = predict_embeddings(head, None, away, profile=profile)[0]["familiarity"]["tac"]
+    far = predict_embeddings(head, None, away)[0]["familiarity"]["tac"]
+    assert near["cosine"] > far["cosine"]
+
+
+def test_heads_from_before_profiles_take_embeddings_as_they_come(head_folder, tmp_path, head):
+    import json
+
+    old = replace(head, settings=replace(head.settings, standardize=False))
+    model = type(head.model)(old.settings)
+    names = set(model.state_dict())
+    state = {k: v for k, v in head.model.state_dict().items() if k in names}
+    model.load_state_dict(state)
+    folder = save_head(tmp_path / "old", replace(old, model=model, profile=None))
+    settings = json.loads((folder / "settings.json").read_text())
+    del settings["head"]["standardize"]
+    (folder / "settings.json").write_text(json.dumps(settings))
+    again = load_head(folder)
+    assert not again.settings.standardize and again.profile is None
+    with pytest.raises(DataError, match="has no profile of its source"):
+        again.moved("vis", torch.zeros(1, 24), head.source_profile)
+
+
+@pytest.mark.parametrize("shift", [0.0, 1.0])
+def test_a_head_trained_with_imitated_sensors_takes_a_shorter_step(make_embeddings, shift):
+    pairs, settings = make_embeddings(), TrainSettings(epochs=1, lang=False, shift=shift)
+    made = head_from_pairs(pairs, "TAG-sim", head={"width": 8}, training=settings, calibrate=False)
+    assert made.source_profile.step == (STEP_SHIFTED if shift else 1.0)
+
+
+def test_moved_rows_of_the_head_are_those_of_the_arrays(head, make_embeddings):
+    pairs = make_embeddings()
+    profile = profile_of(pairs, pairs.rows_of("OF Real-sim"))
+    rows = pairs.vis[:3]
+    source = head.source_profile.channels["vis"]
+    wanted = moved(rows, profile.channels["vis"], source)
+    found = head.moved("vis", torch.from_numpy(rows), profile)
+    np.testing.assert_allclose(found.numpy(), wanted, rtol=1e-6)
+    part = replace(head, profile=replace(head.source_profile, step=0.75))
+    wanted = moved(rows, profile.channels["vis"], source, 0.75)
+    found = part.moved("vis", torch.from_numpy(rows), profile)
+    np.testing.assert_allclose(found.numpy(), wanted, rtol=1e-6)
+    assert np.abs(found.numpy() - moved(rows, profile.channels["vis"], source)).max() > 1e-3
+
+
+def test_rows_for_teaching_have_length_one_side_by_side(head, make_embeddings):
+    source = make_embeddings().in_domain("TAG-sim")
+    rows = [head.model.standing(name, torch.from_numpy(getattr(source, name))) for name in ("vis", "tac")]
+    length = torch.cat(rows, dim=1).norm(dim=1)
+    torch.testing.assert_close(length, torch.ones(len(length)))
+
+
+def test_standardised_rows_have_half_the_root_of_their_width_as_length(head, make_embeddings):
+    source = make_embeddings().in_domain("TAG-sim")
+    rows = head.model.standardised("tac", torch.from_numpy(source.tac))
+    torch.testing.assert_close(rows.norm(dim=1), torch.full((len(rows),), 0.5 * 24**0.5))

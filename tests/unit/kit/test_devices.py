@@ -1,0 +1,100 @@
+"""One place decides where to compute. Without a GPU: every tensor that is made lies on the device."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+import torch
+
+from omnivat.cli import COMMANDS, parser
+from omnivat.encoders import load_encoder
+from omnivat.fractional import dfrft
+from omnivat.head.checkpoint import load_head
+from omnivat.head.heads import default_head
+from omnivat.kit.devices import VARIABLE, computing_on, current, device_from, named, precise
+from omnivat.kit.errors import SettingsError
+from omnivat.training.batches import Batch
+
+COMPUTING = {"predict", "embed", "train", "evaluate", "protocol", "ablate", "sweep", "gaps", "project", "prompts"}
+META = torch.device("meta")
+
+
+@pytest.mark.parametrize("command", sorted(COMPUTING))
+def test_every_command_that_computes_takes_a_device(command: str) -> None:
+    assert command in COMMANDS
+    choices = parser()._subparsers._group_actions[0].choices  # type: ignore[union-attr]
+    assert "--device" in choices[command]._option_string_actions  # type: ignore[index]
+
+
+def test_a_device_holds_inside_its_block_and_in_processes_started_there(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv(VARIABLE, raising=False)
+    assert named() == "cpu"
+    with computing_on("meta"):
+        assert current() == META
+        code = "from omnivat.kit.devices import named; print(named())"
+        child = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+        assert child.stdout.strip() == "meta"
+    assert VARIABLE not in os.environ
+
+
+@pytest.mark.parametrize(
+    ("name", "match"),
+    [
+        ("gpu", "No device is called 'gpu'; use auto, cpu or cuda"),
+        ("cuda:99", "none is usable here|counted from cuda:0"),
+    ],
+)
+def test_a_device_that_is_not_there_is_refused(name: str, match: str) -> None:
+    with pytest.raises(SettingsError, match=match):
+        device_from(name)
+
+
+def test_a_command_refuses_it_in_one_sentence(capsys: pytest.CaptureFixture[str]) -> None:
+    from omnivat.cli import main
+
+    assert main(["gaps", "--device", "gpu"]) == 1
+    assert "No device is called 'gpu'" in capsys.readouterr().err
+
+
+def test_single_precision_stands_in_where_double_does_not_exist() -> None:
+    assert precise(torch.device("mps")) == torch.float32
+    assert precise(torch.device("cuda")) == precise(torch.device("cpu")) == torch.float64
+
+
+def test_a_loaded_head_and_the_transform_lie_on_the_device() -> None:
+    with computing_on("meta"):
+        model = load_head(default_head()).model
+    assert {tensor.device for tensor in (*model.parameters(), *model.buffers())} == {META}
+    turned = dfrft(torch.zeros(3, 16, device=META), torch.zeros(3, device=META))
+    assert turned.device == META and turned.shape == (3, 16)
+
+
+def test_a_batch_moves_whole_and_stays_where_it_lies() -> None:
+    rows = torch.zeros(2, 4)
+    on = torch.ones(2, dtype=torch.bool)
+    batch = Batch(vis=rows, tac=None, lang=rows, labels=on.long(), lang_on=on, token_on=on, order=None)
+    moved = batch.to(META)
+    assert moved.tac is None and moved.order is None
+    for name in ("vis", "lang", "labels", "lang_on", "token_on"):
+        assert getattr(moved, name).device == META
+    assert batch.to(torch.device("cpu")) is batch
+
+
+@pytest.mark.parametrize("kind", ["transformers folder", "resnet"])
+def test_clip_computes_on_the_device(clips: Any, tmp_path: Path, kind: str) -> None:
+    if kind == "resnet":
+        torch.save(clips.published_resnet(clips.rn50_state()), tmp_path / "a.pt")
+        place, side = tmp_path / "a.pt", 224
+    else:
+        place, side = clips.write(kind, tmp_path, clips.small_model()), 96
+    encoder = load_encoder("clip", weights=place, device="meta")
+    found = encoder.embed(torch.zeros(2, 3, side, side))
+    assert found.device == META and found.shape == (2, 24)
+
+
+def test_the_default_encoder_computes_on_the_device() -> None:
+    found = load_encoder("efficientnet-lite0", device="meta").embed(torch.zeros(1, 3, 224, 224))
+    assert found.device == META and found.shape == (1, 1280)

@@ -1,0 +1,275 @@
+"""Files are written completely or not at all, and errors name an unwritable folder."""
+
+import csv
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from omnivat.cli import main
+from omnivat.data.store import COLUMNS, write_manifest
+from omnivat.kit.errors import DataError, OmniVatError, WriteError
+from omnivat.kit.files import replacing, replacing_folder, require_writable, safe_cell, write_csv, write_text
+
+ROW = {name: ["x"] for name in COLUMNS}
+
+
+def test_a_failure_half_way_leaves_the_old_file_and_nothing_beside_it(tmp_path):
+    file = tmp_path / "a.txt"
+    write_text(file, "old")
+
+    def fail_half_way():
+        with replacing(file) as temporary:
+            temporary.write_text("half")
+            raise RuntimeError
+
+    with pytest.raises(RuntimeError):
+        fail_half_way()
+    assert file.read_text() == "old"
+    assert [path.name for path in tmp_path.iterdir()] == ["a.txt"]
+
+
+def test_a_full_disk_is_a_sentence_and_leaves_the_old_file(tmp_path):
+    file = tmp_path / "a.txt"
+    write_text(file, "old")
+
+    def fill_the_disk():
+        with replacing(file):
+            raise OSError(28, "No space left on device")
+
+    with pytest.raises(WriteError, match="a.txt' was not written .No space left"):
+        fill_the_disk()
+    assert file.read_text() == "old"
+    assert [path.name for path in tmp_path.iterdir()] == ["a.txt"]
+
+
+@pytest.mark.parametrize(
+    ("name", "sentence"),
+    [
+        ("folder", "is a folder; name a file to write"),
+        ("file/a.bin", "file' is a file; choose a folder"),
+        ("file/deep/er/a.bin", "file' is a file; choose a folder"),
+        (os.devnull, "is a device and not a file"),
+    ],
+)
+def test_what_is_in_the_way_is_named_before_and_while_writing(name, sentence, tmp_path):
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "file").write_text("text")
+    before = sorted(tmp_path.rglob("*"))
+    for attempt in (require_writable, lambda path: write_text(path, "new")):
+        with pytest.raises(WriteError, match=sentence):
+            attempt(tmp_path / name)
+    assert sorted(tmp_path.rglob("*")) == before
+    assert os.path.exists(os.devnull) and not os.path.isfile(os.devnull)
+
+
+def test_a_folder_without_rights_is_named(tmp_path, monkeypatch):
+    monkeypatch.setattr(os, "access", lambda path, mode: False)
+    with pytest.raises(WriteError, match="nothing may be written in"):
+        require_writable(tmp_path / "new" / "a.bin")
+
+
+def test_a_place_that_can_be_written_is_left_as_it_is(tmp_path):
+    require_writable(tmp_path / "new" / "deep" / "a.bin", ".bin")
+    assert list(tmp_path.iterdir()) == []
+    with pytest.raises(WriteError, match="name one that ends in .bin"):
+        require_writable(tmp_path / "a.txt", ".bin")
+
+
+def test_that_a_file_cannot_be_written_is_both_an_error_of_ours_and_of_the_system():
+    assert issubclass(WriteError, OmniVatError) and issubclass(WriteError, OSError)
+
+
+def test_a_manifest_replaces_its_own_and_no_other_table(tmp_path):
+    place = tmp_path / "mine.safetensors"
+    assert write_manifest(place, ROW) == write_manifest(place, ROW) == tmp_path / "mine.csv"
+    (tmp_path / "mine.csv").write_text("vis,tac,domain,material\na,b,c,d\n")
+    with pytest.raises(WriteError, match="mine.csv' is another table"):
+        write_manifest(place, ROW)
+    assert (tmp_path / "mine.csv").read_text().startswith("vis,tac")
+
+
+def test_embedding_a_table_never_replaces_that_table(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    text = ",".join(COLUMNS) + "\nA,wood,a.png,b.png,,,\n"  # looks like a manifest, and is the input
+    (tmp_path / "mine.csv").write_text(text)
+    assert main(["embed", "mine.csv", "--out", "mine.safetensors"]) == 1
+    assert "would replace 'mine.csv'; choose another name" in capsys.readouterr().err
+    assert (tmp_path / "mine.csv").read_text() == text
+    assert [path.name for path in tmp_path.iterdir()] == ["mine.csv"]
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["embed", "pairs", "--out", "folder"],
+        ["embed", "pairs", "--out", ""],
+        ["sweep", "--out", "folder"],
+        ["sweep", "--csv", "folder"],
+        ["thumbnails", "folder", "--out", "folder"],
+        ["project", "--out", "folder/a.csv/b.csv"],
+        ["prompts", "--out", "folder"],
+    ],
+)
+def test_commands_refuse_an_unwritable_place_before_any_work(arguments, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "folder" / "a.csv").write_text("")
+    assert main(arguments) == 1
+    said = capsys.readouterr()
+    assert said.err.count("\n") == 1 and said.out == ""
+    assert sorted(p.name for p in tmp_path.rglob("*")) == ["a.csv", "folder"]
+
+
+def test_an_error_of_the_system_is_one_sentence(monkeypatch, capsys):
+    def full(options):
+        raise OSError(28, "No space left on device", "x.bin")
+
+    monkeypatch.setattr("omnivat.cli.evaluate.run", full)
+    assert main(["evaluate"]) == 1
+    assert capsys.readouterr().err == (
+        "omnivat evaluate: 'x.bin': No space left on device. Check the path, its permissions and the free space.\n"
+    )
+
+
+def test_what_a_killed_writer_left_is_swept_by_the_next_and_a_living_one_is_let_be(tmp_path):
+    import os
+    import time
+
+    file = tmp_path / "a[1].txt"
+    left = tmp_path / ".a[1].txt.dead.tmp"
+    young = tmp_path / ".a[1].txt.new.tmp"
+    other = tmp_path / ".b.txt.dead.tmp"
+    for one in (left, young, other):
+        one.write_text("half")
+    old = time.time() - 1000
+    for one in (left, other):
+        os.utime(one, (old, old))
+    with replacing(file) as alive:
+        os.utime(alive, (old, old))
+        write_text(file, "second writer")
+        assert alive.is_file()
+        alive.write_text("first writer")
+    assert file.read_text() == "first writer"
+    assert sorted(p.name for p in tmp_path.iterdir()) == [young.name, other.name, "a[1].txt"]
+
+
+def test_a_full_disk_while_a_head_is_saved_is_a_sentence(tmp_path, head_folder, monkeypatch):
+    from omnivat.head.checkpoint import load_head, save_head
+
+    head = load_head(head_folder)
+
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_bytes", full)
+    with pytest.raises(WriteError, match="head' was not written .No space left"):
+        save_head(tmp_path / "head", head)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_two_embeds_to_one_file_do_not_take_one_anothers_parts(tmp_path):
+    from omnivat.encoders.embed.job import Parts
+
+    first, second = Parts(tmp_path / "a.safetensors"), Parts(tmp_path / "a.safetensors")
+    with first.claimed(), pytest.raises(WriteError, match="another embed that is still running"), second.claimed():
+        pass
+    with second.claimed():
+        pass
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_pipe_in_place_of_a_table_is_refused_at_once(tmp_path):
+    import os
+
+    from omnivat.data.readers.files import read_text
+    from omnivat.kit.errors import DataError
+
+    os.mkfifo(tmp_path / "table.csv")
+    with pytest.raises(DataError, match="pipe or device"):
+        read_text(tmp_path / "table.csv")
+
+
+CELLS = st.one_of(st.text(st.sampled_from("=+-@\t\r\n '\",1e."), max_size=6), st.floats(), st.integers())
+
+
+@given(CELLS)
+def test_no_cell_starts_a_formula_and_numbers_stay_numbers(value):
+    cell = safe_cell(value)
+    if not isinstance(value, str):
+        assert cell is value
+        return
+    if cell.strip(" ").startswith(("=", "+", "-", "@", "\t", "\r")):
+        assert float(cell) == float(value) or float(cell) != float(cell)
+    assert cell in (value, f"'{value}")
+
+
+def test_a_table_with_hostile_names_is_read_back_as_text(tmp_path):
+    write_csv(tmp_path / "t.csv", ["=x", "y"], [["@a,b", -1.5], ["\rc", "-2e3"], ["d", None]])
+    with (tmp_path / "t.csv").open(newline="", encoding="utf-8") as handle:
+        rows = list(csv.reader(handle))
+    assert rows == [["'=x", "y"], ["'@a,b", "-1.5"], ["'\rc", "-2e3"], ["d", ""]]
+
+
+def test_no_module_writes_a_table_past_the_one_writer():
+    """The tables of the simulation hold names of its own and are read back."""
+    root = Path(__file__).resolve().parents[3]
+    found = {
+        str(path.relative_to(root))
+        for folder in ("omnivat", "app")
+        for path in (root / folder).rglob("*.py")
+        if "csv.writer(" in path.read_text(encoding="utf-8") or "csv.DictWriter(" in path.read_text(encoding="utf-8")
+    }
+    own = {"omnivat/kit/files.py", "omnivat/simulate/plan.py"}
+    assert found == own
+
+
+COMMAND = [sys.executable, "-m", "omnivat", "gaps", "--stage", "raw", "--embeddings"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("output", "why"), [(">&-", "output is closed"), ("> /dev/full", "No space left")])
+def test_a_result_that_cannot_be_written_is_a_sentence_and_an_exit_code(head_folder, output, why):
+    file = str(head_folder.parent / "set.safetensors")
+    line = f'exec "$@" {output}'
+    done = subprocess.run(["bash", "-c", line, "-", *COMMAND, file], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr.count("\n")) == (1, 1)
+    assert why in done.stderr
+
+
+@pytest.mark.slow
+def test_a_file_name_that_cannot_be_encoded_is_escaped(tmp_path):
+    name = os.fsencode(tmp_path) + b"/\xff.safetensors"
+    table = "domain,material,vis_0,vis_1,tac_0,tac_1\na,b,1,2,3,4\n"
+    (tmp_path / "set.csv").write_text(table, encoding="utf-8")
+    done = subprocess.run(
+        [*COMMAND[:3], "import", str(tmp_path / "set.csv"), "--encoder", "mine", "--out", name],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, "Traceback" in done.stderr) == (0, False), done.stderr
+    assert "\\udcff.safetensors" in done.stdout
+
+
+def test_a_folder_takes_its_place_whole_or_leaves_what_stood_there(tmp_path):
+    place = tmp_path / "site"
+    for text in ("first", "second"):
+        with replacing_folder(place) as made:
+            (made / text).write_text(text)
+            assert not place.exists() or not (place / text).exists()
+        assert [file.name for file in place.iterdir()] == [text]
+
+    def stopped():
+        with replacing_folder(place) as made:
+            (made / "third").write_text("third")
+            raise DataError("No.")
+
+    with pytest.raises(DataError):
+        stopped()
+    assert [file.name for file in place.iterdir()] == ["second"]
+    assert [file.name for file in tmp_path.iterdir()] == ["site"]

@@ -1,0 +1,72 @@
+"""Settings: every field declares its range, and other values give one sentence."""
+
+from typing import Any, get_type_hints
+
+import pytest
+
+from omnivat.head.settings import HeadSettings
+from omnivat.kit.config import OneOf, Within, declared, settings_from
+from omnivat.kit.errors import SettingsError
+from omnivat.simulate.chirps import ChirpSettings
+from omnivat.training import TrainSettings
+
+WANTED: dict[type[Any], dict[str, Any]] = {
+    HeadSettings: {"classes": ("wood", "steel"), "input_width": 24},
+    TrainSettings: {},
+    ChirpSettings: {},
+}
+LIMITS = {int: Within, float: Within, str: OneOf}
+
+
+@pytest.mark.parametrize("kind", WANTED)
+def test_every_number_declares_a_range_and_every_text_its_choices(kind: type[Any]) -> None:
+    """Reads the fields themselves, so a new one without a range fails here."""
+    hints = {name: LIMITS[hint] for name, hint in get_type_hints(kind).items() if hint in LIMITS}
+    found = {name: type(limit) for name, limit in declared(kind).items()}
+    assert found == {name: limit for name, limit in hints.items() if name != "seed"}
+
+
+FIELDS = [(kind, name) for kind in WANTED for name in declared(kind)]
+
+
+@pytest.mark.parametrize(("kind", "name"), FIELDS)
+def test_what_a_field_does_not_take_is_refused_with_what_it_takes(kind: type[Any], name: str) -> None:
+    limit = declared(kind)[name]
+    values: list[Any] = ["nonsense"]
+    if isinstance(limit, Within):
+        values = [float("nan"), float("inf"), limit.low - 1, limit.high + 1, -limit.high - 1]
+    for value in values:
+        with pytest.raises(SettingsError, match=f"{name} is .*; (choose|give)"):
+            kind(**{**WANTED[kind], name: value})
+
+
+@pytest.mark.parametrize("kind", WANTED)
+def test_the_ends_of_a_range_are_in_it(kind: type[Any]) -> None:
+    for name, limit in declared(kind).items():
+        if isinstance(limit, Within):
+            assert limit.allows(limit.low) and limit.allows(limit.high), name
+
+
+def test_a_file_of_settings_is_held_to_the_same_ranges() -> None:
+    with pytest.raises(SettingsError, match="logit_scale is -1.0; choose 0.001 to 10000"):
+        settings_from(HeadSettings, {**WANTED[HeadSettings], "logit_scale": -1})
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ({"selection": "target"}, "choose one of last, source-val"),
+        ({"modalities": "audio"}, r"choose one of vis\+tac, vis, tac"),
+        ({"lr": -1.0}, "lr is -1.0; choose 0 to 100"),
+    ],
+)
+def test_impossible_settings_are_refused(change: dict[str, Any], sentence: str) -> None:
+    with pytest.raises(SettingsError, match=sentence):
+        TrainSettings(**change)
+
+
+def test_a_search_and_a_random_order_exclude_each_other() -> None:
+    with pytest.raises(SettingsError, match="order_search and order_draw exclude each other"):
+        TrainSettings(order_search=True, order_draw="batch")
+    with pytest.raises(SettingsError, match="give the smaller one first"):
+        TrainSettings(order_low=0.5, order_high=0.2)

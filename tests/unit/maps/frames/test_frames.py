@@ -1,0 +1,168 @@
+"""Every frame equals the library's result within the u16 error; impossible settings are refused."""
+
+import numpy as np
+import pytest
+import torch
+
+from omnivat.kit.errors import DataError, SettingsError
+from omnivat.maps.frames import build_frames, builder, read_frames, write_frames
+from omnivat.maps.frames.builder import DEFAULT_MAPS, spread, stacked
+from omnivat.maps.frames.records import LEVELS, MapFrames, quantised
+from omnivat.maps.projection import pca, torch_umap
+from omnivat.maps.projection.torch_umap import aligned, chain
+from omnivat.maps.sweep import sweep
+from omnivat.measure.gaps.unit import unit
+
+from .small_head import ORDERS, head, pairs
+
+
+@torch.no_grad()
+def features(stage):
+    """Unit rows of a stage at every order, through the head's public functions."""
+    data, model = pairs(), head()
+    for order in ORDERS:
+        out = model(torch.from_numpy(data.vis), torch.from_numpy(data.tac), order=order)
+        rows = {name: x.movedim(-2, 0) for name, x in getattr(out, stage).items()}
+        yield torch.cat([unit(rows["vis"].flatten(1)), unit(rows["tac"].flatten(1))])
+
+
+def allowed(found: MapFrames) -> float:
+    """Half a step of the grid, and the rounding of single precision."""
+    return (found.high[0] - found.low[0]) / LEVELS / 2 + 1e-5
+
+
+@pytest.mark.parametrize("stage", ["relu", "f_hat"])
+def test_every_pca_frame_is_that_order_s_own_pca_within_the_u16_error(frames, stage):
+    found = frames.maps[f"pca/{stage}"]
+    assert found.orders == (0, 1, 2, 3, 4)
+    before = None
+    for stop, points in enumerate(features(stage)):
+        flat = pca.project(points)
+        flat = flat if before is None else aligned(flat, before)
+        assert np.abs(found.places(stop) - flat.numpy()).max() <= allowed(found)
+        before = flat
+
+
+def test_every_umap_frame_is_the_chain_s_own_map_within_the_u16_error(frames):
+    found = frames.maps["umap/f_hat"]
+    assert found.orders == (0, 2, 4)
+    chosen = [points for stop, points in enumerate(features("f_hat")) if stop in found.orders]
+    for place, flat in enumerate(chain(chosen)):
+        span = found.high[0] - found.low[0]
+        assert np.abs(found.places(place) - flat.numpy()).max() <= span / LEVELS / 2 + 1e-3
+
+
+def test_the_raw_map_stands_for_every_stop_and_for_the_raw_transform(frames):
+    raw, turned = frames.maps["pca/raw"], frames.maps["pca/frft"]
+    assert raw.orders == (0,)
+    assert raw.points is turned.points
+    assert frames.curves["modality_gap/frft"] == frames.curves["modality_gap/raw"]
+    wanted = pca.project(next(features("frft")))
+    np.testing.assert_allclose(np.abs(turned.places(0) - turned.places(0).mean(0)), wanted.abs(), atol=1e-4)
+
+
+def test_predictions_and_curves_are_those_of_the_sweep(frames):
+    found = sweep(head(), pairs(), ORDERS, stages=("relu", "f_hat"))
+    np.testing.assert_array_equal(frames.prediction, found.probabilities.argmax(2))
+    np.testing.assert_allclose(frames.confidence / 255, found.probabilities.max(2), atol=0.5 / 255 + 1e-6)
+    for name, curve in found.curves.items():
+        np.testing.assert_allclose(frames.curves[name], curve, atol=1e-6)
+    np.testing.assert_array_equal(frames.label, found.label)
+
+
+def test_what_stays_still_is_projected_once_for_all_orders(monkeypatch):
+    calls = []
+
+    def counted(method, points, before, *, seed):
+        calls.append((method, points.shape[1]))
+        return pca.project(points)
+
+    monkeypatch.setattr(builder, "next_map", counted)
+    build_frames(head(), pairs(), orders=ORDERS, maps={"pca/raw": 9, "pca/frft": 9, "pca/f_bar": 9})
+    assert len(calls) == 1 + len(ORDERS)
+
+
+def test_maps_that_are_not_asked_for_are_not_made(monkeypatch):
+    monkeypatch.setattr(torch_umap, "project", None)
+    found = build_frames(head(), pairs(), orders=ORDERS, maps={"pca/f_hat": 2})
+    assert set(found.maps) == {"pca/f_hat"}
+    assert {name.split("/")[1] for name in found.curves if name.startswith("margin")} == {"f_hat"}
+
+
+def test_a_projecting_head_has_its_own_map_of_the_transform():
+    found = build_frames(head(width=8), pairs(), orders=ORDERS, maps={"pca/raw": 1, "pca/frft": 1})
+    assert found.maps["pca/raw"].points is not found.maps["pca/frft"].points
+
+
+def test_vis_rows_come_before_tac_rows():
+    rows = {"vis": torch.eye(3), "tac": 2 * torch.eye(3)[[2, 1, 0]]}
+    assert torch.equal(stacked(rows), torch.cat([torch.eye(3), torch.eye(3)[[2, 1, 0]]]))
+
+
+def test_quantising_is_exact_to_half_a_step_and_says_so():
+    maps = [np.random.default_rng(seed).normal(size=(50, 2)) * (1, 40) for seed in range(3)]
+    found = quantised(maps, (0, 1, 2))
+    errors = [np.abs(found.places(k) - maps[k]).max() for k in range(3)]
+    assert max(errors) == pytest.approx(found.max_error)
+    assert found.max_error <= (found.high[1] - found.low[1]) / LEVELS / 2 * 1.000001
+    assert found.high[0] - found.low[0] == pytest.approx(found.high[1] - found.low[1])
+
+
+def test_equal_points_have_a_map():
+    assert quantised([np.ones((4, 2))], (0,)).max_error < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("stops", "count", "places"),
+    [(1, 101, (0,)), (2, 101, (0, 100)), (5, 3, (0, 1, 2)), (21, 101, tuple(range(0, 101, 5)))],
+)
+def test_stops_are_spread_evenly(stops, count, places):
+    assert spread(stops, count) == places
+
+
+def test_the_default_maps_stay_below_six_megabytes():
+    """For 1,440 pairs, 101 stops and one at the learned order, counted from the shapes."""
+    most = {name: min(stops, 102) for name, stops in DEFAULT_MAPS.items()}
+    stops = {n: 1 if n.split("/")[1] in ("raw", "frft") else s for n, s in most.items()}
+    assert sum(stops.values()) * 2880 * 4 + 2 * 102 * 1440 < 5_000_000
+
+
+@pytest.mark.parametrize(
+    ("wrong", "sentence"),
+    [
+        ({"orders": (0.5, 0.5)}, "each above the one before"),
+        ({"orders": ()}, "each above the one before"),
+        ({"maps": {"pca/none": 3}}, "No map is called 'pca/none'"),
+        ({"maps": {"tsne/f_hat": 3}}, "No map is called 'tsne/f_hat'"),
+        ({"maps": {"pca/f_hat": 0}}, "with 0 stops"),
+    ],
+)
+def test_frames_that_cannot_be_are_refused(wrong, sentence):
+    with pytest.raises(SettingsError, match=sentence):
+        build_frames(head(), pairs(), **wrong)
+
+
+def test_too_many_names_are_refused():
+    with pytest.raises(DataError, match="256 domains and classes"):
+        build_frames(head(), pairs(classes=tuple(map(str, range(300)))), orders=(0.0,))
+
+
+def test_no_pairs_are_refused():
+    with pytest.raises(DataError, match="no pairs to draw"):
+        build_frames(head(), pairs(count=0), orders=(0.0,))
+
+
+def test_a_value_that_does_not_exist_is_none_here_and_in_the_file(tmp_path):
+    alone = pairs().in_domain("D0")
+    made = build_frames(head(), alone, orders=(0.0, 1.0), maps={"pca/raw": 1, "pca/relu": 2})
+    write_frames(tmp_path / "frames.bin", made)
+    for curves in (made.curves, read_frames(tmp_path / "frames.bin").curves):
+        assert curves["domain_gap/raw"] == curves["domain_gap/relu"] == [None, None]
+        assert None not in curves["modality_gap/relu"]
+
+
+def test_the_orders_that_a_head_was_trained_for_are_narrower_the_wider_it_is(frames):
+    own = head()
+    low, high = frames.head["fits"]
+    assert high - low == pytest.approx(4 / own.settings.width)
+    assert (low + high) / 2 == pytest.approx(own.order)

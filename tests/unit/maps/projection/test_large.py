@@ -1,0 +1,112 @@
+"""Large sets: the same maps by blocks, samples that say so, estimates with intervals that hold."""
+
+import pytest
+import torch
+
+from omnivat.maps.projection import pca, quality, torch_umap
+from omnivat.maps.projection.neighbours import nearest, place
+
+
+def noise(*shape, seed=0):
+    return torch.randn(*shape, generator=torch.Generator().manual_seed(seed))
+
+
+def test_pca_by_blocks_is_pca_of_all_rows(monkeypatch):
+    points = noise(500, 20) * torch.linspace(3, 1, 20)
+    whole = pca.project(points)
+    monkeypatch.setattr(pca, "BLOCK", 64)
+    assert torch.allclose(pca.project(points), whole, atol=1e-4)
+
+
+def test_quality_of_all_rows_equals_the_whole_measures_and_has_no_error():
+    points, flat = noise(300, 12), noise(300, 2, seed=1)
+    found = quality.quality(points, flat, k=10)
+    ranks = torch.cdist(points, points).argsort(1).argsort(1)
+    near = nearest(flat, 10).index
+    cost = float((ranks.gather(1, near) - 10).clamp_min(0).sum())
+    truth = nearest(points, 10).index
+    recall = float((truth[:, :, None] == near[:, None, :]).any(2).double().mean())
+    assert abs(found.trustworthiness - (1 - 2 * cost / (300 * 10 * (600 - 30 - 1)))) < 1e-6
+    assert abs(found.recall - recall) < 1e-6
+    assert (found.trustworthiness_error, found.recall_error, found.rows) == (0, 0, 300)
+
+
+def test_quality_of_a_draw_has_an_interval_that_holds_the_truth_nineteen_times_in_twenty():
+    points = noise(900, 12)
+    flat = pca.project(points)
+    truth, held = quality.quality(points, flat, k=10, rows=900).trustworthiness, 0
+    for seed in range(40):
+        found = quality.quality(points, flat, k=10, rows=150, seed=seed)
+        assert found.rows == 150
+        held += abs(found.trustworthiness - truth) <= found.trustworthiness_error
+    assert held >= 35
+
+
+def test_umap_of_many_rows_lays_out_a_sample_and_places_the_rest_near_their_own(monkeypatch):
+    group = torch.arange(4).repeat_interleave(100)
+    points = 8 * noise(4, 10)[group] + noise(400, 10, seed=2)
+    monkeypatch.setattr(torch_umap, "MOST_ROWS", 150)
+    flat = torch_umap.project(points, seed=3)
+    chosen = torch_umap.sample_of(400, 3)
+    alone = torch_umap.project(points[chosen], seed=3)
+    assert flat.shape == (400, 2)
+    assert torch.equal(flat[chosen], alone)
+    centres = torch.stack([flat[group == k].mean(0) for k in range(4)])
+    assert bool((torch.cdist(flat, centres).argmin(1) == group).float().mean() > 0.95)
+
+
+def test_only_the_rows_beyond_the_sample_are_placed(monkeypatch):
+    points, chosen = noise(300, 3), torch.arange(0, 300, 3)
+    asked = []
+    monkeypatch.setattr(torch_umap, "place", lambda some, known, flat: asked.append(len(some)) or flat[: len(some)])
+    monkeypatch.setattr(torch_umap, "PLACED", 90)
+    torch_umap._spread(points, chosen, noise(100, 2))
+    assert asked == [90, 90, 20]
+
+
+def test_the_same_seed_draws_the_same_sample_at_every_order():
+    assert torch.equal(torch_umap.sample_of(20_000, 1), torch_umap.sample_of(20_000, 1))
+    assert not torch.equal(torch_umap.sample_of(20_000, 1), torch_umap.sample_of(20_000, 2))
+
+
+@pytest.mark.parametrize("edge", [0, 1])
+def test_rows_beyond_the_bound_are_placed_among_the_cells_next_to_their_own(monkeypatch, edge):
+    points = noise(300, 3)
+    chosen = torch.arange(0, 300, 2)
+    flat = noise(150, 2, seed=1)
+    whole = place(points, points[chosen], flat)
+    whole[chosen] = flat
+    monkeypatch.setattr(torch_umap, "CELLS_FROM", 300 - edge)
+    monkeypatch.setattr(torch_umap, "CELLS", 10)
+    monkeypatch.setattr(torch_umap, "RING", 10)
+    torch.testing.assert_close(torch_umap._spread(points, chosen, flat), whole)  # every cell is next to each
+    monkeypatch.setattr(torch_umap, "RING", 3)
+    near = torch_umap._spread(points, chosen, flat)
+    same = (near - whole).norm(dim=1) < 1e-5
+    assert bool(same.all()) if not edge else 0.2 < float(same.double().mean()) < 1
+
+
+def test_a_cell_looks_at_the_nearest_pivots_own_rows_first(monkeypatch):
+    """Seven groups far apart, pivots in each: with one cell, a row is placed within its own group."""
+    group = torch.arange(300) % 7
+    points = 100 * noise(7, 4)[group] + noise(300, 4, seed=2)
+    chosen = torch.arange(200)
+    flat = torch.stack([group[:200].float(), torch.zeros(200)], 1)
+    for name, value in (("CELLS_FROM", 100), ("CELLS", 20), ("RING", 1)):
+        monkeypatch.setattr(torch_umap, name, value)
+    torch.testing.assert_close(torch_umap._spread(points, chosen, flat)[:, 0], group.float(), atol=1e-3, rtol=0)
+
+
+def test_the_error_of_a_draw_is_1_96_standard_errors():
+    points, flat = noise(400, 6), noise(400, 2, seed=1)
+    parts = [quality.quality(points, flat, k=5, rows=100, seed=seed) for seed in range(30)]
+    spread = torch.tensor([one.trustworthiness for one in parts]).std()
+    mean = torch.tensor([one.trustworthiness_error for one in parts]).mean()
+    assert float(mean / spread) == pytest.approx(1.96 / (1 - 100 / 400) ** 0.5, rel=0.3)
+
+
+def test_a_set_as_large_as_the_draw_is_whole():
+    points, flat = noise(60, 6), noise(60, 2, seed=1)
+    found = quality.quality(points, flat, k=5, rows=60)
+    assert found.rows == 60 and found.recall_error == 0
+    assert quality.quality(points, flat, k=5, rows=59).recall_error > 0

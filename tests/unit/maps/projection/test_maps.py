@@ -1,0 +1,383 @@
+"""Maps in two dimensions: exactness, faithfulness, reproducibility, unusual sets."""
+
+import sys
+from itertools import pairwise
+
+import pytest
+import torch
+
+from omnivat.kit.errors import MissingPackageError, SettingsError, ShapeError
+from omnivat.kit.tables import load
+from omnivat.maps.projection import PROJECTIONS, pca, torch_umap, umap
+from omnivat.maps.projection.neighbours import affine, nearest, place, placed
+from omnivat.maps.projection.quality import NEIGHBOURS, drift, quality, trust
+from omnivat.maps.projection.torch_umap import aligned, chain, spectral_map
+
+SCHEMES = ["pca", "umap"]
+
+
+def noise(*shape, seed=0, dtype=torch.float32):
+    return torch.randn(*shape, generator=torch.Generator().manual_seed(seed), dtype=dtype)
+
+
+def trustworthiness(points, flat, k=15):
+    return quality(points, flat, k=k, rows=len(points)).trustworthiness
+
+
+def clusters(each=40, groups=5, width=16, seed=0):
+    """Groups of rows, far apart; and the group of each row."""
+    group = torch.arange(groups).repeat_interleave(each)
+    return 8 * noise(groups, width, seed=seed)[group] + noise(each * groups, width, seed=seed + 1), group
+
+
+@pytest.mark.parametrize("name", list(PROJECTIONS))
+def test_every_projection_loads(name):
+    assert callable(load(PROJECTIONS, name, kind="projection"))
+
+
+@pytest.mark.parametrize("shape", [(40, 7), (6, 30)])
+def test_neighbours_are_those_of_the_full_distance_matrix(shape):
+    points = noise(*shape, dtype=torch.float64) + 100
+    full = torch.cdist(points, points)
+    full.fill_diagonal_(torch.inf)
+    found = nearest(points, 4)
+    torch.testing.assert_close(found.distance, full.sort(1).values[:, :4], atol=1e-7, rtol=0)
+    assert torch.equal(found.index, full.sort(1).indices[:, :4])
+
+
+def test_too_many_neighbours_are_refused():
+    with pytest.raises(SettingsError, match="5 neighbours were requested among 4; choose 1 to 4"):
+        nearest(noise(5, 3), 5)
+
+
+@pytest.mark.parametrize("shape", [(50, 6), (6, 50), (2, 3)])
+def test_pca_is_the_singular_value_decomposition(shape):
+    points = noise(*shape, dtype=torch.float64)
+    flat = pca.project(points)
+    u, s, _ = torch.linalg.svd(points - points.mean(0), full_matrices=False)
+    torch.testing.assert_close(flat.abs(), (u * s)[:, :2].abs(), atol=1e-9, rtol=0)
+
+
+@pytest.mark.parametrize("shape", [(50, 6), (6, 50)])
+def test_the_largest_entry_of_each_pca_axis_is_positive(shape):
+    for seed in range(8):  # the solver's own sign would be wrong in some of them
+        axes = pca.basis(noise(*shape, seed=seed, dtype=torch.float64)).axes
+        assert (axes.gather(0, axes.abs().argmax(0, keepdim=True)) > 0).all()
+        torch.testing.assert_close(axes.T @ axes, torch.eye(2, dtype=torch.float64))
+
+
+def test_the_spectral_start_finds_the_slow_directions_of_the_graph():
+    """On a ring they are its two coordinates; the dense Laplacian says the same."""
+    angle = torch.arange(40, dtype=torch.float64) * (2 * torch.pi / 40)
+    ring = torch.stack([angle.cos(), angle.sin(), torch.zeros(40, dtype=torch.float64)], 1)
+    graph = torch_umap.fuzzy_graph(nearest(ring, 16))
+    flat = spectral_map(graph)
+    assert flat.abs().max() == pytest.approx(10)
+    inside = torch.linalg.lstsq(ring[:, :2], flat).solution
+    assert (ring[:, :2] @ inside - flat).norm() < 0.05 * flat.norm()
+
+
+def test_pca_wants_two_columns():
+    with pytest.raises(ShapeError, match=r"\(3, 1\); a map needs 1 row and 2 columns"):
+        pca.project(torch.ones(3, 1))
+
+
+def test_fuzzy_weights_of_a_row_add_up_to_log2_of_its_neighbours():
+    found = nearest(noise(60, 5, dtype=torch.float64), 14)
+    beyond = found.distance - found.distance[:, :1]
+    weights = (-beyond / torch_umap._widths(beyond, 3.9)).exp().sum(1)
+    torch.testing.assert_close(weights, torch.full_like(weights, 3.9), atol=1e-6, rtol=0)
+
+
+def test_widths_grow_past_the_mean_distance_and_shrink_below_it():
+    beyond = torch.tensor([[0.0, 1.0, 1.0], [0.0, 3.0, 3.0]], dtype=torch.float64)
+    wide = torch_umap._widths(beyond, 2.5)[:, 0]  # 1 + 2 exp(-1 / s) = 2.5
+    torch.testing.assert_close(wide, beyond[:, 1] / -torch.log(torch.tensor(0.75)).double())
+    narrow = torch_umap._widths(beyond, 1.2)[:, 0]
+    torch.testing.assert_close(narrow, beyond[:, 1] / -torch.log(torch.tensor(0.1)).double())
+
+
+def test_forces_are_the_gradients_of_the_layouts_likelihood():
+    """q = 1 / (1 + A d^2B): an edge is drawn along log q, a sampled row pushed along log(1 - q)."""
+    gap = noise(2, 50, dtype=torch.float64).requires_grad_(True)
+    power = torch_umap.A * gap.square().sum(0) ** torch_umap.B
+    (drawn,) = torch.autograd.grad(-torch.log1p(power).sum(), gap, retain_graph=True)
+    (pushed,) = torch.autograd.grad((power.log() - torch.log1p(power)).sum(), gap)
+    limit, far = torch_umap.PULL_LIMIT, gap.square().sum(0) > 0.5
+    torch.testing.assert_close(torch_umap.attraction(gap), drawn.clamp(-limit, limit))
+    torch.testing.assert_close(
+        torch_umap.repulsion(gap)[:, far], pushed[:, far].clamp(-limit, limit), rtol=3e-3, atol=0
+    )
+
+
+def test_the_fuzzy_graph_is_the_union_of_both_directions():
+    found = nearest(noise(30, 3), 5)
+    graph = torch_umap.fuzzy_graph(found)
+    beyond = found.distance - found.distance[:, :1]
+    weight = (-beyond / torch_umap._widths(beyond, torch.tensor(6.0).log2().item())).exp()
+    one_way = torch.zeros(30, 30).scatter_(1, found.index, weight)
+    wanted = one_way + one_way.T - one_way * one_way.T
+    got = torch.zeros(30, 30)
+    got[graph.tail, graph.head] += graph.weight
+    got[graph.head, graph.tail] += graph.weight
+    torch.testing.assert_close(got, wanted)
+
+
+def test_umap_keeps_clusters_apart_and_neighbours_near():
+    points, group = clusters()
+    flat = torch_umap.project(points)
+    assert trustworthiness(points, flat) > 0.97
+    near = group[nearest(flat, 10).index]
+    assert (near == group[:, None]).float().mean() > 0.99
+
+
+def test_umap_is_more_trustworthy_than_pca_on_a_curved_sheet():
+    along = torch.linspace(3, 12, 400)
+    sheet = torch.stack([along * along.cos(), along * along.sin(), 9 * noise(400).sigmoid()], 1)
+    flat = torch_umap.project(sheet)
+    assert trustworthiness(sheet, flat) > max(0.97, trustworthiness(sheet, pca.project(sheet)))
+
+
+@pytest.mark.parametrize("name", SCHEMES)
+def test_the_same_seed_gives_the_same_map(name):
+    project = load(PROJECTIONS, name, kind="projection")
+    points, _ = clusters(each=10)
+    assert torch.equal(project(points, seed=3), project(points, seed=3))
+
+
+@pytest.mark.parametrize("name", SCHEMES)
+@pytest.mark.parametrize(
+    "points",
+    [
+        torch.zeros(20, 4),
+        noise(20, 4).sign(),
+        noise(1, 4),
+        noise(2, 4),
+        noise(3, 4),
+        noise(5, 4),
+        1e6 + noise(30, 4),
+        1e-6 * noise(30, 4),
+        torch.cat([noise(20, 4)] * 2),
+    ],
+    ids=["equal", "corners", "one", "two", "three", "five", "far", "tiny", "twice"],
+)
+def test_odd_sets_still_have_a_finite_map(name, points):
+    flat = load(PROJECTIONS, name, kind="projection")(points)
+    assert flat.shape == (len(points), 2)
+    assert flat.isfinite().all()
+
+
+def test_a_missing_umap_learn_is_named(monkeypatch):
+    monkeypatch.setitem(sys.modules, "umap", None)
+    with pytest.raises(MissingPackageError, match="pip install umap-learn"):
+        umap.project(noise(8, 4))
+
+
+def test_alignment_undoes_a_turn_and_a_mirror():
+    flat = noise(30, 2, dtype=torch.float64)
+    flat = flat - flat.mean(0)
+    turn = torch.linalg.qr(noise(2, 2, seed=5, dtype=torch.float64)).Q
+    for change in (turn, turn @ torch.diag(torch.tensor([1.0, -1.0], dtype=torch.float64))):
+        torch.testing.assert_close(aligned(flat @ change, flat), flat)
+
+
+def test_a_chain_of_maps_moves_less_than_maps_made_apart_and_shows_as_much():
+    points, _ = clusters(each=30)
+    turned = [points + 0.3 * step * noise(*points.shape, seed=9) for step in range(4)]
+    warm = list(chain(turned))
+    apart = [torch_umap.project(points, seed=step) for step, points in enumerate(turned)]
+    moved = [drift(a, b) for a, b in pairwise(warm)]
+    jumped = [drift(a, b) for a, b in pairwise(apart)]
+    assert max(moved) < min(jumped)
+    for points, flat, alone in zip(turned, warm, apart, strict=True):
+        assert trustworthiness(points, flat) > trustworthiness(points, alone) - 0.01
+
+
+def test_quality_agrees_with_scikit_learn_and_is_perfect_for_the_points_themselves():
+    from sklearn.manifold import trustworthiness as reference
+
+    points, flat = noise(80, 6), noise(80, 2, seed=1)
+    wanted = reference(points.numpy(), flat.numpy(), n_neighbors=7)
+    assert trustworthiness(points, flat, k=7) == pytest.approx(wanted)
+    assert trustworthiness(flat, flat, k=7) == quality(flat, flat, k=7).recall == 1
+
+
+def test_drift_is_counted_in_radii():
+    flat = noise(50, 2)
+    radius = float((flat - flat.mean(0)).norm() / 50**0.5)
+    assert drift(flat, flat + torch.tensor([radius, 0.0])) == pytest.approx(1)
+
+
+def test_the_radius_of_the_first_map_is_the_unit_of_drift():
+    flat = torch.tensor([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]])
+    assert drift(flat, 3 * flat) == pytest.approx(2)
+
+
+def test_quality_is_the_same_rule_for_more_rows_than_are_held_at_once():
+    from sklearn.manifold import trustworthiness as reference
+
+    points, flat = noise(1100, 4), noise(1100, 2, seed=1)
+    wanted = reference(points.numpy(), flat.numpy(), n_neighbors=7)
+    assert trustworthiness(points, flat, k=7) == pytest.approx(wanted)
+
+
+def test_a_nearer_neighbour_draws_a_new_row_more():
+    points = torch.tensor([[0.0, 0.0], [1.0, 0.0], [10.0, 0.0]], dtype=torch.float64)
+    flat = torch.tensor([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], dtype=torch.float64)
+    beyond = torch.tensor([0.0, 0.8, 9.8], dtype=torch.float64)  # of the distances 0.1, 0.9, 9.9
+    weight = (-beyond / beyond.mean()).exp()
+    wanted = (weight / weight.sum()) @ flat
+    query = torch.tensor([[0.1, 0.0]], dtype=torch.float64)
+    torch.testing.assert_close(place(query, points, flat)[0], wanted)
+
+
+def test_a_known_row_is_placed_on_its_own_point():
+    points, _ = clusters(each=10)
+    flat = noise(len(points), 2)
+    torch.testing.assert_close(place(points, points, flat), flat)
+
+
+def test_a_new_row_is_placed_among_its_neighbours():
+    points, group = clusters(each=20)
+    flat = torch_umap.project(points)
+    fresh, _ = clusters(each=20)
+    fresh = fresh + 0.1 * noise(*fresh.shape, seed=4)
+    placed = place(fresh, points, flat)
+    near = nearest(flat, 1, queries=placed).index[:, 0]
+    assert (group[near] == group).float().mean() > 0.98
+
+
+def test_a_turned_linear_map_places_rows_that_it_never_saw():
+    generator = torch.Generator().manual_seed(0)
+    points = torch.randn(60, 8, dtype=torch.float64, generator=generator)
+    fresh = torch.randn(5, 8, dtype=torch.float64, generator=generator)
+    axes = torch.linalg.qr(torch.randn(8, 8, dtype=torch.float64, generator=generator))[0][:, :2]
+    found = placed(fresh, points, points @ axes + 3)
+    assert found.exact
+    torch.testing.assert_close(found.places, fresh @ axes + 3, atol=1e-9, rtol=0)
+
+
+def test_a_map_that_is_not_linear_is_not_taken_for_one():
+    points = torch.randn(60, 8, generator=torch.Generator().manual_seed(0))
+    assert affine(points, points[:, :2] ** 2) is None
+    found = placed(points[:1], points, points[:, :2] ** 2)
+    assert not found.exact
+    torch.testing.assert_close(found.places.float(), points[:1, :2] ** 2)
+
+
+def test_too_few_points_cannot_show_that_a_map_is_linear():
+    points = torch.randn(9, 8, generator=torch.Generator().manual_seed(0))
+    assert affine(points, points[:, :2]) is None
+
+
+def test_a_row_is_repelled_five_times_as_strongly_as_by_one_row_of_the_map():
+    """Rows at two places without edges: half of the sampled rows are the others."""
+    start = torch.zeros(800, 2, dtype=torch.float64)
+    start[400:, 0] = 3.0
+    none = torch.zeros(0, dtype=torch.long)
+    graph = torch_umap.Graph(tail=none, head=none, weight=start.new_zeros(0), rows=800)
+    moved = torch_umap.descend(graph, start, steps=1, rate=1.0, seed=0) - start
+    a, b, gap = torch_umap.A, torch_umap.B, 3.0  # the gradient of -log(1 - 1 / (1 + a d^2b))
+    force = 2 * b * gap / ((1e-3 + gap**2) * (1 + a * gap ** (2 * b)))
+    assert float(moved[:400, 0].mean()) == pytest.approx(-5 / 2 * force, rel=0.1)
+    assert float(moved[400:, 0].mean()) == pytest.approx(5 / 2 * force, rel=0.1)
+
+
+def test_a_map_of_few_points_has_no_trustworthiness():
+    few, flat = noise(4 * NEIGHBOURS, 8), noise(4 * NEIGHBOURS, 2, seed=1)
+    assert trust(few, flat) is None
+    assert 0 < trust(torch.cat([few, few[:1]]), torch.cat([flat, flat[:1]])) < 1
+
+
+@pytest.mark.parametrize(("rows", "dimensions", "k"), [(3, 2, None), (4, 2, 3), (4, 3, None), (5, 3, 4), (40, 2, 15)])
+def test_umap_learn_maps_sets_from_two_rows_more_than_dimensions(monkeypatch, rows, dimensions, k):
+    """A stand-in for umap-learn notes its settings: the real one compiles for ten seconds."""
+    asked = []
+
+    class Stand:
+        def __init__(self, **settings):
+            asked.append(settings)
+
+        def fit_transform(self, points):
+            return points[:, :dimensions]
+
+    monkeypatch.setitem(sys.modules, "umap", type(sys)("umap"))
+    monkeypatch.setattr(sys.modules["umap"], "UMAP", Stand, raising=False)
+    points = noise(rows, 6)
+    flat = umap.project(points, seed=2**32 + 7, dimensions=dimensions)
+    if k is None:
+        torch.testing.assert_close(flat, pca.project(points, dimensions=dimensions))
+    assert asked == (
+        [] if k is None else [{"n_neighbors": k, "n_components": dimensions, "random_state": 7, "n_jobs": 1}]
+    )
+
+
+@pytest.mark.parametrize(("rows", "dimensions"), [(3, 2), (4, 3)])
+def test_umap_of_fewer_rows_than_dimensions_and_two_is_pca(rows, dimensions):
+    points = noise(rows, 6)
+    flat = torch_umap.project(points, dimensions=dimensions)
+    torch.testing.assert_close(flat, pca.project(points, dimensions=dimensions))
+    more = noise(rows + 1, 6)
+    assert not torch.allclose(
+        torch_umap.project(more, dimensions=dimensions), pca.project(more, dimensions=dimensions), atol=1e-3
+    )
+
+
+def test_a_map_whose_points_are_all_one_is_linear():
+    points = noise(60, 8)
+    found = placed(points[:1], points, torch.zeros(60, 2))
+    assert found.exact and float(found.places.abs().max()) == 0
+
+
+def test_one_row_more_than_unknowns_can_show_that_a_map_is_linear():
+    points = noise(10, 8, dtype=torch.float64)
+    assert affine(points, points[:, :2]) is not None
+
+
+def test_a_map_with_errors_below_a_thousandth_of_its_radius_is_linear():
+    points = noise(60, 8, dtype=torch.float64)
+    flat, off = points[:, :2] + 5, noise(60, 2, seed=1, dtype=torch.float64)
+    wide = torch.cat((points, torch.ones(60, 1)), 1)
+    off = off - wide @ torch.linalg.lstsq(wide, off).solution  # what no affine map explains
+    off = off / off.abs().max() * (points[:, :2] - points[:, :2].mean(0)).abs().max()
+    assert affine(points, flat + 0.9e-3 * off) is not None
+    assert affine(points, flat + 1.1e-3 * off) is None
+
+
+def test_one_neighbour_can_be_asked_for_and_none_is_refused():
+    assert nearest(noise(5, 3), 1).index.shape == (5, 1)
+    with pytest.raises(SettingsError, match="0 neighbours"):
+        nearest(noise(5, 3), 0)
+
+
+def test_pca_takes_one_row_and_as_many_columns_as_dimensions():
+    assert pca.project(torch.ones(1, 2)).tolist() == [[0, 0]]
+    with pytest.raises(ShapeError, match=r"\(0, 3\); a map needs 1 row"):
+        pca.project(torch.ones(0, 3))
+
+
+def test_a_large_spectral_start_is_as_wide_as_stated_for_a_graph_without_a_middle():
+    points, _ = clusters(each=10, groups=2)
+    flat = spectral_map(torch_umap.fuzzy_graph(nearest(points, 5)), dimensions=3)
+    assert flat.shape == (20, 3) and float(flat.abs().max()) == pytest.approx(10)
+
+
+def test_the_pull_of_an_edge_moves_both_ends_by_their_share_of_weight():
+    """Two edges of one row: a step is rate · 2 weight / degree · attraction, at each end."""
+    start = torch.tensor([[0.0, 0.0], [1.0, 0.0], [0.0, 2.0]], dtype=torch.float64)
+    weight = torch.tensor([1.0, 0.5], dtype=torch.float64)
+    graph = torch_umap.Graph(tail=torch.tensor([0, 0]), head=torch.tensor([1, 2]), weight=weight, rows=3)
+    alone = torch_umap.Graph(tail=graph.tail, head=graph.head, weight=0 * weight, rows=3)
+    by_edges, by_rows = (torch_umap.descend(g, start, steps=1, rate=0.1, seed=0) for g in (graph, alone))
+    pull = torch_umap.attraction((start[graph.tail] - start[graph.head]).T).T
+    wanted = torch.stack([2 * (pull[0] / 1.5 + pull[1] * 0.5 / 1.5), -2 * pull[0], -2 * pull[1]])
+    torch.testing.assert_close(by_edges - by_rows, 0.1 * wanted, atol=1e-3, rtol=1e-3)
+
+
+def test_the_steps_of_a_descent_shrink_to_nothing():
+    """Of four steps with one edge and no other row near, each is one quarter of the rate shorter."""
+    start = torch.tensor([[0.0, 0.0], [1e6, 0.0]], dtype=torch.float64)
+    graph = torch_umap.Graph(torch.tensor([0]), torch.tensor([1]), torch.ones(1, dtype=torch.float64), 2)
+    moved, still = (torch_umap.descend(graph, start, steps=steps, rate=1.0, seed=0) for steps in (4, 0))
+    pull = -float(torch_umap.attraction(torch.tensor([[-1e6], [0.0]], dtype=torch.float64))[0, 0])
+    assert float((moved - still)[0, 0]) == pytest.approx(2 * abs(pull) * (1 + 0.75 + 0.5 + 0.25), rel=1e-2)

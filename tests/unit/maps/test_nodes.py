@@ -1,0 +1,47 @@
+"""Facts about the nodes of a tree."""
+
+import pytest
+import torch
+
+from omnivat.head.dtg import DTG, groups, parents
+from omnivat.maps.nodes import tree_facts
+
+
+class Stub:
+    """A classifier over two directions, instead of a head."""
+
+    class settings:
+        generation = "none"
+
+    def classify(self, nodes):
+        return 10 * nodes[..., :2]
+
+
+def test_nodes_at_right_angles_have_no_nod_loss_and_equal_ones_have():
+    apart, alike = torch.eye(2)[None], torch.ones(1, 2, 2)
+    assert tree_facts(Stub(), apart).levels[0].nod == 0
+    assert tree_facts(Stub(), alike).levels[0].nod == pytest.approx(2**0.5, abs=1e-4)
+
+
+def test_pairs_of_a_class_that_the_head_lacks_count_neither_as_right_nor_as_wrong():
+    nodes = torch.tensor([[[1.0, 0.0]], [[1.0, 0.0]], [[0.0, 1.0]]])
+    facts = tree_facts(Stub(), nodes, torch.tensor([0, 1, -1]))
+    assert facts.right.tolist() == [0.5]
+
+
+@pytest.mark.parametrize("arrangement", ["tree", "series", "parallel", "interpolation", "none"])
+def test_every_node_of_every_arrangement_stands_in_one_group(arrangement):
+    count = 1 if arrangement == "none" else 7
+    assert len(parents(arrangement, count)) == count
+    grouped = [node for group in groups(arrangement, count) for node in group]
+    assert sorted(grouped) == list(range(count))
+
+
+@pytest.mark.parametrize("arrangement", ["tree", "series", "parallel"])
+def test_nodes_grow_from_their_parents(arrangement):
+    torch.manual_seed(0)
+    dtg = DTG(4, levels=2, arrangement=arrangement)
+    nodes = dtg.grow(torch.randn(3, 4)).nodes
+    for node, parent in enumerate(parents(arrangement, 3)[1:]):
+        grown = nodes[:, parent] @ dtg.weight[node].T + dtg.bias[node]
+        torch.testing.assert_close(nodes[:, node + 1], grown)

@@ -1,0 +1,225 @@
+"""The sweep over orders: its curves equal the library's results, without needless work."""
+
+import numpy as np
+import pytest
+import torch
+
+from omnivat.data.store import Embeddings, Header
+from omnivat.head.head import build_head
+from omnivat.head.settings import HeadSettings
+from omnivat.kit.errors import DataError, SettingsError, ShapeError
+from omnivat.maps.sweep import STAGES, coarse_first, sweep, walk
+from omnivat.measure.gaps.centroid import modality_gap
+from omnivat.measure.gaps.confusion import accuracy, macro_f1
+from omnivat.measure.gaps.measures import PREDICTION_MEASURES, STAGE_MEASURES
+from omnivat.measure.gaps.sums import cosine_margin
+from omnivat.measure.gaps.unit import unit
+
+CLASSES = ("wood", "steel", "glass")
+ORDERS = (0.0, 0.3, 0.5, 1.0)
+
+
+def pairs(count=24, width=12, domains=3, classes=CLASSES, seed=0):
+    rng = np.random.default_rng(seed)
+    header = Header(
+        encoder="noise",
+        weights_hash="none",
+        preprocessing="none",
+        domains=tuple(f"D{d}" for d in range(domains)),
+        classes=classes,
+        simulated=True,
+    )
+    return Embeddings(
+        header=header,
+        vis=rng.normal(size=(count, width)).astype(np.float32),
+        tac=rng.normal(0.5, size=(count, width)).astype(np.float32),
+        domain=np.arange(count) % domains,
+        label=rng.integers(0, len(classes), count),
+        rows={name: [""] * count for name in ("vis", "tac", "object", "split", "part")},
+    )
+
+
+def head(width=12, input_width=12, classes=CLASSES):
+    settings = HeadSettings(classes=classes, input_width=input_width, width=width, lang_width=12, standardize=False)
+    return build_head(settings, seed=1).eval()
+
+
+class Counting:
+    """A head that counts its predicted pairs and orders."""
+
+    def __init__(self, model, monkeypatch):
+        self.calls, self.pairs, self.prepared = [], 0, 0
+        inner, prepare = model.from_coefficients, model.coefficients
+
+        def from_coefficients(kept, order, **options):
+            self.calls.append(order)
+            self.pairs += len(kept)
+            return inner(kept, order, **options)
+
+        def coefficients(vis, tac):
+            self.prepared += 1
+            return prepare(vis, tac)
+
+        monkeypatch.setattr(model, "from_coefficients", from_coefficients)
+        monkeypatch.setattr(model, "coefficients", coefficients)
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 3, 10, 101])
+def test_coarse_orders_come_first_and_every_order_comes_once(count):
+    visits = coarse_first(count)
+    assert sorted(visits) == list(range(count))
+    assert visits[:2] == [0, count - 1][:count]
+
+
+def test_the_first_orders_visited_cover_the_range_evenly():
+    first = sorted(coarse_first(101)[:5])
+    assert max(np.diff(first)) <= 40
+
+
+@torch.no_grad()
+def test_every_curve_is_what_the_head_and_the_measure_return():
+    model, data = head(), pairs()
+    found = sweep(model, data, ORDERS, stages=("relu", "f_bar", "f_hat"))
+    labels = torch.from_numpy(data.label)
+    for place, order in enumerate(ORDERS):
+        out = model(torch.from_numpy(data.vis), torch.from_numpy(data.tac), order=order)
+        np.testing.assert_allclose(found.probabilities[place], out.probabilities, atol=1e-6)
+        answers = out.probabilities.argmax(1)
+        wanted = {
+            "modality_gap/f_hat": modality_gap(out.f_hat["vis"], out.f_hat["tac"]),
+            "modality_gap/relu": modality_gap(*(out.relu[name].movedim(1, 0).flatten(1) for name in ("vis", "tac"))),
+            "modality_gap/f_bar/D1": modality_gap(out.f_bar["vis"][1::3], out.f_bar["tac"][1::3]),
+            "margin:tac/f_bar": cosine_margin(out.f_bar["tac"], labels),
+            "margin/f_hat": cosine_margin(unit(out.f_hat["vis"]) + unit(out.f_hat["tac"]), labels),
+            "accuracy/all": accuracy(labels, answers),
+            "accuracy/D2": accuracy(labels[2::3], answers[2::3]),
+            "macro_f1/all": macro_f1(labels, answers),
+            "accuracy:vis/all": accuracy(labels, out.alone["vis"].argmax(1)),
+            "accuracy:vis_branch/all": accuracy(labels, out.logits["vis"].argmax(1)),
+        }
+        for name, value in wanted.items():
+            assert found.curves[name][place] == pytest.approx(value.item(), abs=1e-6), name
+
+
+def test_chunks_of_any_size_give_the_same_answers():
+    model, data = head(), pairs()
+    whole, cut = (sweep(model, data, ORDERS, chunk=size) for size in (100, 5))
+    np.testing.assert_allclose(whole.probabilities, cut.probabilities, atol=1e-6)
+    for name, curve in whole.curves.items():
+        np.testing.assert_allclose(cut.curves[name], curve, atol=1e-6)
+
+
+def test_raw_and_transformed_embeddings_keep_every_gap_at_every_order():
+    """The transform is unitary: measured here at each order, not assumed."""
+    model, data = head(), pairs()
+    still = sweep(model, data, ORDERS, stages=("raw",))
+    for order in ORDERS:
+        moved = sweep(model, data, (order,), stages=("frft",))
+        for measure in ("modality_gap", "domain_gap", "margin:cross_modal"):
+            assert moved.curves[f"{measure}/frft"][0] == pytest.approx(still.curves[f"{measure}/raw"][0], abs=1e-6)
+
+
+def test_coefficients_are_made_once_and_each_pair_passes_once_an_order(monkeypatch):
+    model, data = head(), pairs()
+    count = Counting(model, monkeypatch)
+    sweep(model, data, ORDERS, stages=STAGES, chunk=7)
+    assert count.prepared == 1
+    assert count.pairs == len(data) * len(ORDERS)
+
+
+def test_what_stays_still_is_measured_at_one_order_alone(monkeypatch):
+    model, data = head(), pairs()
+    count = Counting(model, monkeypatch)
+    found = sweep(model, data, ORDERS, stages=("raw", "frft"), measures=("modality_gap",))
+    assert count.calls == [ORDERS[0]]
+    assert len(set(found.curves["modality_gap/frft"])) == 1
+    assert found.probabilities.shape == (4, 0, 3)
+
+
+def test_what_stays_still_comes_with_the_first_order_visited_and_never_again():
+    first, *later = walk(head(), pairs(), ORDERS, stages=("raw", "frft", "f_hat"))
+    assert set(first.features) == {"raw", "frft", "f_hat"}
+    assert [set(found.features) for found in later] == [{"f_hat"}] * 3
+    alone = list(walk(head(), pairs(), ORDERS, stages=("raw", "frft"), predictions=False))
+    assert [found.index for found in alone] == [0]
+
+
+def test_the_raw_embedding_needs_no_head_at_all(monkeypatch):
+    model, data = head(), pairs()
+    count = Counting(model, monkeypatch)
+    sweep(model, data, ORDERS, stages=("raw",), measures=("margin",))
+    assert count.prepared == 0
+    assert count.calls == []
+
+
+def test_stages_that_are_not_asked_for_are_not_kept():
+    found = next(walk(head(), pairs(), ORDERS, stages=("f_bar",), predictions=False))
+    assert set(found.features) == {"f_bar"}
+    assert found.probabilities == {}
+
+
+@pytest.mark.parametrize("name", [*STAGE_MEASURES, *PREDICTION_MEASURES])
+def test_every_measure_has_a_curve_of_numbers(name):
+    found = sweep(head(), pairs(count=60), (0.2, 0.7), measures=(name,))
+    assert found.curves
+    assert all(np.isfinite(curve).all() and curve.shape == (2,) for curve in found.curves.values())
+
+
+def test_steps_are_told_coarse_first():
+    steps = []
+    sweep(head(), pairs(), (0.0, 0.25, 0.5, 0.75, 1.0), on_step=steps.append)
+    assert [step.text for step in steps] == [f"order {p}" for p in ("0.00", "1.00", "0.50", "0.25", "0.75")]
+    assert [step.done for step in steps] == [1, 2, 3, 4, 5]
+
+
+def test_a_class_that_the_head_does_not_know_counts_in_gaps_and_not_in_scores():
+    data = pairs(classes=("steel", "felt", "wood"))
+    found = sweep(head(), data, (0.5,))
+    assert found.classes == ("wood", "steel", "glass", "felt")
+    assert [found.classes[i] for i in found.label] == [data.header.classes[i] for i in data.label]
+    known = np.isin(found.label, [0, 1, 2])
+    right = found.probabilities[0].argmax(1)[known] == found.label[known]
+    assert found.curves["accuracy/all"][0] == pytest.approx(right.mean())
+
+
+def test_the_confusion_at_an_order_is_each_class_s_shares_of_the_answers():
+    data = pairs(count=40, classes=("steel", "felt", "wood"))
+    found = sweep(head(), data, (0.1, 0.6), measures=("confusion",))
+    answers = found.probabilities.argmax(2)
+    for truth in ("wood", "steel"):
+        own = found.label == CLASSES.index(truth)
+        for answer in CLASSES:
+            wanted = (answers[:, own] == CLASSES.index(answer)).mean(1)
+            np.testing.assert_allclose(found.curves[f"confusion/{truth}>{answer}"], wanted)
+    assert np.isnan(found.curves["confusion/glass>wood"]).all()  # no pairs of glass
+    assert len(found.curves) == 9
+
+
+def test_a_domain_too_small_for_a_measure_is_named():
+    with pytest.raises(ShapeError, match="proxy_a: .* needs 5 or more.* D0 3, D1 3, D2 2"):
+        sweep(head(), pairs(count=8), (0.5,), measures=("proxy_a",))
+
+
+def test_a_set_without_pairs_is_refused():
+    with pytest.raises(DataError, match="no pairs in these embeddings"):
+        sweep(head(), pairs().select(np.array([], dtype=np.int64)), (0.5,))
+
+
+def test_a_projecting_head_measures_its_own_transform():
+    found = sweep(head(width=8), pairs(), ORDERS, stages=("raw", "frft"))
+    assert found.curves["modality_gap/frft"][0] != found.curves["modality_gap/raw"][0]
+
+
+@pytest.mark.parametrize(
+    ("wrong", "sentence"),
+    [
+        ({"stages": ("f_hut",)}, "No stage is called 'f_hut'; .*Did you mean 'f_hat'"),
+        ({"measures": ("margins",)}, "No measure is called 'margins'.*Did you mean 'margin'"),
+        ({"chunk": 0}, "chunk must be 1 or more"),
+        ({"orders": (float("nan"),)}, "every order a finite number"),
+    ],
+)
+def test_what_cannot_be_swept_is_refused(wrong, sentence):
+    arguments = {"orders": ORDERS, **wrong}
+    with pytest.raises(SettingsError, match=sentence):
+        sweep(head(), pairs(), arguments.pop("orders"), **arguments)

@@ -1,0 +1,173 @@
+"""Known results of each gap measure, and their errors."""
+
+import math
+
+import numpy as np
+import pytest
+import torch
+
+from omnivat.kit.errors import SettingsError, ShapeError
+from omnivat.kit.tables import load
+from omnivat.measure.gaps import GAPS
+from omnivat.measure.gaps.calibration import ece, nll
+from omnivat.measure.gaps.centroid import centroid_gap, modality_gap
+from omnivat.measure.gaps.confusion import accuracy, confusion, macro_f1
+from omnivat.measure.gaps.frechet import frechet
+from omnivat.measure.gaps.measures import STAGE_MEASURES
+from omnivat.measure.gaps.mmd import mmd_linear, mmd_rbf
+from omnivat.measure.gaps.proxy_a import _fits, proxy_a, proxy_a_estimate
+from omnivat.measure.gaps.sums import cosine_margin, cross_modal_margin
+
+
+def cloud(seed, count=60, width=5, shift=0.0):
+    generator = torch.Generator().manual_seed(seed)
+    return torch.randn(count, width, generator=generator, dtype=torch.float64) + shift
+
+
+@pytest.mark.parametrize("name", list(GAPS))
+def test_every_gap_loads_and_the_sweep_has_it(name):
+    assert callable(load(GAPS, name, kind="gap"))
+    assert name in STAGE_MEASURES or name == "centroid"
+
+
+def test_gap_is_two_for_opposite_directions():
+    vis = torch.tensor([[3.0, 0.0], [1.0, 0.0]])
+    assert modality_gap(vis, -vis) == 2
+
+
+def test_modality_gap_needs_one_tactile_row_for_each_visual_row():
+    with pytest.raises(ShapeError, match=r"tac has shape \(3, 2\), expected \(B, D\) with B=2"):
+        modality_gap(torch.ones(2, 2), torch.ones(3, 2))
+
+
+@pytest.mark.parametrize("name", list(GAPS))
+def test_an_empty_set_is_refused_by_name(name):
+    with pytest.raises(ShapeError, match="b has 0 rows"):
+        load(GAPS, name, kind="gap")(torch.ones(6, 2), torch.ones(0, 2))
+
+
+def test_linear_mmd_is_the_squared_centroid_gap():
+    a, b = cloud(0), cloud(1, count=40, shift=1.0)
+    torch.testing.assert_close(mmd_linear(a, b), centroid_gap(a, b).square())
+
+
+def test_rbf_mmd_sees_a_spread_that_the_mean_does_not():
+    angles = torch.linspace(0, 2 * math.pi, 41, dtype=torch.float64)[:-1]
+    ring = torch.stack([angles.cos(), angles.sin()], 1)
+    poles = torch.tensor([[1.0, 0.0], [-1.0, 0.0]], dtype=torch.float64).repeat(20, 1)
+    assert mmd_linear(ring, poles) < 1e-20
+    assert mmd_rbf(ring, poles) > 0.05
+
+
+def test_rbf_mmd_equals_the_full_kernel_matrix():
+    a, b = cloud(0, 20), cloud(1, 30, shift=0.5)
+    ua, ub = torch.nn.functional.normalize(a), torch.nn.functional.normalize(b)
+    wanted = sum(
+        sign * (-0.7 * torch.cdist(x, y).square()).exp().mean()
+        for sign, x, y in ((1, ua, ua), (1, ub, ub), (-2, ua, ub))
+    )
+    torch.testing.assert_close(mmd_rbf(a, b, gamma=0.7), wanted)
+
+
+@pytest.mark.parametrize("count", [4, 60])
+def test_frechet_equals_the_matrix_root_of_the_covariances(count):
+    """Fewer rows than columns gives a singular covariance; both roads must agree."""
+    from scipy.linalg import sqrtm
+
+    a, b = cloud(0, count), cloud(1, count + 5, shift=0.5)
+    ua, ub = (torch.nn.functional.normalize(x) for x in (a, b))
+    ca, cb = torch.cov(ua.T), torch.cov(ub.T)
+    tiny = 1e-13 * torch.eye(5, dtype=torch.float64)
+    root = sqrtm(((ca + tiny) @ (cb + tiny)).numpy()).real.trace()
+    means = (ua.mean(0) - ub.mean(0)).square().sum()
+    wanted = means + ca.trace() + cb.trace() - 2 * root
+    assert frechet(a, b).item() == pytest.approx(wanted.item(), abs=1e-5)
+
+
+def test_proxy_a_is_two_for_sets_that_a_line_parts_and_small_for_one_cloud():
+    assert proxy_a(cloud(0, shift=4.0), cloud(1, 90, shift=-4.0)) == 2
+    assert proxy_a(cloud(0, 400), cloud(1, 300)) < 0.35
+
+
+def test_proxy_a_counts_rows_that_the_classifier_has_not_seen():
+    """With more columns than rows any labelling can be learnt, but not on unseen rows."""
+    a, b = cloud(0, 40, 200), cloud(1, 40, 200)
+    assert proxy_a(a, b, ridge=1e-6) < 0.7
+
+
+def test_proxy_a_is_one_where_a_quarter_of_each_set_lies_with_the_other():
+    right, left = torch.tensor([[1.0, 0.0]]), torch.tensor([[-1.0, 0.0]])
+    a, b = torch.cat([right] * 75 + [left] * 25), torch.cat([left] * 75 + [right] * 25)
+    found = proxy_a_estimate(a, b)
+    assert found.value == pytest.approx(1.0)
+    # 2 (1 - 2 ε), ε the mean of two shares of 100 rows with variance 3/16 each
+    assert found.error == pytest.approx(2 * (2 * (3 / 16) * 100 / 99 / 100) ** 0.5)
+
+
+@pytest.mark.parametrize("width", [5, 90])
+def test_proxy_a_penalises_by_a_share_of_the_mean_variance(width):
+    """Fisher's direction with a ridge of `ridge` mean variances, by another solver."""
+    a, b = cloud(0, 30, width).double(), cloud(1, 40, width, shift=0.5).double()
+    spread = sum(np.cov(x.numpy().T, bias=True) for x in (a, b))
+    penalty = 0.3 * np.trace(spread) / width
+    wanted = np.linalg.inv(spread / penalty + np.eye(width)) @ (a.mean(0) - b.mean(0)).numpy()
+    fits = _fits((a, torch.ones(30)), (b, torch.ones(40)), 2, 0.3)  # no row is in fold 0
+    np.testing.assert_allclose(next(fits)[0], wanted, rtol=1e-9)
+
+
+def test_margin_is_two_for_classes_in_opposite_directions():
+    rows = torch.tensor([[1.0, 0.0], [2.0, 0.0], [-1.0, 0.0], [-3.0, 0.0]])
+    labels = torch.tensor([0, 0, 1, 1])
+    assert cosine_margin(rows, labels) == 2
+    assert cross_modal_margin(rows, rows, labels) == 2
+
+
+def test_margin_of_one_class_is_not_a_number():
+    assert cosine_margin(torch.eye(3), torch.zeros(3, dtype=torch.long)).isnan()
+
+
+def test_confusion_has_truth_in_rows_and_answers_in_columns():
+    counts = confusion(torch.tensor([0, 0, 2]), torch.tensor([0, 1, 2]), 3)
+    assert counts.tolist() == [[1, 1, 0], [0, 0, 0], [0, 0, 1]]
+
+
+def test_an_answer_that_the_set_does_not_have_costs_the_union_variant_more():
+    labels, predicted = torch.tensor([0, 0, 1, 1]), torch.tensor([0, 2, 1, 1])
+    assert macro_f1(labels, predicted).item() == pytest.approx((2 / 3 + 1) / 2)
+    assert macro_f1(labels, predicted, average="union").item() == pytest.approx((2 / 3 + 1) / 3)
+    with pytest.raises(SettingsError, match="no average 'micro'; use present or union"):
+        macro_f1(labels, predicted, average="micro")
+
+
+def test_scores_of_no_pairs_are_not_numbers():
+    none = torch.zeros(0, dtype=torch.long)
+    assert accuracy(none, none).isnan()
+    assert macro_f1(none, none).isnan()
+    assert ece(torch.zeros(0, 3), none).isnan()
+
+
+def test_log_loss_is_the_mean_of_minus_the_log_of_the_true_class():
+    rows = torch.tensor([[0.5, 0.25, 0.25], [0.1, 0.0, 0.9]])
+    assert nll(rows, torch.tensor([1, 2])).item() == pytest.approx((np.log(4) - np.log(0.9)) / 2)
+    assert nll(rows, torch.tensor([1, 1])).item() == pytest.approx((np.log(4) - np.log(1e-12)) / 2)
+
+
+def test_calibration_error_is_the_distance_of_confidence_from_accuracy_in_each_bin():
+    probabilities = torch.tensor([[0.9, 0.1], [0.9, 0.1], [0.6, 0.4], [0.4, 0.6]])
+    labels = torch.tensor([0, 1, 0, 1])
+    # bin of .9: accuracy 1/2 against .9, half of the pairs; bin of .6: 1 against .6
+    assert ece(probabilities, labels, bins=10).item() == pytest.approx(0.5 * 0.4 + 0.5 * 0.4)
+
+
+def test_a_confidence_on_a_border_counts_in_the_lower_bin():
+    sure, unsure = [0.5, 0.25, 0.25], [0.25, 0.375, 0.375]
+    rows = torch.tensor([sure, unsure], dtype=torch.float64)
+    # in one bin: the surplus of the right answer, 0.5, and of the wrong one, -0.375, add up
+    assert ece(rows, torch.tensor([0, 0]), bins=2) == pytest.approx(0.125 / 2)
+
+
+def test_rbf_mmd_takes_one_over_the_mean_squared_distance_where_no_width_is_given():
+    a, b = cloud(0, 20), cloud(1, 30, shift=0.5)
+    rows = torch.nn.functional.normalize(torch.cat([a, b]))
+    gamma = 1 / torch.cdist(rows, rows).square().mean()
+    torch.testing.assert_close(mmd_rbf(a, b), mmd_rbf(a, b, gamma=float(gamma)))

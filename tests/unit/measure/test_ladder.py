@@ -1,0 +1,147 @@
+"""The ladder: rungs of a loaded head, and rungs from records."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+from hypothesis import given
+from hypothesis import strategies as st
+
+from omnivat.data.profile import FLOOR
+from omnivat.data.store import save_embeddings
+from omnivat.head.checkpoint import load_head, save_head
+from omnivat.head.heads import EXAMPLES, default_embeddings, default_head, kept_ladder
+from omnivat.measure import ladder
+from omnivat.measure.evaluate import evaluate, target_mean, target_scores
+from omnivat.measure.ladder import FORMAT, METHOD, lettered, letters, recorded, rungs, write_ladder
+from omnivat.training import TrainSettings
+from omnivat.training.from_pairs import head_from_pairs
+
+
+@pytest.fixture(autouse=True)
+def no_records(monkeypatch, tmp_path):
+    monkeypatch.setattr(ladder, "LADDERS", tmp_path / "none.jsonl.gz")
+    ladder._records.cache_clear()
+    yield
+    ladder._records.cache_clear()
+
+
+@pytest.fixture(scope="module")
+def shifted(make_embeddings):
+    """A set whose second domain is offset: a profile finds the offset."""
+    embeddings = make_embeddings(per_class=24, split=True)
+    offset = 12 * np.random.default_rng(5).normal(size=embeddings.width).astype(np.float32)
+    for rows in (embeddings.vis, embeddings.tac):
+        rows[embeddings.domain == 1] += offset
+    return embeddings
+
+
+@pytest.fixture(scope="module")
+def head(shifted):
+    return head_from_pairs(
+        shifted, "TAG-sim", head={"width": 16}, training=TrainSettings(epochs=15, lang=False), calibrate=False
+    )
+
+
+def test_an_offset_is_mended_rung_by_rung(head, shifted):
+    found = {one["rung"]: one for one in rungs(head, shifted)}
+    assert list(found) == ["home", "none", "n1", "n2", "n5", "n10", "n20", "n50", "all"]
+    assert found["none"]["accuracy"] < 0.9 * found["home"]["accuracy"]
+    assert found["none"]["accuracy"] < found["n5"]["accuracy"] <= found["all"]["accuracy"] + 0.05
+    assert found["all"]["accuracy"] > 0.8 * found["home"]["accuracy"]
+    for one in found.values():
+        assert 0 <= one["low"] <= one["accuracy"] + 1e-9 <= one["high"] + 2e-9 <= 1 + 3e-9
+        assert one["from"] == "this head" and one["source"] == "TAG-sim"
+
+
+def test_the_first_rungs_are_what_evaluate_says(head, shifted):
+    records = evaluate(head, shifted)
+    found = {one["rung"]: one for one in rungs(head, shifted)}
+    assert found["none"]["accuracy"] == pytest.approx(target_mean(target_scores(records)))
+    own = next(one for one in records if one["is_source"])
+    assert found["home"]["accuracy"] == pytest.approx(own["scores"]["fused"]["accuracy"])
+
+
+def test_a_head_without_a_profile_has_two_rungs(head, shifted):
+    older = replace(head, profile=None)
+    assert [one["rung"] for one in rungs(older, shifted)] == ["home", "none"]
+
+
+@given(st.lists(st.integers(-1, 25)))
+def test_letters_come_back(labels):
+    assert letters(lettered(np.array(labels, dtype=np.int64))).tolist() == labels
+
+
+def test_another_source_and_other_rungs_come_from_the_records(head, shifted, tmp_path, monkeypatch):
+    file = tmp_path / "ladder.jsonl"
+    names = list(shifted.header.domains)
+    first = {"domains": names, "classes": ["a", "b"], "domain": [0, 0, 1, 1], "truth": "abab"}
+    answers = {"home": "..ab", "none": "aa..", "m2": "ab..", "one:a": "ab..", "one:b": "ba.."}
+    one = {"method": METHOD, "source": names[1], "seed": 0, "answers": answers}
+    lines = [first, one, {**one, "source": names[0], "answers": {"k1": "..aa", "none": "..bb"}}]
+    file.write_text("".join(json.dumps({"format": FORMAT, **line}) + "\n" for line in lines))
+    monkeypatch.setattr(ladder, "LADDERS", file)
+    ladder._records.cache_clear()
+
+    other = {r["rung"]: (r["accuracy"], r["from"]) for r in rungs(head, shifted, source=names[1])}
+    assert other == {
+        "home": (1.0, "records"),
+        "none": (0.5, "records"),
+        "one": (0.5, "records"),
+        "m2": (1.0, "records"),
+    }
+    own = {r["rung"]: r["from"] for r in rungs(head, shifted)}
+    assert own["k1"] == "records" and own["none"] == "this head"
+    assert recorded("nowhere", names) == []
+
+
+def test_records_of_other_domains_say_nothing_about_a_set(head, shifted, monkeypatch):
+    monkeypatch.setattr(ladder, "LADDERS", EXAMPLES / "records" / "ladder.jsonl.gz")
+    ladder._records.cache_clear()
+    assert {one["from"] for one in rungs(head, shifted)} == {"this head"}
+
+
+def test_predictions_of_rungs_are_those_of_profiled_embeddings(head, shifted):
+    """An oracle by hand: the mean of all training pairs moved onto the source's."""
+    test = shifted.rows_of("OF Real-sim", split="test")
+    train = shifted.rows_of("OF Real-sim", split="train")
+    pair = []
+    for name in ("vis", "tac"):
+        rows, own = getattr(shifted, name), head.profile.channels[name]
+        n = len(train)
+        mean = own.mean + n / (n + 2) * (rows[train].mean(0) - own.mean)
+        variance = own.variance + n / (n + 10) * (rows[train].var(0) - own.variance)
+        floor = FLOOR * np.sqrt(own.variance).mean()
+        ratio = (np.sqrt(own.variance) + floor) / (np.sqrt(variance) + floor)
+        pair.append(torch.from_numpy((rows[test] - mean) * ratio + own.mean).float())
+    said = head.model(*pair).probabilities.argmax(1).numpy()
+    wanted = (said == shifted.label[test]).mean()
+    found = {one["rung"]: one["accuracy"] for one in rungs(head, shifted)}
+    assert found["all"] == pytest.approx(wanted)
+
+
+def test_a_kept_ladder_is_of_exactly_its_head_and_its_set(head, shifted, tmp_path):
+    saved = load_head(save_head(tmp_path / "head", head))
+    place = tmp_path / "set.safetensors"
+    save_embeddings(place, shifted)
+    assert kept_ladder(tmp_path / "head", place) is None
+    write_ladder(saved, shifted, place)
+    kept = kept_ladder(tmp_path / "head", place)
+    assert kept == ladder.ladder(saved, shifted)
+    save_embeddings(place, shifted.select(np.arange(len(shifted) - 1)))
+    assert kept_ladder(tmp_path / "head", place) is None
+    save_embeddings(place, shifted)
+    assert kept_ladder(tmp_path / "head", place) == kept
+    shorter = replace(head.source_profile, step=0.5)
+    save_head(tmp_path / "head", replace(head, profile=shorter))
+    assert kept_ladder(tmp_path / "head", place) is None
+    save_head(tmp_path / "head", replace(head, provenance={**head.provenance, "seed": 9}))
+    assert kept_ladder(tmp_path / "head", place) is None
+
+
+def test_the_page_has_the_ladder_of_the_shipped_head_without_computing():
+    kept = kept_ladder(default_head(), default_embeddings())
+    assert kept, "head, set or records are new: run `python -m omnivat evaluate --ladder`"
+    assert {"home", "none", "n5", "all", "k3", "m2"} <= {one["rung"] for one in kept["rungs"]}

@@ -1,0 +1,148 @@
+"""Results in unseen domains: test pairs, shares, their intervals, retrieval."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from omnivat.head.checkpoint import Head
+from omnivat.head.head import build_head
+from omnivat.head.settings import HeadSettings
+from omnivat.maps.frames.builder import UnseenAccuracy
+from omnivat.maps.frames.records import with_learned
+from omnivat.measure.evaluate import evaluate, predicted_probabilities
+from omnivat.measure.unseen import counted, judged, mean_over_domains, nearest_touch, of_domains, unseen_summary, wilson
+
+SOURCE = "TAG-sim"
+
+
+@pytest.fixture(scope="module")
+def make_head():
+    """Return a maker of small heads that fit embeddings and were trained nowhere."""
+
+    def make(embeddings):
+        settings = HeadSettings(
+            classes=embeddings.header.classes, input_width=embeddings.width, width=16, lang_width=16
+        )
+        encoder = dict(zip(("name", "weights_hash", "preprocessing"), embeddings.header.key, strict=True))
+        model = build_head(settings, seed=2).eval()
+        return Head(model=model, settings=settings, encoder=encoder, provenance={"source": SOURCE})
+
+    return make
+
+
+@pytest.fixture(scope="module")
+def found(make_embeddings, make_head):
+    embeddings = make_embeddings(domains=(SOURCE, "OF Real-sim", "TQ-sim"), split=True)
+    embeddings.rows["looks_like"][:] = ["steel" if i % 4 == 2 else "" for i in range(len(embeddings))]
+    head = make_head(embeddings)
+    return head, embeddings, unseen_summary(head, embeddings)
+
+
+def test_only_test_pairs_count_where_a_split_is_stated(make_embeddings):
+    split = make_embeddings(split=True)
+    assert [split.rows["split"][i] for i in np.flatnonzero(counted(split, SOURCE))] == ["test"] * 40
+
+
+def test_of_a_source_without_a_split_no_pair_counts(make_embeddings):
+    plain = make_embeddings()
+    keep = counted(plain, SOURCE)
+    assert not keep[plain.domain == 0].any()
+    assert keep[plain.domain == 1].all()
+
+
+def test_shares_are_those_of_evaluate(found):
+    head, embeddings, summary = found
+    for record, own in zip(evaluate(head, embeddings), summary["domains"], strict=True):
+        assert own["pairs"] == record["pairs"]
+        for reading in ("fused", "vis", "tac"):
+            share = own[f"answers/{reading}"]["share"]
+            assert_allclose(share, record["scores"][reading]["accuracy"], rtol=1e-6)
+
+
+def test_the_mean_leaves_the_source_out(found):
+    _, _, summary = found
+    others = [d["answers/fused"]["share"] for d in summary["domains"] if not d["is_source"]]
+    assert summary["unseen"]["answers/fused"]["share"] == pytest.approx(np.mean(others))
+    total = np.array(summary["confusion"]["fused"]["unseen"])
+    assert total.sum() == sum(d["pairs"] for d in summary["domains"] if not d["is_source"])
+
+
+def test_look_alikes_are_counted_among_unseen_pairs_alone(found):
+    _, embeddings, summary = found
+    marked = [bool(name) for name in embeddings.rows["looks_like"]]
+    expected = counted(embeddings, SOURCE) & (embeddings.domain > 0) & np.array(marked)
+    assert summary["look_alikes"]["pairs"] == expected.sum() > 0
+
+
+def test_a_class_that_the_head_lacks_is_left_out(found):
+    head, embeddings, _ = found
+    names = (*embeddings.header.classes[:-1], "rubber")
+    other = replace(embeddings, header=replace(embeddings.header, classes=names))
+    summary = unseen_summary(head, other)
+    assert all(own["pairs"] == 16 for own in summary["domains"])
+    assert sum(summary["pairs"]["counts"]) == 48
+
+
+def test_a_domain_without_pairs_that_count_has_no_share(make_embeddings, make_head):
+    embeddings = make_embeddings()
+    summary = unseen_summary(make_head(embeddings), embeddings)
+    source = next(own for own in summary["domains"] if own["is_source"])
+    assert (source["pairs"], source["answers/fused"]) == (0, None)
+
+
+def test_wilson_stays_within_zero_and_one_and_narrows():
+    assert wilson(0, 10)[0] == 0
+    assert wilson(10, 10)[1] == pytest.approx(1)
+    wide, narrow = wilson(5, 10), wilson(500, 1000)
+    assert wide[0] < narrow[0] < 0.5 < narrow[1] < wide[1]
+
+
+def test_the_interval_over_domains_is_wider_where_domains_differ():
+    alike = of_domains([(50, 100)] * 6)
+    apart = of_domains([(20, 100), (80, 100)] * 3)
+    assert apart[1] - apart[0] > alike[1] - alike[0]
+    assert alike[0] < 0.5 < alike[1]
+
+
+def test_a_photo_finds_the_touch_nearest_in_direction_within_its_domain():
+    vis = np.array([[1.0, 0.0], [0.0, 1.0], [1.0, 0.0]])
+    tac = np.array([[0.0, 2.0], [9.0, 0.1], [0.0, 1.0]])
+    domain, rows = np.array([0, 0, 1]), np.array([0, 1, 2])
+    assert nearest_touch(vis[rows], tac, domain, rows).tolist() == [1, 0, 2]
+    assert nearest_touch(vis[rows[::-2]], tac, domain, rows[::-2]).tolist() == [2, 1]
+
+
+def test_of_large_domains_an_even_part_is_judged():
+    domain = np.array([0] * 10 + [1] * 3)
+    keep = np.arange(13) != 12
+    assert judged(keep, domain, most=4).tolist() == [0, 3, 6, 9, 10, 11]
+    assert judged(np.zeros(13, dtype=bool), domain).tolist() == []
+
+
+def test_the_curve_of_frames_is_the_mean_over_unseen_domains(found):
+    head, embeddings, summary = found
+
+    curve = UnseenAccuracy(embeddings, head.settings.classes, SOURCE)
+    values = curve.at(predicted_probabilities(head.model, embeddings))
+    for reading, name in (("fused", "accuracy/unseen"), ("tac", "accuracy:tac/unseen")):
+        assert values[name] == pytest.approx(summary["unseen"][f"answers/{reading}"]["share"])
+    assert UnseenAccuracy(embeddings, head.settings.classes, "elsewhere").at({}) == {}
+
+
+def test_without_unseen_pairs_there_is_no_mean(make_embeddings):
+    one = make_embeddings(domains=(SOURCE,))
+    right = np.ones(len(one), dtype=bool)
+    assert mean_over_domains(right, one, SOURCE, right) is None
+    assert mean_over_domains(right, one, "elsewhere", right) is None
+
+
+def test_the_slider_stops_at_exactly_the_learned_order():
+    rounds = [k / 100 for k in range(101)]
+    stops = with_learned(rounds, 0.50137)
+    assert 0.50137 in stops
+    assert len(stops) == 102
+    assert len(with_learned(rounds, 0.5002)) == 101
+    assert with_learned(rounds, 1.5) == tuple(rounds)
+    assert with_learned(rounds, None) == tuple(rounds)

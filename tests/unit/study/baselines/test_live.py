@@ -1,0 +1,229 @@
+"""MMRL and LDC: their parts against their definitions, and what they refuse."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+import torch
+from PIL import Image
+from torch import Tensor, nn
+
+from omnivat.encoders.clip import open_clip
+from omnivat.encoders.clip_live import LiveClip, load_live
+from omnivat.encoders.hub import remember
+from omnivat.kit.errors import DataError
+from omnivat.study.baselines import ldc
+from omnivat.study.baselines.contract import ImageInput, Live, Source
+from omnivat.study.baselines.ldc import DeConfused, TokenLevels
+from omnivat.study.baselines.ldc import fit as fit_ldc
+from omnivat.study.baselines.mmrl import SCALE, TOKENS, Representations
+from omnivat.study.baselines.mmrl import fit as fit_mmrl
+
+LAYOUTS = ("transformers folder", "bare safetensors", "OpenAI TorchScript", "open_clip folder")
+
+
+def live_clip(clips: Any, folder: Path, layout: str = "OpenAI state dict") -> LiveClip:
+    file = clips.write(layout, folder, clips.small_model())
+    return LiveClip(open_clip("clip", file), torch.device("cpu"))
+
+
+@pytest.fixture
+def vit(clips: Any, tmp_path: Path) -> LiveClip:
+    return live_clip(clips, tmp_path)
+
+
+@pytest.fixture
+def resnet(clips: Any, tmp_path: Path) -> LiveClip:
+    clips.tokenizer().save_pretrained(tmp_path)
+    torch.save(clips.published_resnet(clips.rn50_state()), tmp_path / "RN.pt")
+    return LiveClip(open_clip("clip", tmp_path / "RN.pt"), torch.device("cpu"))
+
+
+def source_of(clip: LiveClip, classes: tuple[str, ...] = ("wood", "steel")) -> Source:
+    """Six pairs, one colour a class."""
+
+    def read(name: str, row: int) -> Image.Image:
+        return Image.new("RGB", (40, 30), (40 + 20 * row, 200 if row % 2 else 30, len(name)))
+
+    labels = torch.arange(6) % len(classes)
+    rows = torch.randn(6, clip.width, generator=torch.Generator().manual_seed(0))
+    return Source(
+        vis=rows,
+        tac=rows,
+        labels=labels,
+        objects=tuple(map(str, range(6))),
+        classes=classes,
+        live=Live(read=read, load=lambda: clip, rows=torch.arange(6)),
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_a_live_clip_gives_the_models_own_embeddings(layout: str, clips: Any, tmp_path: Path) -> None:
+    clip = live_clip(clips, tmp_path, layout)
+    images, texts = torch.randn(3, 3, clips.SIDE, clips.SIDE), ["a photo of wood", "steel"]
+    model = clips.small_model()
+    torch.testing.assert_close(clip.embed(images), clips.image_embeddings(model, images), atol=1e-5, rtol=1e-5)
+    torch.testing.assert_close(clip.embed_texts(texts), clips.text_embeddings(model, texts), atol=1e-5, rtol=1e-5)
+
+
+def test_gradients_pass_through_both_towers_and_change_neither(vit: LiveClip) -> None:
+    model = Representations(vit)
+    before = {name: weight.clone() for name, weight in vit.image.state_dict().items()}
+    plain, shared = model.images(torch.randn(2, 3, vit.side, vit.side))
+    texts = model.texts(*vit.text_tokens(["wood", "steel"]))
+    (SCALE * (plain + shared) @ texts.T).sum().backward()
+    for name, weight in model.named_parameters():
+        assert weight.grad is not None and weight.grad.abs().max() > 0, name
+    assert all(weight.grad is None for weight in vit.image.parameters())
+    assert all(torch.equal(before[name], now) for name, now in vit.image.state_dict().items())
+
+
+def test_in_the_text_tower_what_stands_before_the_shared_tokens_does_not_see_them(vit: LiveClip) -> None:
+    """Causal: the first token is as CLIP has it, the end of the text is not."""
+    model = Representations(vit)
+    tokens, ends = vit.text_tokens(["wood"])
+    start = torch.zeros_like(ends) - TOKENS  # read at the first token
+    plain = tokens
+    for layer in vit.text_layers:
+        plain = vit.text_layer(layer, plain)
+    own = nn.functional.normalize(vit.text_end(plain, torch.zeros_like(ends)), dim=-1)
+    torch.testing.assert_close(model.texts(tokens, start), own, atol=1e-5, rtol=1e-5)
+    end = nn.functional.normalize(vit.text_end(plain, ends), dim=-1)
+    assert not torch.allclose(model.texts(tokens, ends), end, atol=1e-3)
+
+
+def published(layers: int = 12) -> Any:
+    """What the methods ask of ViT-B/16 to size themselves, without its weights."""
+    return SimpleNamespace(
+        image=SimpleNamespace(visual_projection=nn.Linear(768, 512, bias=False)),
+        text=SimpleNamespace(text_projection=nn.Linear(512, 512, bias=False)),
+        image_layers=[None] * layers,
+        text_layers=[None] * 12,
+        width=512,
+        is_vit=True,
+        device="cpu",
+    )
+
+
+def test_at_vit_b16_their_sizes_are_the_published_codes() -> None:
+    """MMRL 4,992,256; LDC's adapters and head 3,428,352 and its de-confusion 1,320,448 for five classes."""
+    clip = published()
+    assert sum(p.numel() for p in Representations(clip).parameters()) == 4_992_256
+    model = DeConfused(clip, torch.zeros(5, 512))
+    sizes = {name: sum(p.numel() for p in part.parameters()) for name, part in model.named_children()}
+    assert sizes["levels"] + sizes["head"] == 3_428_352
+    assert sum(sizes.values()) - 3_428_352 == 1_320_448
+
+
+def test_levels_are_layers_6_8_10_and_12_of_twelve() -> None:
+    assert [number + 1 for number in TokenLevels(published()).after] == [6, 8, 10, 12]
+    assert [number + 1 for number in TokenLevels(published(24)).after] == [18, 20, 22, 24]
+
+
+@pytest.mark.parametrize("kind", ["vit", "resnet"])
+def test_ldc_mixes_its_levels_by_their_weights(kind: str, request: pytest.FixtureRequest) -> None:
+    """Adapters that pass a level on, alone, give what the definition says."""
+    clip: LiveClip = request.getfixturevalue(kind)
+    model = DeConfused(clip, torch.eye(3, clip.width)).eval()
+    images = torch.randn(2, 3, clip.side, clip.side)
+    plain, levels = model.levels(clip, images)
+    torch.testing.assert_close(plain, clip.embed(images), atol=1e-5, rtol=1e-4)
+    summed = wanted_levels(clip, model.levels, images)
+    torch.testing.assert_close(levels, summed, atol=1e-5, rtol=1e-4)
+    found = model(images)
+    base = clip.logit_scale * nn.functional.normalize(plain, dim=-1) @ torch.eye(3, clip.width).T
+    torch.testing.assert_close(found["base"], base)
+    share = (found["mixed"] - found["clear"]) / (found["own"] - found["clear"])
+    assert (share > 0).all() and (share < 1).all() and share.std(1).max() < 1e-3
+
+
+def wanted_levels(clip: LiveClip, levels: Any, images: Tensor) -> Tensor:
+    """The sum 0.1, 0.2, 0.3, 0.4 of the adapted levels, computed from hooks on the tower."""
+    kept: list[Tensor] = []
+    stages = clip.image_layers if clip.is_vit else clip.image.stages
+    hooks = [part.register_forward_hook(lambda *a: kept.append(a[2])) for part in stages]
+    end: Callable[[Tensor], Tensor] = clip.image.visual_projection if clip.is_vit else clip.image.pool
+    clip.embed(images)
+    for hook in hooks:
+        hook.remove()
+    chosen = [kept[number] for number in levels.after] if clip.is_vit else kept
+    total = torch.zeros(())
+    for weight, adapter, level in zip((0.1, 0.2, 0.3, 0.4), levels.adapters, chosen, strict=True):
+        adapted = adapter(level)
+        total = total + weight * (adapted.mean(1) if clip.is_vit else adapted)
+    return end(total)
+
+
+def test_ldc_fits_over_a_resnet_and_predicts_alike_alone_and_in_a_batch(
+    resnet: LiveClip, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(ldc, "HOW", replace(ldc.HOW, epochs=3))
+    monkeypatch.setattr(ldc, "LEAST", 1)
+    source = source_of(resnet)
+    fitted = fit_ldc(source)
+    assert source.live is not None and fitted.images is not None
+    images = source.live.images("vis", torch.arange(6), fitted.images)
+    found = fitted.predict(images, images.flip(0))["fused"]
+    torch.testing.assert_close(found.sum(1), torch.ones(6))
+    alone = fitted.predict(images[2:3], images.flip(0)[2:3])["fused"]
+    torch.testing.assert_close(alone, found[2:3], atol=1e-5, rtol=1e-4)
+
+
+def test_mmrl_refuses_a_resnet(resnet: LiveClip) -> None:
+    with pytest.raises(DataError, match="layers of a ViT.*ResNet; embed"):
+        fit_mmrl(source_of(resnet))
+
+
+@pytest.mark.parametrize("fit", [fit_mmrl, fit_ldc])
+def test_without_images_the_reason_is_given(fit: Callable[[Source], Any], vit: LiveClip) -> None:
+    rows = torch.randn(4, 24)
+    bare = Source(
+        vis=rows,
+        tac=rows,
+        labels=torch.arange(4) % 2,
+        objects=("a", "b", "c", "d"),
+        classes=("wood", "steel"),
+        why_not_live="Pass --images FOLDER.",
+    )
+    with pytest.raises(DataError, match="learns inside CLIP.*not at hand. Pass --images FOLDER."):
+        fit(bare)
+
+
+def test_images_are_read_by_their_row_after_a_selection(vit: LiveClip) -> None:
+    source = source_of(vit).select(torch.tensor([4, 1]))
+    assert source.live is not None
+    given = ImageInput(side=8, mean=(0.0,) * 3, std=(1.0,) * 3)
+    found = source.live.images("vis", torch.tensor([0, 1]), given)
+    assert (255 * found[:, 0, 0, 0]).round().tolist() == [120, 60]
+
+
+def test_a_live_clip_is_found_by_the_hash_of_its_weights(
+    clips: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("OMNIVAT_CACHE", str(tmp_path / "cache"))
+    load_live.cache_clear()
+    file = clips.write("OpenAI state dict", tmp_path / "clip", clips.small_model())
+    own = open_clip("clip", file).image_hash
+    remember(own, file)
+    assert load_live("clip", own).width == clips.EMBED
+    remember("0" * 16, file)
+    with pytest.raises(DataError, match="are not those of the embeddings"):
+        load_live("clip", "0" * 16)
+    with pytest.raises(DataError, match="one CLIP for both images.*'efficientnet-lite0'"):
+        load_live("efficientnet-lite0", "0" * 16)
+
+
+def test_a_live_clip_without_a_text_tower_is_refused(
+    clips: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("OMNIVAT_CACHE", str(tmp_path / "cache"))
+    load_live.cache_clear()
+    torch.save({f"visual.{k}": v for k, v in clips.rn50_state().items()}, tmp_path / "RN.pt")
+    own = open_clip("clip", tmp_path / "RN.pt").image_hash
+    remember(own, tmp_path / "RN.pt")
+    with pytest.raises(DataError, match="an image tower and no text tower"):
+        load_live("clip", own)

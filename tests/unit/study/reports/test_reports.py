@@ -1,0 +1,130 @@
+"""Tables rebuilt from records, and the printed figures beside them."""
+
+import numpy as np
+import pytest
+
+from omnivat.encoders import ENCODERS
+from omnivat.study.reports.evidence_report import evidence_report
+from omnivat.study.reports.paper import BACKBONES, MARK, not_comparable, paper, paper_rows
+from omnivat.study.reports.protocol_report import interval_table, main_table, protocol_report
+from omnivat.study.reports.reading import by_run, by_seed, changed_settings
+
+from .made_records import record
+
+
+@pytest.fixture
+def records():
+    found = []
+    for source, base in (("TAG-sim", 0.5), ("OF Real-sim", 0.6)):
+        for seed in (0, 1, 2):
+            found.append(record("omnivat", source, seed, [base + 0.1, base + 0.01 * seed]))
+            found.append(record("linear_probe", source, seed, [base, base]))
+    return found
+
+
+def test_an_average_over_sources_waits_for_all_of_them(records):
+    values = by_run(records[:-2], "omnivat", "accuracy")
+    assert len(by_seed(values, ["TAG-sim", "OF Real-sim"])) == 2
+
+
+def test_the_main_table_has_means_over_targets_and_deviations_over_seeds(records):
+    row = next(line for line in main_table(records).splitlines() if line.startswith("| OmniVaT"))
+    assert "56.0" not in row
+    assert "55.5 ± 0.5 / 45.5 ± 0.5" in row  # TAG: (0.6 + 0.5 + 0.01 seed) / 2
+    assert row.rstrip(" |").endswith("60.5 ± 0.5 / 50.5 ± 0.5")
+
+
+def test_printed_figures_are_marked_where_the_data_differ(records):
+    table = main_table(records)
+    assert "printed: OmniVaT, ViT-B/16 *not comparable* (other data: ours are simulated)" in table
+    assert "57.3 / 54.0" in table
+    assert "other encoder" in not_comparable({"simulated": False, "encoder": "efficientnet-lite0"})
+
+
+@pytest.mark.parametrize("encoder", BACKBONES)
+def test_real_results_of_the_papers_encoders_are_comparable(encoder):
+    """By the names that the project gives its encoders, not by names made up here."""
+    assert encoder in ENCODERS
+    data = {"simulated": False, "encoder": encoder}
+    assert not_comparable(data) == ""
+    assert (not_comparable(data, ablations=True) == "") == (encoder == "clip-vit-b16")
+    rows = paper_rows(["TAG"], data)
+    assert all(MARK not in row[0] and BACKBONES[encoder] in row[0] for row in rows)
+    assert ["printed: OmniVaT, ViT-B/16", "56.2 / 53.7"] in [r[:2] for r in rows] or (encoder != "clip-vit-b16")
+
+
+def test_printed_single_targets_average_to_the_main_table():
+    """All 48 rows of the eight tables: their mean is their average, and that is the main table's."""
+    main, tables = paper()["main"]["ViT-B/16"], paper()["targets"]["ViT-B/16"]
+    assert len(tables) == 8
+    for source, methods in tables.items():
+        assert len(methods) == 6
+        for method, printed in methods.items():
+            assert printed["average"] == main[method][source]
+            for metric in (0, 1):
+                values = [pair[metric] for name, pair in printed.items() if name != "average"]
+                assert printed["average"][metric] == pytest.approx(np.mean(values), abs=0.06)
+
+
+def test_the_lead_is_paired_and_its_n_printed(records):
+    assert "+5.5 [5.0, 6.0] n=6" in interval_table(records)
+
+
+def test_the_most_cautious_interval_counts_a_source_once():
+    """Leads of 8 and 3 in every seed: Student's t of two means is 5.5 ± 12.706 x 2.5."""
+    records = [
+        record(method, source, seed, [0.5 + (lead if method == "omnivat" else 0)])
+        for method in ("omnivat", "linear_probe")
+        for source, lead in (("TAG-sim", 0.08), ("OF Real-sim", 0.03))
+        for seed in (0, 1, 2)
+    ]
+    (row,) = (line for line in interval_table(records).splitlines() if "linear_probe" in line)
+    assert row.count("+5.5 [-26.3, 37.3]") == 2
+
+
+def test_a_record_run_again_replaces_the_older(records):
+    newer = record("omnivat", "TAG-sim", 0, [1.0, 1.0])
+    assert "| TAG-sim | 73.3 / 63.3 |" in protocol_report([*records, newer])  # (1 + .6 + .6) / 3
+
+
+def test_what_did_not_run_is_told_with_its_reason(records):
+    missing = {k: v for k, v in record("promptstyler", "TAG-sim", 0, []).items() if k != "targets"}
+    text = protocol_report([*records, missing | {"skipped": "No text.", "parameters": 0}])
+    assert "- promptstyler did not run: No text." in text
+
+
+def test_evidence_and_targets_never_mix(records):
+    folds = [
+        record("omnivat", "TAG-sim", 0, [], fold=0)
+        | {"targets": {"held out": target(0.9), "axes 0": target(0.5), "spread 0": target(0.7)}}
+    ]
+    assert "90.0" not in protocol_report([*records, *folds])
+    text = evidence_report([*records, *folds])
+    assert "| OmniVaT | 90.0 | 80.0 | 60.0 | 50.0 |" in text
+    assert evidence_report(records) == "No evidence yet.\n"
+
+
+def target(value):
+    scores = {"accuracy": value, "macro_f1": value - 0.1}
+    return {"part": "", "pairs": 4, "scores": {"fused": scores}}
+
+
+def test_no_records_give_a_sentence():
+    assert protocol_report([]) == "No runs yet.\n"
+
+
+def test_the_papers_figures_are_means_of_what_it_prints():
+    """Every printed average is the plain mean of the eight sources, rounding apart."""
+    for methods in paper()["main"].values():
+        for printed in methods.values():
+            for metric in (0, 1):
+                values = [pair[metric] for name, pair in printed.items() if name != "average"]
+                assert len(values) == 8
+                assert printed["average"][metric] == pytest.approx(np.mean(values), abs=0.16)
+
+
+def test_only_settings_that_differ_from_the_defaults_are_named():
+    head = {"classes": ["a", "b"], "input_width": 8, "width": 64, "levels": 3}
+    one = record("omnivat", "TAG-sim", 0, [0.5], settings={"head": head, "train": {"epochs": 60}})
+    assert changed_settings(one) == "width=64 epochs=60"
+    assert "settings width=64 epochs=60." in protocol_report([one])

@@ -1,0 +1,287 @@
+"""Runs: records, resuming, processes, and methods that cannot run."""
+
+import gzip
+import json
+import sys
+import types
+
+import numpy as np
+import pytest
+
+from omnivat.cli import main
+from omnivat.data.packing import unodds, unpacked
+from omnivat.data.store import load_embeddings, save_embeddings
+from omnivat.encoders.lang.bank import DEFAULT_BANK, load_bank
+from omnivat.kit.errors import DataError, MissingNameError, MissingPackageError, SettingsError
+from omnivat.study.protocol import engine, records
+from omnivat.study.protocol.engine import planned, run_all
+from omnivat.study.protocol.methods import Method, methods_named
+from omnivat.study.protocol.run import Run, execute
+from omnivat.study.reports.reading import record_mean
+
+QUICK = {"head": {"width": 16}, "train": {"epochs": 1}}
+NAMES = ("omnivat", "nearest_mean")
+
+
+@pytest.fixture(scope="module")
+def file(make_embeddings, tmp_path_factory):
+    path = tmp_path_factory.mktemp("protocol") / "set.safetensors"
+    pairs = make_embeddings(domains=("TAG-sim", "OF Real-sim", "OF 2.0 A-sim"), split=True)
+    save_embeddings(path, pairs)
+    return path
+
+
+@pytest.fixture(scope="module")
+def runs():
+    methods = methods_named(NAMES, QUICK["head"], QUICK["train"])
+    return planned(methods, ("TAG", "OF Real"), (0, 1))
+
+
+def done(file, runs, out, **changes):
+    return run_all(runs, out, embeddings=file, bank=DEFAULT_BANK, **changes)
+
+
+def without_times(found):
+    return sorted((json.dumps({k: v for k, v in r.items() if k != "seconds"}) for r in found), key=str)
+
+
+def test_a_record_tells_what_was_resolved_and_every_target(file, runs, tmp_path):
+    assert done(file, runs[:1], tmp_path / "runs.jsonl") == 1
+    (record,) = records.read(tmp_path / "runs.jsonl")
+    assert record["source"] == "TAG-sim"
+    assert set(record["targets"]) == {"OF Real-sim", "OF 2.0 A-sim"}
+    scores = record["targets"]["OF Real-sim"]["scores"]["fused"]
+    measures = {"ece", "nll", "aurc"}
+    raw = {f"{name}_raw" for name in measures}
+    assert set(scores) == {"accuracy", "macro_f1", "macro_f1_union"} | measures | raw
+    readings = {"fused", "vis", "tac", "vis_branch", "tac_branch"}
+    assert set(record["targets"]["OF Real-sim"]["scores"]) == readings
+    assert record["settings"]["head"]["width"] == 16
+    assert record["settings"]["train"]["lr"] == 0.05
+    assert record["versions"]["torch"] and record["versions"]["instructions"]
+    assert record["data"]["simulated"] is True
+    assert record["lang"]["hash"] == load_bank().hash
+    accuracies = [t["scores"]["fused"]["accuracy"] for t in record["targets"].values()]
+    assert record_mean(record, "accuracy") == pytest.approx(sum(accuracies) / 2)
+
+
+def recomputed(target, name):
+    """Return ACC from the predictions that a record keeps."""
+    pairs = list(zip(target["answers"][name], target["truth"], strict=True))
+    return sum(a == b for a, b in pairs) / len(pairs)
+
+
+def test_figures_can_be_recomputed_from_the_predictions_in_the_record(file):
+    for name in NAMES:
+        method = methods_named([name], *(QUICK.values() if name == "omnivat" else ({}, {})))[0]
+        record = execute(Run(method=method, source="TAG", seed=0), load_embeddings(file), load_bank())
+        for target in record["targets"].values():
+            assert len(unpacked(target["objects"])) == target["pairs"] == len(target["truth"])
+            for reading, found in target["scores"].items():
+                assert recomputed(target, reading) == pytest.approx(found["accuracy"])
+            for fusion, found in target["fusions"].items():
+                assert recomputed(target, f"fusion:{fusion}") == pytest.approx(found["accuracy"])
+            assert target["fusions"]["mean"]["accuracy"] == target["scores"]["fused"]["accuracy"]
+            assert set(target["margins"]) == {"vis", "tac", "pair"}
+
+
+@pytest.mark.parametrize("name", ["omnivat", "dtg_alone", "cosine_head", "linear_probe_sum"])
+def test_photo_only_in_a_record_is_the_method_given_the_photo_alone(file, name):
+    """Other touches do not change "vis" but change "fused": no branch is used as "alone"."""
+    pairs = load_embeddings(file)
+    (method,) = methods_named([name], QUICK["head"], QUICK["train"])
+    run = Run(method=method, source="TAG", seed=0)
+    before = execute(run, pairs, load_bank())["targets"]["OF Real-sim"]
+    pairs.tac[pairs.domain == 1] = pairs.tac[pairs.domain == 1][::-1] * 3
+    after = execute(run, pairs, load_bank())["targets"]["OF Real-sim"]
+    assert before["scores"]["vis"] == after["scores"]["vis"]
+    assert before["margins"]["vis"] == after["margins"]["vis"]
+    assert before["odds"] != after["odds"]
+
+
+def test_calibration_changes_confidence_and_no_prediction(file):
+    records_ = []
+    for calibrate in (False, True):
+        head = QUICK["head"] | {"fusion": "mean"}  # stated, so it is not chosen
+        (method,) = methods_named(["omnivat"], head, {"epochs": 5})
+        run = Run(method=method, source="TAG", seed=0, calibrate=calibrate)
+        records_.append(execute(run, load_embeddings(file), load_bank()))
+    plain, calibrated = records_
+    assert plain["temperature"] == {"vis": 1.0, "tac": 1.0, "fused": 1.0}
+    assert calibrated["temperature"]["fused"] != 1
+    for name, target in plain["targets"].items():
+        other = calibrated["targets"][name]
+        assert other["answers"]["fused"] == target["answers"]["fused"]
+        own, same = other["scores"]["fused"], target["scores"]["fused"]
+        assert own["nll_raw"] == pytest.approx(same["nll_raw"])
+        assert own["nll"] != pytest.approx(own["nll_raw"])
+
+
+def test_the_head_chooses_among_candidates_on_held_out_objects(file):
+    """A rate of zero learns nothing: the other candidate has the lower held-out log loss."""
+    candidates = {name: {"train": {"lr": lr}} for name, lr in (("still", 0.0), ("moving", 0.05))}
+    (method,) = methods_named(["omnivat"], QUICK["head"], {"epochs": 5}, candidates)
+    record = execute(Run(method=method, source="TAG", seed=0), load_embeddings(file), load_bank())
+    assert record["chosen"]["settings"] == "moving"
+    losses = record["chosen"]["held-out log loss"]
+    assert losses["moving"] < losses["still"]
+    assert record["settings"]["candidates"] == candidates
+
+
+def test_the_first_seed_chooses_for_all_seeds_of_a_source(file, tmp_path):
+    candidates = {name: {"train": {"lr": lr}} for name, lr in (("still", 0.0), ("moving", 0.05))}
+    methods = methods_named(["omnivat", "nearest_mean"], QUICK["head"], {"epochs": 3}, candidates)
+    runs_ = planned(methods, ("TAG",), (0, 1), calibrate=True)
+    assert done(file, runs_, tmp_path / "runs.jsonl") == 4
+    for name in ("omnivat", "nearest_mean"):
+        first, second = (r for r in records.read(tmp_path / "runs.jsonl") if r["method"] == name)
+        assert first["temperature"] == second["temperature"]
+        assert first["chosen"]["fusion"] == second["chosen"]["fusion"]
+        assert first["targets"] != second["targets"] or name == "nearest_mean"
+
+
+@pytest.mark.parametrize("name", ["linear_probe", "omnivat", "erm_mlp"])
+def test_confidence_can_be_recomputed_from_the_odds_in_the_record(file, name):
+    (method,) = methods_named([name], QUICK["head"] if name == "omnivat" else {}, {})
+    run = Run(method=method, source="TAG", seed=0, calibrate=True)
+    record = execute(run, load_embeddings(file), load_bank())
+    for target in record["targets"].values():
+        truth = np.array([int(d) for d in target["truth"]])
+        shares = unodds(target["odds"], len(record["classes"]))
+        for suffix, heat in (("_raw", 1.0), ("", record["temperature"]["fused"])):
+            found = np.log(shares) / heat
+            found -= np.log(np.exp(found).sum(1, keepdims=True))
+            nll = -found[np.arange(len(truth)), truth].mean()
+            assert nll == pytest.approx(target["scores"]["fused"][f"nll{suffix}"], abs=2e-3)
+        assert "".join(map(str, shares.argmax(1))) == target["answers"]["fused"]
+
+
+def test_both_images_are_fused_by_the_mean_whatever_held_out_pairs_favour(file):
+    (method,) = methods_named(["linear_probe"], {}, {})
+    run = Run(method=method, source="TAG", seed=0, calibrate=True)
+    record = execute(run, load_embeddings(file), None)
+    for target in record["targets"].values():
+        assert target["answers"]["fused"] == target["answers"]["fusion:mean"]
+        assert f"fusion:{record['chosen']['fusion']}" in target["answers"]
+
+
+def test_methods_that_need_no_text_run_where_the_bank_lacks_the_classes(make_embeddings, tmp_path):
+    pairs = make_embeddings(domains=("A", "B"), classes=("felt", "cork"), split=True)
+    runs_ = [
+        Run(method=m, source="A", seed=0)
+        for m in methods_named(["nearest_mean", "linear_probe", "zero_shot", "omnivat"], QUICK["head"], QUICK["train"])
+    ]
+    found = {r.method.name: execute(r, pairs, load_bank()) for r in runs_}
+    assert "targets" in found["nearest_mean"] and "targets" in found["linear_probe"]
+    assert "no text for felt, cork" in found["zero_shot"]["skipped"]
+    assert "no text for felt, cork" in found["omnivat"]["skipped"]
+    (method,) = methods_named(["omnivat"], QUICK["head"], {"epochs": 1, "lang": False})
+    assert "targets" in execute(Run(method=method, source="A", seed=0), pairs, None)
+
+
+def test_the_command_without_lang_runs_on_classes_that_no_bank_has(make_embeddings, tmp_path):
+    pairs = make_embeddings(domains=("A", "B"), classes=("felt", "cork"), split=True)
+    save_embeddings(tmp_path / "own.safetensors", pairs)
+    given = ["--embeddings", str(tmp_path / "own.safetensors"), "--out", str(tmp_path / "out")]
+    names = "omnivat,nearest_mean,baseline,zero_shot"
+    sets = ["--set", "lang=false", "--set", "width=16", "--set", "epochs=1"]
+    assert main(["protocol", *given, "--methods", names, "--seeds", "0", *sets]) == 0
+    done_ = {r["method"]: r for r in records.read(tmp_path / "out" / "runs.jsonl")}
+    assert all("targets" in done_[name] for name in ("omnivat", "nearest_mean", "baseline"))
+    assert done_["zero_shot"]["skipped"].endswith("No LANG bank is used.")
+
+
+def test_what_is_done_is_not_done_again_and_a_torn_line_is_mended(file, runs, tmp_path):
+    out = tmp_path / "runs.jsonl"
+    assert done(file, runs[:3], out) == 3
+    assert done(file, runs, out) == len(runs) - 3
+    whole = out.read_text()
+    out.write_text(whole[:-40])  # stopped while the last line was written
+    assert len(records.read(out)) == len(runs) - 1
+    assert done(file, runs, out) == 1
+    assert without_times(records.read(out)) == without_times(map(json.loads, whole.splitlines()))
+
+
+def test_another_setting_another_seed_or_other_data_is_another_question(file, runs, tmp_path):
+    out = tmp_path / "runs.jsonl"
+    run = runs[0]
+    done(file, [run], out)
+    changed = Method(name="omnivat", head=QUICK["head"], train={"epochs": 1, "lr": 0.01})
+    assert done(file, [Run(method=changed, source="TAG", seed=0)], out) == 1
+    assert done(file, [Run(method=run.method, source="TAG", seed=7)], out) == 1
+    assert done(file, [Run(method=run.method, source="TAG", seed=0, fold=0)], out) == 1
+    pairs = load_embeddings(file)
+    pairs.vis[0, 0] += 1
+    save_embeddings(tmp_path / "other.safetensors", pairs)
+    assert done(tmp_path / "other.safetensors", [run], out) == 1
+    assert done(file, [run], out) == 0
+
+
+@pytest.mark.slow
+@pytest.mark.long
+def test_processes_side_by_side_give_the_same_records(file, runs, tmp_path):
+    done(file, runs, tmp_path / "one.jsonl")
+    done(file, runs, tmp_path / "two.jsonl", jobs=2)
+    one, two = (records.read(tmp_path / f"{name}.jsonl") for name in ("one", "two"))
+    assert without_times(one) == without_times(two)
+
+
+def test_a_method_that_cannot_run_leaves_its_reason(file, tmp_path):
+    run = Run(method=Method(name="promptstyler", base="promptstyler"), source="TAG", seed=0)
+    record = execute(run, load_embeddings(file), load_bank())
+    assert "needs texts in the image encoder's own space" in record["skipped"]
+    assert "targets" not in record
+
+
+def test_source_side_evidence_answers_held_out_objects_and_no_target(file):
+    run = Run(method=Method(name="nearest_mean", base="nearest_mean"), source="TAG", seed=0, fold=1)
+    record = execute(run, load_embeddings(file), None)
+    assert list(record["targets"])[:2] == ["held out", "axes 0"]
+    assert not any("sim" in name for name in record["targets"])
+    assert "source_test" not in record
+
+
+def test_an_unknown_method_is_refused_with_the_nearest():
+    with pytest.raises(MissingNameError, match="Did you mean 'linear_probe'"):
+        methods_named(["linear_prob"], {}, {})
+
+
+def test_a_baseline_takes_no_settings():
+    with pytest.raises(SettingsError, match="chooses its own on the source"):
+        Method(name="x", base="erm_mlp", train={"lr": 1.0})
+
+
+def test_a_line_that_is_no_record_is_named(tmp_path):
+    (tmp_path / "runs.jsonl").write_text('{"format": "omnivat-run-1"}\n{"a": 1}\n')
+    with pytest.raises(DataError, match=r"Line 2 of .* is not a record"):
+        records.read(tmp_path / "runs.jsonl")
+
+
+def test_ray_is_asked_for_with_its_purpose(file, runs, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "ray", None)
+    monkeypatch.setattr(engine, "need", lambda name, **how: (_ for _ in ()).throw(MissingPackageError(str(how))))
+    with pytest.raises(MissingPackageError, match="cluster"):
+        done(file, runs[:1], tmp_path / "runs.jsonl", engine="ray")
+
+
+def test_the_ray_engine_gives_the_same_records(file, runs, tmp_path, monkeypatch):
+    """Through a stand-in that has ray's four calls and does each task at once."""
+
+    def remote(function):
+        return types.SimpleNamespace(remote=function)
+
+    def wait(tasks, num_returns):
+        return tasks[:num_returns], tasks[num_returns:]
+
+    stand_in = types.SimpleNamespace(init=lambda **_: None, remote=remote, wait=wait, get=lambda value: value)
+    monkeypatch.setattr(engine, "need", lambda name, **how: stand_in)
+    done(file, runs[:2], tmp_path / "ray.jsonl", engine="ray")
+    done(file, runs[:2], tmp_path / "local.jsonl")
+    ray, local = (records.read(tmp_path / f"{name}.jsonl") for name in ("ray", "local"))
+    assert without_times(ray) == without_times(local)
+
+
+def test_records_may_be_compressed(tmp_path):
+    line = '{"format": "omnivat-run-1", "seed": 0}\n'
+    (tmp_path / "runs.jsonl.gz").write_bytes(gzip.compress(line.encode()))
+    assert records.read(tmp_path / "runs.jsonl.gz") == [json.loads(line)]

@@ -1,0 +1,116 @@
+"""A head at each order: what is trained, what is kept, and frames that agree with those heads."""
+
+import numpy as np
+import pytest
+import torch
+
+from omnivat.cli import main
+from omnivat.data.store import save_embeddings
+from omnivat.head.checkpoint import load_head, save_head
+from omnivat.kit.errors import SettingsError
+from omnivat.maps.frames import read_frames
+from omnivat.maps.sweep import sweep
+from omnivat.measure.evaluate import predicted_probabilities
+from omnivat.training import TrainingCancelled, TrainSettings
+from omnivat.training.from_pairs import plan_training, trained_head
+from omnivat.training.from_pairs.at_stops import heads_at_stops, stop_folder
+from omnivat.training.retrained import retrained_frames
+
+ORDERS = (0.0, 0.5, 1.0)
+
+
+@pytest.fixture(scope="module")
+def plan(make_embeddings):
+    return plan_training(make_embeddings(), "TAG-sim", head={"width": 16}, training=TrainSettings(epochs=2))
+
+
+@pytest.fixture(scope="module")
+def folder(plan, tmp_path_factory):
+    path = tmp_path_factory.mktemp("stops")
+    assert heads_at_stops(plan, ORDERS, path, seeds=(0, 1)) == 6
+    return path
+
+
+@pytest.fixture(scope="module")
+def frames(plan, folder):
+    return retrained_frames(plan, ORDERS, folder, seeds=(0, 1))
+
+
+def test_every_head_is_the_one_that_training_at_its_order_gives(plan, folder):
+    head = load_head(stop_folder(folder, 0.5, 1))
+    alone = trained_head(plan.at(0.5, 1), calibrate=False)
+    first, second = head.model.state_dict(), alone.model.state_dict()
+    assert all(torch.equal(first[name], second[name]) for name in first)
+    assert head.model.order == 0.5
+
+
+def test_heads_that_are_there_are_not_trained_again(plan, folder):
+    assert heads_at_stops(plan, ORDERS, folder, seeds=(0, 1)) == 0
+    longer = plan_training(plan.embeddings, "TAG-sim", head={"width": 16}, training=TrainSettings(epochs=1))
+    assert heads_at_stops(longer, (0.0,), folder, seeds=(7,)) == 1  # other settings, other heads
+
+
+@pytest.mark.slow
+def test_processes_give_the_same_heads_as_one(plan, folder, tmp_path):
+    assert heads_at_stops(plan, ORDERS[:2], tmp_path, jobs=2) == 2
+    for order in ORDERS[:2]:
+        one, other = (load_head(stop_folder(f, order, 0)).model for f in (folder, tmp_path))
+        assert torch.equal(one.classifier, other.classifier)
+
+
+def test_frames_agree_with_the_library_at_every_stop(plan, folder, frames):
+    for index, order in enumerate(ORDERS):
+        model = load_head(stop_folder(folder, order, 0)).model
+        shares = predicted_probabilities(model, plan.embeddings)["fused"]
+        np.testing.assert_array_equal(frames.prediction[index], shares.argmax(1).numpy())
+        curves = sweep(model, plan.embeddings, [order]).curves
+        for name in ("accuracy/all", "modality_gap/f_hat", "margin/f_hat"):
+            assert frames.curves[name][index] == pytest.approx(float(curves[name][0]), abs=1e-6)
+
+
+def test_curves_over_seeds_hold_mean_and_spread_of_held_out_pairs(folder, frames):
+    scores = [load_head(stop_folder(folder, 1.0, seed)).metrics["target_accuracy"] for seed in (0, 1)]
+    assert frames.curves["seeds:accuracy/unseen/mean"][2] == pytest.approx(np.mean(scores))
+    assert frames.curves["seeds:accuracy/unseen/std"][2] == pytest.approx(np.std(scores, ddof=1))
+    assert frames.curves["seeds:accuracy/unseen/low"][2] == pytest.approx(min(scores))
+    assert {"seeds:modality_gap/f_hat/mean", "seeds:accuracy:vis/unseen/mean"} <= set(frames.curves)
+
+
+def test_every_moving_stage_has_a_map_for_each_head(frames):
+    assert frames.head["kind"] == "retrained" and frames.head["learned_order"] is None
+    assert frames.head["seeds"] == [0, 1]
+    assert frames.maps["pca/raw"].orders == (0,)
+    for name in ("pca/frft", "pca/relu", "pca/f_bar", "pca/f_hat", "umap/f_hat"):
+        assert frames.maps[name].orders == (0, 1, 2)
+
+
+def test_cancelled_work_keeps_its_finished_heads(plan, tmp_path):
+    done = []
+    with pytest.raises(TrainingCancelled):
+        heads_at_stops(plan, ORDERS, tmp_path, on_step=done.append, cancelled=lambda: len(done) > 1)
+    assert stop_folder(tmp_path, 0.0, 0).is_dir()
+    assert heads_at_stops(plan, ORDERS, tmp_path) == 2
+
+
+def test_no_order_is_refused(plan, tmp_path):
+    with pytest.raises(SettingsError, match="one order, one seed"):
+        heads_at_stops(plan, (), tmp_path)
+
+
+def test_the_command_writes_frames_and_takes_the_heads_own_settings(plan, tmp_path, capsys):
+    save_embeddings(tmp_path / "set.safetensors", plan.embeddings)
+    save_head(tmp_path / "head", trained_head(plan, calibrate=False))
+    files = ["--head", str(tmp_path / "head"), "--embeddings", str(tmp_path / "set.safetensors")]
+    command = ["sweep", *files, "--out", str(tmp_path / "trained.bin")]
+    more = ["--retrain", "2", "--seeds", "0", "--jobs", "1", "--set", "epochs=1"]
+    assert main([*command, *more, "--keep", str(tmp_path / "heads")]) == 0
+    frames = read_frames(tmp_path / "trained.bin")
+    assert frames.orders == (0.0, 1.0) and frames.head["epochs"] == 1
+    assert load_head(stop_folder(tmp_path / "heads", 1.0, 0)).settings.width == 16
+    assert frames.curves["seeds:accuracy/unseen/std"] == [None, None]
+    assert main([*command, *more]) == 0
+    assert not (tmp_path / "trained.bin.heads").exists()
+    assert main([*command, "--seeds", "0"]) == 1
+    assert "--seeds applies to --retrain N only" in capsys.readouterr().err
+    assert main([*command, "--retrain", "3", "--stops", "4"]) == 1
+    assert "leave out --stops and --orders" in capsys.readouterr().err

@@ -1,0 +1,145 @@
+"""From pairs to a finished head in memory: what it reports, that it stops, that the CLI agrees."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+
+from omnivat.cli import main
+from omnivat.data.store import load_embeddings, save_embeddings
+from omnivat.head.checkpoint import load_head
+from omnivat.kit.errors import DataError, SettingsError
+from omnivat.maps.sweep import sweep
+from omnivat.training import TrainingCancelled, TrainSettings
+from omnivat.training.from_pairs import head_from_pairs, plan_like, plan_training, trained_head
+
+SHORT = TrainSettings(epochs=3)
+SMALL = {"width": 16}
+
+
+@pytest.fixture(scope="module")
+def pairs(make_embeddings):
+    return make_embeddings()
+
+
+@pytest.fixture(scope="module")
+def watched(pairs):
+    reports = []
+    head = head_from_pairs(
+        pairs, "TAG-sim", head=SMALL, training=SHORT, on_epoch=reports.append, measure_every=2, snapshot=True
+    )
+    return head, reports
+
+
+def test_every_epoch_is_reported_and_the_last_one_is_measured(watched):
+    _, reports = watched
+    assert [report.epoch for report in reports] == [1, 2, 3]
+    assert [bool(report.measures) for report in reports] == [False, True, True]
+    assert [report.map is not None for report in reports] == [False, True, True]
+    assert all(set(report.losses) == {"loss", "mma", "nod", "cross_entropy"} for report in reports)
+
+
+def test_the_last_report_agrees_with_the_finished_head(watched, pairs):
+    head, reports = watched
+    measures = reports[-1].measures
+    assert measures["accuracy/unseen"] == pytest.approx(head.metrics["target_accuracy"])
+    curves = sweep(head.model, pairs, [head.model.order]).curves
+    for name in ("modality_gap/f_hat", "domain_gap/f_hat", "margin/f_hat"):
+        assert measures[name] == pytest.approx(float(curves[name][0]), abs=1e-5)
+    assert reports[-1].map.shape == (2 * len(pairs), 2)
+    assert reports[-1].order == head.model.order
+
+
+def test_watching_does_not_change_the_weights(watched, pairs):
+    head, _ = watched
+    alone = head_from_pairs(pairs, "TAG-sim", head=SMALL, training=SHORT)
+    first, second = head.model.state_dict(), alone.model.state_dict()
+    assert all(torch.equal(first[name], second[name]) for name in first)
+
+
+def test_the_command_writes_the_head_that_the_function_returns(watched, pairs, tmp_path):
+    save_embeddings(tmp_path / "set.safetensors", pairs)
+    command = ["train", "--embeddings", str(tmp_path / "set.safetensors"), "--source", "TAG-sim"]
+    assert main([*command, "--out", str(tmp_path / "head"), *["--set", "width=16", "--set", "epochs=3"]]) == 0
+    head, written = watched[0], load_head(tmp_path / "head")
+    first, second = head.model.state_dict(), written.model.state_dict()
+    assert all(torch.equal(first[name], second[name]) for name in first)
+    assert written.metrics["target_accuracy"] == head.metrics["target_accuracy"]
+    assert written.model.calibration == head.model.calibration
+
+
+def test_pairs_without_a_class_are_left_out_of_training_and_counted(pairs, without_classes):
+    some = without_classes(pairs, 2)
+    plan = plan_training(some, "TAG-sim", head=SMALL, training=SHORT)
+    assert plan.settings.classes == pairs.header.classes[:3]
+    assert (len(plan.pairs), plan.left_out) == (24, 16)
+    assert plan.bank is not None  # texts are wanted of classes alone
+    head = trained_head(plan, calibrate=False)
+    assert head.settings.classes == pairs.header.classes[:3]
+    assert (head.provenance["pairs"], head.provenance["left_out"]) == (24, 16)
+    assert [one["left_out"] for one in head.metrics["domains"]] == [16, 16]
+
+
+def test_a_domain_whose_pairs_have_no_class_or_one_beside_none_is_refused(pairs, without_classes):
+    none = without_classes(pairs, 5)
+    assert none.learnable == ()
+    with pytest.raises(DataError, match="None of the 40 pairs of 'TAG-sim' has a class"):
+        plan_training(none, "TAG-sim", head=SMALL, training=SHORT)
+    one = without_classes(pairs, 4)
+    assert one.learnable == ()
+    with pytest.raises(SettingsError, match="two or more"):
+        plan_training(one, "TAG-sim", head=SMALL, training=SHORT)
+
+
+def test_a_training_stops_when_it_is_cancelled(pairs):
+    steps = []
+    with pytest.raises(TrainingCancelled):
+        head_from_pairs(
+            pairs, "TAG-sim", head=SMALL, training=SHORT, on_step=steps.append, cancelled=lambda: len(steps) == 2
+        )
+    assert len(steps) == 2
+
+
+def test_a_training_also_stops_while_its_calibration_is_fitted(pairs):
+    steps, looked = [], []
+
+    def cancelled():
+        looked.append(len(steps))
+        return looked.count(len(steps)) > 2  # the head's own steps are over
+
+    with pytest.raises(TrainingCancelled):
+        head_from_pairs(pairs, "TAG-sim", head=SMALL, training=SHORT, on_step=steps.append, cancelled=cancelled)
+    assert steps[-1].done == steps[-1].total
+
+
+def test_a_domain_without_pairs_of_a_part_is_refused(pairs):
+    with pytest.raises(DataError, match="No domain is called 'Mars'"):
+        plan_training(pairs, "Mars")
+    empty = pairs.select(np.flatnonzero(pairs.domain == 1))
+    with pytest.raises(DataError, match="'TAG-sim' has no pairs to train on"):
+        plan_training(empty, "TAG-sim")
+
+
+def test_one_class_alone_is_refused_before_training(pairs):
+    one = pairs.select(np.flatnonzero(pairs.label == 0))
+    with pytest.raises((DataError, SettingsError), match="two or more"):
+        plan_training(one, "TAG-sim")
+
+
+@pytest.mark.parametrize("change", [{"val_fraction": 0.0}, {}], ids=["no share", "one object"])
+def test_selection_with_nothing_to_hold_out_is_refused_before_training(pairs, change):
+    one = pairs if change else replace(pairs, rows=pairs.rows | {"object": pairs.label.astype(str)})
+    settings = TrainSettings(selection="source-val", **change)
+    with pytest.raises(DataError, match="No object of 'TAG-sim' can be held out .* selection=last"):
+        plan_training(one, "TAG-sim", training=settings)
+
+
+def test_a_plan_like_a_head_has_its_settings_and_source(watched, pairs):
+    head, _ = watched
+    plan = plan_like(head, pairs)
+    assert plan.settings == head.settings and plan.training == SHORT
+    assert (plan.source, plan.seed) == ("TAG-sim", 0)
+    held = plan.at(0.3, 5)
+    assert held.settings.order == 0.3 and not held.settings.learn_order and held.seed == 5
+    assert load_embeddings is not None

@@ -1,0 +1,299 @@
+"""The search for p: it finds the order of chirps from any start, and uses the source only."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import torch
+
+from benchmarks.studies._other_chirps import Recipe, drawn, embeddings_of, turned
+from omnivat.fractional import dfrft
+from omnivat.head.settings import HeadSettings
+from omnivat.measure.evaluate import predicted_probabilities
+from omnivat.simulate.chirps import ChirpSettings, chirp_embeddings
+from omnivat.training import TrainingCancelled, TrainSettings, Watch, order_search, train
+from omnivat.training.order_search import (
+    Scored,
+    _grams,
+    folded,
+    lowest_point,
+    lowest_valleys,
+    neighbours,
+    search_order,
+    search_steps,
+    tied,
+)
+
+CHIRPS = ChirpSettings(order=0.62, seed=3, domains=2)
+
+
+@pytest.fixture(scope="module")
+def chirps():
+    return chirp_embeddings(CHIRPS)
+
+
+def head(**changes):
+    values = {"classes": CHIRPS.class_names, "input_width": 64, "lang_width": 1, "width": 64}
+    return HeadSettings(**(values | changes))
+
+
+def searched(chirps, *, epochs=40, stops=21, watch=None, **changes):
+    source = chirps.in_domain(CHIRPS.domain_names[0], split="train")
+    settings = TrainSettings(epochs=epochs, lang=False, order_search=True, order_stops=stops)
+    return train(source, head(theta_init="signed", **changes), settings, watch=watch)
+
+
+@pytest.fixture(scope="module")
+def found(chirps):
+    return searched(chirps, order=-1.3)
+
+
+@pytest.mark.slow
+def test_the_order_of_chirps_is_found_from_a_far_start(chirps, found):
+    unseen = chirps.in_domain(CHIRPS.domain_names[1])
+    answers = predicted_probabilities(found.model, unseen)["fused"].argmax(1).numpy()
+    assert found.model.order == pytest.approx(CHIRPS.order, abs=0.01)
+    assert (answers == unseen.label).mean() >= 0.97
+
+
+def test_the_gradient_alone_stays_where_it_starts(chirps):
+    source = chirps.in_domain(CHIRPS.domain_names[0], split="train")
+    trained = train(source, head(order=0.2), TrainSettings(epochs=10, lang=False))
+    assert abs(trained.model.order - 0.2) < 0.05
+
+
+@pytest.mark.slow
+def test_the_record_of_a_search_holds_its_curve_and_what_it_cost(found):
+    search = found.search
+    coarse = [score for score, kind in zip(search["score"], search["round"], strict=True) if kind == "coarse"]
+    assert search["orders"][:65] == [k / 64 for k in range(65)] and len(coarse) == 65
+    assert len(search["orders"]) == len(search["spread"]) == len(search["score"])
+    assert search["orders"][int(np.argmin(coarse))] == pytest.approx(CHIRPS.order, abs=0.02)
+    assert search["steps"] == search_steps(head(), TrainSettings(order_search=True))
+    assert search["found"] == found.model.order
+    assert search["ties"] == [] and "are worse by two standard errors" in search["note"]
+    low, high = search["between"]
+    assert low <= search["start"] <= high < low + 4 / 64
+
+
+def of(recipe):
+    """Return the record of a search on the first domain of another program's chirps."""
+    made = embeddings_of(recipe)
+    source = made.select(np.flatnonzero(made.domain == 0))
+    width = recipe.width
+    settings = head(input_width=width, width=width, classes=made.header.classes, standardize=False)
+    return search_order(source, settings, TrainSettings(), seed=0, watch=Watch())
+
+
+def test_the_other_program_has_the_transform_of_this_one():
+    rows = np.random.default_rng(0).standard_normal((3, 33))
+    for width in (32, 33):
+        ours = dfrft(torch.from_numpy(rows[:, :width]), 0.3).numpy()
+        np.testing.assert_allclose(turned(rows[:, :width], 0.3), ours, atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_order_of_another_programs_chirps_is_found(seed):
+    """Interference from 0.1 of p*, other widths and numbers of spikes, one half without signal."""
+    recipe = drawn(seed)
+    assert of(recipe)["start"] == pytest.approx(recipe.order, abs=0.015)
+
+
+@pytest.mark.parametrize("order", [0.0, 1.0, 0.88])
+def test_orders_at_both_ends_and_beside_interference_are_found(order):
+    near = ((0.0, 1.0) if order == 0.88 else (0.5, 0.6),)
+    search = of(Recipe(order=order, near=near))
+    coarse = [p for p, kind in zip(search["orders"], search["round"], strict=True) if kind == "coarse"]
+    assert search["start"] == pytest.approx(order, abs=0.015)
+    assert (coarse[0], coarse[-1]) == (0.0, 1.0)
+
+
+def test_a_set_without_classes_in_its_signals_has_orders_that_tie():
+    search = of(Recipe(order=0.4, near=((0.0, 1.0),), strength=200.0))
+    assert len(search["ties"]) >= 3 and "does not tell them apart" in search["note"]
+    assert all(abs(p - search["start"]) > 3 / 64 for p in search["ties"])
+
+
+def test_the_start_that_a_head_states_does_not_matter(chirps):
+    runs = [searched(chirps, epochs=1, stops=2, order=p).search["score"] for p in (0.1, 0.9)]
+    assert runs[0] == runs[1]
+
+
+def test_steps_of_search_and_training_are_counted_as_one_work(chirps):
+    steps = []
+    searched(chirps, epochs=1, stops=2, watch=Watch(on_step=steps.append))
+    assert [step.done for step in steps] == list(range(1, steps[-1].total + 1))
+    assert len({step.total for step in steps}) == 1
+
+
+def test_a_search_can_be_cancelled(chirps):
+    seen = []
+    watch = Watch(on_step=seen.append, cancelled=lambda: len(seen) >= 5)
+    with pytest.raises(TrainingCancelled, match="nothing was written"):
+        searched(chirps, watch=watch)
+    assert len(seen) == 5
+
+
+def test_a_curve_without_a_valley_gives_its_best_order():
+    assert lowest_point([(0.1, 1.0), (0.2, 2.0), (0.3, 1.5)]) == 0.1
+    assert lowest_point([(0.1, 1.0), (0.2, 0.5), (0.3, 1.0)]) == pytest.approx(0.2)
+
+
+@pytest.mark.parametrize("bottom", [0.17, 0.23])
+def test_a_valleys_bottom_between_two_orders_is_found(bottom):
+    orders = np.linspace(0.1, 0.3, 5)
+    points = [(p, 1 + (p - bottom) ** 2) for p in orders]
+    assert lowest_point(points) == pytest.approx(bottom)
+
+
+def test_orders_fold_into_the_first_quarter_turn():
+    assert [folded(p) for p in (-0.1, 0.4, 1.2, 2.3)] == pytest.approx([0.1, 0.4, 0.8, 0.3])
+
+
+def test_inner_products_do_not_depend_on_the_length_of_the_tokens():
+    tokens = torch.from_numpy(np.random.default_rng(0).normal(size=(2, 6, 4)))
+    grams = _grams(1e-4 * tokens)
+    for gram, other in zip(grams, _grams(3.0 * tokens), strict=True):
+        torch.testing.assert_close(gram, other)
+        assert float(gram.trace()) / 6 == pytest.approx(1.0)
+
+
+def test_the_spread_of_a_score_is_the_standard_error_of_its_mean():
+    assert scored(0.5, 1.0, 2.0, 3.0, 6.0).spread == pytest.approx(np.sqrt(14 / 3 / 4))
+
+
+def scored(order, *losses):
+    return Scored(order=order, losses=np.array([losses]), round="coarse")
+
+
+def test_a_tie_is_judged_by_paired_differences_and_outside_the_best_valley():
+    best = scored(0.5, 0.1, 0.9, 0.1, 0.9)
+    same, worse = scored(0.1, 0.9, 0.1, 0.2, 0.9), scored(0.9, 0.2, 1.01, 0.2, 1.01)
+    beside = scored(0.52, 0.1, 0.9, 0.1, 0.9)
+    assert tied([best, beside, worse, same], best, 0.06) == [0.1]
+
+
+def test_the_orders_around_the_best_that_tie_with_it_are_named():
+    best = scored(0.5, 0.1, 0.9, 0.1, 0.9)
+    same = [scored(p, 0.9, 0.1, 0.2, 0.9) for p in (0.48, 0.51, 0.52, 0.6)]
+    worse = [scored(p, 0.2, 1.01, 0.2, 1.01) for p in (0.45, 0.55)]
+    assert neighbours([best, *same, *worse], best) == (0.48, 0.52)
+    assert neighbours([best, *worse], best) == (0.5, 0.5)
+    assert neighbours([scored(-0.01, 0.1, 0.9), scored(0.0, 0.1, 0.9)], scored(0.0, 0.1, 0.9))[0] == 0
+
+
+def test_a_classifier_that_is_worse_than_chance_counts_as_chance():
+    losses = np.array([[0.2, 0.4], [1.5, 3.5]])
+    assert Scored(order=0.1, losses=losses, round="fine").score == pytest.approx((0.3 + 1) / 2)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_an_order_beside_interference_at_an_end_is_found(seed):
+    """Closer than a valley is wide: tokens alone find 0 here."""
+    recipe = Recipe(order=0.05, near=((0.0, 0.0),), seed=seed)
+    assert of(recipe)["start"] == pytest.approx(0.05, abs=0.015)
+
+
+def test_valleys_are_apart_and_as_many_as_are_refined():
+    orders = [scored(p, loss, loss) for p, loss in ((0, 0.3), (0.1, 0.1), (0.12, 0.15), (0.5, 0.2), (1, 0.9))]
+    assert [one.order for one in lowest_valleys(orders, 0.2)] == [0.1, 0.5, 1]
+    assert [one.order for one in lowest_valleys(orders, 2.0)] == [0.1, 0.12, 0.5]
+
+
+def test_a_resumed_training_searches_again_and_ends_at_the_same_weights(chirps, tmp_path):
+    source = chirps.in_domain(CHIRPS.domain_names[0], split="train")
+    settings = TrainSettings(epochs=2, lang=False, order_search=True, order_stops=2)
+    whole = train(source, head(), settings)
+    state = tmp_path / "training.safetensors"
+    first = []
+    later = Watch(on_step=first.append, cancelled=lambda: len(first) > search_steps(head(), settings) + 10)
+    with pytest.raises(TrainingCancelled):
+        train(source, head(), settings, resume=state, watch=later)
+    again = []
+    resumed = train(source, head(), settings, resume=state, on_step=again.append)
+    assert len(again) == search_steps(head(), settings) + 7  # batches of the second epoch
+    assert resumed.model.order == whole.model.order
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_source_of_one_object_a_class_is_searched_without_a_held_out_part(chirps):
+    source = chirps.in_domain(CHIRPS.domain_names[0], split="train")
+    one = source.select(np.array([int(np.flatnonzero(source.label == k)[0]) for k in range(5)]))
+    settings = TrainSettings(epochs=1, lang=False, order_search=True, order_stops=2)
+    assert np.isfinite(train(one, head(), settings).model.order)
+
+
+def test_orders_exactly_at_the_distance_share_a_valley():
+    found = [scored(p, loss, loss) for p, loss in ((0.25, 0.1), (0.5, 0.1), (0.75, 0.1), (1.0, 0.1))]
+    assert [one.order for one in lowest_valleys(found[:3], 0.25)] == [0.25, 0.75, 0.5]
+    assert tied(found, found[0], 0.25) == [0.75]
+
+
+def test_an_order_with_the_same_losses_ties_with_the_best():
+    best, same, worse = scored(0.5, 0.1, 0.2), scored(0.53, 0.1, 0.2), scored(0.6, 0.4, 0.5)
+    assert neighbours([best, same, worse], best) == (0.5, 0.53)
+
+
+def test_two_standard_errors_of_the_paired_difference_are_the_limit_of_a_tie():
+    """The difference has the mean 0.3 over 9 pairs; its standard error is 0.3 / doubt."""
+    base = np.array([0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0])
+    for doubt, ties in ((1.95, True), (2.05, False)):
+        wave = np.array([-1, 1, -1, 1, 0, 1, -1, 1, -1]) * 0.3 / doubt * 3
+        wave = wave / wave.std(ddof=1) * 0.3 / doubt * 3
+        best, other = scored(0.5, *base), scored(0.51, *(base + 0.3 + wave))
+        assert (neighbours([best, other], best) == (0.5, 0.51)) is ties
+
+
+def test_a_note_names_three_ties_and_says_if_there_are_more():
+    three, four = (order_search._note(0.5, (0.4, 0.6), [0.1, 0.2, 0.8, 0.9][:n]) for n in (3, 4))
+    assert "ties with 0.100, 0.200, 0.800: " in three
+    assert "ties with 0.100, 0.200, 0.800 and others: " in four
+
+
+def test_the_grid_is_as_fine_as_the_width_and_bounded():
+    counts = [
+        search_steps(head(width=w), TrainSettings(order_stops=n)) - 3 * 17 for w, n in ((8, 21), (64, 21), (4096, 9))
+    ]
+    assert counts == [21, 65, 2001]
+
+
+def test_a_record_rounds_its_cost_and_its_range(monkeypatch):
+    clock = iter([10.0, 11.23456])
+    monkeypatch.setattr(order_search, "time", SimpleNamespace(monotonic=lambda: next(clock)))
+    search = of(Recipe(order=0.4, near=((0.5, 0.6),)))
+    assert search["seconds"] == 1.23
+    assert search["between"] == [round(p, 4) for p in search["between"]]
+
+
+def test_pairs_are_left_out_with_their_object_if_each_class_has_two():
+    labels = np.array([0, 0, 0, 1, 1])
+    for objects, wanted in (
+        (["a", "a", "b", "c", "d"], [[0, 1], [2], [3], [4]]),
+        (["a", "a", "b", "c", "c"], [[0], [1], [2], [3], [4]]),
+        (["a", "a", "b", "c", ""], [[0], [1], [2], [3], [4]]),
+    ):
+        assert [group.tolist() for group in order_search._groups(objects, labels)] == wanted
+
+
+@pytest.mark.parametrize("sizes", [(1,) * 8, (2, 2, 1, 3)])
+def test_errors_left_out_are_those_of_a_ridge_fitted_to_the_rest(sizes):
+    random = np.random.default_rng(0)
+    rows = random.standard_normal((8, 3))
+    rows -= rows.mean(0)
+    targets = random.standard_normal((8, 2))
+    targets -= targets.mean(0)
+    groups = np.split(np.arange(8), np.cumsum(sizes)[:-1])
+    found = order_search._left_out(torch.from_numpy(rows @ rows.T), targets, groups)
+    wide = np.hstack([rows, np.ones((8, 1))])  # the mean has no penalty
+    for group in groups:
+        rest = np.setdiff1d(np.arange(8), group)
+        weights = np.linalg.solve(wide[rest].T @ wide[rest] + np.diag([1, 1, 1, 0]), wide[rest].T @ targets[rest])
+        wanted = ((targets[group] - wide[group] @ weights) ** 2).sum(1)
+        np.testing.assert_allclose(found[group], wanted)
+
+
+def test_one_modality_has_one_matrix_of_inner_products_and_two_have_their_mean_too():
+    tokens = torch.from_numpy(np.random.default_rng(0).normal(size=(2, 6, 4)))
+    assert len(_grams(tokens[:1])) == 1
+    vis, tac, both = _grams(tokens)
+    torch.testing.assert_close(both, (vis + tac) / 2)

@@ -1,0 +1,271 @@
+"""Training: it learns, is reproducible, and does not depend on text."""
+
+import itertools
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+
+from omnivat.encoders.lang.bank import load_bank
+from omnivat.head.settings import HeadSettings
+from omnivat.kit.errors import DataError, OmniVatError
+from omnivat.measure.evaluate import predicted_probabilities
+from omnivat.training import TrainSettings, train
+from omnivat.training.batches import batches, labels_of
+
+CLASSES = ("wood", "steel", "plastic", "ceramic", "glass")
+
+
+@pytest.fixture(scope="module")
+def source(make_embeddings):
+    return make_embeddings(domains=("TAG-sim",), per_class=16)
+
+
+def head(**changes):
+    values = {"classes": CLASSES, "input_width": 24, "width": 32, "lang_width": 384}
+    return HeadSettings(**(values | changes))
+
+
+def accuracy(model, pairs):
+    answers = predicted_probabilities(model, pairs)["fused"].argmax(-1).numpy()
+    return (answers == pairs.label).mean()
+
+
+def test_a_head_learns_its_source_and_p_stays_near_its_start(source):
+    trained = train(source, head(), TrainSettings(epochs=8), bank=load_bank())
+    assert accuracy(trained.model, source) > 0.95
+    assert trained.epochs[-1]["cross_entropy"] < 0.3 < trained.epochs[0]["cross_entropy"]
+    assert abs(trained.model.order - 0.5) < 0.2
+    assert trained.model.order != 0.5
+
+
+def test_same_seed_gives_the_same_weights_to_the_bit(source):
+    runs = [train(source, head(), TrainSettings(epochs=1), bank=load_bank(), seed=s).model for s in (5, 5, 6)]
+    first, second, other = (run.state_dict() for run in runs)
+    assert all(torch.equal(first[name], second[name]) for name in first)
+    assert not torch.equal(first["classifier"], other["classifier"])
+
+
+def test_lang_leaks_less_than_five_points_into_training(source):
+    """With LANG always on, a head reads the class from the text and fails without it."""
+    trained = train(source, head(), TrainSettings(epochs=8), bank=load_bank())
+    with_text = guided_accuracy(trained.model, source)
+    assert with_text - accuracy(trained.model, source) < 0.05
+
+
+def test_the_leak_guard_can_fail(source):
+    """Noise for VIS and TAC, LANG always on: right with text, lost without."""
+    random = np.random.default_rng(0)
+    noise = {n: random.normal(size=source.vis.shape).astype(np.float32) for n in ("vis", "tac")}
+    blind = type(source)(header=source.header, domain=source.domain, label=source.label, rows=source.rows, **noise)
+    leaky = TrainSettings(epochs=8, lang_drop=0.0, class_token_drop=1.0)
+    trained = train(blind, head(), leaky, bank=load_bank())
+    assert guided_accuracy(trained.model, blind) - accuracy(trained.model, blind) > 0.05
+
+
+def guided_accuracy(model, pairs):
+    """Accuracy when every pair is guided by its true class's text, as only training may."""
+    bank = load_bank()
+    lang = torch.from_numpy(bank.embeddings[pairs.label, 0])
+    off = torch.zeros(len(pairs), dtype=torch.bool)
+    with torch.no_grad():
+        output = model.training_pass(
+            torch.from_numpy(pairs.vis), torch.from_numpy(pairs.tac), lang, torch.from_numpy(pairs.label), token_on=off
+        )
+    fused = sum(torch.softmax(values, -1) for values in output.logits.values())
+    return (fused.argmax(-1).numpy() == pairs.label).mean()
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"lang": False},
+        {"mma_weight": 0.0, "nod_weight": 0.0},
+        {"mma_weight": 100.0},
+        {"lang_drop": 1.0, "class_token_drop": 1.0},
+        {"batch": 7},
+        {"batch": 1},
+        {"selection": "source-val"},
+        {"modalities": "vis"},
+        {"modalities": "tac"},
+        {"modalities": "vis", "lang": False},
+        {"modalities": "tac", "selection": "source-val"},
+    ],
+    ids=str,
+)
+def test_every_setting_of_training_gives_finite_weights(source, change):
+    settings = TrainSettings(epochs=1, **change)
+    wanted = head() if settings.lang else head(lang_width=1)
+    trained = train(source, wanted, settings, bank=load_bank() if settings.lang else None)
+    assert all(p.isfinite().all() for p in trained.model.parameters())
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"order": 0.0},
+        {"order": 2.0},
+        {"learn_order": False},
+        {"class_token": False},
+        {"levels": 1},
+        {"levels": 5},
+        {"theta_init": "signed"},
+        {"theta_init": "normal"},
+        {"expansion": 1},
+        {"feature_scale": "literal"},
+        {"attention_scale": "outside"},
+        {"generation": "series"},
+        {"generation": "parallel"},
+        {"generation": "interpolation"},
+        {"generation": "none"},
+        {"mffa": False},
+        {"complex_to_real": "hermitian"},
+        {"complex_to_real": "magnitude"},
+        {"complex_to_real": "real"},
+        {"order_per_modality": True},
+    ],
+    ids=str,
+)
+def test_every_setting_of_the_head_trains_to_finite_weights(source, change):
+    trained = train(source, head(**change), TrainSettings(epochs=1), bank=load_bank())
+    assert all(p.isfinite().all() for p in trained.model.parameters())
+    if change.get("learn_order") is False:
+        assert trained.model.order == 0.5
+
+
+def test_selection_on_the_source_holds_out_whole_objects_and_keeps_the_best_epoch(source):
+    settings = TrainSettings(epochs=3, selection="source-val", val_fraction=0.25)
+    trained = train(source, head(), settings, bank=load_bank())
+    scores = [epoch["source_val_macro_f1"] for epoch in trained.epochs]
+    assert scores[trained.chosen_epoch] == max(scores)
+
+
+@pytest.mark.parametrize("modality", ["vis", "tac"])
+def test_a_head_of_one_modality_learns_from_it_and_never_reads_the_other(source, modality):
+    other = "tac" if modality == "vis" else "vis"
+    settings = TrainSettings(epochs=6, modalities=modality)
+    trained = train(source, head(), settings, bank=load_bank())
+    noise = np.full_like(source.vis, np.nan)
+    blind = replace(source, **{other: noise, f"{other}_flip": noise})
+    again = train(blind, head(), settings, bank=load_bank())
+    assert equal_weights(trained.model, again.model)
+    answers = predicted_probabilities(trained.model, source, modalities=(modality,))["fused"]
+    assert (answers.argmax(-1).numpy() == source.label).mean() > 0.9
+
+
+def test_an_order_a_modality_is_learned_apart_and_logged(source):
+    trained = train(source, head(order_per_modality=True), TrainSettings(epochs=2), bank=load_bank())
+    assert len(set(trained.model.orders.values())) == 3
+    assert trained.epochs[-1]["order_vis"] == trained.model.orders["vis"]
+
+
+def equal_weights(first, second) -> bool:
+    one, two = first.state_dict(), second.state_dict()
+    return all(torch.equal(one[name], two[name]) for name in one)
+
+
+def test_training_reports_every_step(source):
+    steps = []
+    train(source, head(), TrainSettings(epochs=2), bank=load_bank(), on_step=steps.append)
+    assert [step.done for step in steps] == list(range(1, 11))
+    assert {step.total for step in steps} == {10}
+
+
+def test_one_class_alone_is_refused(source):
+    with pytest.raises(DataError, match="one class only"):
+        train(source.select(source.label == 0), head(), TrainSettings(), bank=load_bank())
+
+
+def test_two_classes_are_enough(source):
+    two = source.select(source.label < 2)
+    assert set(labels_of(two, head())) == {0, 1}
+
+
+def test_an_empty_source_is_refused(source):
+    with pytest.raises(DataError, match="no training pairs"):
+        train(source.select(source.label == 99), head(), TrainSettings(), bank=load_bank())
+
+
+def test_a_loss_that_is_not_finite_stops_with_a_sentence(source):
+    bad = source.vis.copy()
+    bad[0, 0] = np.inf
+    broken = type(source)(
+        header=source.header, vis=bad, tac=source.tac, domain=source.domain, label=source.label, rows=source.rows
+    )
+    with pytest.raises(OmniVatError, match=r"Training stopped: the loss is .*Lower lr"):
+        train(broken, head(), TrainSettings(epochs=1), bank=load_bank())
+
+
+def test_a_gradient_that_is_not_finite_stops_although_the_loss_is(source, monkeypatch):
+    monkeypatch.setattr(torch, "_foreach_norm", lambda found: [torch.tensor(torch.inf)] * len(found))
+    with pytest.raises(OmniVatError, match=r"Training stopped: the loss is \d.*Lower lr"):
+        train(source, head(), TrainSettings(epochs=1), bank=load_bank())
+
+
+def test_p_moves_by_a_tenth_of_the_rate_a_step_at_most(source):
+    """Its gradient is held to 1, its rate is a hundredth, and momentum 0.9 adds up to ten steps."""
+    steps = len(source) // 16
+    settings = TrainSettings(epochs=4, lr=0.5, warmup_epochs=0.0)
+    trained = train(source, head(), settings, bank=load_bank())
+    path = [0.5, *(epoch["order"] for epoch in trained.epochs)]
+    moved = [abs(after - before) for before, after in itertools.pairwise(path)]
+    assert 0 < max(moved) <= 0.1 * settings.lr * steps
+    assert max(epoch["order_clipped"] for epoch in trained.epochs) > 0
+    free = replace(settings, order_lr_scale=1.0, order_clip=1e9)
+    wild = train(source, head(), free, bank=load_bank())
+    assert max(abs(epoch["order"] - 0.5) for epoch in wild.epochs) > 0.1 * settings.lr * steps
+
+
+@pytest.mark.parametrize("order", [0.0, 2.0, -2.0])
+def test_even_orders_are_points_of_rest(source, order):
+    """Im is zero there and Re has no slope: p gets no gradient and stays to the bit."""
+    trained = train(source, head(order=order), TrainSettings(epochs=1), bank=load_bank())
+    assert trained.model.order == order
+
+
+@pytest.mark.parametrize("lang", [True, False], ids=["lang", "no lang"])
+@pytest.mark.parametrize("learned", ["vis+tac", "vis", "tac"])
+def test_a_head_trained_on_any_modalities_answers_from_any(source, learned, lang):
+    settings = TrainSettings(epochs=1, modalities=learned, lang=lang)
+    chosen = head() if lang else head(lang_width=1)
+    trained = train(source, chosen, settings, bank=load_bank() if lang else None)
+    for asked in (("vis", "tac"), ("vis",), ("tac",)):
+        answers = predicted_probabilities(trained.model, source, modalities=asked)["fused"]
+        torch.testing.assert_close(answers.sum(-1), torch.ones(len(source)))
+
+
+def test_training_leaves_the_number_of_threads_as_it_was(source):
+    before = torch.get_num_threads()
+    torch.set_num_threads(2)
+    try:
+        train(source, head(), TrainSettings(epochs=1), bank=load_bank())
+        assert torch.get_num_threads() == 2
+    finally:
+        torch.set_num_threads(before)
+
+
+@pytest.mark.parametrize(("draw", "different"), [("batch", 1), ("row", 8)])
+def test_orders_are_drawn_for_each_batch_or_each_row_within_their_range(source, draw, different):
+    settings = TrainSettings(order_draw=draw, order_low=0.2, order_high=0.4, batch=8)
+    labels = np.asarray(source.label)
+    drawn = list(batches(source, labels, np.arange(len(source)), None, settings, 3))
+    assert all(len(batch.order.unique()) == different for batch in drawn)
+    orders = torch.cat([batch.order for batch in drawn])
+    assert orders.min() >= 0.2 and orders.max() <= 0.4 and len(orders.unique()) > 5
+
+
+@pytest.mark.slow
+def test_a_head_of_drawn_orders_keeps_its_own_order_and_predicts_at_others(source):
+    settings = TrainSettings(epochs=60, order_draw="row", lang=False)
+    trained = train(source, head(order=0.5), settings)
+    assert trained.model.order == 0.5
+    fixed = train(source, head(order=0.5), replace(settings, order_draw="none"))
+    at = [scored(one.model, source, 0.1) for one in (trained, fixed)]
+    assert at[0] > 0.9 and at[0] > at[1] + 0.1
+
+
+def scored(model, pairs, order):
+    """Accuracy with p moved to another order."""
+    shares = predicted_probabilities(model, pairs, order=order)["fused"]
+    return float((shares.argmax(-1).numpy() == pairs.label).mean())

@@ -1,0 +1,82 @@
+"""A stopped training resumes to the weights that it would have given."""
+
+import pytest
+import torch
+
+from omnivat.encoders.lang.bank import load_bank
+from omnivat.head.settings import HeadSettings
+from omnivat.kit.errors import DataError
+from omnivat.training import TrainSettings, train
+from omnivat.training import state as state_module
+
+
+@pytest.fixture(scope="module")
+def source(make_embeddings):
+    return make_embeddings(domains=("TAG-sim",), per_class=16)
+
+
+def head():
+    classes = ("wood", "steel", "plastic", "ceramic", "glass")
+    return HeadSettings(classes=classes, input_width=24, width=32, lang_width=384)
+
+
+def equal_weights(first, second) -> bool:
+    one, two = first.state_dict(), second.state_dict()
+    return all(torch.equal(one[name], two[name]) for name in one)
+
+
+class Stop(Exception):
+    """An error raised in the middle of training."""
+
+
+def stopped_after(share):
+    """Return a progress callback that raises once more than this share of the steps is done."""
+
+    def on_step(step):
+        if step.done > share * step.total:
+            raise Stop
+
+    return on_step
+
+
+@pytest.mark.parametrize("selection", ["last", "source-val"])
+def test_resumed_training_equals_uninterrupted_training_to_the_bit(source, tmp_path, selection):
+    settings = TrainSettings(epochs=4, selection=selection)
+    whole = train(source, head(), settings, bank=load_bank(), seed=3)
+    state = tmp_path / "training.safetensors"
+
+    with pytest.raises(Stop):
+        train(source, head(), settings, bank=load_bank(), seed=3, resume=state, on_step=stopped_after(0.6))
+    assert state.is_file()
+    steps = []
+    resumed = train(source, head(), settings, bank=load_bank(), seed=3, resume=state, on_step=steps.append)
+    assert steps[0].done == steps[0].total // 2 + 1  # two of four epochs were not done again
+    assert equal_weights(whole.model, resumed.model)
+    assert whole.epochs == resumed.epochs
+    assert whole.chosen_epoch == resumed.chosen_epoch
+    assert not state.exists()
+
+
+def test_the_resume_check_can_fail(source, tmp_path, monkeypatch):
+    """Without the optimiser's momentum the weights differ."""
+    kept = state_module._under
+    monkeypatch.setattr(state_module, "_under", lambda name, t: {} if name == "momentum." else kept(name, t))
+    settings, state = TrainSettings(epochs=2), tmp_path / "training.safetensors"
+    whole = train(source, head(), settings, bank=load_bank())
+
+    with pytest.raises(Stop):
+        train(source, head(), settings, bank=load_bank(), resume=state, on_step=stopped_after(0.5))
+    resumed = train(source, head(), settings, bank=load_bank(), resume=state)
+    assert not equal_weights(whole.model, resumed.model)
+
+
+def test_the_state_of_another_training_is_refused(source, tmp_path):
+    state = tmp_path / "training.safetensors"
+
+    with pytest.raises(Stop):
+        train(source, head(), TrainSettings(epochs=2), bank=load_bank(), resume=state, on_step=stopped_after(0.5))
+    with pytest.raises(DataError, match="state of another training"):
+        train(source, head(), TrainSettings(epochs=2), bank=load_bank(), seed=9, resume=state)
+    state.write_bytes(b"cut short")
+    with pytest.raises(DataError, match="cannot be read .*remove it to start again"):
+        train(source, head(), TrainSettings(epochs=2), bank=load_bank(), resume=state)

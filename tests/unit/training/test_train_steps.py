@@ -1,0 +1,214 @@
+"""One step of training: its rate, its pairs, its groups of parameters, its batches and its records."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+
+from omnivat.encoders.lang.bank import load_bank
+from omnivat.head.head import build_head
+from omnivat.head.settings import HeadSettings
+from omnivat.kit.errors import DataError, SettingsError
+from omnivat.training import Trained, TrainingCancelled, TrainSettings, Watch, train
+from omnivat.training.batches import Batch, batches, held_out, labels_of
+from omnivat.training.loop import steps_of
+from omnivat.training.state import Progress
+from omnivat.training.steps import learn, make_optimiser, pairs_of, set_rate
+
+CLASSES = ("wood", "steel", "plastic", "ceramic", "glass")
+
+
+@pytest.fixture(scope="module")
+def source(make_embeddings):
+    return make_embeddings(domains=("TAG-sim",), per_class=16)
+
+
+def head(**changes):
+    values = {"classes": CLASSES, "input_width": 24, "width": 8, "lang_width": 384}
+    return HeadSettings(**(values | changes))
+
+
+def batch_of(lang_on, text=True):
+    count = len(lang_on)
+    torch.manual_seed(0)
+    return Batch(
+        vis=torch.randn(count, 24),
+        tac=torch.randn(count, 24),
+        lang=torch.randn(count, 384) if text else None,
+        labels=torch.arange(count) % 5,
+        lang_on=torch.tensor(lang_on),
+        token_on=torch.ones(count, dtype=torch.bool),
+    )
+
+
+@pytest.mark.parametrize(
+    ("epoch", "share"), [(0.0, 0.05), (1.0, 0.55), (2.0, 1.0), (4.0, 0.5), (5.0, 0.146447), (6.0, 0.0)]
+)
+def test_the_rate_warms_up_by_step_and_then_follows_a_cosine_to_zero(epoch, share):
+    """Two warm epochs of six, a step of a tenth of an epoch, which the warm-up counts as done."""
+    model = build_head(head())
+    settings = TrainSettings(epochs=6, warmup_epochs=2.0, lr=0.5)
+    optimiser = make_optimiser(model, settings)
+    set_rate(optimiser, settings, epoch, 0.1)
+    wanted = [0.5 * share, 0.5 * share, 0.005 * share]
+    assert [group["lr"] for group in optimiser.param_groups] == pytest.approx(wanted, abs=1e-6)
+
+
+def test_a_warm_up_is_no_longer_than_the_training():
+    model, settings = build_head(head()), TrainSettings(epochs=1, warmup_epochs=5.0, lr=1.0)
+    optimiser = make_optimiser(model, settings)
+    set_rate(optimiser, settings, 0.5, 0.25)
+    assert optimiser.param_groups[0]["lr"] == pytest.approx(0.75)
+
+
+def test_weights_decay_but_theta_and_the_order_do_not():
+    model, settings = build_head(head()), TrainSettings(weight_decay=0.03)
+    optimiser = make_optimiser(model, settings)
+    rest, theta, order = optimiser.param_groups
+    assert [group["weight_decay"] for group in (rest, theta, order)] == [0.03, 0.0, 0.0]
+    assert [len(group["params"]) for group in (theta, order)] == [3, 1]
+    assert [group["scale"] for group in (rest, theta, order)] == [1.0, 1.0, 0.01]
+    assert optimiser.momentum == 0.9
+
+
+@pytest.mark.parametrize(
+    ("kind", "lang_on", "text", "wanted"),
+    [
+        ("guided", [True, False, True], True, [True, False, True]),
+        ("unguided", [True, False, True], True, [False, True, False]),
+        ("all", [True, False, True], True, None),
+        ("guided", [True, False, True], False, None),
+        ("guided", [True, True, True], True, None),
+        ("unguided", [True, True, True], True, None),
+    ],
+)
+def test_the_pairs_of_a_kind_are_those_or_all(kind, lang_on, text, wanted):
+    found = pairs_of(kind, batch_of(lang_on, text))
+    assert (None if found is None else found.tolist()) == wanted
+
+
+def gradients(clip, order_clip=1e12):
+    """Return what a step from one start moves, without momentum and decay, and its record."""
+    model, batch = build_head(head(), seed=1), batch_of([True, False, True, False])
+    settings = TrainSettings(
+        clip=clip, order_clip=order_clip, momentum=0.0, weight_decay=0.0, warmup_epochs=0.0, order_lr_scale=1.0
+    )
+    optimiser = make_optimiser(model, settings)
+    for group in optimiser.param_groups:
+        group["lr"] = 1e-3
+    before = {name: p.detach().clone() for name, p in model.named_parameters()}
+    record = learn(model, optimiser, batch, settings)
+    moved = {name: (p.detach() - before[name]).double() for name, p in model.named_parameters()}
+    order = float(moved.pop("mffa.order"))
+    return float(torch.stack([m.square().sum() for m in moved.values()]).sum().sqrt()), order, record
+
+
+def test_a_gradient_is_scaled_to_the_limit_of_its_norm_and_the_order_by_value():
+    free, order, record = gradients(1e6)
+    assert (record["clipped"], record["order_clipped"]) == (0, 0)
+    short, same, record = gradients(0.25 * free / 1e-3)
+    assert record["clipped"] == 1 and short == pytest.approx(0.25 * free, rel=1e-3)
+    assert same == pytest.approx(order)
+    _, held, record = gradients(1e6, 0.5 * abs(order) / 1e-3)
+    assert record["order_clipped"] == 1 and held == pytest.approx(0.5 * order, rel=1e-3)
+
+
+def test_a_record_has_the_mean_losses_of_its_epoch(source):
+    """Without weight on either, the loss is the cross-entropy; steps count equally."""
+    trained = train(source, head(), TrainSettings(epochs=2, mma_weight=0.0, nod_weight=0.0), bank=load_bank())
+    for number, record in enumerate(trained.epochs):
+        assert record["epoch"] == number and record["loss"] == pytest.approx(record["cross_entropy"])
+        assert 0.3 < record["loss"] < 3
+    assert trained.chosen_epoch == 1 and Trained(model=trained.model).chosen_epoch == 0
+
+
+def test_a_report_of_a_step_names_the_epoch_the_loss_and_its_place_in_the_work(source):
+    seen = []
+    train(source, head(), TrainSettings(epochs=2), bank=load_bank(), on_step=seen.append)
+    assert [one.text.split(", ")[0] for one in seen] == ["epoch 1 of 2"] * 5 + ["epoch 2 of 2"] * 5
+    part = Watch(on_step=seen.append).part(7, 100)
+    part.step(3, 10, "x")
+    assert (seen[-1].done, seen[-1].total) == (10, 100)
+
+
+def test_a_cancelled_training_stops_before_the_next_report(source):
+    seen = []
+    with pytest.raises(TrainingCancelled):
+        train(source, head(), TrainSettings(), watch=Watch(on_step=seen.append, cancelled=lambda: len(seen) >= 3))
+    assert len(seen) == 3
+
+
+def test_the_last_batch_of_an_epoch_may_be_smaller():
+    assert [steps_of(pairs, TrainSettings(batch=16)) for pairs in (1, 16, 17, 32)] == [1, 1, 2, 2]
+
+
+def test_the_first_of_equally_good_epochs_is_kept():
+    model, progress = build_head(head()), Progress()
+    for epoch, score in enumerate((0.0, 0.5, 0.5, 0.4)):
+        progress.keep_best(score, epoch, model)
+        assert progress.best
+    assert (progress.best_epoch, progress.best_score) == (1, 0.5)
+
+
+def test_pairs_are_held_out_only_where_epochs_are_chosen_by_them(source):
+    labels = labels_of(source, head())
+    for settings, some in (
+        (TrainSettings(), False),
+        (TrainSettings(selection="source-val", val_fraction=0.0), False),
+        (TrainSettings(selection="source-val", val_fraction=0.25), True),
+    ):
+        fit, held = held_out(source, labels, settings, 0)
+        assert sorted([*fit, *held]) == list(range(len(source))) and bool(len(held)) is some
+
+
+def test_a_class_that_the_head_lacks_is_named(source):
+    with pytest.raises(DataError, match="pairs of 'glass', which the head lacks"):
+        labels_of(source, head(classes=CLASSES[:4]))
+
+
+def test_each_pair_is_mirrored_half_the_time_and_has_a_style_of_its_class(source):
+    bank, settings = load_bank(), TrainSettings(batch=len(source))
+    flipped = replace(source, vis_flip=source.vis + 100, tac_flip=source.tac + 100)
+    mirrored, dropped, styles = [], [], set()
+    for seed in range(20):
+        (batch,) = batches(flipped, source.label, np.arange(len(source)), bank, settings, seed)
+        mirrored.append(float((batch.vis.mean(1) > 50).double().mean()))
+        dropped.append((float(batch.lang_on.double().mean()), float(batch.token_on.double().mean())))
+        for text, label in zip(batch.lang.numpy(), batch.labels.tolist(), strict=True):
+            (place,) = np.flatnonzero((bank.embeddings[label] == text).all(1))[:1]
+            styles.add(int(place))
+    assert np.mean(mirrored) == pytest.approx(0.5, abs=0.05)
+    assert np.mean(dropped, axis=0) == pytest.approx([0.5, 0.5], abs=0.05)
+    assert styles == set(range(bank.embeddings.shape[1]))
+
+
+@pytest.mark.parametrize("share", [0.0, 1.0])
+def test_a_share_of_nothing_or_all_is_exact(source, share):
+    settings = TrainSettings(lang_drop=share, class_token_drop=share, batch=len(source))
+    (batch,) = batches(source, source.label, np.arange(len(source)), load_bank(), settings, 0)
+    assert bool(batch.lang_on.any()) is bool(batch.token_on.any()) is (share == 0)
+
+
+def test_orders_may_be_drawn_from_a_range_of_no_width_but_not_from_a_reversed_one():
+    assert TrainSettings(order_draw="row", order_low=0.5, order_high=0.5)
+    with pytest.raises(SettingsError, match="give the smaller one first"):
+        TrainSettings(order_draw="row", order_low=0.6, order_high=0.5)
+
+
+def test_a_search_and_drawn_orders_exclude_each_other():
+    assert TrainSettings(order_search=True) and TrainSettings(order_draw="row")
+    with pytest.raises(SettingsError, match="exclude each other"):
+        TrainSettings(order_search=True, order_draw="row")
+
+
+def test_a_search_lowers_the_rate_of_the_order_to_a_tenth(source, monkeypatch):
+    from omnivat.training import training
+
+    rates = []
+    once = training.train_once
+    monkeypatch.setattr(
+        training, "train_once", lambda *a, **k: (rates.append((a[1].order, a[2].order_lr_scale)), once(*a, **k))[1]
+    )
+    trained = train(source, head(order=-3.0), TrainSettings(epochs=1, lang=False, order_search=True))
+    assert rates == [(trained.search["start"], pytest.approx(0.001))]
